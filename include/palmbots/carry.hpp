@@ -1,0 +1,260 @@
+// A carry: world, two robots, radio and controllers, tick after tick, until it ends.
+//
+// One tick: scheduled and random bumps; sensors read; the team (controllers and radio) turns
+// readings into commands; wheels and wrists act; the world moves exactly. Nothing in a tick
+// allocates; a recorder, if any, gets its memory before the first.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/metrics.hpp"
+#include "palmbots/robot.hpp"
+#include "palmbots/spec.hpp"
+#include "palmbots/team.hpp"
+#include "palmbots/world.hpp"
+
+namespace palmbots {
+
+template <class Real>
+Rig<Real> rig_of(const Spec& spec) {
+  Rig<Real> rig{};
+  rig.load = {Real(spec.width), Real(spec.com_left), Real(spec.com_right), Real(spec.com_height),
+              Real(spec.slope)};
+  rig.outline.count = spec.outline.count;
+  rig.outline.contact = spec.outline.contact;
+  for (std::size_t i = 0; i < spec.outline.count; ++i) {
+    const Vertex<double>& v = spec.outline.vertices[i];
+    rig.outline.vertices[i] = {{Real(v.along[left]), Real(v.along[right])}, Real(v.height)};
+  }
+  for (const std::size_t side : {left, right}) {
+    rig.clear[side] = clear_cone(rig.outline, side);
+    rig.offset[side] = Real(spec.palms[side].offset);
+    rig.half_length[side] = Real(0.5 * spec.palms[side].length);
+    rig.friction[side] = Real(spec.palms[side].friction);
+  }
+  return rig;
+}
+
+// Both palms steep, the contacts where the spec starts them, the robots where the object makes them.
+template <class Real>
+Stance<Real> stance_of(const Spec& spec, const Rig<Real>& rig) {
+  Stance<Real> stance{};
+  for (const std::size_t side : {left, right}) {
+    stance.palms[side] = PalmAngle<Real>::at(Real(spec.palms[side].steep));
+    stance.contacts[side] = Real(spec.start[side]);
+  }
+  stance.separation = closing_separation(stance, rig.offset, rig.load.width);
+  return stance;
+}
+
+template <class Real>
+Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
+  const Real memory =
+      robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
+  const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
+  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory, drive};
+}
+
+template <class Real>
+Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
+  return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
+}
+
+template <class Real, class Team, class Recorder>
+class Carry {
+ public:
+  Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
+      : spec_(spec), seed_(seed), team_(std::move(team)), recorder_(std::move(recorder)) {
+    const Rig<Real> rig = rig_of<Real>(spec);
+    world_ = World<Real>(rig, stance_of(spec, rig));
+    for (const std::size_t side : {left, right}) {
+      wheels_[side] = wheels_of<Real>(spec.robots[side], spec.period);
+      wrists_[side] = wrist_of<Real>(spec.palms[side], spec.period);
+      // Noise is under way when the carry starts: its first value has its lasting spread.
+      const Words words = draw(seed, ~0U, Stream::noise);
+      wheels_[side].noise = Real(spec.robots[side].noise) * random(words, side);
+      full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
+      nominal_[side] = Real(spec.direction * spec.robots[side].speed);
+    }
+    std::array<Zone<Real>, max_zones> zones{};
+    for (std::size_t i = 0; i < spec.zone_count; ++i) {
+      zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
+    }
+    tactile_ = Tactile<Real>(zones, spec.zone_count, spec.false_rate);
+    // The object goes with the mean of the two robots; a push is an acceleration in units of g.
+    if (spec.inertia != 0) inertia_ = Real(0.5 / (spec.period * standard_gravity));
+    metrics_.settle_ticks = settle_ticks();
+  }
+
+  // Runs to the end.
+  void run() {
+    metrics_.end = world_.check();
+    while (metrics_.outcome == Result::running) {
+      recorder_.make_room();
+      tick();
+    }
+    recorder_.make_room();
+    recorder_.end(*this);
+  }
+
+  // One control period.
+  void tick() {
+    if (metrics_.end == End::none && (spec_.bump_count > 0 || spec_.bump_rate > 0)) bump();
+    if (metrics_.end != End::none) {
+      metrics_.outcome = Result::dropped;
+      metrics_.time_ticks = double(tick_);
+      return;
+    }
+    const PerSide<Sensed> sensed = sense();
+    commands_ = team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
+    metrics_.observe(tick_, team_, world_.stance().contacts);
+
+    const Words words = draw(seed_, tick_, Stream::noise);
+    PerSide<Real> angles{};
+    const auto sense_of_travel = Real(spec_.direction);
+    for (const std::size_t side : {left, right}) {
+      speeds_[side] =
+          sense_of_travel *
+          wheels_[side].step(sense_of_travel * wanted(side, commands_[side].move),
+                             random(words, side));
+      angles[side] = wrists_[side].step(world_.stance().palms[side].angle, commands_[side].palm);
+    }
+    const auto period = Real(spec_.period);
+    recorder_.before(*this, sensed);
+    const Real together = speeds_[left] + speeds_[right];
+    const Real push = inertia_ * (together - together_);
+    last_ = world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
+    together_ = together;
+    const Real travel = Real(0.5) * together * period;
+    midpoint_ = midpoint_ + (last_.end == End::none ? travel : travel * last_.fraction);
+    recorder_.after(*this);
+    finish_tick(travel);
+  }
+
+  std::uint32_t ticks() const { return tick_; }
+  const Spec& spec() const { return spec_; }
+  const World<Real>& world() const { return world_; }
+  const Team& team() const { return team_; }
+  const Metrics& metrics() const { return metrics_; }
+  Recorder& recorder() { return recorder_; }
+  const Recorder& recorder() const { return recorder_; }
+  Real midpoint() const { return midpoint_; }
+  const PerSide<Real>& speeds() const { return speeds_; }
+  const PerSide<Command>& commands() const { return commands_; }
+  const Advance<Real>& last() const { return last_; }
+
+  // The speed a command asks of a robot, in the world's x direction.
+  Real wanted(std::size_t side, Move move) const {
+    const Real away = outward<Real>(side) * full_move_[side];
+    return nominal_[side] +
+           (move == Move::away ? away : (move == Move::closer ? -away : Real(0)));
+  }
+
+ private:
+  // The robot that leads draws the first half of the words, wherever it stands, so that the mirrored
+  // carry draws the mirrored numbers.
+  std::size_t leader() const { return spec_.direction > 0 ? right : left; }
+  Real random(const Words& words, std::size_t side) const {
+    return side == leader() ? unit_noise<Real>(words[0], words[1])
+                            : unit_noise<Real>(words[2], words[3]);
+  }
+
+  PerSide<Sensed> sense() const {
+    PerSide<Sensed> sensed{};
+    const Stance<Real>& now = world_.stance();
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const Real p = now.contacts[side];
+      const std::size_t lane = side == leader() ? 0 : 2;
+      sensed[side].sign = tactile_.has_false_readings()
+                              ? tactile_.sign(p, words[lane], words[lane + 1])
+                              : tactile_.sign(p);
+      sensed[side].turned =
+          now.palms[side].angle == wrists_[side].target(commands_[side].palm);
+    }
+    return sensed;
+  }
+
+  // Scripted bumps that are due, and random ones: for each robot a chance in proportion to the way.
+  void bump() {
+    for (std::size_t i = 0; i < spec_.bump_count; ++i) {
+      const BumpSpec& bump = spec_.bumps[i];
+      const double reached = bump.by_time != 0 ? double(tick_) * spec_.period
+                                               : double(midpoint_) * spec_.direction;
+      if ((bumped_ >> i & 1) != 0 || reached < bump.at) continue;
+      bumped_ |= std::uint64_t{1} << i;
+      shift(bump.side, Real(bump.shift));
+    }
+    if (spec_.bump_rate <= 0) return;
+    const Words words = draw(seed_, tick_, Stream::bump);
+    const double way = std::abs(double(speeds_[left] + speeds_[right])) * 0.5 * spec_.period;
+    const double chance = spec_.bump_rate * way;
+    for (const std::size_t side : {left, right}) {
+      const std::size_t lane = side == leader() ? 0 : 2;
+      if (unit_uniform<double>(words[lane]) >= chance) continue;
+      const double place = 2 * unit_uniform<double>(words[lane + 1]) - 1;
+      shift(side, Real(place * spec_.bump_max));
+    }
+  }
+
+  void shift(std::size_t side, Real by) {
+    if (metrics_.end != End::none) return;
+    metrics_.end = world_.shift(side, by);
+    ++metrics_.bumps;
+  }
+
+  void finish_tick(Real travel) {
+    const double gone = double(midpoint_) * spec_.direction;
+    if (last_.end != End::none) {
+      metrics_.end = last_.end;
+      metrics_.outcome = Result::dropped;
+      metrics_.time_ticks = double(tick_) + double(last_.fraction);
+    } else if (gone >= spec_.distance) {
+      metrics_.outcome = Result::delivered;
+      // The instant inside the tick at which the distance was reached.
+      const double over = gone - spec_.distance;
+      const double step = double(travel) * spec_.direction;
+      metrics_.time_ticks = double(tick_) + (step > 0 ? 1 - over / step : 1);
+    } else if (tick_ + 1 >= spec_.timeout_ticks) {
+      metrics_.outcome = Result::stalled;
+      metrics_.time_ticks = double(tick_) + 1;
+    }
+    ++tick_;
+    if (metrics_.outcome != Result::running) metrics_.close(tick_);
+  }
+
+  // A correction that follows the last one within this time belongs to the same run of corrections:
+  // twice the time that messages and palms take.
+  std::uint32_t settle_ticks() const {
+    double turn = 0;
+    for (const PalmSpec& palm : spec_.palms) {
+      const double own = (palm.steep - palm.shallow) / palm.rate;
+      turn = own > turn ? own : turn;
+    }
+    return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
+                                      spec_.period) + 10;
+  }
+
+  Spec spec_;
+  std::uint64_t seed_;
+  Team team_;
+  Recorder recorder_;
+  World<Real> world_;
+  PerSide<Wheels<Real>> wheels_{};
+  PerSide<Wrist<Real>> wrists_{};
+  Tactile<Real> tactile_;
+  PerSide<Real> full_move_{};
+  PerSide<Real> nominal_{};
+  PerSide<Real> speeds_{};
+  Real together_ = Real(0);  // the sum of the speeds in the tick before
+  Real inertia_ = Real(0);   // push per change of that sum [s/m]
+  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+  Advance<Real> last_{};
+  Real midpoint_ = Real(0);
+  std::uint64_t bumped_ = 0;
+  std::uint32_t tick_ = 0;
+  Metrics metrics_;
+};
+
+}  // namespace palmbots

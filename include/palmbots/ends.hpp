@@ -1,0 +1,102 @@
+// What ends a carry: the conditions under which two palms hold an object, at one instant.
+//
+// Source: MECHANICS section 5.
+#pragma once
+
+#include "palmbots/clearance.hpp"
+
+namespace palmbots {
+
+enum class End : std::uint8_t {
+  none,
+  off_palm,  // a contact ran past an end of its palm
+  sliding,   // no squeeze balances the object: it slides on both palms
+  flush,     // an edge of the object came to lie on a palm
+  tip,       // a palm's end met an edge of the object
+  tipping,   // the COM went past a contact
+  jammed,    // both contacts are wedged, and the robots still drive
+};
+
+// What does not change during a carry.
+template <class Real>
+struct Rig {
+  Load<Real> load;
+  Outline<Real> outline;
+  PerSide<ClearCone<Real>> clear;
+  PerSide<Real> offset;       // of the palm's surface from its pivot [m]
+  PerSide<Real> half_length;  // of the palm [m]
+  PerSide<Real> friction;
+};
+
+// A tie that the sideways force moves.
+template <class Real>
+struct MovingTie {
+  Tie<Real> still;
+  Tie<Real> per_push;
+
+  constexpr Tie<Real> at(Real push) const {
+    return {still.level + push * per_push.level, still.tilt + push * per_push.tilt};
+  }
+};
+
+// The statics at one pair of palm angles.
+template <class Real>
+struct Statics {
+  PerSide<Cone<Real>> cones;
+  MovingTie<Real> closing;  // upper end left against upper end right: which one lets go first
+  MovingTie<Real> opening;  // lower end against lower end
+  Tie<Real> left_up;        // upper end left against lower end right: held while ≥ 0
+  Tie<Real> right_up;       // lower end left against upper end right: held while ≤ 0
+
+  static constexpr Statics at(const Rig<Real>& rig, const PerSide<PalmAngle<Real>>& palms) {
+    Statics s{};
+    for (const std::size_t side : {left, right}) {
+      s.cones[side] = friction_cone<Real>({palms[side].sin, palms[side].cos}, rig.friction[side]);
+    }
+    const Cone<Real>& l = s.cones[left];
+    const Cone<Real>& r = s.cones[right];
+    s.closing = {tie(rig.load, l.up, r.up), tie_per_push(rig.load, l.up, r.up)};
+    s.opening = {tie(rig.load, l.down, r.down), tie_per_push(rig.load, l.down, r.down)};
+    s.left_up = tie(rig.load, l.up, r.down);
+    s.right_up = tie(rig.load, l.down, r.up);
+    return s;
+  }
+
+  // Does the edge that slides in this direction bound no squeeze?
+  constexpr bool wedged_in(std::size_t side, Slide direction, Span<Real> span) const {
+    const Edge<Real> edge = direction == Slide::up ? cones[side].up : cones[side].down;
+    return wedged(side, edge, span.dx, span.dy);
+  }
+};
+
+// The first reason, in a fixed order, why the object is not held.
+template <class Real>
+End first_end(const Rig<Real>& rig, const Statics<Real>& statics, const Stance<Real>& stance,
+              Span<Real> span) {
+  for (const std::size_t side : {left, right}) {
+    const Real p = stance.contacts[side];
+    if (!(p >= -rig.half_length[side] && p <= rig.half_length[side])) return End::off_palm;
+  }
+  for (const std::size_t side : {left, right}) {
+    const Reach<Real> r = reach(span, side, stance.palms[side]);
+    if (rig.clear[side].contains(r)) continue;
+    const Touch t = touch(rig.outline, side, r, rig.load.width, stance.contacts[side],
+                          rig.half_length[side]);
+    if (t == Touch::flush) return End::flush;
+    if (t == Touch::tip) return End::tip;
+  }
+  for (const std::size_t side : {left, right}) {
+    const Real rise = side == left ? span.dy : -span.dy;
+    const Real arm = rig.load.level_arm(side) * span.dx + rig.load.tilt_arm() * rise;
+    if (!(arm >= Real(0))) return End::tipping;
+  }
+  const bool left_holds = statics.left_up.at(span) >= Real(0) ||
+                          statics.wedged_in(left, Slide::up, span) ||
+                          statics.wedged_in(right, Slide::down, span);
+  const bool right_holds = statics.right_up.at(span) <= Real(0) ||
+                           statics.wedged_in(left, Slide::down, span) ||
+                           statics.wedged_in(right, Slide::up, span);
+  return left_holds && right_holds ? End::none : End::sliding;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,151 @@
+// Two contacts under one weight: the squeeze interval, and which contact lets go.
+//
+// Balance of forces and moments on an object held at two points leaves one unknown, the squeeze H.
+// Under a sideways specific force s (floor slope or acceleration, towards −x) the two palms squeeze
+// by H + s/2 and H − s/2; with s = 0 this is MECHANICS section 2, with s ≠ 0 section 4, written
+// about the mean of the two so that the mirrored problem has mirrored numbers to the last bit.
+// Forces are in units of the weight.
+//
+// (dx, dy) is the vector from the left contact to the right one, |(dx, dy)| = w, dx > 0. With x_L,
+// x_R the horizontal distances of the COM from the contacts and y its mean height above them,
+//
+//     V_L = (x_R + H dy + s y) / dx            V_R = (x_L − H dy − s y) / dx
+//
+// and a cone edge bounds H linearly, a H ≤ b for `up` and a H ≥ b for `down`:
+//
+//     left : a = vertical dx − lateral dy      b = lateral (x_R + s y) − ½ s vertical dx
+//     right: a = vertical dx + lateral dy      b = lateral (x_L − s y) + ½ s vertical dx
+#pragma once
+
+#include <limits>
+
+#include "palmbots/contact.hpp"
+#include "palmbots/side.hpp"
+
+namespace palmbots {
+
+// The vector from the left contact to the right one [m].
+template <class Real>
+struct Span {
+  Real dx;
+  Real dy;
+};
+
+// What the two contacts hold up. The COM is given from both contacts (com_left + com_right = w), so
+// that mirroring swaps two numbers and rounds nothing.
+template <class Real>
+struct Load {
+  Real width;       // w, distance between the contacts [m]
+  Real com_left;    // COM from the left contact, along the line of contacts [m]
+  Real com_right;   // COM from the right contact, along the line of contacts [m]
+  Real com_height;  // COM above the line of contacts [m]
+  Real slope;       // s, sideways specific force towards −x [1]
+
+  // The moment arms, times w: x_R + s y = arm(left) / w, x_L − s y = arm(right) / w.
+  constexpr Real level_arm(std::size_t side) const {
+    return side == left ? com_right + slope * com_height : com_left - slope * com_height;
+  }
+  constexpr Real tilt_arm() const {
+    return com_height + slope * (Real(0.5) * (com_left - com_right));
+  }
+};
+
+// The bound a H ≤ b (up) or a H ≥ b (down) that one cone edge puts on the squeeze; b is times w.
+template <class Real>
+struct Bound {
+  Real a;
+  Real b;
+};
+
+template <class Real>
+constexpr Bound<Real> bound(const Load<Real>& load, std::size_t side, Edge<Real> edge, Real dx,
+                            Real dy) {
+  const Real rise = side == left ? dy : -dy;
+  const Real push = side == left ? load.slope : -load.slope;
+  const Real arm = load.level_arm(side) * dx + load.tilt_arm() * rise;
+  return {edge.vertical * dx - edge.lateral * rise,
+          edge.lateral * arm - Real(0.5) * push * load.width * edge.vertical * dx};
+}
+
+// The squeezes that a contact (or both) can bear. Empty iff low > high.
+template <class Real>
+struct Interval {
+  Real low;
+  Real high;
+
+  constexpr bool empty() const { return !(low <= high); }
+};
+
+template <class Real>
+constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
+  return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
+}
+
+namespace detail {
+
+// The half line {H : a H ≤ b}.
+template <class Real>
+constexpr Interval<Real> half_line(Real a, Real b) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  if (a > Real(0)) return {-inf, b / a};
+  if (a < Real(0)) return {b / a, inf};
+  return b >= Real(0) ? Interval<Real>{-inf, inf} : Interval<Real>{inf, -inf};
+}
+
+}  // namespace detail
+
+// I_L or I_R: every squeeze whose force on this contact lies in its cone. [H in weights]
+template <class Real>
+constexpr Interval<Real> squeeze(const Load<Real>& load, std::size_t side, const Cone<Real>& cone,
+                                 Real dx, Real dy) {
+  const Bound<Real> up = bound(load, side, cone.up, dx, dy);
+  const Bound<Real> down = bound(load, side, cone.down, dx, dy);
+  return intersect(detail::half_line(up.a * load.width, up.b),
+                   detail::half_line(-down.a * load.width, -down.b));
+}
+
+// Where the squeezes at one edge of the left cone and one of the right cone are equal: a line in
+// (dx, dy), for MECHANICS section 3's polynomial G is linear in tan ϑ = dy / dx (its quadratic
+// terms cancel, with s ≠ 0 too).
+//
+// at(dx, dy) > 0 ⇔ H at the left edge > H at the right edge, where neither edge is wedged.
+template <class Real>
+struct Tie {
+  Real level;
+  Real tilt;
+
+  constexpr Real at(Real dx, Real dy) const { return level * dx + tilt * dy; }
+  constexpr Real at(Span<Real> span) const { return at(span.dx, span.dy); }
+};
+
+template <class Real>
+constexpr Tie<Real> tie(const Load<Real>& load, Edge<Real> l, Edge<Real> r) {
+  const Real half_push = Real(0.5) * load.slope * load.width;
+  const Real on_left = l.lateral * load.level_arm(left) - half_push * l.vertical;
+  const Real on_right = r.lateral * load.level_arm(right) + half_push * r.vertical;
+  return {on_left * r.vertical - on_right * l.vertical,
+          (on_left * r.lateral + on_right * l.lateral) +
+              load.tilt_arm() * (l.lateral * r.vertical + r.lateral * l.vertical)};
+}
+
+// How a tie moves with the sideways force: tie(s + δs) = tie(s) + δs · tie_per_push. It is linear
+// because the squeezes are.
+template <class Real>
+constexpr Tie<Real> tie_per_push(const Load<Real>& load, Edge<Real> l, Edge<Real> r) {
+  const Real on_left = l.lateral * load.com_height - Real(0.5) * load.width * l.vertical;
+  const Real on_right = r.lateral * load.com_height - Real(0.5) * load.width * r.vertical;
+  const Real off_centre = Real(0.5) * (load.com_left - load.com_right);
+  return {on_left * r.vertical + on_right * l.vertical,
+          (on_left * r.lateral - on_right * l.lateral) +
+              off_centre * (l.lateral * r.vertical + r.lateral * l.vertical)};
+}
+
+// True where an edge bounds no squeeze, because its cone contains the line to the other contact:
+// pushing along it only wedges the object (MECHANICS section 2).
+template <class Real>
+constexpr bool wedged(std::size_t side, Edge<Real> edge, Real dx, Real dy) {
+  const Real rise = side == left ? dy : -dy;
+  return !(edge.vertical * dx - edge.lateral * rise > Real(0));
+}
+
+}  // namespace palmbots

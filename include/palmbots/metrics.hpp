@@ -1,0 +1,123 @@
+// What is measured during a carry: how it ended, where the contacts were, the corrections.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "palmbots/team.hpp"
+#include "palmbots/world.hpp"
+
+namespace palmbots {
+
+enum class Result : std::uint8_t { running, delivered, dropped, stalled };
+
+// One correction, in ticks. `robot` and `assistant` as in Activity.
+struct Correction {
+  char name;
+  std::int8_t robot;
+  std::int8_t assistant;
+  std::uint32_t start;
+  std::uint32_t end;
+};
+
+// As many corrections as are kept one by one; more are counted only.
+inline constexpr std::size_t max_corrections = 512;
+
+// Corrections of one robot that alternate in sign and follow each other at once: a dead band too
+// narrow for latency and speed sends (a) into (d) and back for ever (PROTOCOL, "Dead band").
+inline constexpr std::uint32_t limit_cycle_length = 8;
+
+class Metrics {
+ public:
+  Result outcome = Result::running;
+  End end = End::none;
+  double time_ticks = 0;
+  PerSide<double> square_sum{};  // of the contact coordinates [m²]
+  PerSide<double> peak{};        // largest |p| [m]
+  std::uint32_t samples = 0;
+  PerSide<std::uint32_t> waiting_ticks{};
+  PerSide<bool> limit_cycle{};
+  std::uint32_t bumps = 0;
+  std::uint32_t corrections = 0;
+  std::uint32_t longest_correction = 0;  // [ticks]
+  std::array<Correction, max_corrections> rows;  // the first `corrections` of them; not cleared
+  std::uint32_t settle_ticks = 0;
+
+  // Once a tick, after the controllers have run.
+  template <class Real, class Team>
+  void observe(std::uint32_t tick, const Team& team, const PerSide<Real>& contacts) {
+    ++samples;
+    for (const std::size_t side : {left, right}) {
+      const auto p = double(contacts[side]);
+      square_sum[side] += p * p;
+      const double size = p < 0 ? -p : p;
+      if (size > peak[side]) peak[side] = size;
+      waiting_ticks[side] += team.waits(side) ? 1 : 0;
+      follow(tick, side, team.activity(side));
+    }
+  }
+
+  // The carry is over: corrections still open end here.
+  void close(std::uint32_t tick) {
+    for (const std::size_t track : {left, right}) follow(tick, track, {});
+  }
+
+ private:
+  struct Track {
+    char name = ' ';
+    std::uint32_t row = 0;
+  };
+  struct Alternation {
+    std::int8_t sense = 0;
+    std::uint32_t ended = 0;
+    std::uint32_t length = 0;
+  };
+
+  void follow(std::uint32_t tick, std::size_t track, const Activity& now) {
+    Track& open = open_[track];
+    if (now.name == open.name) return;
+    if (open.name == 'a' && now.name == 'b') {  // the partner asked too: the case is (b)
+      if (open.row < max_corrections) rows[open.row].name = 'b';
+      open.name = 'b';
+      return;
+    }
+    if (open.name != ' ') finish(tick, open.row);
+    open.name = now.name;
+    if (now.name == ' ') return;
+    open.row = corrections++;
+    if (open.row < max_corrections) {
+      rows[open.row] = {now.name, now.robot, now.assistant, tick, tick};
+    }
+    for (const std::size_t side : {left, right}) {
+      if (now.robot == Activity::both || now.robot == static_cast<std::int8_t>(side)) {
+        alternate(tick, side, now.sense);
+      }
+    }
+  }
+
+  void finish(std::uint32_t tick, std::uint32_t row) {
+    if (row >= max_corrections) return;
+    rows[row].end = tick;
+    const std::uint32_t length = tick - rows[row].start;
+    if (length > longest_correction) longest_correction = length;
+    for (const std::size_t side : {left, right}) {
+      if (rows[row].robot == Activity::both || rows[row].robot == static_cast<std::int8_t>(side)) {
+        last_[side].ended = tick;
+      }
+    }
+  }
+
+  void alternate(std::uint32_t tick, std::size_t side, std::int8_t sense) {
+    Alternation& last = last_[side];
+    const bool goes_on = sense != 0 && last.sense == -sense && tick - last.ended <= settle_ticks;
+    last.length = goes_on ? last.length + 1 : 1;
+    last.sense = sense;
+    if (last.length >= limit_cycle_length) limit_cycle[side] = true;
+  }
+
+  PerSide<Track> open_{};
+  PerSide<Alternation> last_{};
+};
+
+}  // namespace palmbots

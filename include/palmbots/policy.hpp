@@ -1,0 +1,151 @@
+// The centralized algorithm: Table 1 of the paper as a table, run by a station beside the robots.
+//
+// Case 7 stands here as the mirror image of case 8. Our copy of the paper prints its two conditions
+// the other way round ("closer until p_R ≤ 0, separate until p_L ≥ 0"); both hold on entry, where
+// p_L > 0 and p_R < 0, so nothing would ever move.
+//
+// The station hears each robot's sign and whether its palm has turned, and answers with a command,
+// both in periodic state packets of which the newest counts.
+#pragma once
+
+#include "palmbots/message.hpp"
+
+namespace palmbots {
+
+class Centralized {
+ public:
+  static constexpr int left = 0;
+  static constexpr int right = 1;
+
+  // What a robot reports.
+  struct Report {
+    Sign sign;
+    Palm palm;    // the angle it was last commanded to …
+    bool turned;  // … and whether it is there
+  };
+
+  // Whose contact a condition is about; `either` and `none` stand for both and for nobody.
+  enum class Who : std::uint8_t { left, right, either, none };
+  enum class Until : std::uint8_t { le_zero, ge_zero };  // p ≤ 0, p ≥ 0
+
+  // One action: both robots move the same way until a contact satisfies a condition.
+  struct Action {
+    Move move;  // away: separate, closer: move closer, hold: no action
+    Who who;
+    Until until;
+  };
+
+  struct Case {
+    Sign sign[2];
+    Who tilt;  // the palm that is tilted up first and restored last
+    Action first;
+    Action second;
+  };
+
+  // clang-format off
+  static constexpr Action no_action{Move::hold, Who::none, Until::le_zero};
+  static constexpr Case table[] = {
+      //   p_L             p_R               tilt up     then until                                      then until
+      {{Sign::positive, Sign::zero},     Who::right, {Move::away,   Who::left,   Until::le_zero}, no_action},                                      // 1
+      {{Sign::zero,     Sign::positive}, Who::left,  {Move::away,   Who::right,  Until::le_zero}, no_action},                                      // 2
+      {{Sign::negative, Sign::zero},     Who::left,  {Move::closer, Who::left,   Until::ge_zero}, no_action},                                      // 3
+      {{Sign::zero,     Sign::negative}, Who::right, {Move::closer, Who::right,  Until::ge_zero}, no_action},                                      // 4
+      {{Sign::positive, Sign::positive}, Who::none,  {Move::away,   Who::either, Until::le_zero}, no_action},                                      // 5
+      {{Sign::negative, Sign::negative}, Who::none,  {Move::closer, Who::either, Until::ge_zero}, no_action},                                      // 6
+      {{Sign::positive, Sign::negative}, Who::right, {Move::closer, Who::right,  Until::ge_zero}, {Move::away, Who::left,  Until::le_zero}},       // 7
+      {{Sign::negative, Sign::positive}, Who::left,  {Move::closer, Who::left,   Until::ge_zero}, {Move::away, Who::right, Until::le_zero}},       // 8
+  };
+  // clang-format on
+  static constexpr int cases = 8;
+
+  enum class Stage : std::uint8_t { decide, tilt, first, second, restore };
+
+  struct Output {
+    Command command[2];
+  };
+
+  // One tick with the newest reports. Before both robots have reported, call nothing.
+  Output step(const Report (&in)[2]) {
+    for (bool moved_on = true; moved_on;) moved_on = advance(in);
+    Output out{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+    if (stage_ == Stage::decide) return out;
+    const Case& now = table[case_ - 1];
+    if (stage_ != Stage::restore && now.tilt != Who::none) {
+      out.command[static_cast<int>(now.tilt)].palm = Palm::shallow;
+    }
+    const Move move = stage_ == Stage::first    ? now.first.move
+                      : stage_ == Stage::second ? now.second.move
+                                                : Move::hold;
+    out.command[left].move = move;
+    out.command[right].move = move;
+    return out;
+  }
+
+  // The case in progress, 1–8 as in Table 1; 0: none.
+  int current() const { return stage_ == Stage::decide ? 0 : case_; }
+  Stage stage() const { return stage_; }
+
+  static constexpr int case_of(Sign l, Sign r) {
+    for (int i = 0; i < cases; ++i) {
+      if (table[i].sign[left] == l && table[i].sign[right] == r) return i + 1;
+    }
+    return 0;
+  }
+
+ private:
+  static constexpr bool holds(Sign sign, Until until) {
+    return until == Until::le_zero ? sign != Sign::positive : sign != Sign::negative;
+  }
+
+  static constexpr bool done(const Action& action, const Report (&in)[2]) {
+    switch (action.who) {
+      case Who::left: return holds(in[left].sign, action.until);
+      case Who::right: return holds(in[right].sign, action.until);
+      case Who::either: return holds(in[left].sign, action.until) || holds(in[right].sign, action.until);
+      case Who::none: break;
+    }
+    return true;
+  }
+
+  static constexpr bool turned(Who who, Palm to, const Report (&in)[2]) {
+    if (who == Who::none) return true;
+    const Report& report = in[static_cast<int>(who)];
+    return report.palm == to && report.turned;
+  }
+
+  // Goes to the next stage if this one is over. A case always shows for at least one tick.
+  bool advance(const Report (&in)[2]) {
+    const Case& now = table[case_ - 1];
+    switch (stage_) {
+      case Stage::decide: {
+        const int next = case_of(in[left].sign, in[right].sign);
+        if (next == 0) return false;
+        case_ = static_cast<std::uint8_t>(next);
+        stage_ = Stage::tilt;
+        return table[case_ - 1].tilt == Who::none;
+      }
+      case Stage::tilt:
+        if (!turned(now.tilt, Palm::shallow, in)) return false;
+        stage_ = Stage::first;
+        return false;
+      case Stage::first:
+        if (!done(now.first, in)) return false;
+        stage_ = now.second.move == Move::hold ? Stage::restore : Stage::second;
+        return false;
+      case Stage::second:
+        if (!done(now.second, in)) return false;
+        stage_ = Stage::restore;
+        return false;
+      case Stage::restore:
+        if (!turned(now.tilt, Palm::steep, in)) return false;
+        stage_ = Stage::decide;
+        return false;
+    }
+    return false;
+  }
+
+  std::uint8_t case_ = 1;
+  Stage stage_ = Stage::decide;
+};
+
+}  // namespace palmbots

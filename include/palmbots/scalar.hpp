@@ -1,0 +1,115 @@
+// The few functions of a real number that the core needs, made of + − × ÷ √ only.
+//
+// Why not <cmath>: libm's sine differs from one system to the next in the last bit, and one bit is
+// enough to change which contact slides. IEEE 754 fixes + − × ÷ √, so these give the same bits
+// everywhere (build with -ffp-contract=off). Accuracy: 1 ulp or so for |x| ≤ 2π.
+//
+// Real is double or float throughout the core.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace palmbots {
+
+template <class Real>
+inline constexpr Real pi = Real(3.14159265358979323846264338327950288);
+
+template <class Real>
+inline constexpr Real radians_per_degree = pi<Real> / Real(180);
+
+template <class Real>
+struct SinCos {
+  Real sin;
+  Real cos;
+};
+
+namespace detail {
+
+// Taylor series on |x| ≤ π/4; the first term left out is below 1e-18 there.
+template <class Real>
+constexpr Real sin_kernel(Real x) {
+  const Real y = x * x;
+  Real sum = Real(-1) / Real(355687428096000);  // 1/17!
+  sum = sum * -y + Real(-1) / Real(1307674368000);
+  sum = sum * -y + Real(-1) / Real(6227020800);
+  sum = sum * -y + Real(-1) / Real(39916800);
+  sum = sum * -y + Real(-1) / Real(362880);
+  sum = sum * -y + Real(-1) / Real(5040);
+  sum = sum * -y + Real(-1) / Real(120);
+  sum = sum * -y + Real(-1) / Real(6);
+  return x + x * y * sum;
+}
+
+template <class Real>
+constexpr Real cos_kernel(Real x) {
+  const Real y = x * x;
+  Real sum = Real(1) / Real(20922789888000);  // 1/16!
+  sum = sum * -y + Real(1) / Real(87178291200);
+  sum = sum * -y + Real(1) / Real(479001600);
+  sum = sum * -y + Real(1) / Real(3628800);
+  sum = sum * -y + Real(1) / Real(40320);
+  sum = sum * -y + Real(1) / Real(720);
+  sum = sum * -y + Real(1) / Real(24);
+  sum = sum * -y + Real(1) / Real(2);
+  return Real(1) - y * sum;
+}
+
+}  // namespace detail
+
+// Sine and cosine of x [rad], |x| ≤ 2π. Odd and even to the last bit, which the mirror law needs.
+template <class Real>
+constexpr SinCos<Real> sin_cos(Real x) {
+  // π/2 as a sum of two parts: the first has trailing zero bits, so that k times it is exact.
+  constexpr Real half_pi_high = sizeof(Real) == 8 ? Real(1.57079632673412561417e+00)
+                                                  : Real(1.5703125);
+  constexpr Real half_pi_low = sizeof(Real) == 8 ? Real(6.07710050650619224932e-11)
+                                                 : Real(4.83826794896619231e-4);
+  const Real magnitude = x < Real(0) ? -x : x;
+  const auto k = static_cast<std::int32_t>(magnitude * (Real(2) / pi<Real>) + Real(0.5));
+  const Real r = (magnitude - Real(k) * half_pi_high) - Real(k) * half_pi_low;
+  const Real s = detail::sin_kernel(r);
+  const Real c = detail::cos_kernel(r);
+  Real sine = s;
+  Real cosine = c;
+  switch (k & 3) {
+    case 1: sine = c; cosine = -s; break;
+    case 2: sine = -s; cosine = -c; break;
+    case 3: sine = -c; cosine = s; break;
+    default: break;
+  }
+  return {x < Real(0) ? -sine : sine, cosine};
+}
+
+// Tangent of x [rad], |x| < π/2.
+template <class Real>
+constexpr Real tangent(Real x) {
+  const SinCos<Real> at = sin_cos(x);
+  return at.sin / at.cos;
+}
+
+// e^−x for x ≥ 0: halve the argument until the series converges fast, then square back.
+template <class Real>
+constexpr Real exp_minus(Real x) {
+  if (x > Real(80)) return Real(0);
+  int halvings = 0;
+  while (x > Real(0.125)) {
+    x = x * Real(0.5);
+    ++halvings;
+  }
+  Real term = Real(1);
+  Real sum = Real(1);
+  for (int n = 1; n <= 12; ++n) {
+    term = term * -x / Real(n);
+    sum = sum + term;
+  }
+  for (; halvings > 0; --halvings) sum = sum * sum;
+  return sum;
+}
+
+template <class Real>
+constexpr Real clamp(Real x, Real low, Real high) {
+  return x < low ? low : (x > high ? high : x);
+}
+
+}  // namespace palmbots

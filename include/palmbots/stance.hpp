@@ -1,0 +1,109 @@
+// Where the two palms and the object are: the loop constraint, and its exact solutions.
+//
+// With P the pivots (equal heights, `separation` apart), u the unit vector along a palm outward, n
+// its normal, o the offset of the palm's surface from its pivot along n, and p the contact
+// coordinate along u, a contact is at C = P + p u + o n. The object is rigid: |C_R − C_L| = w.
+// Source: MECHANICS section 1; for o = 0 the height difference dy is the paper's z, equation (1).
+#pragma once
+
+#include "palmbots/equilibrium.hpp"
+
+namespace palmbots {
+
+// A palm's angle (> 0: it rises outward) with its sine and cosine.
+template <class Real>
+struct PalmAngle {
+  Real angle;
+  Real sin;
+  Real cos;
+
+  static constexpr PalmAngle at(Real angle) {
+    const SinCos<Real> value = sin_cos(angle);
+    return {angle, value.sin, value.cos};
+  }
+};
+
+template <class Real>
+struct Stance {
+  Real separation;                 // of the pivots [m]
+  PerSide<PalmAngle<Real>> palms;  // [rad]
+  PerSide<Real> contacts;          // p, from the foot of the pivot, outward [m]
+};
+
+// Distance and height difference of the palms' feet: the span at p = 0.
+template <class Real>
+constexpr Span<Real> feet(Real separation, const PerSide<PalmAngle<Real>>& palms,
+                          const PerSide<Real>& offset) {
+  return {separation - (offset[left] * palms[left].sin + offset[right] * palms[right].sin),
+          offset[right] * palms[right].cos - offset[left] * palms[left].cos};
+}
+
+template <class Real>
+constexpr Span<Real> span(const Stance<Real>& s, const PerSide<Real>& offset) {
+  const Span<Real> base = feet(s.separation, s.palms, offset);
+  const auto& p = s.contacts;
+  return {base.dx + (p[left] * s.palms[left].cos + p[right] * s.palms[right].cos),
+          base.dy + (p[right] * s.palms[right].sin - p[left] * s.palms[left].sin)};
+}
+
+// The vector from one contact to the other as seen from a palm: along the palm inward, and along its
+// normal. Divided by w they are cosine and sine of the angle between palm and object.
+template <class Real>
+struct Reach {
+  Real inward;
+  Real normal;
+};
+
+template <class Real>
+constexpr Reach<Real> reach(Span<Real> span, std::size_t side, const PalmAngle<Real>& palm) {
+  const Real rise = side == left ? span.dy : -span.dy;
+  return {span.dx * palm.cos - rise * palm.sin, span.dx * palm.sin + rise * palm.cos};
+}
+
+// Closes the loop by sliding one contact while the other keeps its coordinate. Seen from the palm's
+// foot the other contact is `from_foot`; its normal part does not change while sliding, and the
+// inward part must become √(w² − normal²). Not a number when the object cannot reach.
+template <class Real>
+Real slid(const Stance<Real>& s, std::size_t side, const PerSide<Real>& offset, Real width) {
+  const std::size_t partner = other(side);
+  const Span<Real> base = feet(s.separation, s.palms, offset);
+  const Real p = s.contacts[partner];
+  const Real dx = base.dx + p * s.palms[partner].cos;
+  const Real base_rise = side == left ? base.dy : -base.dy;
+  const Real rise = base_rise + p * s.palms[partner].sin;
+  const PalmAngle<Real>& palm = s.palms[side];
+  const Reach<Real> from_foot{dx * palm.cos - rise * palm.sin, dx * palm.sin + rise * palm.cos};
+  return std::sqrt((width - from_foot.normal) * (width + from_foot.normal)) - from_foot.inward;
+}
+
+// Closes the loop by sliding both contacts such that the object takes the direction dy / dx = slope:
+// two linear equations. Between parallel palms sliding cannot choose the direction, only the sum of
+// the two coordinates counts, and each contact takes half of the change.
+template <class Real>
+PerSide<Real> slid_along(const Stance<Real>& s, Real slope, const PerSide<Real>& offset,
+                         Real width) {
+  const auto& l = s.palms[left];
+  const auto& r = s.palms[right];
+  const Real turn = l.sin * r.cos + r.sin * l.cos;  // sin(θ_L + θ_R)
+  constexpr Real parallel = Real(1e-6);
+  if (turn < parallel && turn > -parallel) {
+    const Real change = (slid(s, left, offset, width) - s.contacts[left]) +
+                        (slid(s, right, offset, width) - s.contacts[right]);
+    return {s.contacts[left] + Real(0.25) * change, s.contacts[right] + Real(0.25) * change};
+  }
+  const Span<Real> base = feet(s.separation, s.palms, offset);
+  const Real target_dx = width / std::sqrt(Real(1) + slope * slope);
+  const Real dx = target_dx - base.dx;
+  const Real dy = target_dx * slope - base.dy;
+  return {(dx * r.sin - dy * r.cos) / turn, (dx * l.sin + dy * l.cos) / turn};
+}
+
+// Closes the loop by placing the robots: the separation at which the contacts are where they are.
+template <class Real>
+Real closing_separation(const Stance<Real>& s, const PerSide<Real>& offset, Real width) {
+  const Stance<Real> together{Real(0), s.palms, s.contacts};
+  const Span<Real> gap = span(together, offset);
+  return std::sqrt((width - gap.dy) * (width + gap.dy)) - gap.dx;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,358 @@
+// The quasistatic world: exact motion of the contacts while the robots move and the palms turn.
+//
+// A step changes the separation and the palm angles linearly. Nothing is integrated: in every regime
+// (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
+// constraint at any instant, and a contact that sticks is never written, so it cannot drift. What
+// remains is to find the instants where the regime changes:
+//
+//   reversal   the palms stop driving the contact points together and start driving them apart (this
+//              can happen inside a step only while a palm turns);
+//   tie        the squeezes at which the two contacts let go become equal. Where each slider drives
+//              towards the other's region both slide from there on and keep them equal; where one
+//              drives on into its own region it alone slides; where either would (a symmetric object
+//              closed on by equal palms), both slide and stay equal, by rule;
+//   end        the carry is over.
+//
+// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
+// so that a look at the end of the step misses nothing. While a palm turns, a step is cut into
+// pieces of at most 1° for the same look.
+//
+// `push` is the sideways specific force of the object's inertia when the pair changes its speed
+// (MECHANICS section 4). It decides only which contact lets go first. It is small, but so is what it
+// competes with: with φ near θ the lower ends of the squeeze intervals are close to zero and to each
+// other, and a symmetric object under no push at all stays symmetric for ever, which no real one
+// does. What ends a carry is judged without it.
+//
+// Source: MECHANICS sections 1, 2, 4, 5, 6.
+#pragma once
+
+#include "palmbots/ends.hpp"
+#include "palmbots/locate.hpp"
+#include "palmbots/modes.hpp"
+
+namespace palmbots {
+
+// What a step did.
+template <class Real>
+struct Advance {
+  End end = End::none;
+  Real fraction = Real(1);  // of the step that was done
+  Mode motion{};            // of its last piece
+  std::int32_t pieces = 1;  // regimes passed through
+};
+
+template <class Real>
+class World {
+ public:
+  World() = default;
+  World(const Rig<Real>& rig, const Stance<Real>& stance)
+      : rig_(rig), stance_(stance), statics_(Statics<Real>::at(rig, stance.palms)) {
+    span_ = palmbots::span(stance_, rig_.offset);
+  }
+
+  const Stance<Real>& stance() const { return stance_; }
+  const Rig<Real>& rig() const { return rig_; }
+  Span<Real> span() const { return span_; }
+
+  // Why the object is not held where it is now (none: it is).
+  End check() const { return first_end(rig_, statics_, stance_, span_); }
+
+  // A sudden shift of one contact; the robot under it is displaced so that the loop stays closed.
+  End shift(std::size_t side, Real by) {
+    stance_.contacts[side] += by;
+    stance_.separation = closing_separation(stance_, rig_.offset, rig_.load.width);
+    span_ = palmbots::span(stance_, rig_.offset);
+    tied_ = Slide::stick;
+    return check();
+  }
+
+  // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
+  Advance<Real> advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
+    const bool turning =
+        angles[left] != stance_.palms[left].angle || angles[right] != stance_.palms[right].angle;
+    if (!turning && change == Real(0)) return {};
+    if (push != push_) {
+      push_ = push;
+      tied_ = Slide::stick;  // a tie lies elsewhere under another push
+    }
+    Advance<Real> result;
+    if (!turning && slide_one(change, result)) return result;
+    return Pieces{*this, change, angles, turning}.run();
+  }
+
+ private:
+  // Which contacts slide in a piece.
+  enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
+
+  // > 0: the left contact lets go first; < 0: the right one; 0: tie.
+  static Real left_first(const Statics<Real>& statics, Slide direction, Real push,
+                         Span<Real> span) {
+    return direction == Slide::up ? -statics.closing.at(push).at(span)
+                                  : statics.opening.at(push).at(span);
+  }
+
+  // The common case, without ceremony: at fixed angles one contact slides through the whole step.
+  // Returns false, and changes nothing, if anything else is going on.
+  bool slide_one(Real change, Advance<Real>& result) {
+    const Slide direction = change < Real(0) ? Slide::up : Slide::down;
+    if (tied_ == direction || statics_.wedged_in(left, direction, span_) ||
+        statics_.wedged_in(right, direction, span_)) {
+      return false;
+    }
+    const Real ahead = left_first(statics_, direction, push_, span_);
+    if (ahead == Real(0)) return false;
+    const std::size_t side = ahead > Real(0) ? left : right;
+    Stance<Real> then = stance_;
+    then.separation = stance_.separation + change;
+    then.contacts[side] = slid(then, side, rig_.offset, rig_.load.width);
+    const Span<Real> span = palmbots::span(then, rig_.offset);
+    const Real still_ahead = left_first(statics_, direction, push_, span);
+    if ((still_ahead > Real(0)) != (ahead > Real(0)) ||
+        first_end(rig_, statics_, then, span) != End::none) {
+      return false;
+    }
+    stance_.separation = then.separation;
+    stance_.contacts[side] = then.contacts[side];
+    span_ = span;
+    tied_ = Slide::stick;
+    result.motion[side] = direction;
+    return true;
+  }
+
+  struct State {
+    Stance<Real> stance;
+    Span<Real> span;
+    Statics<Real> statics;
+  };
+
+  // One step, cut into pieces of one regime each.
+  struct Pieces {
+    World& world;
+    Real change;
+    PerSide<Real> angles;
+    bool turning;
+    Real separation = world.stance_.separation;
+    PerSide<Real> from{world.stance_.palms[left].angle, world.stance_.palms[right].angle};
+    PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
+
+    Advance<Real> run() {
+      Advance<Real> result;
+      State now{world.stance_, world.span_, world.statics_};
+      Real done = Real(0);
+      Real look = longest_look();
+      Slide direction = Slide::stick;
+      bool known = false;  // the direction, from the event that ended the last piece
+      for (result.pieces = 1;; ++result.pieces) {
+        const bool give_up = result.pieces >= 200;  // a bound on work; tests show it is not met
+        const Real goal = done + look >= Real(1) || give_up ? Real(1) : done + look;
+        if (!known) direction = direction_at(now, goal);
+        known = false;
+        if (direction != Slide::stick && now.statics.wedged_in(left, direction, now.span) &&
+            now.statics.wedged_in(right, direction, now.span)) {
+          result.end = End::jammed;
+          return finish(result, now, done, Slider::none, direction);
+        }
+        const Slider slider = choose(now, direction, goal);
+        const State then = state(goal, slider, direction, now);
+        if (slider == Slider::both && turning && !legal(now, then, direction) &&
+            goal - done > Real(1) / Real(1024)) {
+          look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
+          continue;
+        }
+        look = longest_look();
+        const auto at = [&](Real t) { return state(t, slider, direction, now); };
+        const auto [event, when] = first_event(done, goal, then, slider, direction, give_up, at);
+        switch (event) {
+          case Event::none:
+            if (slider != Slider::both) world.tied_ = Slide::stick;
+            if (goal >= Real(1)) return finish(result, then, Real(1), slider, direction);
+            now = then;
+            done = goal;
+            break;
+          case Event::end: {
+            // The reason is read where it first applies, the state where it last did not.
+            const Real over = std::nextafter(when, Real(2));
+            result.end = end_of(at(over < goal ? over : goal));
+            return finish(result, at(when), when, slider, direction);
+          }
+          case Event::reversal:
+            now = at(when);
+            done = when;
+            direction = direction == Slide::up ? Slide::down : Slide::up;
+            world.tied_ = Slide::stick;
+            known = true;
+            break;
+          case Event::tie:
+            now = at(when);
+            done = when;
+            world.tied_ = direction;
+            known = true;
+            break;
+        }
+      }
+    }
+
+    enum class Event : std::uint8_t { none, end, reversal, tie };
+    struct Happening {
+      Event event;
+      Real when;
+    };
+
+    // The earliest event between `done` and `goal`, given the state at `goal` if there were none.
+    template <class At>
+    Happening first_event(Real done, Real goal, const State& then, Slider slider, Slide direction,
+                          bool give_up, At at) const {
+      Happening first{Event::none, goal};
+      const auto note = [&](Event event, Real when) {
+        if (first.event == Event::none || when < first.when) first = {event, when};
+      };
+      if (end_of(then) != End::none) {
+        note(Event::end,
+             last_holding(done, goal, [&](Real t) { return end_of(at(t)) == End::none; }));
+      }
+      if (give_up) return first;
+      const auto drives_on = [&](const State& s) {
+        return direction == Slide::up ? -drive(s) : drive(s);
+      };
+      if (turning && direction != Slide::stick && drives_on(then) < Real(0)) {
+        note(Event::reversal, root(done, goal, [&](Real t) { return drives_on(at(t)); }));
+      }
+      if (slider == Slider::on_left || slider == Slider::on_right) {
+        const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
+        if (ahead(then) < Real(0)) {
+          note(Event::tie, root(done, goal, [&](Real t) { return ahead(at(t)); }));
+        }
+      }
+      return first;
+    }
+
+    // Pieces of at most 1° of turn.
+    Real longest_look() const {
+      Real most = Real(0);
+      for (const Real t : turn) {
+        const Real size = t < Real(0) ? -t : t;
+        if (size > most) most = size;
+      }
+      return most > radians_per_degree<Real> ? radians_per_degree<Real> / most : Real(1);
+    }
+
+    // The state at a fraction t of the step, if `slider` slides from `now` on.
+    State state(Real t, Slider slider, Slide direction, const State& now) const {
+      State then = now;
+      then.stance.separation = separation + t * change;
+      if (turning) {
+        for (const std::size_t side : {left, right}) {
+          if (turn[side] == Real(0)) continue;
+          then.stance.palms[side] = PalmAngle<Real>::at(
+              t == Real(1) ? angles[side] : from[side] + t * turn[side]);
+        }
+        then.statics = Statics<Real>::at(world.rig_, then.stance.palms);
+      }
+      const auto& offset = world.rig_.offset;
+      const Real width = world.rig_.load.width;
+      if (slider == Slider::both) {
+        const auto& statics = then.statics;
+        const Tie<Real> equal =
+            (direction == Slide::up ? statics.closing : statics.opening).at(world.push_);
+        const Real slope =
+            equal.tilt != Real(0) ? -equal.level / equal.tilt : now.span.dy / now.span.dx;
+        then.stance.contacts = slid_along(then.stance, slope, offset, width);
+      } else if (slider != Slider::none) {
+        const auto side = static_cast<std::size_t>(slider);
+        then.stance.contacts[side] = slid(then.stance, side, offset, width);
+      }
+      then.span = palmbots::span(then.stance, offset);
+      return then;
+    }
+
+    End end_of(const State& s) const {
+      return first_end(world.rig_, s.statics, s.stance, s.span);
+    }
+
+    // Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens.
+    Real drive(const State& s) const {
+      const auto& palms = s.stance.palms;
+      const auto& p = s.stance.contacts;
+      const auto& o = world.rig_.offset;
+      PerSide<Real> along{};
+      PerSide<Real> lift{};
+      for (const std::size_t side : {left, right}) {
+        along[side] = (p[side] * palms[side].sin + o[side] * palms[side].cos) * turn[side];
+        lift[side] = (p[side] * palms[side].cos - o[side] * palms[side].sin) * turn[side];
+      }
+      return s.span.dx * (change - (along[left] + along[right])) +
+             s.span.dy * (lift[right] - lift[left]);
+    }
+
+    Slide direction_at(const State& now, Real goal) const {
+      Real rate = change;
+      if (turning) {
+        rate = drive(now);
+        if (rate == Real(0)) rate = drive(state(goal, Slider::none, Slide::stick, now));
+      }
+      return rate < Real(0) ? Slide::up : (rate > Real(0) ? Slide::down : Slide::stick);
+    }
+
+    // ≥ 0 while the sliding contact is still the one that lets go first.
+    Real own_choice(const State& s, Slider slider, Slide direction) const {
+      if (s.statics.wedged_in(left, direction, s.span) ||
+          s.statics.wedged_in(right, direction, s.span)) {
+        return Real(0);
+      }
+      const Real ahead = left_first(s.statics, direction, world.push_, s.span);
+      return slider == Slider::on_left ? ahead : -ahead;
+    }
+
+    Slider choose(const State& now, Slide direction, Real goal) const {
+      if (direction == Slide::stick) return Slider::none;
+      if (now.statics.wedged_in(left, direction, now.span)) return Slider::on_right;
+      if (now.statics.wedged_in(right, direction, now.span)) return Slider::on_left;
+      const bool on_tie = world.tied_ == direction;
+      if (on_tie && !turning) return settle(now, direction, goal);
+      const Real ahead = left_first(now.statics, direction, world.push_, now.span);
+      if (!on_tie && ahead != Real(0)) return ahead > Real(0) ? Slider::on_left : Slider::on_right;
+      return settle(now, direction, goal);
+    }
+
+    // On the tie: does one slider, alone, go on into its own region?
+    Slider settle(const State& now, Slide direction, Real goal) const {
+      const auto goes_on = [&](Slider slider) {
+        return own_choice(state(goal, slider, direction, now), slider, direction) > Real(0);
+      };
+      const bool left_goes_on = goes_on(Slider::on_left);
+      const bool right_goes_on = goes_on(Slider::on_right);
+      if (left_goes_on != right_goes_on) return left_goes_on ? Slider::on_left : Slider::on_right;
+      world.tied_ = direction;
+      return Slider::both;
+    }
+
+    // Both contacts moved the way this direction allows.
+    bool legal(const State& now, const State& then, Slide direction) const {
+      const Real sense = direction == Slide::up ? Real(1) : Real(-1);
+      const auto& p = now.stance.contacts;
+      const auto& q = then.stance.contacts;
+      const Real slack = Real(16) * std::numeric_limits<Real>::epsilon() * world.rig_.load.width;
+      return (q[left] - p[left]) * sense >= -slack && (q[right] - p[right]) * sense >= -slack;
+    }
+
+    Advance<Real> finish(Advance<Real> result, const State& s, Real done, Slider slider,
+                         Slide direction) const {
+      world.stance_ = s.stance;
+      world.span_ = s.span;
+      world.statics_ = s.statics;
+      result.fraction = done;
+      if (slider == Slider::on_left || slider == Slider::both) result.motion[left] = direction;
+      if (slider == Slider::on_right || slider == Slider::both) result.motion[right] = direction;
+      return result;
+    }
+  };
+
+  Rig<Real> rig_{};
+  Stance<Real> stance_{};
+  Span<Real> span_{};
+  Statics<Real> statics_{};
+  Real push_ = Real(0);
+  Slide tied_ = Slide::stick;  // the direction in which both contacts slide along their tie
+};
+
+}  // namespace palmbots

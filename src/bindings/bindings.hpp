@@ -1,0 +1,31 @@
+// What the parts of the nanobind module share.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <vector>
+
+#include "palmbots/carry.hpp"
+
+namespace palmbots::bindings {
+
+namespace nb = nanobind;
+
+inline constexpr const char* result_names[] = {"running", "delivered", "dropped", "stalled"};
+inline constexpr const char* end_names[] = {"",      "off-palm", "sliding", "flush",
+                                            "tip",   "tipping",  "jammed"};
+inline constexpr const char* letter_names[] = {"", "TiltUp", "TiltDown", "Ack"};
+
+void bind_spec(nb::module_& m);
+void bind_mechanics(nb::module_& m);
+void bind_world(nb::module_& m);
+void bind_controllers(nb::module_& m);
+void bind_run(nb::module_& m);
+
+// A C++ vector handed over to NumPy without a copy.
+template <class T>
+nb::capsule owner_of(std::vector<T>* values) {
+  return nb::capsule(values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,13 @@
+// palmbots._core: the C++ core as Python sees it. Thin: no logic of its own.
+#include "bindings.hpp"
+
+NB_MODULE(_core, m) {
+  m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
+  m.def("tangent", &palmbots::tangent<double>, nanobind::arg("angle"),
+        "Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.");
+  palmbots::bindings::bind_spec(m);
+  palmbots::bindings::bind_mechanics(m);
+  palmbots::bindings::bind_world(m);
+  palmbots::bindings::bind_controllers(m);
+  palmbots::bindings::bind_run(m);
+}

@@ -1,0 +1,43 @@
+"""palmbots: two robots that cannot grasp carry an object together, on a flat tiltable palm each.
+
+>>> import palmbots as pb
+>>> pb.carry("paper", "distributed", seed=0).outcome
+'delivered'
+"""
+
+from palmbots.carry import Carry, Correction, Letter, carry
+from palmbots.compare import Comparison, compare
+from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.log import Log, read_log, write_log
+from palmbots.modes import ContactModes, States, modes, states
+from palmbots.replay import Replay, replay
+from palmbots.scene import Scene, load_scene
+from palmbots.version import __version__
+
+__all__ = [
+    "Carry",
+    "Comparison",
+    "ContactModes",
+    "Controller",
+    "Correction",
+    "Distributed",
+    "Letter",
+    "Log",
+    "PalmbotsError",
+    "Replay",
+    "Scene",
+    "SceneError",
+    "States",
+    "StepInput",
+    "StepOutput",
+    "__version__",
+    "carry",
+    "compare",
+    "load_scene",
+    "modes",
+    "read_log",
+    "replay",
+    "states",
+    "write_log",
+]

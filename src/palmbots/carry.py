@@ -1,0 +1,251 @@
+"""One carry: run a scene with a controller, and get back what happened."""
+
+import string
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+
+from palmbots import _core
+from palmbots.controllers import Controller, adapted
+from palmbots.deadband import warnings_before
+from palmbots.errors import PalmbotsError, show
+from palmbots.lowering import lower
+from palmbots.scene import Scene, load_scene
+from palmbots.version import __version__
+
+__all__ = ["CONTROLLERS", "PRECISIONS", "WORLDS", "Carry", "Correction", "Letter", "carry"]
+
+CONTROLLERS = ("none", "centralized", "distributed")
+WORLDS = ("quasistatic",)
+PRECISIONS = ("double", "float")
+
+_SIDES = ("left", "right")
+_STATIONS = (*_SIDES, "station")
+_MOST_SEED = 2**64 - 1
+
+# Name in the dataset: (name in the core, unit, meaning)
+_VARIABLES = {
+    "contact": ("contact_m", "m", "contact coordinate p, outward from the pivot"),
+    "palm": ("palm_rad", "rad", "palm angle"),
+    "speed": ("speed_m_s", "m/s", "speed over the following tick"),
+    "commanded": ("commanded_m_s", "m/s", "commanded speed"),
+    "separation": ("separation_m", "m", "separation of the pivots"),
+    "midpoint": ("midpoint_m", "m", "advance of the midpoint of the pivots"),
+    "object": ("object_rad", "rad", "angle of the object"),
+    "sign": ("sign", "1", "tactile sign"),
+    "case": ("case", "1", "case of the controller, blank for none"),
+    "motion": ("motion", "1", "contact slides down (-1), sticks (0), slides up (+1)"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """One corrective action. An assisting (c) is part of the correction that it assists."""
+
+    label: str
+    """A, B, … Z, AA, … in order of their start."""
+    robot: Literal["left", "right", "both"]
+    """Whose contact is corrected."""
+    case: str
+    """``a``, ``b``, ``d`` of Table 2, or ``1`` to ``8`` of Table 1."""
+    assistant: Literal["left", "right"] | None
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Letter:
+    """One message of the distributed algorithm."""
+
+    sent_s: float
+    received_s: float | None
+    """When it is there to be read; None if it was lost."""
+    sender: Literal["left", "right"]
+    receiver: Literal["left", "right"]
+    letter: str
+
+
+@dataclass(frozen=True)
+class Carry:
+    """A finished carry. Dictionaries have the keys ``left`` and ``right``."""
+
+    scene: Scene
+    controller: str
+    world: str
+    precision: str
+    seed: int
+    version: str
+    outcome: Literal["delivered", "dropped", "stalled"]
+    reason: str | None
+    """Why the object was dropped, from a fixed list; None if it was not."""
+    time_s: float
+    distance_m: float
+    contact_rms_m: dict[str, float]
+    contact_peak_m: dict[str, float]
+    """The largest absolute contact coordinate."""
+    corrections: tuple[Correction, ...]
+    messages: int
+    """Messages sent: letters, or state packets where a station decides."""
+    messages_lost: int
+    waiting_s: dict[str, float]
+    """How long each robot waited for a message, at its nominal speed."""
+    bumps: int
+    warnings: tuple[str, ...]
+    trace_hash: str
+    """Equal hashes: equal traces, to the last bit."""
+    trace: xr.Dataset | None
+    """Every tick (None with ``record=False``); the last entry is the end."""
+    letters: tuple[Letter, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots carry --json`` prints."""
+        return {
+            "outcome": self.outcome,
+            "reason": self.reason,
+            "time_s": self.time_s,
+            "distance_m": self.distance_m,
+            "contact_rms_m": self.contact_rms_m,
+            "contact_peak_m": self.contact_peak_m,
+            "corrections": [
+                {field: getattr(c, field) for field in Correction.__slots__}
+                for c in self.corrections
+            ],
+            "messages": self.messages,
+            "messages_lost": self.messages_lost,
+            "waiting_s": self.waiting_s,
+            "bumps": self.bumps,
+            "warnings": list(self.warnings),
+            "trace_hash": self.trace_hash,
+            "controller": self.controller,
+            "world": self.world,
+            "precision": self.precision,
+            "seed": self.seed,
+            "version": self.version,
+            "scene": self.scene.model_dump(),
+        }
+
+
+def carry(
+    scene: Any = "paper",
+    controller: str | Callable[[], Controller] = "distributed",
+    *,
+    world: str = "quasistatic",
+    precision: str = "double",
+    seed: int = 0,
+    record: bool = True,
+    overrides: Mapping[str, Any] | None = None,
+) -> Carry:
+    """Carry the scene's object once.
+
+    Args:
+        scene: the name of a built-in scene, a TOML file, a table, or a `Scene`.
+        controller: ``none``, ``centralized``, ``distributed``, or something that makes a controller
+            when called, such as a class with a ``step`` (see `palmbots.controllers`).
+        world: ``quasistatic``.
+        precision: ``double`` or ``float``.
+        seed: of all that is random; the same seed gives the same carry, bit for bit.
+        record: keep the trace and the letters.
+        overrides: scene keys to set, such as ``{"radio.loss": 0.1}``.
+
+    Raises:
+        SceneError: the scene cannot be read or makes no sense.
+        PalmbotsError: any other argument is not one of those above.
+    """
+    chosen = load_scene(scene, overrides)
+    one_of("world", world, WORLDS)
+    one_of("precision", precision, PRECISIONS)
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= _MOST_SEED:
+        raise PalmbotsError(f"seed: value is {show(seed)}; allowed: a whole number from 0 to 2^64-1")
+    if isinstance(controller, str):
+        one_of("controller", controller, CONTROLLERS)
+        name, core_controller = controller, controller
+    else:
+        name = getattr(controller, "__name__", type(controller).__name__)
+        core_controller = (adapted(controller()), adapted(controller()))
+    run = _core.run(lower(chosen), core_controller, seed, precision, record)
+    return Carry(
+        scene=chosen,
+        controller=name,
+        world=world,
+        precision=precision,
+        seed=seed,
+        version=__version__,
+        outcome=run.outcome,
+        reason=run.reason,
+        time_s=run.time_s,
+        distance_m=run.distance_m,
+        contact_rms_m=_by_side(run.contact_rms_m),
+        contact_peak_m=_by_side(run.contact_peak_m),
+        corrections=_corrections(run.corrections),
+        messages=run.messages,
+        messages_lost=run.messages_lost,
+        waiting_s=_by_side(run.waiting_s),
+        bumps=run.bumps,
+        warnings=(*warnings_before(chosen, name), *_warnings_after(run)),
+        trace_hash=run.trace_hash,
+        trace=_dataset(run.trace) if record else None,
+        letters=tuple(
+            Letter(sent, None if np.isnan(got) else got, _SIDES[sender], _SIDES[receiver], letter)
+            for sent, got, sender, receiver, letter in run.letters
+        ),
+    )
+
+
+def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
+    if value not in legal:
+        raise PalmbotsError(f"{key}: value is {show(value)}; allowed: {', '.join(legal)}")
+
+
+def _by_side(pair: tuple[float, float]) -> dict[str, float]:
+    return dict(zip(_SIDES, pair, strict=True))
+
+
+def _label(index: int) -> str:
+    """A … Z, AA, AB, …: the letters of Figure 8."""
+    text = ""
+    index += 1
+    while index > 0:
+        index, letter = divmod(index - 1, 26)
+        text = string.ascii_uppercase[letter] + text
+    return text
+
+
+def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
+    robots = ("left", "right", "both")
+    return tuple(
+        Correction(
+            label=_label(i),
+            robot=robots[robot],
+            case=case,
+            assistant=None if assistant < 0 else _SIDES[assistant],
+            start_s=start,
+            end_s=end,
+        )
+        for i, (robot, case, assistant, start, end) in enumerate(rows)
+    )
+
+
+def _warnings_after(run: _core.Run) -> tuple[str, ...]:
+    told = [
+        f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
+        for side, cycles in zip(_SIDES, run.limit_cycle, strict=True)
+        if cycles
+    ]
+    if run.correction_count > len(run.corrections):
+        told.append(f"{run.correction_count} corrections; only the first are listed")
+    return tuple(told)
+
+
+def _dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:
+    variables: dict[str, Any] = {}
+    for name, (key, unit, meaning) in _VARIABLES.items():
+        values = trace[key]
+        if name == "case":
+            values = values.view("S1").astype("U1")
+        dims = ("time", "side") if values.ndim == 2 else ("time",)
+        variables[name] = (dims, values, {"units": unit, "long_name": meaning})
+    time = ("time", trace["time_s"], {"units": "s", "long_name": "time"})
+    return xr.Dataset(variables, coords={"time": time, "side": list(_SIDES)})

@@ -1,0 +1,280 @@
+"""The command line: `palmbots carry`, `modes`, `compare`, `replay`.
+
+Every command has ``--json`` (one object on stdout, nothing else) and exits with 0 when it did its
+job, 1 when what it was asked about failed, 2 on bad input, which is answered with one line.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import typer
+
+from palmbots.errors import PalmbotsError, one_line
+
+__all__ = ["main"]
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+app = typer.Typer(
+    name="palmbots",
+    help="Two robots, a flat tiltable palm each, carry one object together.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="[SCENE]", help="A built-in scene or a TOML file.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a scene key; may be given often."),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of all that is random.")]
+PrecisionOption = Annotated[str, typer.Option("--precision", help="double or float.")]
+
+
+def main() -> None:
+    """Run the command line and exit with its status."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command; returns the exit status."""
+    try:
+        status = app(args=arguments, prog_name="palmbots", standalone_mode=False)
+        return status if isinstance(status, int) else DONE
+    except PalmbotsError as error:
+        return _refuse(str(error))
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        where = f"{context.command_path}: " if context is not None else ""
+        helps = f"; see {context.command_path} --help" if context is not None else ""
+        return _refuse(f"{where}{error.format_message().rstrip('.')}{helps}")
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        print("palmbots: interrupted; nothing half-written is left behind", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()  # nobody reads on; say nothing
+        return FAILED
+
+
+def _refuse(message: str) -> int:
+    text = one_line(message)
+    print(text if text.startswith("palmbots") else f"palmbots: {text}", file=sys.stderr)
+    return BAD_INPUT
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        from palmbots.version import __version__
+
+        print(f"palmbots {__version__}")
+        raise typer.Exit()
+
+
+@app.command(epilog="Example: palmbots carry paper --controller centralized --seed 3 --out out")
+def carry(
+    scene: SceneArgument = "paper",
+    controller: Annotated[
+        str, typer.Option("--controller", "-c", help="none, centralized or distributed.")
+    ] = "distributed",
+    world: Annotated[str, typer.Option("--world", help="quasistatic.")] = "quasistatic",
+    precision: PrecisionOption = "double",
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write carry.png, carry.gif, carry.mcap there."),
+    ] = None,
+    video: Annotated[str, typer.Option("--animation", help="gif, mp4 or none.")] = "gif",
+    as_json: JsonOption = False,
+) -> int:
+    """Carry the object once and say how it went. Exit status 1: it did not arrive."""
+    from palmbots.carry import carry as run_carry
+    from palmbots.carry import one_of
+    from palmbots.deadband import warnings_before
+    from palmbots.overrides import parse_overrides
+    from palmbots.report import carry_report
+    from palmbots.scene import load_scene
+
+    one_of("--animation", video, ("gif", "mp4", "none"))
+    chosen = load_scene(scene, parse_overrides(changes or []))
+    before = warnings_before(chosen, controller)
+    for warning in before:
+        print(f"palmbots: warning: {warning}", file=sys.stderr)
+    done = run_carry(
+        chosen, controller, world=world, precision=precision, seed=seed, record=out is not None
+    )
+    written = _write_carry(done, out, video, quiet=as_json) if out is not None else []
+    if as_json:
+        print(json.dumps(done.summary(), allow_nan=False))
+    else:
+        carry_report(done, scene, [w for w in done.warnings if w not in before], written)
+    return DONE if done.outcome == "delivered" else FAILED
+
+
+def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> list[Path]:
+    """The picture, the animation and the log of a carry; returns what was written."""
+    from palmbots import animation, figure8
+    from palmbots.files import folder
+    from palmbots.log import write_log
+
+    target = folder(out)
+    written = [target / "carry.png", target / "carry.mcap"]
+    with _progress("figure, log, animation", quiet) as report:
+        figure8.save(done, written[0])
+        report(0.15)
+        write_log(done, written[1])
+        report(0.3)
+        if video != "none":
+            written.append(target / f"carry.{video}")
+            animation.save(
+                done, written[-1], progress=lambda done, of: report(0.3 + 0.7 * done / of)
+            )
+    return written
+
+
+@app.command(epilog="Example: palmbots modes --theta-left-deg 5 --p-left-m -0.02")
+def modes(
+    scene: SceneArgument = "paper",
+    p_left_m: Annotated[float, typer.Option(help="Left contact coordinate, outward.")] = 0.0,
+    p_right_m: Annotated[float, typer.Option(help="Right contact coordinate, outward.")] = 0.0,
+    theta_left_deg: Annotated[
+        float | None, typer.Option(help="Left palm angle; default: the scene's steep one.")
+    ] = None,
+    theta_right_deg: Annotated[
+        float | None, typer.Option(help="Right palm angle; default: the scene's steep one.")
+    ] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Say which of the nine contact modes balance in one state, and which one happens."""
+    from palmbots.modes import modes as find_modes
+    from palmbots.overrides import parse_overrides
+    from palmbots.report import modes_report
+
+    found = find_modes(
+        scene,
+        p_left_m=p_left_m,
+        p_right_m=p_right_m,
+        theta_left_deg=theta_left_deg,
+        theta_right_deg=theta_right_deg,
+        overrides=parse_overrides(changes or []),
+    )
+    if as_json:
+        print(json.dumps(found.summary(), allow_nan=False))
+    else:
+        modes_report(found)
+    return DONE
+
+
+@app.command(epilog="Example: palmbots compare --sweep robot.noise_m_s --values 0.01,0.02,0.03")
+def compare(
+    scene: SceneArgument = "paper",
+    key: Annotated[
+        str, typer.Option("--sweep", metavar="KEY", help="The scene key to sweep.")
+    ] = "radio.latency_s",
+    values: Annotated[
+        str | None,
+        typer.Option("--values", metavar="A,B,…", help="What to set it to [default: latencies]."),
+    ] = None,
+    controllers: Annotated[
+        str, typer.Option("--controllers", metavar="A,B,…", help="Which controllers.")
+    ] = "none,centralized,distributed",
+    carries: Annotated[int, typer.Option("--carries", "-n", help="Carries a cell.")] = 200,
+    seed: SeedOption = 0,
+    precision: PrecisionOption = "double",
+    changes: SetOption = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write compare.png there.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Put controllers side by side over a swept scene key, radio latency by default."""
+    from palmbots import compare as comparing
+    from palmbots.overrides import parse_overrides
+    from palmbots.report import compare_report
+
+    if values is None and key != comparing.DEFAULT_SWEEP:
+        raise PalmbotsError(f"--values: not given; allowed: numbers to set {key} to, as in 0.1,0.2")
+    with _progress("comparing", as_json) as report:
+        done = comparing.compare(
+            scene,
+            key=key,
+            values=comparing.DEFAULT_VALUES if values is None else _numbers("--values", values),
+            controllers=[name.strip() for name in controllers.split(",")],
+            carries=carries,
+            seed=seed,
+            precision=precision,
+            overrides=parse_overrides(changes or []),
+            progress=report,
+        )
+    written = None
+    if out is not None:
+        from palmbots.comparison_figure import save
+        from palmbots.files import folder
+
+        written = folder(out) / "compare.png"
+        save(done, written)
+    if as_json:
+        print(json.dumps(done.summary(), allow_nan=False))
+    else:
+        compare_report(done, written)
+    return DONE
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    from palmbots.errors import show
+
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise PalmbotsError(
+            f"{option}: value is {show(text)}; allowed: numbers with commas between, as in 0.1,0.2"
+        ) from None
+
+
+@app.command(epilog="Example: palmbots replay out/carry.mcap")
+def replay(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="An MCAP log of a carry.")],
+    as_json: JsonOption = False,
+) -> int:
+    """Run a log again and check it bit for bit. Exit status 1: it differs."""
+    from palmbots.replay import replay as run_again
+    from palmbots.report import replay_report
+
+    result = run_again(log)
+    if as_json:
+        print(json.dumps(result.summary(), allow_nan=False))
+    else:
+        replay_report(result, log)
+    return DONE if result.identical else FAILED
+
+
+@contextmanager
+def _progress(what: str, quiet: bool) -> Iterator[Callable[[float], None]]:
+    """A progress bar on stderr, where a person looks at it; gives a function to report to."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda fraction: None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda fraction: bar.update(task, completed=fraction)

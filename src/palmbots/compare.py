@@ -1,0 +1,139 @@
+"""Controllers side by side over a swept scene key: section 5.3 of the paper as one figure."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palmbots import _core
+from palmbots.carry import CONTROLLERS, PRECISIONS, one_of
+from palmbots.errors import PalmbotsError, show
+from palmbots.lowering import lower
+from palmbots.scene import Scene, load_scene
+
+__all__ = ["Comparison", "Row", "compare", "wilson"]
+
+DEFAULT_SWEEP = "radio.latency_s"
+DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+
+_DELIVERED, _DROPPED = 1, 2
+_Z95 = 1.959963984540054  # 97.5 % quantile of the normal distribution
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One controller at one value of the swept key."""
+
+    controller: str
+    key: str
+    value: float
+    n: int
+    """Carries."""
+    drop_rate: float
+    interval: tuple[float, float]
+    """Wilson's 95 % interval of the drop rate."""
+    stall_rate: float
+    rms_m: float
+    """Root mean square of both contact coordinates; of a dropped carry until it was dropped."""
+    corrections: float
+    """Mean number of corrections a carry."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Rows for every controller and value, with the same seeds throughout."""
+
+    scene: Scene
+    key: str
+    seed: int
+    rows: tuple[Row, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots compare --json`` prints."""
+        return {
+            "rows": [
+                {field: getattr(row, field) for field in Row.__slots__} for row in self.rows
+            ],
+            "key": self.key,
+            "seed": self.seed,
+            "scene": self.scene.model_dump(),
+        }
+
+
+def compare(
+    scene: Any = "paper",
+    *,
+    key: str = DEFAULT_SWEEP,
+    values: Sequence[float] = DEFAULT_VALUES,
+    controllers: Sequence[str] = CONTROLLERS,
+    carries: int = 200,
+    seed: int = 0,
+    precision: str = "double",
+    overrides: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Comparison:
+    """Run every controller at every value of a scene key, over the same seeds.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``robot.noise_m_s``.
+        values: what to set it to.
+        controllers: which controllers.
+        carries: how many for each controller and value; seeds are seed, seed + 1, …
+        seed: the first seed.
+        precision: ``double`` or ``float``.
+        overrides: further scene keys to set.
+        progress: called with the fraction that is done.
+
+    Raises:
+        SceneError: a scene cannot be read or makes no sense.
+        PalmbotsError: any other argument is not one of those above.
+    """
+    for controller in controllers:
+        one_of("controller", controller, CONTROLLERS)
+    one_of("precision", precision, PRECISIONS)
+    if isinstance(carries, bool) or not isinstance(carries, int) or not 1 <= carries <= 10**8:
+        raise PalmbotsError(f"carries: value is {show(carries)}; allowed: 1 to 100000000")
+    if not values:
+        raise PalmbotsError("values: none given; allowed: at least one number")
+    base = load_scene(scene, overrides)
+    scenes = [load_scene(base, {key: value}) for value in values]
+    rows = []
+    cells = [(c, v, s) for c in controllers for v, s in zip(values, scenes, strict=True)]
+    for i, (controller, value, at) in enumerate(cells):
+        rows.append(_cell(controller, key, value, at, carries, seed, precision))
+        if progress is not None:
+            progress((i + 1) / len(cells))
+    return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows))
+
+
+def _cell(
+    controller: str, key: str, value: float, scene: Scene, n: int, seed: int, precision: str
+) -> Row:
+    run = _core.run_seeds(lower(scene), controller, seed, n, precision)
+    dropped = int(np.count_nonzero(run["outcome"] == _DROPPED))
+    delivered = int(np.count_nonzero(run["outcome"] == _DELIVERED))
+    return Row(
+        controller=controller,
+        key=key,
+        value=value,
+        n=n,
+        drop_rate=dropped / n,
+        interval=wilson(dropped, n),
+        stall_rate=(n - dropped - delivered) / n,
+        rms_m=float(np.sqrt(np.mean(run["contact_rms_m"] ** 2))),
+        corrections=float(np.mean(run["corrections"])),
+    )
+
+
+def wilson(events: int, n: int, z: float = _Z95) -> tuple[float, float]:
+    """Wilson's score interval for a rate of `events` in `n`; 95 % by default."""
+    rate = events / n
+    spread = z * math.sqrt(rate * (1 - rate) / n + z * z / (4 * n * n))
+    centre = rate + z * z / (2 * n)
+    scale = 1 + z * z / n
+    low = 0.0 if events == 0 else (centre - spread) / scale
+    high = 1.0 if events == n else (centre + spread) / scale
+    return low, high

@@ -1,0 +1,75 @@
+"""The dead-band law: how wide the sensor's zero zone must be for corrections to end.
+
+A correction stops when the sign changes, and the contact runs on a little: one control period
+until the sign is seen, the way it takes to brake, and, where a station decides, the time its
+messages travel. If that is more than the zero zone is wide, the contact comes out at the other
+side, and the opposite correction begins: for ever. Source: PROTOCOL, "Dead band".
+"""
+
+import math
+from itertools import pairwise
+
+from palmbots.scene import Scene
+from palmbots.sections import RobotParameters
+
+__all__ = ["overrun_m", "warnings_before", "zero_zone_m"]
+
+
+def overrun_m(scene: Scene, controller: str) -> float:
+    """How far a contact can run on past the edge of the zero zone [m]; 0 for ``none``."""
+    period = scene.control.period_s
+    steepest = max(math.radians(scene.palm_of(side).steep_deg) for side in ("left", "right"))
+    # Along the palm a contact moves a little farther than the robots do.
+    along_palm = 1 / math.cos(steepest)
+    robots = [scene.robot_of(side) for side in ("left", "right")]
+    if controller == "none":
+        return 0.0
+    if controller == "centralized":
+        delay = 2 * max(period, scene.radio.latency_s + scene.radio.jitter_s) + period
+        way = sum(0.5 * r.correction_m_s * delay + _braking_m(r, 0.5, period) for r in robots)
+        return way * along_palm
+    return along_palm * max(r.correction_m_s * period + _braking_m(r, 1.0, period) for r in robots)
+
+
+def _braking_m(robot: RobotParameters, share: float, period: float) -> float:
+    """The way from a correction (a share of its speed) back to nominal speed, tick by tick."""
+    speed = share * robot.correction_m_s
+    drop = robot.acceleration_m_s2 * period
+    steps = max(0, math.ceil(speed / drop) - 1)
+    return period * (steps * speed - drop * steps * (steps + 1) / 2)
+
+
+def zero_zone_m(scene: Scene) -> float:
+    """The width of the stretch between − and + where the sensor reads 0 [m]."""
+    zones = scene.tactile.zones
+    if zones is None:
+        return 2 * scene.tactile.zero_half_width_m
+    edges = sorted({edge for zone in zones for edge in (zone.from_m, zone.to_m)})
+    pieces = [(-math.inf, edges[0]), *pairwise(edges), (edges[-1], math.inf)]
+
+    def reads(low: float, high: float) -> str:
+        if math.isinf(low) or math.isinf(high):
+            return "0"
+        signs = {z.sign for z in zones if z.from_m <= 0.5 * (low + high) <= z.to_m}
+        return "0" if "0" in signs or not signs else signs.pop()
+
+    read = [(low, high, reads(low, high)) for low, high in pieces]
+    negative_end = max((high for _, high, sign in read if sign == "-"), default=-math.inf)
+    positive_start = min((low for low, _, sign in read if sign == "+"), default=math.inf)
+    return positive_start - negative_end
+
+
+def warnings_before(scene: Scene, controller: str) -> tuple[str, ...]:
+    """What can be told before the carry starts."""
+    zone, run = zero_zone_m(scene), overrun_m(scene, controller)
+    if run <= zone:
+        return ()
+    return (
+        f"the zero zone is {_mm(zone)} wide, but a contact runs on by {_mm(run)}: corrections "
+        f"may not end (widen tactile.zero_half_width_m or lower robot.correction_m_s"
+        + (", radio.latency_s)" if controller == "centralized" else ", control.period_s)"),
+    )
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.1f} mm"

@@ -1,0 +1,45 @@
+"""What palmbots raises on purpose: one clear line, meant to be shown to the user as it is.
+
+A message about input names the file, the key, the value and what would have been allowed. Whatever
+text goes into it (file names, keys, values) comes from outside, so control characters and the like
+are escaped: a message is always one line that any terminal and any encoding can print.
+"""
+
+from palmbots.toml_text import toml_value
+
+__all__ = ["PalmbotsError", "SceneError", "one_line", "show"]
+
+_LONGEST_VALUE = 60
+
+
+class PalmbotsError(Exception):
+    """Something the user can put right; ``str(error)`` is one line and the whole story."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
+
+
+class SceneError(PalmbotsError):
+    """A scene that cannot be read or makes no sense."""
+
+
+def one_line(text: str) -> str:
+    """The text with everything unprintable (line breaks, lone surrogates, …) escaped."""
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode()
+        for c in text
+    )
+
+
+def show(value: object) -> str:
+    """A value as a message quotes it: short, on one line, spelt as in TOML where it can be."""
+    if value is None:
+        return "null"
+    try:
+        text = toml_value(value)
+    except Exception:  # a repr() may do anything; int's own refuses very long numbers
+        text = f"<{type(value).__name__}>"
+    text = one_line(text)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"

@@ -1,0 +1,275 @@
+"""The paper's Figure 8 for any carry: contacts, sensors, palms, separation and speeds over time.
+
+The top panel tells the story: a bar for each correction with its letter and case (left robot above,
+right robot below, hatched where a robot only assists), and between the two rows each message from
+the moment it is sent to the moment it arrives. The panels below show what it did; a correction is
+shaded there in the hue and hatch of its robot. Source: paper, section 5.2.
+"""
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from palmbots import figure8_story as story
+from palmbots.errors import PalmbotsError
+from palmbots.files import whole_file
+from palmbots.lowering import lower
+from palmbots.style import DROP, HATCH, HUE, INK, LINE, QUIET, ZERO, styled
+
+if TYPE_CHECKING:
+    from palmbots._core import Spec
+    from palmbots.carry import Carry
+
+__all__ = ["draw", "save"]
+
+SIDES = ("left", "right")
+_FORMATS = (".png", ".svg", ".pdf")
+
+_HEIGHTS = {  # inches of each panel
+    "story": 1.25,
+    "left": 1.1,
+    "left sensor": 0.3,
+    "right": 1.1,
+    "right sensor": 0.3,
+    "palms": 0.85,
+    "separation": 0.8,
+    "speeds": 1.2,
+}
+
+
+@dataclass(frozen=True)
+class _View:
+    """What the panels share: the part of the trace to show, and how wide it is drawn."""
+
+    carry: "Carry"
+    spec: "Spec"
+    trace: xr.Dataset
+    start: float  # s
+    end: float  # s
+    width_in: float  # inches of the time axis
+
+    def series(self, name: str, side: str | None = None) -> np.ndarray:
+        data = self.trace[name] if side is None else self.trace[name].sel(side=side)
+        return data.to_numpy()
+
+    @property
+    def time(self) -> np.ndarray:
+        return self.trace["time"].to_numpy()
+
+
+def _view(carry: "Carry", window: tuple[float, float] | None) -> _View:
+    if carry.trace is None:
+        raise PalmbotsError("figure: this carry has no trace; run it with record=True")
+    times = carry.trace["time"].to_numpy()
+    start, end = window or (float(times[0]), float(times[-1]))
+    if not (math.isfinite(start) and math.isfinite(end) and start < end):
+        if window is None:  # a carry that ended in its first tick still gets a picture
+            end = start + carry.scene.control.period_s
+        else:
+            raise PalmbotsError(f"figure: window is {window}; allowed: (from_s, to_s) with from < to")
+    rows = np.flatnonzero((times >= start) & (times <= end))
+    if rows.size == 0:
+        raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {times[-1]:g} s")
+    shown = sum(1 for c in carry.corrections if c.end_s >= start and c.start_s <= end)
+    width = min(max(6.3, 0.28 * (end - start), 0.27 * shown), 12.0)
+    return _View(carry, lower(carry.scene), carry.trace.isel(time=rows), start, end, width)
+
+
+def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+    """The figure for a carry, or for the part of it between two times in seconds.
+
+    Raises `PalmbotsError` if the carry was run without recording its trace, or the window is empty.
+    """
+    view = _view(carry, window)
+    with styled():
+        left, right, top, bottom, gap = 0.95, 0.2, 0.72, 0.45, 0.09
+        height = top + bottom + sum(_HEIGHTS.values()) + gap * (len(_HEIGHTS) - 1)
+        figure = Figure(figsize=(left + view.width_in + right, height))
+        panels: dict[str, Axes] = {}
+        level = height - top
+        for name, tall in _HEIGHTS.items():
+            box = (
+                left / figure.get_figwidth(),
+                (level - tall) / height,
+                view.width_in / figure.get_figwidth(),
+                tall / height,
+            )
+            panels[name] = figure.add_axes(box, sharex=panels.get("story"))
+            level -= tall + gap
+        panels["story"].set_xlim(view.start, view.end)
+
+        story.draw_story(panels["story"], carry, view.start, view.end, view.width_in)
+        reach = _contact_reach(view)
+        for side in SIDES:
+            _draw_contact(panels[side], view, side, reach)
+            _draw_sensor(panels[f"{side} sensor"], view, side)
+        _draw_palms(panels["palms"], view)
+        _draw_separation(panels["separation"], view)
+        _draw_speeds(panels["speeds"], view)
+
+        for name, panel in panels.items():
+            _shade(panel, view, name.split()[0])
+            panel.tick_params(axis="y", length=2)
+            panel.tick_params(axis="x", length=2 if name == "speeds" else 0, labelbottom=name == "speeds")
+            panel.yaxis.set_label_coords(-0.58 / view.width_in, 0.5)
+            _mark_end(panel, view)
+        panels["speeds"].set_xlabel("time (s)")
+        _head(figure, view, left, height)
+    return figure
+
+
+def save(
+    carry: "Carry", path: str | os.PathLike[str], window: tuple[float, float] | None = None
+) -> None:
+    """Write the figure to `path`, as PNG, SVG or PDF by its suffix; the file appears whole or not.
+
+    Raises `PalmbotsError` for another suffix, an unwritable path, or as `draw` does.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _FORMATS:
+        raise PalmbotsError(f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_FORMATS)}")
+    figure = draw(carry, window)
+    stamp = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with styled(), whole_file(path) as stream:  # no date inside: the same carry, the same file
+        figure.savefig(stream, format=suffix[1:], metadata=stamp[suffix])
+
+
+def _head(figure: Figure, view: _View, left_in: float, height_in: float) -> None:
+    """Two lines of title and the key to the lines."""
+    carry = view.carry
+    wide = figure.get_figwidth()
+    rms, peak = carry.contact_rms_m, carry.contact_peak_m
+    ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
+    who = f"{carry.controller} algorithm" if carry.controller != "none" else "no controller"
+    first = f"{who}: {ending} after {carry.time_s:.2f} s and {carry.distance_m:.2f} m"
+    facts = [
+        f"{len(carry.corrections)} corrections",
+        f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",
+        f"peak {peak['left'] * 1e3:.1f}, {peak['right'] * 1e3:.1f} mm",
+        f"seed {carry.seed}",
+    ]
+    x = left_in / wide
+    figure.text(x, 1 - 0.08 / height_in, first, va="top", weight="bold", size=9)
+    figure.text(x, 1 - 0.25 / height_in, "  ·  ".join(facts), va="top", size=7.5)
+    entries = [
+        *(Line2D([], [], color=HUE[s], ls=LINE[s], label=f"{s} robot") for s in SIDES),
+        Patch(fc=ZERO, alpha=0.25, label="zero zone"),
+        *story.message_key(carry),
+    ]
+    figure.legend(
+        handles=entries,
+        loc="upper left",
+        bbox_to_anchor=(x, 1 - 0.4 / height_in),
+        ncols=len(entries),
+        borderaxespad=0,
+        handlelength=2.2,
+        columnspacing=1.2,
+        handletextpad=0.5,
+    )
+
+
+def _contact_reach(view: _View) -> float:
+    """Half the height of both contact panels in mm, so that left and right compare."""
+    edges = [abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)]
+    longest = max(palm.length for palm in view.spec.palms) / 2
+    reach = max(1.25 * np.abs(view.series("contact")).max(), 1.2 * max(edges, default=0.0), 1e-3)
+    return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
+
+
+def _draw_contact(panel: Axes, view: _View, side: str, reach: float) -> None:
+    """Contact coordinate in mm, with the zero zones and, when near, the ends of the palm."""
+    half = view.spec.palms[SIDES.index(side)].length / 2 * 1e3
+    for sign, low, high in view.spec.zones:
+        if sign == 0:
+            panel.axhspan(low * 1e3, high * 1e3, color=ZERO, alpha=0.13, lw=0)
+    panel.axhline(0, color=QUIET, lw=0.5)
+    panel.plot(view.time, view.series("contact", side) * 1e3, color=HUE[side], ls=LINE[side])
+    if reach > half:
+        for end in (-half, half):
+            panel.axhline(end, color=DROP, lw=0.9)
+        note = f"ends of the palm, ±{half:.0f} mm"
+        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
+        panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **place)
+    panel.set_ylim(-reach, reach)
+    panel.set_ylabel(f"{side}\ncontact (mm)")
+
+
+def _draw_sensor(panel: Axes, view: _View, side: str) -> None:
+    """The sensor's sign as a filled step, so that it reads without colour."""
+    sign = view.series("sign", side)
+    panel.fill_between(view.time, sign, step="post", color=HUE[side], alpha=0.45, lw=0)
+    panel.step(view.time, sign, where="post", color=HUE[side], lw=0.8)
+    panel.set_ylim(-1.35, 1.35)
+    panel.set_yticks([-1, 0, 1], ["−", "0", "+"])
+    panel.grid(False)
+    panel.set_ylabel("sensor", size=7)
+
+
+def _draw_palms(panel: Axes, view: _View) -> None:
+    """Both palm angles in degrees."""
+    for side in SIDES:
+        panel.plot(view.time, np.degrees(view.series("palm", side)), color=HUE[side], ls=LINE[side])
+    angles = sorted({round(math.degrees(a), 6) for p in view.spec.palms for a in (p.shallow, p.steep)})
+    room = 0.25 * (angles[-1] - angles[0])
+    panel.set_ylim(angles[0] - room, angles[-1] + room)
+    panel.set_yticks(angles)
+    panel.set_ylabel("palm\nangle (°)")
+
+
+def _draw_separation(panel: Axes, view: _View) -> None:
+    """Distance between the pivots in mm."""
+    d = view.series("separation") * 1e3
+    panel.plot(view.time, d, color=INK, lw=1.0)
+    room = max(0.08 * (d.max() - d.min()), 0.5)
+    panel.set_ylim(d.min() - room, d.max() + room)
+    panel.locator_params(axis="y", nbins=4)
+    panel.set_ylabel("separation\n(mm)")
+
+
+def _draw_speeds(panel: Axes, view: _View) -> None:
+    """Commanded speeds, and thin behind them the actual ones, in cm/s."""
+    highest, lowest = -math.inf, math.inf
+    for side in SIDES:
+        actual = view.series("speed", side) * 100
+        panel.step(view.time, actual, where="post", color=HUE[side], lw=0.5, alpha=0.45)
+        highest, lowest = max(highest, actual.max()), min(lowest, actual.min())
+    for side in SIDES:
+        wanted = view.series("commanded", side) * 100
+        panel.step(view.time, wanted, where="post", color=HUE[side], ls=LINE[side], lw=1.4)
+        highest, lowest = max(highest, wanted.max()), min(lowest, wanted.min())
+    room = max(0.06 * (highest - lowest), 0.1)
+    panel.set_ylim(lowest - room, highest + room)
+    panel.set_ylabel("speed (cm/s)\nthick: commanded")
+
+
+def _shade(panel: Axes, view: _View, name: str) -> None:
+    """Shade each correction; a robot's own panels show its own corrections and its assistance."""
+    if name == "story":
+        return
+    for c in view.carry.corrections:
+        if c.end_s < view.start or c.start_s > view.end:
+            continue
+        if name in SIDES and c.robot not in (name, "both"):
+            continue
+        panel.axvspan(c.start_s, c.end_s, fc=HUE[c.robot], alpha=0.11, lw=0, zorder=0)
+        if name not in SIDES:
+            panel.axvspan(
+                c.start_s, c.end_s, fc="none", ec=HUE[c.robot], hatch=HATCH[c.robot], alpha=0.16,
+                lw=0, zorder=0,
+            )
+
+
+def _mark_end(panel: Axes, view: _View) -> None:
+    """A line where the carry failed, if that is in view."""
+    if view.carry.outcome == "delivered" or not view.start <= view.carry.time_s <= view.end:
+        return
+    panel.axvline(view.carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)

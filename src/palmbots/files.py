@@ -1,0 +1,103 @@
+"""Writing files so that each one appears whole or not at all.
+
+A file is first written under a temporary name in the folder where it will stand, forced to the
+disk, and only then renamed over its final name: a reader, a crash or a full disk never shows half
+of it. The temporary name starts with a dot and ends in ``.part``; on any failure it is removed and
+an older file under the final name stays as it was.
+
+Errors: every function raises `PalmbotsError` with one line that names the path and the reason.
+"""
+
+import contextlib
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from palmbots.errors import PalmbotsError
+
+__all__ = ["folder", "whole_file", "write_whole"]
+
+
+def _refusal(path: Path, error: OSError) -> PalmbotsError:
+    return PalmbotsError(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def _final_path(path: Path) -> Path:
+    """The place a write to `path` ends at: links followed, only regular files replaced.
+
+    Renaming onto a device or a pipe would replace the device itself, so those are refused.
+    """
+    try:
+        final = path.resolve()
+        mode = final.stat().st_mode
+    except FileNotFoundError:
+        return path.resolve()
+    except (OSError, RuntimeError) as error:  # RuntimeError: a link that points to itself
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise PalmbotsError(f"{path}: cannot be written: {reason}") from None
+    if stat.S_ISDIR(mode):
+        raise PalmbotsError(f"{path}: cannot be written: it is a folder")
+    if not stat.S_ISREG(mode):
+        raise PalmbotsError(f"{path}: cannot be written: it is not a regular file")
+    return final
+
+
+def _sync_folder(path: Path) -> None:
+    """Force the folder's entry for a renamed file to the disk, where the system can."""
+    with contextlib.suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a binary file (readable, writable, seekable) that takes the name `path` on success.
+
+    Leaving the block by an exception removes what was written and leaves `path` as it was.
+    """
+    shown = Path(path)
+    final = _final_path(shown)
+    temporary = final.with_name(f".palmbots-{secrets.token_hex(6)}.part")
+    try:
+        # "x" never follows a planted link, and leaves the permissions to the user's umask.
+        stream = open(temporary, "x+b")
+    except OSError as error:
+        raise _refusal(shown, error) from None
+    try:
+        with stream:
+            yield stream
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(temporary, final)
+        _sync_folder(final.parent)
+    except OSError as error:
+        raise _refusal(shown, error) from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_whole(path: str | os.PathLike[str], data: bytes | str) -> None:
+    """Write `data` (text as UTF-8) to `path`, whole or not at all."""
+    with whole_file(path) as stream:
+        stream.write(data.encode() if isinstance(data, str) else data)
+
+
+def folder(path: str | os.PathLike[str]) -> Path:
+    """The folder `path`, made with its parents if missing; checked to be writable."""
+    place = Path(path)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name") from None
+    except OSError as error:
+        raise _refusal(place, error) from None
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise PalmbotsError(f"{place}: cannot be written: permission denied")
+    return place

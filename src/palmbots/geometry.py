@@ -1,0 +1,116 @@
+"""Where everything is: from rows of a trace to points in the world frame (MECHANICS section 1).
+
+Frame: x forward (left robot → right robot), y up, metres, radians; the origin is halfway between
+the two pivots at the start of the carry, at their height. Left is index 0 and right is index 1.
+Palm angles are positive where the palm rises outward, contact coordinates where they lie outward.
+
+The animation and the three-dimensional part of the log both draw from here. The numbers for the
+robots' bodies serve drawing only: the mechanics knows pivots and palms, nothing below them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from palmbots._core import Spec
+
+__all__ = [
+    "BODY_GAP",
+    "BODY_SIZE",
+    "PALM_THICKNESS",
+    "WHEEL_RADIUS",
+    "Placement",
+    "floor_level",
+    "place",
+    "place_rows",
+]
+
+Array = NDArray[np.float64]
+
+BODY_SIZE = 0.20  # m; the paper's robots are "approximately the size of a 20 cm cube"
+BODY_GAP = 0.05  # m, from the pivot outward to the near face of the body; assumed
+WHEEL_RADIUS = 0.04  # m; assumed
+PALM_THICKNESS = 0.006  # m; assumed
+_PIVOT_HEIGHT = 0.25  # m above the floor; assumed, clears the body for any usual palm
+
+_OUTWARD = np.array([-1.0, 1.0])  # world x of "outward" for left and right
+
+
+@dataclass(frozen=True)
+class Placement:
+    """World positions for n rows of a trace; the last axis of every point is (x, y) in metres."""
+
+    pivot: Array  #: (n, 2 sides, 2) pivots of the palms
+    palm_inner: Array  #: (n, 2 sides, 2) inward end of each palm's surface
+    palm_outer: Array  #: (n, 2 sides, 2) outward end of each palm's surface
+    palm_turn: Array  #: (n, 2 sides) anticlockwise turn of each palm from level, radians
+    contact: Array  #: (n, 2 sides, 2) contact points on the palms
+    outline: Array  #: (n, m, 2) corners of the object, in the order of `Spec.outline`
+    com: Array  #: (n, 2) centre of mass of the object
+    turn: Array  #: (n,) anticlockwise turn of the object, radians
+
+
+def place(
+    spec: Spec,
+    *,
+    separation: ArrayLike,
+    midpoint: ArrayLike,
+    palm: ArrayLike,
+    contact: ArrayLike,
+    turn: ArrayLike,
+) -> Placement:
+    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n).
+
+    The object hangs on its left contact; that its right contact vertex then lies on the right palm
+    is the loop constraint, which the world keeps.
+    """
+    separation, midpoint = np.asarray(separation, float), np.asarray(midpoint, float)
+    angle, p, turn = np.asarray(palm, float), np.asarray(contact, float), np.asarray(turn, float)
+    half = np.array([side.length / 2 for side in spec.palms])
+    offset = np.array([side.offset for side in spec.palms])
+
+    along = np.stack([_OUTWARD * np.cos(angle), np.sin(angle)], axis=-1)  # u
+    normal = np.stack([-_OUTWARD * np.sin(angle), np.cos(angle)], axis=-1)  # n
+    pivot = np.zeros_like(along)
+    pivot[..., 0] = midpoint[:, None] + _OUTWARD * separation[:, None] / 2
+    foot = pivot + offset[:, None] * normal
+
+    touched = foot + p[..., None] * along
+    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
+
+    def carried(points: ArrayLike) -> Array:
+        x, y = np.asarray(points, float).T
+        turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+        return turned + touched[:, :1, :]
+
+    return Placement(
+        pivot=pivot,
+        palm_inner=foot - half[:, None] * along,
+        palm_outer=foot + half[:, None] * along,
+        palm_turn=_OUTWARD * angle,
+        contact=touched,
+        outline=carried([(x, y) for x, _, y in spec.outline]),
+        com=carried([(spec.com_left, spec.com_height)])[:, 0],
+        turn=turn,
+    )
+
+
+def place_rows(spec: Spec, trace: xr.Dataset, rows: slice | NDArray[np.integer]) -> Placement:
+    """Positions at some rows of a carry's trace."""
+    chosen = trace.isel(time=rows)
+    return place(
+        spec,
+        separation=chosen["separation"],
+        midpoint=chosen["midpoint"],
+        palm=chosen["palm"].transpose("time", "side"),
+        contact=chosen["contact"].transpose("time", "side"),
+        turn=chosen["object"],
+    )
+
+
+def floor_level(spec: Spec) -> float:
+    """World y of the floor to draw: low enough for the robots, and for an object that hangs deep."""
+    lowest = min(y for _, _, y in spec.outline)
+    return min(-_PIVOT_HEIGHT, lowest - 0.05)

@@ -1,0 +1,70 @@
+"""Writing an animated GIF frame by frame, in constant memory.
+
+Pillow compresses each frame; it would keep all of them until the last, which a long carry does not
+allow. One palette serves every frame, and pixels that did not change are left transparent, so that
+only what moves takes room. Format: GIF89a specification, with the looping extension of Netscape.
+"""
+
+import struct
+from typing import BinaryIO
+
+import numpy as np
+from PIL import GifImagePlugin, Image
+
+__all__ = ["GifWriter"]
+
+_TRANSPARENT = 255  # the palette place that stands for "as before"
+_KEEP = 1  # disposal method: leave the frame on the screen
+
+
+class GifWriter:
+    """Writes RGB frames of one size to a stream; call `close` after the last one."""
+
+    def __init__(self, stream: BinaryIO, palette: Image.Image) -> None:
+        """`palette` is an image of mode P with at most 255 colours."""
+        colours = palette.getpalette() or []
+        if len(colours) > 3 * _TRANSPARENT:
+            raise ValueError(f"the palette has {len(colours) // 3} colours; at most 255 are possible")
+        self._stream = stream
+        self._palette = palette
+        self._table = bytes(colours + [0] * (768 - len(colours)))
+        self._shown: np.ndarray | None = None
+
+    def add(self, image: Image.Image, milliseconds: int) -> None:
+        """Append a frame that stays for the given time (counted in hundredths of a second)."""
+        indexed = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
+        pixels = np.asarray(indexed)
+        left, top, right, low = 0, 0, image.width, image.height
+        if self._shown is None:
+            self._begin(image.size)
+            drawn = pixels
+        else:
+            changed = pixels != self._shown
+            rows, columns = np.flatnonzero(changed.any(axis=1)), np.flatnonzero(changed.any(axis=0))
+            if rows.size == 0:  # a frame must hold something: one pixel, as it was
+                rows = columns = np.array([0])
+            top, low, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+            box = np.s_[top:low, left:right]
+            drawn = np.where(changed[box], pixels[box], np.uint8(_TRANSPARENT))
+        self._shown = pixels
+        part = Image.frombytes("P", (drawn.shape[1], drawn.shape[0]), drawn.tobytes())
+        part.putpalette(self._table)
+        for block in GifImagePlugin.getdata(
+            part,
+            (int(left), int(top)),
+            duration=milliseconds,
+            disposal=_KEEP,
+            transparency=_TRANSPARENT,
+            interlace=0,
+        ):
+            self._stream.write(block)
+
+    def close(self) -> None:
+        """Write the end mark."""
+        self._stream.write(b";")
+
+    def _begin(self, size: tuple[int, int]) -> None:
+        full_table = 0xF7  # a global table of 2⁸ colours, 8 bits a channel
+        self._stream.write(b"GIF89a" + struct.pack("<HHBBB", *size, full_table, 0, 0) + self._table)
+        forever = struct.pack("<BHB", 1, 0, 0)
+        self._stream.write(b"!\xff\x0bNETSCAPE2.0\x03" + forever)

@@ -1,0 +1,100 @@
+"""From a scene to what the core runs: `palmbots._core.Spec`.
+
+SI units and radians, the object in its own frame, left and right resolved, times in control
+periods. Everything here ends in the trace, so it is made of + − × ÷ √ and the core's own tangent
+only (degrees become radians by one multiplication), and `lower` of a mirrored scene is the mirror
+image of `lower` of the scene to the last bit.
+"""
+
+import math
+
+from palmbots import _core
+from palmbots.frame import object_frame
+from palmbots.scene import Scene
+from palmbots.sections import PalmParameters, RobotParameters, Side, Tactile
+
+__all__ = ["lower"]
+
+_RADIANS_PER_DEGREE = math.pi / 180
+_SIDES: tuple[Side, Side] = ("left", "right")
+_SIGNS = {"-": -1, "0": 0, "+": 1}
+
+
+def lower(scene: Scene) -> _core.Spec:
+    """The core's description of a scene; left is index 0, right index 1."""
+    spec = _core.Spec()
+    thing = scene.object
+    frame = object_frame(thing.vertices_m, thing.contacts, thing.com_m)
+    spec.width = frame.width
+    spec.com_left = frame.com.from_left
+    spec.com_right = frame.com.from_right
+    spec.com_height = frame.com.height
+    spec.outline = [(c.from_left, c.from_right, c.height) for c in frame.outline]
+    spec.contact_right = frame.contact_right
+
+    left, right = (_palm(scene.palm_of(side)) for side in _SIDES)
+    spec.palms = (left, right)
+    left, right = (_robot(scene.robot_of(side)) for side in _SIDES)
+    spec.robots = (left, right)
+    spec.zones = _zones(scene.tactile)
+    spec.false_rate = scene.tactile.false_rate
+    spec.period = scene.control.period_s
+    spec.latency = scene.radio.latency_s
+    spec.jitter = scene.radio.jitter_s
+    spec.loss = scene.radio.loss
+    spec.bumps = [
+        (
+            _SIDES.index(bump.robot),
+            bump.at_s is not None,
+            bump.at_s if bump.at_s is not None else bump.at_m or 0.0,
+            bump.shift_m,
+        )
+        for bump in scene.bumps.script
+    ]
+    spec.bump_rate = scene.bumps.rate_per_m
+    spec.bump_max = scene.bumps.max_shift_m
+    spec.start = (scene.start.left_m, scene.start.right_m)
+
+    task = scene.task
+    spec.distance = task.distance_m
+    spec.direction = 1 if task.direction == "forward" else -1
+    # Uphill in travel pulls the object back: towards −x when travelling forward.
+    spec.slope = spec.direction * _core.tangent(_radians(task.slope_deg)) + 0.0
+    spec.inertia = 1.0 if task.inertia else 0.0
+    spec.timeout_ticks = scene.timeout_ticks
+    return spec
+
+
+def _radians(degrees: float) -> float:
+    return degrees * _RADIANS_PER_DEGREE
+
+
+def _palm(palm: PalmParameters) -> _core.PalmSpec:
+    spec = _core.PalmSpec()
+    spec.length = palm.length_m
+    spec.offset = palm.pivot_offset_m
+    spec.friction = palm.friction
+    spec.shallow = _radians(palm.shallow_deg)
+    spec.steep = _radians(palm.steep_deg)
+    spec.rate = _radians(palm.rate_deg_s)
+    return spec
+
+
+def _robot(robot: RobotParameters) -> _core.RobotSpec:
+    spec = _core.RobotSpec()
+    spec.speed = robot.speed_m_s
+    spec.correction = robot.correction_m_s
+    spec.acceleration = robot.acceleration_m_s2
+    spec.max_speed = robot.max_speed_m_s
+    spec.noise = robot.noise_m_s
+    spec.noise_tau = robot.noise_tau_s
+    spec.bias = robot.bias_m_s
+    return spec
+
+
+def _zones(tactile: Tactile) -> list[tuple[int, float, float]]:
+    """The switches (sign, from, to), ends included; zones of sign 0 win over the others."""
+    if tactile.zones is not None:
+        return [(_SIGNS[zone.sign], zone.from_m, zone.to_m) for zone in tactile.zones]
+    half = tactile.zero_half_width_m
+    return [(-1, -math.inf, -half), (0, -half, half), (1, half, math.inf)]

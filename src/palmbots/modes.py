@@ -1,0 +1,258 @@
+"""The nine contact modes: which balance, which can move, and which one happens.
+
+`modes` answers for one state of a scene; `states` for as many as you like, broadcasting its
+arguments like a NumPy ufunc. The mechanics are the core's. Source: MECHANICS sections 2 and 4;
+paper, section 3.1.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palmbots import _core
+from palmbots.errors import PalmbotsError, show
+from palmbots.lowering import lower
+from palmbots.scene import Scene, load_scene
+
+__all__ = ["MODES", "ContactModes", "Mode", "States", "modes", "states"]
+
+Mode = tuple[str, str]
+
+# ST sticks, SL slides to the left, SR to the right: up is SL on the left palm and SR on the right.
+_LEFT = ("ST", "SL", "SR")
+_RIGHT = ("ST", "SR", "SL")
+_UP = (_LEFT[1], _RIGHT[1])
+_DOWN = (_LEFT[2], _RIGHT[2])
+
+MODES: tuple[Mode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
+"""The nine modes (left, right), in the order of the arrays in `States`."""
+
+_CONSISTENT_CLOSING = tuple(m for m in MODES if m[0] == _UP[0] or m[1] == _UP[1])
+_CONSISTENT_OPENING = tuple(m for m in MODES if m[0] == _DOWN[0] or m[1] == _DOWN[1])
+
+
+@dataclass(frozen=True)
+class States:
+    """The statics of many states; every array has the shape the arguments broadcast to."""
+
+    squeeze: NDArray[np.float64]
+    """I_L and I_R in units of the weight, shape (…, side, end): ends are low and high, infinite
+    where unbounded; low > high: that contact cannot bear its share at any squeeze."""
+    feasible: NDArray[np.bool_]
+    """Which modes balance, shape (…, 9) in the order of `MODES`."""
+    closing: NDArray[np.int8]
+    """Index into `MODES` of the mode that happens when the palms are driven together; -1: the
+    object is not held, -2: nothing lets go (jammed)."""
+    opening: NDArray[np.int8]
+    """The same when they are driven apart."""
+
+
+def states(
+    *,
+    width: ArrayLike,
+    com_x: ArrayLike,
+    com_y: ArrayLike,
+    theta_left: ArrayLike,
+    theta_right: ArrayLike,
+    p_left: ArrayLike,
+    p_right: ArrayLike,
+    friction_left: ArrayLike,
+    friction_right: ArrayLike,
+    offset_left: ArrayLike = 0.0,
+    offset_right: ArrayLike = 0.0,
+    slope: ArrayLike = 0.0,
+) -> States:
+    """Statics of states given as numbers or arrays, which broadcast against each other.
+
+    Args:
+        width: distance w between the contact vertices [m].
+        com_x: COM from the left contact along the line of contacts [m].
+        com_y: COM above that line [m].
+        theta_left: palm angle, positive when the palm rises outward [rad].
+        theta_right: the same on the right.
+        p_left: contact coordinate from the foot of the pivot, outward [m].
+        p_right: the same on the right.
+        friction_left: coefficient of friction.
+        friction_right: the same on the right.
+        offset_left: distance of the palm's surface from its pivot [m].
+        offset_right: the same on the right.
+        slope: sideways specific force s towards -x: acceleration / g, or the floor's slope.
+
+    Raises:
+        ValueError: the arguments do not broadcast.
+    """
+    w, x = np.asarray(width, float), np.asarray(com_x, float)
+    given = [
+        w,
+        x,
+        w - x,
+        *(
+            np.asarray(v, float)
+            for v in (
+                com_y,
+                slope,
+                offset_left,
+                offset_right,
+                friction_left,
+                friction_right,
+                theta_left,
+                theta_right,
+                p_left,
+                p_right,
+            )
+        ),
+    ]
+    shape = np.broadcast_shapes(*(v.shape for v in given))
+    n = math.prod(shape)
+    # One number for all states stays one number: nothing is blown up that need not be.
+    columns = [
+        v.reshape(1) if v.size == 1 else np.ascontiguousarray(np.broadcast_to(v, shape)).reshape(n)
+        for v in given
+    ]
+    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, n)
+    ends = np.stack([left_low, left_high, right_low, right_high], axis=-1)
+    return States(
+        squeeze=ends.reshape(*shape, 2, 2),
+        feasible=(bits[:, np.newaxis] >> np.arange(9) & 1).astype(bool).reshape(*shape, 9),
+        closing=closing.reshape(shape),
+        opening=opening.reshape(shape),
+    )
+
+
+@dataclass(frozen=True)
+class ContactModes:
+    """One state. Modes are pairs (left, right) of ST, SL (to the left), SR (to the right)."""
+
+    scene: Scene
+    p_left_m: float
+    p_right_m: float
+    theta_left_deg: float
+    theta_right_deg: float
+    object_deg: float
+    feasible: tuple[Mode, ...]
+    """The modes in quasistatic balance."""
+    consistent_closing: tuple[Mode, ...]
+    consistent_opening: tuple[Mode, ...]
+    closing: Mode | None
+    """What happens when the palms are driven together; None: not held, or jammed."""
+    opening: Mode | None
+    wedged: dict[str, bool]
+    """Contacts that no squeeze frees: their friction cone contains the line to the other one."""
+    squeeze: dict[str, tuple[float, float]]
+    """I_L and I_R in units of the weight; infinite where unbounded."""
+    margin_rad: float
+    """The angle by which both friction cones may shrink with the object still held; negative: by
+    which they would have to grow."""
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots modes --json`` prints."""
+        return {
+            "feasible": [list(m) for m in self.feasible],
+            "consistent_closing": [list(m) for m in self.consistent_closing],
+            "consistent_opening": [list(m) for m in self.consistent_opening],
+            "closing": list(self.closing) if self.closing else None,
+            "opening": list(self.opening) if self.opening else None,
+            "wedged": self.wedged,
+            "squeeze": {
+                side: [end if math.isfinite(end) else None for end in ends]
+                for side, ends in self.squeeze.items()
+            },
+            "margin_rad": self.margin_rad,
+            "object_deg": self.object_deg,
+            "p_left_m": self.p_left_m,
+            "p_right_m": self.p_right_m,
+            "theta_left_deg": self.theta_left_deg,
+            "theta_right_deg": self.theta_right_deg,
+            "scene": self.scene.model_dump(),
+        }
+
+
+def modes(
+    scene: Any = "paper",
+    *,
+    p_left_m: float = 0.0,
+    p_right_m: float = 0.0,
+    theta_left_deg: float | None = None,
+    theta_right_deg: float | None = None,
+    overrides: Any = None,
+) -> ContactModes:
+    """The contact modes of one state of a scene.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        p_left_m: contact coordinate, outward from the foot of the pivot.
+        p_right_m: the same on the right.
+        theta_left_deg: palm angle; None: the scene's steep angle.
+        theta_right_deg: the same on the right.
+        overrides: scene keys to set.
+
+    Raises:
+        SceneError: the scene cannot be read or makes no sense.
+        PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, or the
+            object cannot span the two contacts.
+    """
+    chosen = load_scene(scene, overrides)
+    spec = lower(chosen)
+    steep = [chosen.palm_of(side).steep_deg for side in ("left", "right")]
+    degrees = [
+        float(steep[i] if angle is None else angle)
+        for i, angle in enumerate((theta_left_deg, theta_right_deg))
+    ]
+    p = [float(p_left_m), float(p_right_m)]
+    for i, side in enumerate(("left", "right")):
+        half = 0.5 * spec.palms[i].length
+        if not -half <= p[i] <= half:
+            raise PalmbotsError(
+                f"p_{side}_m: value is {show(p[i])}; allowed: on the palm, {-half:g} to {half:g} m"
+            )
+        if not -80 <= degrees[i] <= 80:
+            raise PalmbotsError(
+                f"theta_{side}_deg: value is {show(degrees[i])}; allowed: -80 to 80 degrees"
+            )
+    angles = [math.radians(d) for d in degrees]
+    height = [p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)]
+    rise = (height[1] - height[0]) / spec.width
+    if not abs(rise) < 1:
+        raise PalmbotsError(
+            "p_left_m, p_right_m: the contacts differ in height by more than the object is wide "
+            f"({abs(rise) * spec.width:.3g} m); allowed: less than {spec.width:g} m"
+        )
+    numbers = [
+        spec.width,
+        spec.com_left,
+        spec.com_right,
+        spec.com_height,
+        spec.slope,
+        spec.palms[0].offset,
+        spec.palms[1].offset,
+        spec.palms[0].friction,
+        spec.palms[1].friction,
+        *angles,
+        *p,
+    ]
+    columns = [np.array([value]) for value in numbers]
+    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, 1)
+    friction_angles = [math.atan(palm.friction) for palm in spec.palms]
+    squeeze = {
+        "left": (float(left_low[0]), float(left_high[0])),
+        "right": (float(right_low[0]), float(right_high[0])),
+    }
+    return ContactModes(
+        scene=chosen,
+        p_left_m=p[0],
+        p_right_m=p[1],
+        theta_left_deg=degrees[0],
+        theta_right_deg=degrees[1],
+        object_deg=math.degrees(math.asin(rise)),
+        feasible=tuple(m for bit, m in enumerate(MODES) if int(bits[0]) >> bit & 1),
+        consistent_closing=_CONSISTENT_CLOSING,
+        consistent_opening=_CONSISTENT_OPENING,
+        closing=MODES[closing[0]] if closing[0] >= 0 else None,
+        opening=MODES[opening[0]] if opening[0] >= 0 else None,
+        wedged={side: math.isinf(ends[1]) for side, ends in squeeze.items()},
+        squeeze=squeeze,
+        margin_rad=_core.margin(numbers, *friction_angles),
+    )

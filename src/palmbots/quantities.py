@@ -1,0 +1,146 @@
+"""Numbers with a unit and limits, and the faults that scene validation reports.
+
+Strict on purpose: a number is an int or a float (NumPy's count too), never a bool and never a
+string that happens to read like one. The limits are wide for any palmbot; what they catch is a
+length in millimetres, an angle in the wrong unit, NaN, infinity and the sign of a length.
+
+Numbers become plain floats here, so that equal scenes print alike.
+"""
+
+import math
+import numbers
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+from palmbots.errors import show
+
+__all__ = [
+    "Angle",
+    "Fraction",
+    "Index",
+    "Range",
+    "Switch",
+    "fault",
+    "from_list",
+]
+
+
+def fault(value: object, problem: str, allowed: str, key: str = "") -> PydanticCustomError:
+    """What a validator raises: "`key`: `value` `problem`; allowed: `allowed`".
+
+    `key` is relative to the model or field that is validated; empty means that one itself.
+    """
+    told: dict[str, Any] = {
+        "key": key,
+        "value": show(value),
+        "problem": problem,
+        "allowed": allowed,
+    }
+    return PydanticCustomError("scene", "{value} {problem}; allowed: {allowed}", told)
+
+
+@dataclass(frozen=True)
+class Range:
+    """The numbers a key may have; `least` and `most` are allowed themselves."""
+
+    unit: str = ""
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    below: float | None = None
+
+    @property
+    def allowed(self) -> str:
+        """The limits in words."""
+        words = [f"a number in {self.unit}" if self.unit else "a number"]
+        if self.least is not None and self.most is not None:
+            words.append(f"from {self.least:g} to {self.most:g}")
+        else:
+            limits = {
+                "more than": self.above,
+                "at least": self.least,
+                "at most": self.most,
+                "less than": self.below,
+            }
+            given = [f"{word} {at:g}" for word, at in limits.items() if at is not None]
+            words.append(" and ".join(given))
+        return ", ".join(words)
+
+    def __call__(self, value: object) -> float:
+        """The value as a float, if it is a number within the limits."""
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise fault(value, f"is {_kind(value)}, not a number", self.allowed)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf if value > 0 else -math.inf
+        if not math.isfinite(number):
+            raise fault(value, "is not finite", self.allowed)
+        low = (self.above is not None and number <= self.above) or (
+            self.least is not None and number < self.least
+        )
+        high = (self.below is not None and number >= self.below) or (
+            self.most is not None and number > self.most
+        )
+        if low or high:
+            raise fault(value, "is too small" if low else "is too large", self.allowed)
+        return number + 0.0  # −0.0 becomes 0.0: it would show in the bits of a mirrored scene
+
+
+def _index(value: object) -> int:
+    allowed = "a whole number, at least 0"
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise fault(value, f"is {_kind(value)}, not a whole number", allowed)
+    if value < 0:
+        raise fault(value, "is too small", allowed)
+    return int(value)
+
+
+def _switch(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise fault(value, f"is {_kind(value)}, not a boolean", "true or false")
+    return value
+
+
+def _switch(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise fault(value, f"is {_kind(value)}, not a boolean", "true or false")
+    return value
+
+
+def _kind(value: object) -> str:
+    """What a value is, in the words of TOML."""
+    words: dict[type, str] = {
+        bool: "a boolean",
+        str: "a string",
+        int: "a whole number",
+        float: "a number",
+        list: "a list",
+        tuple: "a list",
+        dict: "a table",
+    }
+    return words.get(type(value), f"of type {type(value).__name__}")
+
+
+def from_list(allowed: str, least: int = 0, most: int | None = None) -> Callable[[object], Any]:
+    """A validator that takes a list (or tuple) of `least` to `most` items and makes it a tuple."""
+
+    def check(value: object) -> Any:
+        if not isinstance(value, list | tuple):
+            raise fault(value, f"is {_kind(value)}, not a list", allowed)
+        if len(value) < least or (most is not None and len(value) > most):
+            raise fault(value, f"has {len(value)} item{'s' * (len(value) != 1)}", allowed)
+        return tuple(value)
+
+    return check
+
+
+Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
+Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
+Switch = Annotated[bool, BeforeValidator(_switch)]
+Index = Annotated[int, BeforeValidator(_index)]
+Switch = Annotated[bool, BeforeValidator(_switch)]

@@ -1,0 +1,80 @@
+"""Where scenes come from: the built-in ones and TOML files. Raises `SceneError`, one line each."""
+
+import difflib
+import os
+import re
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from palmbots.errors import SceneError
+
+__all__ = ["built_in_scenes", "read_scene"]
+
+_LARGEST = 1 << 20  # bytes; an endless device is no scene
+
+
+def built_in_scenes() -> list[str]:
+    """The names of the scenes that come with the package, sorted."""
+    folder = resources.files("palmbots") / "scenes"
+    return sorted(
+        f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")
+    )
+
+
+def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
+    """The table in a built-in scene or a file, and the name by which to call it in messages.
+
+    A built-in scene goes before a file of the same name; "./paper" is always a file.
+    """
+    name = os.fspath(source)
+    names = built_in_scenes()
+    if name in names:
+        text = (resources.files("palmbots") / "scenes" / f"{name}.toml").read_text("utf-8")
+        return name, tomllib.loads(text)
+    return name, _table(name, _text(name, _bytes(name, names)))
+
+
+def _bytes(name: str, built_in: list[str]) -> bytes:
+    try:
+        with open(Path(name), "rb") as stream:
+            data = stream.read(_LARGEST + 1)
+    except FileNotFoundError:
+        near = difflib.get_close_matches(name, built_in, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise SceneError(
+            f"{name}: no such scene or file; {hint}built-in scenes: {', '.join(built_in)}"
+        ) from None
+    except IsADirectoryError:
+        raise SceneError(f"{name}: is a folder; allowed: a scene file in TOML") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise SceneError(f"{name}: cannot be read: {reason}") from None
+    if len(data) > _LARGEST:
+        raise SceneError(f"{name}: is larger than 1 MiB; allowed: a scene file in TOML")
+    return data
+
+
+def _text(name: str, data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(
+            f"{name}: line {line} is not UTF-8 (byte 0x{data[error.start]:02x}); "
+            "allowed: a scene file in TOML, which is UTF-8"
+        ) from None
+
+
+def _table(name: str, text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        what, _, place = str(error).rpartition(" (at ")
+        at = re.match(r"line \d+, column \d+", place)
+        where = at[0] if at else f"line {text.count(chr(10)) + 1}, end of the file"
+        raise SceneError(f"{name}: {where}: not valid TOML: {what or error}") from None
+    except (ValueError, RecursionError) as error:  # ValueError: an integer too long for Python
+        reason = "lists nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise SceneError(f"{name}: not valid TOML: {reason}") from None

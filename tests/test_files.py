@@ -1,0 +1,109 @@
+"""A file appears whole or not at all, and every refusal is one clear line."""
+
+import os
+import stat
+
+import pytest
+
+from palmbots.errors import PalmbotsError
+from palmbots.files import folder, whole_file, write_whole
+
+
+def only_line(error):
+    text = str(error.value)
+    assert "\n" not in text
+    return text
+
+
+def test_writes_bytes_and_text(tmp_path):
+    write_whole(tmp_path / "a.txt", "θ = 5°\n")
+    write_whole(tmp_path / "b.bin", b"\x00\xff")
+    assert (tmp_path / "a.txt").read_text(encoding="utf-8") == "θ = 5°\n"
+    assert (tmp_path / "b.bin").read_bytes() == b"\x00\xff"
+    assert sorted(os.listdir(tmp_path)) == ["a.txt", "b.bin"]
+
+
+def test_permissions_follow_the_umask(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write_whole(tmp_path / "a", "x")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o640
+
+
+@pytest.mark.parametrize("interruption", [ValueError, KeyboardInterrupt])
+def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, interruption):
+    path = tmp_path / "log"
+    write_whole(path, "old")
+    with pytest.raises(interruption), whole_file(path) as stream:
+        stream.write(b"half of the ne")
+        raise interruption
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["log"]
+
+
+def test_nothing_is_visible_before_the_end(tmp_path):
+    with whole_file(tmp_path / "log") as stream:
+        stream.write(b"x")
+        assert not (tmp_path / "log").exists()
+    assert (tmp_path / "log").exists()
+
+
+def test_full_disk_is_one_line(tmp_path):
+    with pytest.raises(PalmbotsError) as error, whole_file(tmp_path / "log"):
+        raise OSError(28, "No space left on device")
+    assert only_line(error) == f"{tmp_path / 'log'}: cannot be written: No space left on device"
+    assert os.listdir(tmp_path) == []
+
+
+def test_refuses_a_missing_folder(tmp_path):
+    with pytest.raises(PalmbotsError) as error:
+        write_whole(tmp_path / "none" / "log", "x")
+    assert only_line(error).endswith("No such file or directory")
+
+
+def test_refuses_a_file_as_parent(tmp_path):
+    write_whole(tmp_path / "file", "x")
+    with pytest.raises(PalmbotsError) as error:
+        write_whole(tmp_path / "file" / "log", "x")
+    assert "cannot be written" in only_line(error)
+
+
+def test_refuses_a_folder_and_a_device(tmp_path):
+    with pytest.raises(PalmbotsError) as error:
+        write_whole(tmp_path, "x")
+    assert only_line(error).endswith("it is a folder")
+    with pytest.raises(PalmbotsError) as error:
+        write_whole("/dev/null", "x")
+    assert only_line(error).endswith("it is not a regular file")
+
+
+def test_follows_a_link_and_refuses_a_circle_of_links(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_whole(tmp_path / "link", "x")
+    assert (tmp_path / "target").read_text() == "x"
+    assert (tmp_path / "link").is_symlink()
+    (tmp_path / "circle").symlink_to(tmp_path / "circle")
+    with pytest.raises(PalmbotsError) as error:
+        write_whole(tmp_path / "circle", "x")
+    only_line(error)
+
+
+def test_long_names(tmp_path):
+    write_whole(tmp_path / ("n" * 255), "x")
+    with pytest.raises(PalmbotsError) as error:
+        write_whole(tmp_path / ("n" * 256), "x")
+    assert only_line(error).endswith("File name too long")
+
+
+def test_folder(tmp_path):
+    assert folder(tmp_path / "a" / "b").is_dir()
+    assert folder(tmp_path / "a" / "b") == tmp_path / "a" / "b"
+    write_whole(tmp_path / "file", "x")
+    with pytest.raises(PalmbotsError) as error:
+        folder(tmp_path / "file")
+    assert only_line(error).endswith("a file has this name")
+    with pytest.raises(PalmbotsError) as error:
+        folder(tmp_path / "file" / "sub")
+    only_line(error)
