@@ -21,7 +21,7 @@ from palmbots.files import whole_file
 from palmbots.geometry import place_rows
 from palmbots.gif import GifWriter
 from palmbots.lowering import lower
-from palmbots.sideview import SIDES, Moment, Stage, palette_image
+from palmbots.sideview import Moment, Stage, palette_image
 
 if TYPE_CHECKING:
     from palmbots.carry import Carry
@@ -31,7 +31,6 @@ __all__ = ["save"]
 _MESSAGE_SHOWN_S = 0.4
 _LAST_FRAME_S = 2.0  # the ending stays readable before the loop starts again
 _LONGEST_FILM_S = 60.0  # a longer carry is shown faster
-_MESSAGES = ("TiltUp", "TiltDown", "Ack")
 
 Progress = Callable[[int, int], None]
 
@@ -109,11 +108,9 @@ def _plan(carry: "Carry", fps: float) -> tuple[Stage, list[Moment]]:
 
 
 def _messages_shown(carry: "Carry", times: np.ndarray) -> list[tuple[str, str, str] | None]:
-    """For each time the newest message still to be seen; state packets are too many to show."""
+    """For each time the newest message, for as long as it is shown."""
     shown: list[tuple[str, str, str] | None] = [None] * len(times)
     for letter in carry.letters:
-        if letter.letter not in _MESSAGES:
-            continue
         first, last = np.searchsorted(times, [letter.sent_s, letter.sent_s + _MESSAGE_SHOWN_S])
         text = letter.letter if letter.received_s is not None else f"{letter.letter} (lost)"
         for k in range(int(first), int(last)):

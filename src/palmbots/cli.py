@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 
 from palmbots.errors import PalmbotsError, one_line
@@ -20,12 +19,15 @@ __all__ = ["main"]
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 
+# The base of all errors of usage. Typer brings its own copy of click, under a private name.
+_UsageFault = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
+
 app = typer.Typer(
     name="palmbots",
     help="Two robots, a flat tiltable palm each, carry one object together.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
+    pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -53,19 +55,23 @@ def run(arguments: list[str]) -> int:
         return status if isinstance(status, int) else DONE
     except PalmbotsError as error:
         return _refuse(str(error))
-    except click.ClickException as error:
+    except _UsageFault as error:
         context = getattr(error, "ctx", None)
         where = f"{context.command_path}: " if context is not None else ""
         helps = f"; see {context.command_path} --help" if context is not None else ""
-        return _refuse(f"{where}{error.format_message().rstrip('.')}{helps}")
-    except click.exceptions.Exit as stop:
+        return _refuse(f"{where}{_message(error).rstrip('.')}{helps}")
+    except typer.Exit as stop:
         return stop.exit_code
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, typer.Abort):
         print("palmbots: interrupted; nothing half-written is left behind", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()  # nobody reads on; say nothing
         return FAILED
+
+
+def _message(error: Any) -> str:
+    return error.format_message()
 
 
 def _refuse(message: str) -> int:
@@ -76,6 +82,7 @@ def _refuse(message: str) -> int:
 
 @app.callback(invoke_without_command=True)
 def _root(
+    context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     if version:
@@ -83,6 +90,8 @@ def _root(
 
         print(f"palmbots {__version__}")
         raise typer.Exit()
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 @app.command(epilog="Example: palmbots carry paper --controller centralized --seed 3 --out out")
@@ -204,17 +213,18 @@ def compare(
     as_json: JsonOption = False,
 ) -> int:
     """Put controllers side by side over a swept scene key, radio latency by default."""
-    from palmbots import compare as comparing
+    from palmbots.compare import DEFAULT_SWEEP, DEFAULT_VALUES
+    from palmbots.compare import compare as run_comparison
     from palmbots.overrides import parse_overrides
     from palmbots.report import compare_report
 
-    if values is None and key != comparing.DEFAULT_SWEEP:
+    if values is None and key != DEFAULT_SWEEP:
         raise PalmbotsError(f"--values: not given; allowed: numbers to set {key} to, as in 0.1,0.2")
     with _progress("comparing", as_json) as report:
-        done = comparing.compare(
+        done = run_comparison(
             scene,
             key=key,
-            values=comparing.DEFAULT_VALUES if values is None else _numbers("--values", values),
+            values=DEFAULT_VALUES if values is None else _numbers("--values", values),
             controllers=[name.strip() for name in controllers.split(",")],
             carries=carries,
             seed=seed,

@@ -3,7 +3,8 @@
 The top panel tells the story: a bar for each correction with its letter and case (left robot above,
 right robot below, hatched where a robot only assists), and between the two rows each message from
 the moment it is sent to the moment it arrives. The panels below show what it did; a correction is
-shaded there in the hue and hatch of its robot. Source: paper, section 5.2.
+shaded there in the hue and hatch of its robot, in panels for both robots in the half of its robot
+(left above, right below). Source: paper, section 5.2.
 """
 
 import math
@@ -75,7 +76,9 @@ def _view(carry: "Carry", window: tuple[float, float] | None) -> _View:
         if window is None:  # a carry that ended in its first tick still gets a picture
             end = start + carry.scene.control.period_s
         else:
-            raise PalmbotsError(f"figure: window is {window}; allowed: (from_s, to_s) with from < to")
+            raise PalmbotsError(
+                f"figure: window is {window}; allowed: (from_s, to_s) with from < to"
+            )
     rows = np.flatnonzero((times >= start) & (times <= end))
     if rows.size == 0:
         raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {times[-1]:g} s")
@@ -119,7 +122,9 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         for name, panel in panels.items():
             _shade(panel, view, name.split()[0])
             panel.tick_params(axis="y", length=2)
-            panel.tick_params(axis="x", length=2 if name == "speeds" else 0, labelbottom=name == "speeds")
+            panel.tick_params(
+                axis="x", length=2 if name == "speeds" else 0, labelbottom=name == "speeds"
+            )
             panel.yaxis.set_label_coords(-0.58 / view.width_in, 0.5)
             _mark_end(panel, view)
         panels["speeds"].set_xlabel("time (s)")
@@ -136,7 +141,9 @@ def save(
     """
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
-        raise PalmbotsError(f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_FORMATS)}")
+        raise PalmbotsError(
+            f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_FORMATS)}"
+        )
     figure = draw(carry, window)
     stamp = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with styled(), whole_file(path) as stream:  # no date inside: the same carry, the same file
@@ -179,7 +186,9 @@ def _head(figure: Figure, view: _View, left_in: float, height_in: float) -> None
 
 def _contact_reach(view: _View) -> float:
     """Half the height of both contact panels in mm, so that left and right compare."""
-    edges = [abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)]
+    edges = [
+        abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)
+    ]
     longest = max(palm.length for palm in view.spec.palms) / 2
     reach = max(1.25 * np.abs(view.series("contact")).max(), 1.2 * max(edges, default=0.0), 1e-3)
     return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
@@ -218,7 +227,9 @@ def _draw_palms(panel: Axes, view: _View) -> None:
     """Both palm angles in degrees."""
     for side in SIDES:
         panel.plot(view.time, np.degrees(view.series("palm", side)), color=HUE[side], ls=LINE[side])
-    angles = sorted({round(math.degrees(a), 6) for p in view.spec.palms for a in (p.shallow, p.steep)})
+    angles = sorted(
+        {round(math.degrees(a), 6) for p in view.spec.palms for a in (p.shallow, p.steep)}
+    )
     room = 0.25 * (angles[-1] - angles[0])
     panel.set_ylim(angles[0] - room, angles[-1] + room)
     panel.set_yticks(angles)
@@ -252,20 +263,26 @@ def _draw_speeds(panel: Axes, view: _View) -> None:
 
 
 def _shade(panel: Axes, view: _View, name: str) -> None:
-    """Shade each correction; a robot's own panels show its own corrections and its assistance."""
+    """Shade each correction: in the panels of its robot, and in its half of the common panels.
+
+    As in the top panel, the left robot's half is the upper one.
+    """
     if name == "story":
         return
+    halves = {"left": (0.5, 1.0), "right": (0.0, 0.5), "both": (0.0, 1.0)}
     for c in view.carry.corrections:
         if c.end_s < view.start or c.start_s > view.end:
             continue
-        if name in SIDES and c.robot not in (name, "both"):
-            continue
-        panel.axvspan(c.start_s, c.end_s, fc=HUE[c.robot], alpha=0.11, lw=0, zorder=0)
+        low, high = halves[c.robot]
+        if name in SIDES:
+            if c.robot not in (name, "both"):
+                continue
+            low, high = 0.0, 1.0
+        span = (c.start_s, c.end_s, low, high)
+        panel.axvspan(*span, fc=HUE[c.robot], alpha=0.12, lw=0, zorder=0)
         if name not in SIDES:
-            panel.axvspan(
-                c.start_s, c.end_s, fc="none", ec=HUE[c.robot], hatch=HATCH[c.robot], alpha=0.16,
-                lw=0, zorder=0,
-            )
+            hatch = HATCH[c.robot]
+            panel.axvspan(*span, fc="none", ec=HUE[c.robot], hatch=hatch, alpha=0.2, lw=0, zorder=0)
 
 
 def _mark_end(panel: Axes, view: _View) -> None:

@@ -1,7 +1,7 @@
 """The top panel of Figure 8: who corrects what, who assists, and which messages pass.
 
-The left robot's row is above, the right robot's below, and a station's between them where the
-controller has one. Labels stand outside the rows, on as many levels as they need not to collide.
+The left robot's row is above, the right robot's below. Labels stand outside the rows, on as many
+levels as they need not to collide; one that finds no room is left out.
 """
 
 import math
@@ -22,24 +22,24 @@ if TYPE_CHECKING:
 
 __all__ = ["Bar", "correction_bars", "draw_story", "message_key", "runs", "stagger"]
 
-_ROW = {"left": 1.0, "right": -1.0, "station": 0.0}
+_ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
 _MARKERS = {"TiltUp": "^", "Ack": "o", "TiltDown": "v"}
-_MANY = 400  # more messages than this are thinned to those that differ from the last on their link
 
 
-def stagger(centres: Sequence[float], widths: Sequence[float], levels: int) -> list[int]:
-    """A level for each label, left to right, so that labels of one level do not overlap.
+def stagger(centres: Sequence[float], widths: Sequence[float], levels: int) -> list[int | None]:
+    """The lowest level for each label on which it overlaps no label before it; None: no room.
 
-    Where even the last level is taken, the level that frees first gets the label.
+    Labels come in the order of their centres.
     """
     ends = [-math.inf] * levels
-    chosen = []
+    chosen: list[int | None] = []
     for centre, width in zip(centres, widths, strict=True):
         start = centre - width / 2
-        level = next((k for k in range(levels) if ends[k] <= start), int(np.argmin(ends)))
-        ends[level] = centre + width / 2
+        level = next((k for k in range(levels) if ends[k] <= start), None)
+        if level is not None:
+            ends[level] = centre + width / 2
         chosen.append(level)
     return chosen
 
@@ -47,19 +47,20 @@ def stagger(centres: Sequence[float], widths: Sequence[float], levels: int) -> l
 def message_key(carry: "Carry") -> list[Line2D]:
     """Legend entries for the kinds of message this carry holds."""
     used = {letter.letter for letter in carry.letters}
-    known = [kind for kind in _MARKERS if kind in used]
-    look = {"color": QUIET, "mfc": INK, "mec": INK, "ms": 3.2, "lw": 0.8}
-    entries = [Line2D([], [], marker=_MARKERS[kind], label=kind, **look) for kind in known]
-    if used - set(known):
-        entries.append(Line2D([], [], marker=".", label="state packet", **look))
+    entries = [
+        Line2D([], [], marker=marker, label=kind, color=QUIET, mfc=INK, mec=INK, ms=3.2, lw=0.8)
+        for kind, marker in _MARKERS.items()
+        if kind in used
+    ]
     if any(letter.received_s is None for letter in carry.letters):
-        look = {"color": QUIET, "mec": DROP, "ms": 4, "lw": 0.8}
-        entries.append(Line2D([], [], marker="x", label="lost", **look))
+        entries.append(
+            Line2D([], [], marker="x", label="lost", color=QUIET, mec=DROP, ms=4, lw=0.8)
+        )
     return entries
 
 
 def draw_story(panel: Axes, carry: "Carry", start: float, end: float, width_in: float) -> None:
-    """Draw bars, labels and messages between two times; `width_in` is the panel's width in inches."""
+    """Draw bars, labels and messages between two times; `width_in`: the panel's width in inches."""
     shown = [c for c in carry.corrections if c.end_s >= start and c.start_s <= end]
     second_per_inch = (end - start) / width_in
     size = 6.5 if len(shown) > 3.2 * width_in else 8.0
@@ -69,7 +70,7 @@ def draw_story(panel: Axes, carry: "Carry", start: float, end: float, width_in: 
         mine = [bar for bar in bars if bar.row == row]
         tallest = max(tallest, _draw_row(panel, mine, row, size, second_per_inch, (start, end)))
     letters = [m for m in carry.letters if start <= m.sent_s <= end]
-    _draw_letters(panel, letters, end)
+    _draw_letters(panel, letters, end, size)
     if not shown:
         panel.text(
             (start + end) / 2, 0, "no corrections", ha="center", va="center", size=8, color=QUIET
@@ -77,19 +78,24 @@ def draw_story(panel: Axes, carry: "Carry", start: float, end: float, width_in: 
     if carry.outcome != "delivered" and start <= carry.time_s <= end:
         side, shift = ("right", -4) if carry.time_s > (start + end) / 2 else ("left", 4)
         panel.annotate(
-            f"{carry.outcome}: {carry.reason or 'time is up'}", (carry.time_s, 0), (shift, 0),
-            textcoords="offset points", ha=side, va="center", size=8, color=DROP, weight="bold",
-            zorder=7, bbox={"fc": "white", "ec": "none", "alpha": 0.85, "pad": 1.0},
+            f"{carry.outcome}: {carry.reason or 'time is up'}",
+            (carry.time_s, 0),
+            (shift, 0),
+            textcoords="offset points",
+            ha=side,
+            va="center",
+            size=8,
+            color=DROP,
+            weight="bold",
+            zorder=7,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.85, "pad": 1.0},
         )
     reach = _ROW["left"] + _BAR + 0.1 + tallest * _LEVEL
     panel.set_ylim(-reach, reach)
     panel.grid(False)
-    rows = ["left", "right"]
-    if any("station" in (m.sender, m.receiver) for m in letters):
-        rows.append("station")
-    for row in rows:
-        panel.axhline(_ROW[row], color="#DDDDDD", lw=0.8, zorder=0)
-    panel.set_yticks([_ROW[row] for row in rows], rows)
+    for level in _ROW.values():
+        panel.axhline(level, color="#DDDDDD", lw=0.8, zorder=0)
+    panel.set_yticks(list(_ROW.values()), list(_ROW))
     panel.set_ylabel("correction\n(case)")
 
 
@@ -154,6 +160,8 @@ def _draw_row(
         centres.append(min(max(middle, window[0] + width / 2), window[1] - width / 2))
     levels = stagger(centres, widths, 3)
     for bar, centre, level in zip(labelled, centres, levels, strict=True):
+        if level is None:
+            continue
         y = _ROW[row] + outward * (_BAR + 0.08 + level * _LEVEL)
         va = "bottom" if outward > 0 else "top"
         colour = HUE[row] if bar.assists else INK
@@ -161,48 +169,29 @@ def _draw_row(
         if level:
             edge = _ROW[row] + outward * _BAR
             panel.plot([centre, centre], [edge, y], color="#BBBBBB", lw=0.5, zorder=1)
-    return max(levels, default=0) + 1
+    return 1 + max((level for level in levels if level is not None), default=0)
 
 
-@dataclass(frozen=True)
-class _Flight:
-    """One message as drawn: from (time, row) to (time, row)."""
+def _draw_letters(panel: Axes, letters: "Sequence[Letter]", end: float, size: float) -> None:
+    """A line per message from its sender's row to its receiver's, its kind marked on arrival.
 
-    start: tuple[float, float]
-    end: tuple[float, float]
-    marker: str
-
-
-def _draw_letters(panel: Axes, letters: "Sequence[Letter]", end: float) -> None:
-    """A line per message from its sender's row to its receiver's, its kind marked on arrival."""
-    flights = [_flight(m, end) for m in _thinned(letters)]
-    lines = [[f.start, f.end] for f in flights]
-    panel.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.7, zorder=4), autolim=False)
-    for marker in {f.marker for f in flights}:
-        ends = np.array([f.end for f in flights if f.marker == marker])
-        small = 5 if marker == "." else 11
-        colour = DROP if marker == "x" else INK
-        panel.scatter(*ends.T, s=small, marker=marker, color=colour, lw=0.8, zorder=5)
-
-
-def _thinned(letters: "Sequence[Letter]") -> "list[Letter]":
-    if len(letters) <= _MANY:
-        return list(letters)
-    last: dict[tuple[str, str], str] = {}
-    kept = []
+    A lost message ends half way, straight below or above where it was sent.
+    """
+    lines = []
+    arrivals: dict[str, list[tuple[float, float]]] = {}
     for m in letters:
-        link = (m.sender, m.receiver)
-        if last.get(link) != m.letter:
-            kept.append(m)
-        last[link] = m.letter
-    return kept
-
-
-def _flight(m: "Letter", end: float) -> _Flight:
-    """A lost message ends half way, straight below where it was sent."""
-    direction = math.copysign(1.0, _ROW[m.receiver] - _ROW[m.sender])
-    start = _ROW[m.sender] + direction * (_BAR if m.sender != "station" else 0.0)
-    goal = _ROW[m.receiver] - direction * (_BAR + 0.1 if m.receiver != "station" else 0.0)
-    if m.received_s is None:
-        return _Flight((m.sent_s, start), (m.sent_s, (start + goal) / 2), "x")
-    return _Flight((m.sent_s, start), (min(m.received_s, end), goal), _MARKERS.get(m.letter, "."))
+        direction = math.copysign(1.0, _ROW[m.receiver] - _ROW[m.sender])
+        start = _ROW[m.sender] + direction * _BAR
+        if m.received_s is None:
+            marker, goal = "x", (m.sent_s, 0.0)
+        else:
+            arrival = _ROW[m.receiver] - direction * (_BAR + 0.1)
+            marker, goal = _MARKERS[m.letter], (min(m.received_s, end), arrival)
+        lines.append([(m.sent_s, start), goal])
+        arrivals.setdefault(marker, []).append(goal)
+    collection = LineCollection(lines, colors=QUIET, linewidths=0.7, zorder=4)
+    panel.add_collection(collection, autolim=False)
+    for marker, goals in arrivals.items():
+        colour = DROP if marker == "x" else INK
+        x, y = zip(*goals, strict=True)
+        panel.scatter(x, y, s=1.4 * size, marker=marker, color=colour, lw=0.8, zorder=5)

@@ -24,7 +24,9 @@ class GifWriter:
         """`palette` is an image of mode P with at most 255 colours."""
         colours = palette.getpalette() or []
         if len(colours) > 3 * _TRANSPARENT:
-            raise ValueError(f"the palette has {len(colours) // 3} colours; at most 255 are possible")
+            raise ValueError(
+                f"the palette has {len(colours) // 3} colours; at most 255 are possible"
+            )
         self._stream = stream
         self._palette = palette
         self._table = bytes(colours + [0] * (768 - len(colours)))

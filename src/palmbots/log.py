@@ -280,7 +280,9 @@ def _parse(data: bytes) -> Log:
     if facts is None:
         raise PalmbotsError("not a carry log of palmbots: it has no metadata record of that name")
     if facts["format"] != _FORMAT:
-        raise PalmbotsError(f"a carry log of format {facts['format']}; this version reads {_FORMAT}")
+        raise PalmbotsError(
+            f"a carry log of format {facts['format']}; this version reads {_FORMAT}"
+        )
     samples = json.loads(facts["samples"])
     counts = {topic: len(messages.get(topic, [])) for topic in ("/left", "/right", "/pair")}
     if set(counts.values()) != {samples}:

@@ -159,7 +159,10 @@ def triangulate(
                 triangles.append((a, b, c))
                 break
         else:  # only corners without area are left: drop one, it shows nothing
-            k = min(range(len(left)), key=lambda i: abs(area(left[i - 1], left[i], left[(i + 1) % len(left)])))
+            k = min(
+                range(len(left)),
+                key=lambda i: abs(area(left[i - 1], left[i], left[(i + 1) % len(left)])),
+            )
         del left[k]
     triangles.append((left[0], left[1], left[2]))
     return triangles

@@ -11,12 +11,11 @@ import math
 from palmbots import _core
 from palmbots.frame import object_frame
 from palmbots.scene import Scene
-from palmbots.sections import PalmParameters, RobotParameters, Side, Tactile
+from palmbots.sections import SIDES, PalmParameters, RobotParameters, Tactile
 
 __all__ = ["lower"]
 
 _RADIANS_PER_DEGREE = math.pi / 180
-_SIDES: tuple[Side, Side] = ("left", "right")
 _SIGNS = {"-": -1, "0": 0, "+": 1}
 
 
@@ -32,9 +31,9 @@ def lower(scene: Scene) -> _core.Spec:
     spec.outline = [(c.from_left, c.from_right, c.height) for c in frame.outline]
     spec.contact_right = frame.contact_right
 
-    left, right = (_palm(scene.palm_of(side)) for side in _SIDES)
+    left, right = (_palm(scene.palm_of(side)) for side in SIDES)
     spec.palms = (left, right)
-    left, right = (_robot(scene.robot_of(side)) for side in _SIDES)
+    left, right = (_robot(scene.robot_of(side)) for side in SIDES)
     spec.robots = (left, right)
     spec.zones = _zones(scene.tactile)
     spec.false_rate = scene.tactile.false_rate
@@ -44,7 +43,7 @@ def lower(scene: Scene) -> _core.Spec:
     spec.loss = scene.radio.loss
     spec.bumps = [
         (
-            _SIDES.index(bump.robot),
+            SIDES.index(bump.robot),
             bump.at_s is not None,
             bump.at_s if bump.at_s is not None else bump.at_m or 0.0,
             bump.shift_m,

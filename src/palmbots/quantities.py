@@ -77,7 +77,7 @@ class Range:
         try:
             number = float(value)
         except OverflowError:
-            number = math.inf if value > 0 else -math.inf
+            number = math.inf
         if not math.isfinite(number):
             raise fault(value, "is not finite", self.allowed)
         low = (self.above is not None and number <= self.above) or (
@@ -98,12 +98,6 @@ def _index(value: object) -> int:
     if value < 0:
         raise fault(value, "is too small", allowed)
     return int(value)
-
-
-def _switch(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise fault(value, f"is {_kind(value)}, not a boolean", "true or false")
-    return value
 
 
 def _switch(value: object) -> bool:
@@ -143,4 +137,3 @@ Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
 Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
 Switch = Annotated[bool, BeforeValidator(_switch)]
 Index = Annotated[int, BeforeValidator(_index)]
-Switch = Annotated[bool, BeforeValidator(_switch)]

@@ -30,6 +30,21 @@ class Replay:
     difference: str | None  #: the first thing that differs, in one line
     log: Log
 
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots replay --json`` prints."""
+        return {
+            "identical": self.identical,
+            "samples": self.samples,
+            "difference": self.difference,
+            "trace_hash": self.trace_hash,
+            "logged_hash": self.logged_hash,
+            "controller": self.log.controller,
+            "seed": self.log.seed,
+            "precision": self.log.precision,
+            "version": self.log.version,
+            "scene": self.log.scene,
+        }
+
 
 def replay(path: str | os.PathLike[str]) -> Replay:
     """Read a log, run its scene again with its controller and seed, and compare every bit.
@@ -68,9 +83,7 @@ def first_difference(logged: xr.Dataset, again: xr.Dataset) -> str | None:
     rows = min(logged.sizes["time"], again.sizes["time"])
     earliest: tuple[int, str, Any, Any] | None = None
     for name in ("time", *map(str, logged.data_vars)):
-        one, other = (
-            (t[name].transpose("time", ...).to_numpy()[:rows]) for t in (logged, again)
-        )
+        one, other = ((t[name].transpose("time", ...).to_numpy()[:rows]) for t in (logged, again))
         differs = _bits(one) != _bits(other)
         if not differs.any():
             continue

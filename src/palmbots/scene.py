@@ -18,6 +18,7 @@ from palmbots.overrides import merged
 from palmbots.quantities import fault
 from palmbots.scene_files import read_scene
 from palmbots.sections import (
+    SIDES,
     Bumps,
     Control,
     Object,
@@ -91,7 +92,7 @@ class Scene(Section):
         thing["com_m"] = (0.0 - thing["com_m"][0], thing["com_m"][1])
         thing["contacts"] = thing["contacts"][::-1]
         for section in ("palm", "robot"):
-            sides = {other_side(s): table[section].pop(s, {}) for s in _SIDES}
+            sides = {other_side(s): table[section].pop(s, {}) for s in SIDES}
             table[section] |= sides
         for bump in table["bumps"]["script"]:
             bump["robot"] = other_side(bump["robot"])
@@ -138,7 +139,7 @@ class Scene(Section):
 
     def _check_start(self) -> None:
         heights = []
-        for side, place in zip(_SIDES, (self.start.left_m, self.start.right_m), strict=True):
+        for side, place in zip(SIDES, (self.start.left_m, self.start.right_m), strict=True):
             palm = self.palm_of(side)
             half = palm.length_m / 2
             if abs(place) > half:
@@ -160,9 +161,6 @@ class Scene(Section):
                 "left_m and right_m at more equal heights",
                 "start",
             )
-
-
-_SIDES: tuple[Side, Side] = ("left", "right")
 
 
 def load_scene(

@@ -24,6 +24,7 @@ from palmbots.quantities import Angle, Fraction, Index, Range, Switch, fault, fr
 from palmbots.standing import check_standing
 
 __all__ = [
+    "SIDES",
     "Bump",
     "Bumps",
     "Control",
@@ -47,6 +48,7 @@ __all__ = [
 
 Side = Literal["left", "right"]
 Direction = Literal["forward", "backward"]
+SIDES: tuple[Side, Side] = ("left", "right")
 
 Size = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10))]
 Extent = Annotated[float, BeforeValidator(Range("m", least=0, most=10))]
@@ -157,7 +159,8 @@ class Palm(PalmParameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        for side, override in (("left", self.left), ("right", self.right)):
+        for side in SIDES:
+            override = self.left if side == "left" else self.right
             palm = self.of(side)
             if palm.steep_deg <= palm.shallow_deg:
                 raise fault(
@@ -221,7 +224,8 @@ class Robot(RobotParameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        for side, override in (("left", self.left), ("right", self.right)):
+        for side in SIDES:
+            override = self.left if side == "left" else self.right
             robot = self.of(side)
             if robot.speed_m_s > robot.max_speed_m_s:
                 raise fault(

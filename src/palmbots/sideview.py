@@ -108,7 +108,17 @@ class Stage:
         self.duration = max(duration, 1e-9)
         self.floor = floor_level(spec)
         self._measure()
-        self.colours = (INK, QUIET, ZERO, OBJECT, DROP, SLIDES, _FLOOR, *HUE.values(), *PALE.values())
+        self.colours = (
+            INK,
+            QUIET,
+            ZERO,
+            OBJECT,
+            DROP,
+            SLIDES,
+            _FLOOR,
+            *HUE.values(),
+            *PALE.values(),
+        )
         self._backdrop = self._draw_backdrop(bars, title)
 
     def _measure(self) -> None:
@@ -123,7 +133,9 @@ class Stage:
         tall = self._ceiling - self.floor + 0.04
         slope = abs(spec.slope)
         self.scale = min(WIDTH / 2 / half_wide, _TALLEST / (tall + 2 * slope * half_wide))
-        self._rise = slope * half_wide * self.scale  # px the slope lifts one side and lowers the other
+        self._rise = (
+            slope * half_wide * self.scale
+        )  # px the slope lifts one side and lowers the other
         self._world_px = 2 * math.ceil((tall * self.scale + 2 * self._rise) / 2)
         self.size = (WIDTH, _TOP + self._world_px + _FOOT)
         angle = math.atan(spec.slope)  # > 0: the floor rises forward
@@ -285,7 +297,10 @@ class Stage:
         self, draw: ImageDraw.ImageDraw, camera: float
     ) -> list[tuple[tuple[float, float], str]]:
         reach = WIDTH / self.scale
-        strip = np.array([[-reach, 0], [reach, 0], [reach, -1], [-reach, -1]]) + [camera, self.floor]
+        strip = np.array([[-reach, 0], [reach, 0], [reach, -1], [-reach, -1]]) + [
+            camera,
+            self.floor,
+        ]
         draw.polygon(self._to_screen(camera, strip), _FLOOR)
         draw.line(self._to_screen(camera, strip[:2]), QUIET, 3)
         names = []
@@ -299,8 +314,14 @@ class Stage:
             if whole:
                 x, y = ends[1][0] / _FINE, ends[1][1] / _FINE + _TOP + 1
                 names.append(((x, y), f"{tenth / 10:g} m".replace("-", "−")))
-        pole = np.array([[goal, self.floor], [goal, self.floor + 0.12], [goal + 0.04, self.floor + 0.105],
-                         [goal, self.floor + 0.09]])
+        pole = np.array(
+            [
+                [goal, self.floor],
+                [goal, self.floor + 0.12],
+                [goal + 0.04, self.floor + 0.105],
+                [goal, self.floor + 0.09],
+            ]
+        )
         flag = self._to_screen(camera, pole)
         draw.line(flag[:2], INK, 3)
         draw.polygon(flag[1:], ZERO)
@@ -362,8 +383,13 @@ class Stage:
         along = motion * outward * np.array([math.cos(turn), math.sin(turn)])
         across = np.array([-along[1], along[0]])
         size = 9 / self.scale
-        tip = np.array([point + 1.5 * size * along, point - size * along + size * across,
-                        point - size * along - size * across])
+        tip = np.array(
+            [
+                point + 1.5 * size * along,
+                point - size * along + size * across,
+                point - size * along - size * across,
+            ]
+        )
         marks = self._to_screen(camera, tip)
         draw.polygon(marks, SLIDES)
         draw.line([*marks, marks[0]], INK, 3, joint="curve")
@@ -375,11 +401,18 @@ class Stage:
         sender, receiver, text = message
         y = self.floor + 0.5 * BODY_SIZE
         near = [self.placement.pivot[row, k, 0] + (-1, 1)[k] * (BODY_GAP - 0.012) for k in range(2)]
-        ends = {"left": near[0], "right": near[1], "station": sum(near) / 2}
+        ends = dict(zip(SIDES, near, strict=True))
         start, end = ends[sender], ends[receiver]
         head = 0.014 * math.copysign(1.0, end - start)
-        shape = np.array([[start, y], [end - head, y], [end, y], [end - head, y + 0.008],
-                          [end - head, y - 0.008]])
+        shape = np.array(
+            [
+                [start, y],
+                [end - head, y],
+                [end, y],
+                [end - head, y + 0.008],
+                [end - head, y - 0.008],
+            ]
+        )
         marks = self._to_screen(camera, shape)
         draw.line(marks[:2], INK, 3)
         draw.polygon(marks[2:], INK)

@@ -25,7 +25,18 @@ if TYPE_CHECKING:
     from palmbots._core import Spec
     from palmbots.scene import Scene
 
-__all__ = ["WORLD", "Ball", "Box", "Cylinder", "Prism", "Solid", "contact_balls", "poses", "solids", "urdf"]
+__all__ = [
+    "WORLD",
+    "Ball",
+    "Box",
+    "Cylinder",
+    "Prism",
+    "Solid",
+    "contact_balls",
+    "poses",
+    "solids",
+    "urdf",
+]
 
 WORLD = "world"
 SIDES = ("left", "right")

@@ -7,7 +7,20 @@ by line style and hatch, and every correction carries its letter.
 import contextlib
 from collections.abc import Iterator
 
-__all__ = ["BOTH", "DROP", "HATCH", "HUE", "INK", "LINE", "OBJECT", "PALE", "QUIET", "SLIDES", "ZERO", "styled"]
+__all__ = [
+    "BOTH",
+    "DROP",
+    "HATCH",
+    "HUE",
+    "INK",
+    "LINE",
+    "OBJECT",
+    "PALE",
+    "QUIET",
+    "SLIDES",
+    "ZERO",
+    "styled",
+]
 
 INK = "#222222"
 QUIET = "#8A8A8A"

@@ -1,0 +1,209 @@
+"""What the commands print for people."""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from palmbots.carry import Carry
+    from palmbots.compare import Comparison
+    from palmbots.modes import ContactModes
+    from palmbots.replay import Replay
+
+__all__ = ["carry_report", "compare_report", "modes_report", "replay_report"]
+
+_SIDES = ("left", "right")
+_GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
+
+_REASONS = {
+    "off-palm": "a contact ran past the end of its palm",
+    "sliding": "no squeeze balances the object: it slides on both palms",
+    "flush": "an edge of the object came to lie on a palm",
+    "tip": "the end of a palm met an edge of the object",
+    "tipping": "the centre of mass went past a contact",
+    "jammed": "both contacts are wedged",
+}
+
+_CASES = {
+    "a": "own p > 0, partner assists (c)",
+    "b": "both p > 0",
+    "d": "own p < 0",
+    "1": "p_L > 0",
+    "2": "p_R > 0",
+    "3": "p_L < 0",
+    "4": "p_R < 0",
+    "5": "both > 0",
+    "6": "both < 0",
+    "7": "p_L > 0, p_R < 0",
+    "8": "p_L < 0, p_R > 0",
+}
+
+
+def _plain() -> Table:
+    return Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.1f} mm"
+
+
+def carry_report(
+    done: "Carry", scene_name: str, warnings: Sequence[str], written: Sequence[Path]
+) -> None:
+    """The outcome of a carry at a glance: result, contacts, corrections, files."""
+    console = Console(highlight=False)
+    good = done.outcome == "delivered"
+    head = Text(done.outcome.upper(), style=_GOOD if good else _BAD)
+    head.append(
+        f"  {done.distance_m:.2f} of {done.scene.task.distance_m:.2f} m in {done.time_s:.1f} s",
+        style="bold",
+    )
+    head.append(
+        f"   {scene_name}, {done.controller}, seed {done.seed}, {done.precision}", style=_QUIET
+    )
+    console.print(head)
+    if done.reason is not None:
+        console.print(f"  {done.reason}: {_REASONS[done.reason]}")
+
+    table = _plain()
+    table.add_row("", Text("left", style="bold"), Text("right", style="bold"))
+    table.add_row("contact rms", *(_mm(done.contact_rms_m[s]) for s in _SIDES))
+    table.add_row("contact peak", *(_mm(done.contact_peak_m[s]) for s in _SIDES))
+    if done.messages and done.controller != "centralized":
+        table.add_row("waited", *(f"{done.waiting_s[s]:.1f} s" for s in _SIDES))
+    console.print(table)
+
+    if done.corrections:
+        console.print(f"{len(done.corrections)} corrections")
+        counts = Counter((c.case, c.robot) for c in done.corrections)
+        cases = _plain()
+        for case in sorted({case for case, _ in counts}):
+            by_robot = "   ".join(
+                f"{robot} {counts[case, robot]}"
+                for robot in (*_SIDES, "both")
+                if counts[case, robot]
+            )
+            cases.add_row(f"  ({case})", Text(_CASES.get(case, ""), style=_QUIET), by_robot)
+        console.print(cases)
+    lost = f", {done.messages_lost} lost" if done.messages_lost else ""
+    bumps = f"   {done.bumps} bumps" if done.bumps else ""
+    console.print(f"{done.messages} messages{lost}{bumps}   trace {done.trace_hash}", style=_QUIET)
+    for warning in warnings:
+        console.print(Text("warning: ", style="bold yellow").append(warning, style="default"))
+    _files(console, written)
+
+
+def _files(console: Console, written: Sequence[Path]) -> None:
+    for path in written:
+        console.print(f"wrote {path}  {_size(path.stat().st_size)}", soft_wrap=True)
+
+
+def _size(n: int) -> str:
+    return f"{n / 1e6:.1f} MB" if n >= 1e6 else f"{n / 1e3:.0f} kB"
+
+
+def modes_report(found: "ContactModes") -> None:
+    """The nine modes as a 3 × 3 table, and what happens."""
+    console = Console(highlight=False)
+    console.print(
+        f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
+        f"contacts {_mm(found.p_left_m)}, {_mm(found.p_right_m)}   object {found.object_deg:.2f}°"
+    )
+    table = Table()
+    table.add_column("left ↓  right →")
+    for right in ("ST", "SL", "SR"):
+        table.add_column(right, justify="center")
+    for left in ("ST", "SL", "SR"):
+        row = [_mark(found, (left, right)) for right in ("ST", "SL", "SR")]
+        table.add_row(Text(left, style="bold"), *row)
+    console.print(table)
+    console.print("ST sticks, SL slides left, SR slides right", style=_QUIET)
+    for what, mode, wedged in (
+        ("closing", found.closing, all(found.wedged.values())),
+        ("opening", found.opening, False),
+    ):
+        if mode is not None:
+            console.print(f"{what}: [bold]{mode[0]}–{mode[1]}[/bold]")
+        else:
+            held = any(m == ("ST", "ST") for m in found.feasible)
+            why = "jammed: no contact lets go" if held or wedged else "the object is not held"
+            console.print(f"{what}: [bold red]none[/bold red] ({why})")
+    for side in _SIDES:
+        low, high = found.squeeze[side]
+        wedged = "   wedged: no squeeze frees it" if found.wedged[side] else ""
+        console.print(f"squeeze {side:5}  {_end(low)} … {_end(high)} of the weight{wedged}")
+    console.print(f"friction cone margin  {math.degrees(found.margin_rad):.2f}°")
+
+
+def _mark(found: "ContactModes", mode: tuple[str, str]) -> Text:
+    if mode not in found.feasible:
+        return Text("–", style=_QUIET)
+    happens = [
+        word
+        for word, one in (("closing", found.closing), ("opening", found.opening))
+        if one == mode
+    ]
+    return Text(", ".join(["balanced", *happens]), style=_GOOD if happens else "")
+
+
+def _end(value: float) -> str:
+    return f"{value:+.3f}" if math.isfinite(value) else ("unbounded" if value > 0 else "-unbounded")
+
+
+def compare_report(done: "Comparison", written: Path | None) -> None:
+    """One row for each controller and value."""
+    console = Console(highlight=False)
+    table = Table(title=f"{done.rows[0].n} carries a row, seeds from {done.seed}")
+    for name, justify in (
+        ("controller", "left"),
+        (done.key, "right"),
+        ("dropped", "right"),
+        ("95 % interval", "right"),
+        ("stalled", "right"),
+        ("contact rms", "right"),
+        ("corrections", "right"),
+    ):
+        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    last = None
+    for row in done.rows:
+        if last is not None and row.controller != last:
+            table.add_section()
+        table.add_row(
+            row.controller if row.controller != last else "",
+            f"{row.value:g}",
+            f"{100 * row.drop_rate:.1f} %",
+            f"{100 * row.interval[0]:.1f} – {100 * row.interval[1]:.1f} %",
+            f"{100 * row.stall_rate:.1f} %",
+            _mm(row.rms_m),
+            f"{row.corrections:.1f}",
+        )
+        last = row.controller
+    console.print(table)
+    if written is not None:
+        _files(console, [written])
+
+
+def replay_report(result: "Replay", log: Path) -> None:
+    """Whether the new run is the logged one."""
+    console = Console(highlight=False)
+    if result.identical:
+        console.print(
+            Text("IDENTICAL", style=_GOOD).append(
+                f"  {result.samples} samples, every bit   trace {result.trace_hash}",
+                style="default",
+            )
+        )
+    else:
+        console.print(Text("DIFFERS", style=_BAD).append(f"  {result.difference}", style="default"))
+    console.print(
+        f"{log}: {result.log.controller}, seed {result.log.seed}, {result.log.precision}, "
+        f"version {result.log.version}",
+        style=_QUIET,
+        soft_wrap=True,
+    )

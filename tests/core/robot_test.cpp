@@ -1,0 +1,119 @@
+// Wheels: limits of acceleration and speed, calibration error, noise with its closed forms.
+// Wrist: the way to an angle at a finite rate, and an exact end.
+#include "palmbots/robot.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "check.hpp"
+#include "palmbots/philox.hpp"
+
+using palmbots::draw;
+using palmbots::Palm;
+using palmbots::Stream;
+using palmbots::unit_noise;
+using palmbots::Wheels;
+using palmbots::Wrist;
+
+namespace {
+
+template <class Real>
+void test_acceleration_and_speed_limit() {
+  Wheels<Real> wheels{Real(0.005), Real(0.1), Real(0), Real(0), Real(0)};
+  Real before = Real(0);
+  int ticks = 0;
+  while (wheels.speed != Real(0.06)) {
+    const Real now = wheels.step(Real(0.06), Real(0));
+    CHECK(now == wheels.speed && now > before && now <= Real(0.06));
+    CHECK(now - before <= Real(0.005) * (1 + 8 * std::numeric_limits<Real>::epsilon()));
+    before = now;
+    ++ticks;
+  }
+  CHECK(ticks == 12 || ticks == 13);  // 0.06 / 0.005, one more where the sum is rounded down
+  for (int i = 0; i < 100; ++i) wheels.step(Real(9), Real(0));
+  CHECK(wheels.speed == Real(0.1));
+  for (int i = 0; i < 39; ++i) wheels.step(Real(-9), Real(0));
+  CHECK(wheels.speed > Real(-0.1));
+  for (int i = 0; i < 3; ++i) wheels.step(Real(-9), Real(0));
+  CHECK(wheels.speed == Real(-0.1));
+}
+
+// The calibration error is no part of the limits: it is what the robot does not know.
+void test_bias() {
+  Wheels<double> wheels{1.0, 0.2, 0.013, 0.0, 0.0};
+  CHECK(wheels.step(0.06, 0) == 0.06 + 0.013);
+  CHECK(wheels.step(0.2, 0) == 0.2 + 0.013);
+  CHECK(wheels.step(9.0, 0) == 0.2 + 0.013);
+}
+
+// dn = −n dt/τ + σ √(2/τ) dW sampled every T: stationary spread σ, correlation e^(−kT/τ) at lag k.
+void test_noise_against_closed_forms() {
+  constexpr double sigma = 0.01;
+  constexpr double memory = 0.9;
+  Wheels<double> wheels{1.0, 1.0, 0.0, memory, sigma * std::sqrt(1 - memory * memory)};
+  constexpr int n = 400000;
+  std::vector<double> x;
+  x.reserve(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto w = draw(11, i, Stream::noise);
+    x.push_back(wheels.step(0, unit_noise<double>(w[0], w[1])));
+  }
+  const auto moment = [&](std::size_t lag) {
+    double sum = 0;
+    for (std::size_t i = lag; i < x.size(); ++i) sum += x[i] * x[i - lag];
+    return sum / double(x.size() - lag) / (sigma * sigma);
+  };
+  // The variance of the estimate of the variance is 2 (1 + m²) / (1 − m²) / n: five of them.
+  const double margin = 5 * std::sqrt(2 * (1 + memory * memory) / (1 - memory * memory) / n);
+  for (const std::size_t lag : {0UL, 1UL, 5UL, 20UL}) {
+    CHECK(std::abs(moment(lag) - std::pow(memory, double(lag))) < margin);
+  }
+}
+
+// From one angle to the other in ⌈way / gain⌉ ticks, each of them `gain` but the last, and there.
+template <class Real>
+void test_wrist() {
+  const Real degree = palmbots::radians_per_degree<Real>;
+  for (const Real rate : {Real(10), Real(50), Real(70), Real(333), Real(2000)}) {
+    const Wrist<Real> wrist{Real(15) * degree, Real(5) * degree, rate * degree * Real(0.01)};
+    for (const Palm to : {Palm::shallow, Palm::steep}) {
+      Real angle = wrist.target(to == Palm::shallow ? Palm::steep : Palm::shallow);
+      const Real sense = to == Palm::shallow ? Real(-1) : Real(1);
+      int ticks = 0;
+      while (angle != wrist.target(to)) {
+        const Real next = wrist.step(angle, to);
+        const Real turn = sense * (next - angle);
+        CHECK(turn > 0);
+        CHECK(turn <= wrist.gain + std::numeric_limits<Real>::epsilon());  // |angle| < 1 is rounded
+        angle = next;
+        ++ticks;
+        CHECK(ticks < 1000);
+      }
+      CHECK(ticks == int(std::ceil(double(Real(10) / (rate * Real(0.01))) - 1e-5)));
+      CHECK(wrist.step(angle, to) == angle);
+    }
+  }
+}
+
+// Called back on the way, it turns round at once.
+void test_wrist_turns_round() {
+  const Wrist<double> wrist{0.3, 0.1, 0.05};
+  const double a = wrist.step(0.3, Palm::shallow);
+  const double b = wrist.step(a, Palm::shallow);
+  CHECK(std::abs(b - 0.2) < 1e-15);
+  CHECK(std::abs(wrist.step(b, Palm::steep) - 0.25) < 1e-15);
+}
+
+}  // namespace
+
+int main() {
+  test_acceleration_and_speed_limit<double>();
+  test_acceleration_and_speed_limit<float>();
+  test_bias();
+  test_noise_against_closed_forms();
+  test_wrist<double>();
+  test_wrist<float>();
+  test_wrist_turns_round();
+}
