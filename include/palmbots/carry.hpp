@@ -71,8 +71,8 @@ class Carry {
       wheels_[side] = wheels_of<Real>(spec.robots[side], spec.period);
       wrists_[side] = wrist_of<Real>(spec.palms[side], spec.period);
       // Noise is under way when the carry starts: its first value has its lasting spread.
-      const Words words = draw(seed, ~0U, Stream::noise);
-      wheels_[side].noise = Real(spec.robots[side].noise) * random(words, side);
+      noise_words_ = draw(seed, ~0U, Stream::noise);
+      wheels_[side].noise = Real(spec.robots[side].noise) * random(0, side);
       full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
@@ -106,29 +106,31 @@ class Carry {
       return;
     }
     const PerSide<Sensed> sensed = sense();
-    commands_ = team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
+    const PerSide<Command> commands =
+        team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
+    if (commands != commands_) [[unlikely]] obey(commands);
     metrics_.observe(tick_, team_, world_.stance().contacts);
 
-    const Words words = draw(seed_, tick_, Stream::noise);
+    if ((tick_ & 1) == 0) noise_words_ = draw(seed_, tick_, Stream::noise);  // for two ticks
     PerSide<Real> angles{};
     const auto sense_of_travel = Real(spec_.direction);
     for (const std::size_t side : {left, right}) {
       speeds_[side] =
           sense_of_travel *
           wheels_[side].step(sense_of_travel * wanted(side, commands_[side].move),
-                             random(words, side));
+                             random(tick_, side));
       angles[side] = wrists_[side].step(world_.stance().palms[side].angle, commands_[side].palm);
     }
     const auto period = Real(spec_.period);
     recorder_.before(*this, sensed);
     const Real together = speeds_[left] + speeds_[right];
     const Real push = inertia_ * (together - together_);
-    last_ = world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
+    const Advance<Real>& step = world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
     together_ = together;
     const Real travel = Real(0.5) * together * period;
-    midpoint_ = midpoint_ + (last_.end == End::none ? travel : travel * last_.fraction);
+    midpoint_ = midpoint_ + (step.end == End::none ? travel : travel * step.fraction);
     recorder_.after(*this);
-    finish_tick(travel);
+    finish_tick(step, travel);
   }
 
   std::uint32_t ticks() const { return tick_; }
@@ -141,7 +143,6 @@ class Carry {
   Real midpoint() const { return midpoint_; }
   const PerSide<Real>& speeds() const { return speeds_; }
   const PerSide<Command>& commands() const { return commands_; }
-  const Advance<Real>& last() const { return last_; }
 
   // The speed a command asks of a robot, in the world's x direction.
   Real wanted(std::size_t side, Move move) const {
@@ -151,12 +152,15 @@ class Carry {
   }
 
  private:
-  // The robot that leads draws the first half of the words, wherever it stands, so that the mirrored
-  // carry draws the mirrored numbers.
+  // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
+  // processor guesses that they did not.
+  [[gnu::noinline]] void obey(const PerSide<Command>& commands) { commands_ = commands; }
+
+  // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
+  // draws the mirrored numbers.
   std::size_t leader() const { return spec_.direction > 0 ? right : left; }
-  Real random(const Words& words, std::size_t side) const {
-    return side == leader() ? unit_noise<Real>(words[0], words[1])
-                            : unit_noise<Real>(words[2], words[3]);
+  Real random(std::uint32_t tick, std::size_t side) const {
+    return unit_noise<Real>(noise_words_[2 * (tick & 1) + (side == leader() ? 0 : 1)]);
   }
 
   PerSide<Sensed> sense() const {
@@ -204,18 +208,18 @@ class Carry {
     ++metrics_.bumps;
   }
 
-  void finish_tick(Real travel) {
+  void finish_tick(const Advance<Real>& step, Real travel) {
     const double gone = double(midpoint_) * spec_.direction;
-    if (last_.end != End::none) {
-      metrics_.end = last_.end;
+    if (step.end != End::none) {
+      metrics_.end = step.end;
       metrics_.outcome = Result::dropped;
-      metrics_.time_ticks = double(tick_) + double(last_.fraction);
+      metrics_.time_ticks = double(tick_) + double(step.fraction);
     } else if (gone >= spec_.distance) {
       metrics_.outcome = Result::delivered;
       // The instant inside the tick at which the distance was reached.
       const double over = gone - spec_.distance;
-      const double step = double(travel) * spec_.direction;
-      metrics_.time_ticks = double(tick_) + (step > 0 ? 1 - over / step : 1);
+      const double way = double(travel) * spec_.direction;
+      metrics_.time_ticks = double(tick_) + (way > 0 ? 1 - over / way : 1);
     } else if (tick_ + 1 >= spec_.timeout_ticks) {
       metrics_.outcome = Result::stalled;
       metrics_.time_ticks = double(tick_) + 1;
@@ -250,8 +254,8 @@ class Carry {
   Real together_ = Real(0);  // the sum of the speeds in the tick before
   Real inertia_ = Real(0);   // push per change of that sum [s/m]
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Advance<Real> last_{};
   Real midpoint_ = Real(0);
+  Words noise_words_{};
   std::uint64_t bumped_ = 0;
   std::uint32_t tick_ = 0;
   Metrics metrics_;

@@ -40,7 +40,7 @@ struct ClearCone {
   Real high;
 
   constexpr bool contains(Reach<Real> r) const {
-    return r.inward > Real(0) && r.normal > low * r.inward && r.normal < high * r.inward;
+    return (r.inward > Real(0)) & (r.normal > low * r.inward) & (r.normal < high * r.inward);
   }
 };
 
@@ -88,7 +88,7 @@ constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along
 // What the palm touches besides its contact. `contact` is p, the palm reaches from p = −half to
 // +half; reach is the vector to the other contact in the palm's frame.
 template <class Real>
-constexpr Touch touch(const Outline<Real>& outline, std::size_t side, Reach<Real> reach, Real width,
+[[gnu::noinline]] constexpr Touch touch(const Outline<Real>& outline, std::size_t side, Reach<Real> reach, Real width,
                       Real contact, Real half_length) {
   const Real cos = reach.inward / width;
   const Real sin = reach.normal / width;

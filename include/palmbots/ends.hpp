@@ -28,25 +28,12 @@ struct Rig {
   PerSide<Real> friction;
 };
 
-// A tie that the sideways force moves.
-template <class Real>
-struct MovingTie {
-  Tie<Real> still;
-  Tie<Real> per_push;
-
-  constexpr Tie<Real> at(Real push) const {
-    return {still.level + push * per_push.level, still.tilt + push * per_push.tilt};
-  }
-};
-
 // The statics at one pair of palm angles.
 template <class Real>
 struct Statics {
   PerSide<Cone<Real>> cones;
-  MovingTie<Real> closing;  // upper end left against upper end right: which one lets go first
-  MovingTie<Real> opening;  // lower end against lower end
-  Tie<Real> left_up;        // upper end left against lower end right: held while ≥ 0
-  Tie<Real> right_up;       // lower end left against upper end right: held while ≤ 0
+  Tie<Real> left_up;   // upper end left against lower end right: held while ≥ 0
+  Tie<Real> right_up;  // lower end left against upper end right: held while ≤ 0
 
   static constexpr Statics at(const Rig<Real>& rig, const PerSide<PalmAngle<Real>>& palms) {
     Statics s{};
@@ -55,11 +42,17 @@ struct Statics {
     }
     const Cone<Real>& l = s.cones[left];
     const Cone<Real>& r = s.cones[right];
-    s.closing = {tie(rig.load, l.up, r.up), tie_per_push(rig.load, l.up, r.up)};
-    s.opening = {tie(rig.load, l.down, r.down), tie_per_push(rig.load, l.down, r.down)};
     s.left_up = tie(rig.load, l.up, r.down);
     s.right_up = tie(rig.load, l.down, r.up);
     return s;
+  }
+
+  // Where the two contacts let go at the same squeeze: the upper ends on closing (direction up),
+  // the lower ends on opening.
+  constexpr Tie<Real> let_go(const Load<Real>& load, Slide direction) const {
+    const bool closing = direction == Slide::up;
+    return tie(load, closing ? cones[left].up : cones[left].down,
+               closing ? cones[right].up : cones[right].down);
   }
 
   // Does the edge that slides in this direction bound no squeeze?
@@ -69,24 +62,44 @@ struct Statics {
   }
 };
 
+// Is the object certainly held? A quick yes without a branch, for almost every tick; `false` leaves it
+// open, since a wedged edge or a palm that passes below an overhang may hold all the same.
+template <class Real>
+[[gnu::always_inline]] inline bool plainly_held(const Rig<Real>& rig, const Statics<Real>& statics,
+                                                const PerSide<PalmAngle<Real>>& palms,
+                                                const PerSide<Real>& contacts, Span<Real> span) {
+  bool held = (statics.left_up.at(span) >= Real(0)) & (statics.right_up.at(span) <= Real(0));
+  for (const std::size_t side : {left, right}) {
+    const Real p = contacts[side];
+    const Real half = rig.half_length[side];
+    const Real arm = rig.load.level_arm(side) * span.dx +
+                     rig.load.tilt_arm() * mirrored(side, span.dy);
+    held = held & (p >= -half) & (p <= half) & (arm >= Real(0)) &
+           rig.clear[side].contains(reach(span, side, palms[side]));
+  }
+  return held;
+}
+
 // The first reason, in a fixed order, why the object is not held.
 template <class Real>
-End first_end(const Rig<Real>& rig, const Statics<Real>& statics, const Stance<Real>& stance,
+[[gnu::noinline]] End first_end(const Rig<Real>& rig, const Statics<Real>& statics,
+              const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
               Span<Real> span) {
   for (const std::size_t side : {left, right}) {
-    const Real p = stance.contacts[side];
+    const Real p = contacts[side];
     if (!(p >= -rig.half_length[side] && p <= rig.half_length[side])) return End::off_palm;
   }
+  bool at_tip = false;
   for (const std::size_t side : {left, right}) {
-    const Reach<Real> r = reach(span, side, stance.palms[side]);
+    const Reach<Real> r = reach(span, side, palms[side]);
     if (rig.clear[side].contains(r)) continue;
-    const Touch t = touch(rig.outline, side, r, rig.load.width, stance.contacts[side],
-                          rig.half_length[side]);
+    const Touch t = touch(rig.outline, side, r, rig.load.width, contacts[side], rig.half_length[side]);
     if (t == Touch::flush) return End::flush;
-    if (t == Touch::tip) return End::tip;
+    at_tip = at_tip || t == Touch::tip;
   }
+  if (at_tip) return End::tip;
   for (const std::size_t side : {left, right}) {
-    const Real rise = side == left ? span.dy : -span.dy;
+    const Real rise = mirrored(side, span.dy);
     const Real arm = rig.load.level_arm(side) * span.dx + rig.load.tilt_arm() * rise;
     if (!(arm >= Real(0))) return End::tipping;
   }

@@ -60,8 +60,8 @@ struct Bound {
 template <class Real>
 constexpr Bound<Real> bound(const Load<Real>& load, std::size_t side, Edge<Real> edge, Real dx,
                             Real dy) {
-  const Real rise = side == left ? dy : -dy;
-  const Real push = side == left ? load.slope : -load.slope;
+  const Real rise = mirrored(side, dy);
+  const Real push = mirrored(side, load.slope);
   const Real arm = load.level_arm(side) * dx + load.tilt_arm() * rise;
   return {edge.vertical * dx - edge.lateral * rise,
           edge.lateral * arm - Real(0.5) * push * load.width * edge.vertical * dx};
@@ -121,30 +121,26 @@ struct Tie {
 template <class Real>
 constexpr Tie<Real> tie(const Load<Real>& load, Edge<Real> l, Edge<Real> r) {
   const Real half_push = Real(0.5) * load.slope * load.width;
-  const Real on_left = l.lateral * load.level_arm(left) - half_push * l.vertical;
-  const Real on_right = r.lateral * load.level_arm(right) + half_push * r.vertical;
-  return {on_left * r.vertical - on_right * l.vertical,
-          (on_left * r.lateral + on_right * l.lateral) +
-              load.tilt_arm() * (l.lateral * r.vertical + r.lateral * l.vertical)};
+  const Real lateral_left = l.lateral * r.vertical;
+  const Real lateral_right = l.vertical * r.lateral;
+  return {(lateral_left * load.level_arm(left) - lateral_right * load.level_arm(right)) -
+              (half_push + half_push) * (l.vertical * r.vertical),
+          ((l.lateral * r.lateral) * load.width + half_push * (lateral_left - lateral_right)) +
+              load.tilt_arm() * (lateral_left + lateral_right)};
 }
 
-// How a tie moves with the sideways force: tie(s + δs) = tie(s) + δs · tie_per_push. It is linear
-// because the squeezes are.
+// The same load with a further sideways specific force, such as an acceleration / g.
 template <class Real>
-constexpr Tie<Real> tie_per_push(const Load<Real>& load, Edge<Real> l, Edge<Real> r) {
-  const Real on_left = l.lateral * load.com_height - Real(0.5) * load.width * l.vertical;
-  const Real on_right = r.lateral * load.com_height - Real(0.5) * load.width * r.vertical;
-  const Real off_centre = Real(0.5) * (load.com_left - load.com_right);
-  return {on_left * r.vertical + on_right * l.vertical,
-          (on_left * r.lateral - on_right * l.lateral) +
-              off_centre * (l.lateral * r.vertical + r.lateral * l.vertical)};
+constexpr Load<Real> pushed(Load<Real> load, Real push) {
+  load.slope = load.slope + push;
+  return load;
 }
 
 // True where an edge bounds no squeeze, because its cone contains the line to the other contact:
 // pushing along it only wedges the object (MECHANICS section 2).
 template <class Real>
 constexpr bool wedged(std::size_t side, Edge<Real> edge, Real dx, Real dy) {
-  const Real rise = side == left ? dy : -dy;
+  const Real rise = mirrored(side, dy);
   return !(edge.vertical * dx - edge.lateral * rise > Real(0));
 }
 

@@ -24,6 +24,8 @@ enum class Move : std::uint8_t { hold, away, closer };
 struct Command {
   Palm palm;
   Move move;
+
+  constexpr bool operator==(const Command&) const = default;
 };
 
 }  // namespace palmbots

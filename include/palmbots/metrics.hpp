@@ -54,7 +54,7 @@ class Metrics {
       const double size = p < 0 ? -p : p;
       if (size > peak[side]) peak[side] = size;
       waiting_ticks[side] += team.waits(side) ? 1 : 0;
-      follow(tick, side, team.activity(side));
+      if (team.track_name(side) != open_[side].name) follow(tick, side, team.activity(side));
     }
   }
 

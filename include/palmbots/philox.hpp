@@ -42,13 +42,13 @@ constexpr Real unit_uniform(std::uint32_t word) {
   return Real(word >> 8) * Real(1.0 / 16777216.0);
 }
 
-// Mean 0, variance 1, symmetric to the last bit, |x| < 3.5: the sum of four 16-bit uniforms.
-// The Ornstein–Uhlenbeck filter it drives hides that the tails are cut.
+// Mean 0, variance 1, symmetric to the last bit, |x| < 2.45: the sum of two 16-bit uniforms. The
+// Ornstein–Uhlenbeck filter it drives hides the shape.
 template <class Real>
-constexpr Real unit_noise(std::uint32_t a, std::uint32_t b) {
-  const auto sum = static_cast<std::int32_t>((a & 0xFFFF) + (a >> 16) + (b & 0xFFFF) + (b >> 16));
-  // Four uniforms on {0 … 65535} have mean 131070 and variance 4 (65536² − 1) / 12.
-  return Real(sum - 131070) * Real(2.6428997921303014e-05);
+constexpr Real unit_noise(std::uint32_t word) {
+  const auto sum = static_cast<std::int32_t>((word & 0xFFFF) + (word >> 16));
+  // Two uniforms on {0 … 65535} have mean 65535 and variance 2 (65536² − 1) / 12.
+  return Real(sum - 65535) * Real(3.737624730023707e-05);
 }
 
 }  // namespace palmbots

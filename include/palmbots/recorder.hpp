@@ -126,7 +126,7 @@ class TraceRecorder : public HashRecorder {
   }
   template <class Carry>
   void after(const Carry& carry) {
-    const Mode motion = carry.last().motion;
+    const Mode motion = carry.world().last().motion;
     rows_.back().motion = {static_cast<std::int8_t>(motion[left]),
                            static_cast<std::int8_t>(motion[right])};
   }

@@ -17,6 +17,12 @@ using PerSide = std::array<T, 2>;
 
 constexpr std::size_t other(std::size_t side) { return 1 - side; }
 
+// What is seen from the left as it is, and from the right in the mirror.
+template <class Real>
+constexpr Real mirrored(std::size_t side, Real value) {
+  return Real(1 - 2 * static_cast<int>(side)) * value;
+}
+
 // The world x direction that is outward for this side.
 template <class Real>
 constexpr Real outward(std::size_t side) {

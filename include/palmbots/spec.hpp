@@ -63,7 +63,7 @@ struct Spec {
   double direction = 1;  // +1: the right robot leads, −1: the left one
   std::uint64_t timeout_ticks = 5000;
   double start[2]{};
-  std::array<BumpSpec, max_bumps> bumps{};  // by side, each side's in the order they happen
+  std::array<BumpSpec, max_bumps> bumps{};
   std::size_t bump_count = 0;
   double bump_rate = 0;  // random bumps per metre and robot
   double bump_max = 0;   // largest random shift

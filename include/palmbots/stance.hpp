@@ -56,24 +56,33 @@ struct Reach {
 
 template <class Real>
 constexpr Reach<Real> reach(Span<Real> span, std::size_t side, const PalmAngle<Real>& palm) {
-  const Real rise = side == left ? span.dy : -span.dy;
+  const Real rise = mirrored(side, span.dy);
   return {span.dx * palm.cos - rise * palm.sin, span.dx * palm.sin + rise * palm.cos};
 }
 
-// Closes the loop by sliding one contact while the other keeps its coordinate. Seen from the palm's
-// foot the other contact is `from_foot`; its normal part does not change while sliding, and the
-// inward part must become √(w² − normal²). Not a number when the object cannot reach.
+// A contact that has slid, and the span it leads to.
 template <class Real>
-Real slid(const Stance<Real>& s, std::size_t side, const PerSide<Real>& offset, Real width) {
-  const std::size_t partner = other(side);
-  const Span<Real> base = feet(s.separation, s.palms, offset);
-  const Real p = s.contacts[partner];
-  const Real dx = base.dx + p * s.palms[partner].cos;
-  const Real base_rise = side == left ? base.dy : -base.dy;
-  const Real rise = base_rise + p * s.palms[partner].sin;
-  const PalmAngle<Real>& palm = s.palms[side];
-  const Reach<Real> from_foot{dx * palm.cos - rise * palm.sin, dx * palm.sin + rise * palm.cos};
-  return std::sqrt((width - from_foot.normal) * (width + from_foot.normal)) - from_foot.inward;
+struct Slid {
+  Real contact;
+  Span<Real> span;
+};
+
+// Closes the loop by sliding one contact while the other one keeps its coordinate, `held`. Seen from
+// the foot of the sliding contact's palm the other contact is `from_foot`; its normal part does not
+// change while sliding, and the inward part must become √(w² − normal²). Not a number when the
+// object cannot reach.
+template <class Real>
+[[gnu::always_inline]] inline Slid<Real> slid(Real separation, const PerSide<PalmAngle<Real>>& palms, std::size_t side, Real held,
+                const PerSide<Real>& offset, Real width) {
+  const PalmAngle<Real>& palm = palms[side];
+  const PalmAngle<Real>& partner = palms[other(side)];
+  const Span<Real> base = feet(separation, palms, offset);
+  const Real dx = base.dx + held * partner.cos;
+  const Real rise = mirrored(side, base.dy) + held * partner.sin;
+  const Real inward = dx * palm.cos - rise * palm.sin;
+  const Real normal = dx * palm.sin + rise * palm.cos;
+  const Real contact = std::sqrt((width - normal) * (width + normal)) - inward;
+  return {contact, {dx + contact * palm.cos, mirrored(side, rise - contact * palm.sin)}};
 }
 
 // Closes the loop by sliding both contacts such that the object takes the direction dy / dx = slope:
@@ -87,9 +96,14 @@ PerSide<Real> slid_along(const Stance<Real>& s, Real slope, const PerSide<Real>&
   const Real turn = l.sin * r.cos + r.sin * l.cos;  // sin(θ_L + θ_R)
   constexpr Real parallel = Real(1e-6);
   if (turn < parallel && turn > -parallel) {
-    const Real change = (slid(s, left, offset, width) - s.contacts[left]) +
-                        (slid(s, right, offset, width) - s.contacts[right]);
-    return {s.contacts[left] + Real(0.25) * change, s.contacts[right] + Real(0.25) * change};
+    PerSide<Real> alone{};
+    for (const std::size_t side : {left, right}) {
+      alone[side] =
+          slid(s.separation, s.palms, side, s.contacts[other(side)], offset, width).contact -
+          s.contacts[side];
+    }
+    const Real half = Real(0.25) * (alone[left] + alone[right]);
+    return {s.contacts[left] + half, s.contacts[right] + half};
   }
   const Span<Real> base = feet(s.separation, s.palms, offset);
   const Real target_dx = width / std::sqrt(Real(1) + slope * slope);

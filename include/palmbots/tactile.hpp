@@ -28,18 +28,26 @@ class Tactile {
  public:
   Tactile() = default;
   Tactile(const std::array<Zone<Real>, max_zones>& zones, std::size_t count, double false_rate)
-      : zones_(zones), count_(count), false_words_(threshold(false_rate)) {}
+      : false_words_(threshold(false_rate)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      add_edge(zones[i].from);
+      add_edge(zones[i].to);
+    }
+    // A reading holds between two edges and, since zones are closed, may differ on an edge.
+    for (std::size_t i = 0; i < edge_count_; ++i) {
+      readings_[2 * i] = covered(zones, count, below(i));
+      readings_[2 * i + 1] = covered(zones, count, edges_[i]);
+    }
+    readings_[2 * edge_count_] = covered(zones, count, below(edge_count_));
+  }
 
   // The sign at contact coordinate p [m] with perfect switches.
   constexpr Sign sign(Real p) const {
-    Sign seen = Sign::zero;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const Zone<Real>& zone = zones_[i];
-      if (p < zone.from || p > zone.to) continue;
-      if (zone.sign == Sign::zero) return Sign::zero;
-      seen = zone.sign;
+    std::size_t passed = 0;
+    for (std::size_t i = 0; i < edge_count_; ++i) {
+      passed += (p >= edges_[i] ? 1U : 0U) + (p > edges_[i] ? 1U : 0U);
     }
-    return seen;
+    return readings_[passed];
   }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }
@@ -58,8 +66,38 @@ class Tactile {
     return static_cast<std::uint64_t>(rate * 4294967296.0);
   }
 
-  std::array<Zone<Real>, max_zones> zones_{};
-  std::size_t count_ = 0;
+  void add_edge(Real at) {
+    constexpr Real inf = std::numeric_limits<Real>::infinity();
+    if (at == inf || at == -inf) return;
+    std::size_t place = 0;
+    while (place < edge_count_ && edges_[place] < at) ++place;
+    if (place < edge_count_ && edges_[place] == at) return;
+    for (std::size_t i = edge_count_; i > place; --i) edges_[i] = edges_[i - 1];
+    edges_[place] = at;
+    ++edge_count_;
+  }
+
+  // A coordinate strictly between edge i − 1 and edge i.
+  constexpr Real below(std::size_t i) const {
+    if (edge_count_ == 0) return Real(0);
+    if (i == 0) return edges_[0] - Real(1);
+    if (i == edge_count_) return edges_[i - 1] + Real(1);
+    return Real(0.5) * (edges_[i - 1] + edges_[i]);
+  }
+
+  static Sign covered(const std::array<Zone<Real>, max_zones>& zones, std::size_t count, Real p) {
+    Sign seen = Sign::zero;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (p < zones[i].from || p > zones[i].to) continue;
+      if (zones[i].sign == Sign::zero) return Sign::zero;
+      seen = zones[i].sign;
+    }
+    return seen;
+  }
+
+  std::array<Real, 2 * max_zones> edges_{};
+  std::size_t edge_count_ = 0;
+  std::array<Sign, 4 * max_zones + 1> readings_{};
   std::uint64_t false_words_ = 0;
 };
 

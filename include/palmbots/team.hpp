@@ -53,6 +53,7 @@ struct Unattended {
     return {{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   }
   char name(std::size_t) const { return ' '; }
+  char track_name(std::size_t) const { return ' '; }
   bool waits(std::size_t) const { return false; }
   Activity activity(std::size_t) const { return {}; }
 };
@@ -89,6 +90,11 @@ class Pair {
 
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
+  // The name of the activity, cheaper: (c) assists and is no correction of its own.
+  char track_name(std::size_t side) const {
+    const char name = this->name(side);
+    return name == 'c' ? ' ' : name;
+  }
 
   Activity activity(std::size_t side) const {
     const char name = this->name(side);
@@ -97,7 +103,7 @@ class Pair {
     switch (name) {
       case 'a': case 'b': return {name, self, partner, 1};
       case 'd': return {name, self, Activity::nobody, -1};
-      default: return {};  // (c) assists and is no correction of its own
+      default: return {};
     }
   }
 
@@ -156,6 +162,7 @@ class Station {
     return now == 0 ? ' ' : static_cast<char>('0' + now);
   }
   bool waits(std::size_t) const { return false; }
+  char track_name(std::size_t side) const { return side == left ? name(side) : ' '; }
 
   Activity activity(std::size_t side) const {
     const int now = station_.current();

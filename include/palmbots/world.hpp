@@ -53,9 +53,12 @@ class World {
   const Stance<Real>& stance() const { return stance_; }
   const Rig<Real>& rig() const { return rig_; }
   Span<Real> span() const { return span_; }
+  const Advance<Real>& last() const { return last_; }
 
   // Why the object is not held where it is now (none: it is).
-  End check() const { return first_end(rig_, statics_, stance_, span_); }
+  End check() const {
+    return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_);
+  }
 
   // A sudden shift of one contact; the robot under it is displaced so that the loop stays closed.
   End shift(std::size_t side, Real by) {
@@ -67,55 +70,123 @@ class World {
   }
 
   // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
-  Advance<Real> advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
+  // Returns what happened, valid until the next step.
+  const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
     const bool turning =
         angles[left] != stance_.palms[left].angle || angles[right] != stance_.palms[right].angle;
-    if (!turning && change == Real(0)) return {};
     if (push != push_) {
       push_ = push;
       tied_ = Slide::stick;  // a tie lies elsewhere under another push
     }
-    Advance<Real> result;
-    if (!turning && slide_one(change, result)) return result;
-    return Pieces{*this, change, angles, turning}.run();
+    const bool done =
+        turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
+    if (!done) last_ = Pieces{*this, change, angles, turning}.run();
+    return last_;
   }
 
  private:
+  // How far a palm turns between two looks for events.
+  static constexpr Real longest_turn = radians_per_degree<Real>;
+
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
 
   // > 0: the left contact lets go first; < 0: the right one; 0: tie.
-  static Real left_first(const Statics<Real>& statics, Slide direction, Real push,
-                         Span<Real> span) {
-    return direction == Slide::up ? -statics.closing.at(push).at(span)
-                                  : statics.opening.at(push).at(span);
+  static Real left_first(const Tie<Real>& let_go, Slide direction, Span<Real> span) {
+    const Real left_higher = let_go.at(span);
+    return direction == Slide::up ? -left_higher : left_higher;
   }
 
-  // The common case, without ceremony: at fixed angles one contact slides through the whole step.
-  // Returns false, and changes nothing, if anything else is going on.
-  bool slide_one(Real change, Advance<Real>& result) {
-    const Slide direction = change < Real(0) ? Slide::up : Slide::down;
-    if (tied_ == direction || statics_.wedged_in(left, direction, span_) ||
+  Tie<Real> let_go(const Statics<Real>& statics, Slide direction) const {
+    return statics.let_go(pushed(rig_.load, push_), direction);
+  }
+
+  // Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens.
+  // `change` and `turn` are the rates of the separation and of the palm angles.
+  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
+             Span<Real> span, Real change, const PerSide<Real>& turn) const {
+    PerSide<Real> along{};
+    PerSide<Real> lift{};
+    for (const std::size_t side : {left, right}) {
+      const PalmAngle<Real>& palm = palms[side];
+      const Real p = contacts[side];
+      const Real o = rig_.offset[side];
+      along[side] = (p * palm.sin + o * palm.cos) * turn[side];
+      lift[side] = (p * palm.cos - o * palm.sin) * turn[side];
+    }
+    return span.dx * (change - (along[left] + along[right])) + span.dy * (lift[right] - lift[left]);
+  }
+
+  static Slide direction_of(Real rate) {
+    return rate < Real(0) ? Slide::up : (rate > Real(0) ? Slide::down : Slide::stick);
+  }
+
+  // The common case, without ceremony: one contact slides through the whole step. Returns false, and
+  // changes nothing, if anything else is going on. Written so that everything stays in registers
+  // until the step is known to be good: copying a struct just written stalls the processor.
+  template <bool turning>
+  bool slide_one(Real change, const PerSide<Real>& angles) {
+    PerSide<Real> turn{};
+    Slide direction = direction_of(change);
+    if constexpr (turning) {
+      for (const std::size_t side : {left, right}) {
+        turn[side] = angles[side] - stance_.palms[side].angle;
+        if (!(turn[side] < longest_turn && turn[side] > -longest_turn)) return false;
+      }
+      direction = direction_of(drive(stance_.palms, stance_.contacts, span_, change, turn));
+    }
+    if (direction == Slide::stick || tied_ == direction ||
+        statics_.wedged_in(left, direction, span_) ||
         statics_.wedged_in(right, direction, span_)) {
       return false;
     }
-    const Real ahead = left_first(statics_, direction, push_, span_);
+    const Tie<Real> tie_before = let_go(statics_, direction);
+    const Real ahead = left_first(tie_before, direction, span_);
     if (ahead == Real(0)) return false;
-    const std::size_t side = ahead > Real(0) ? left : right;
-    Stance<Real> then = stance_;
-    then.separation = stance_.separation + change;
-    then.contacts[side] = slid(then, side, rig_.offset, rig_.load.width);
-    const Span<Real> span = palmbots::span(then, rig_.offset);
-    const Real still_ahead = left_first(statics_, direction, push_, span);
-    if ((still_ahead > Real(0)) != (ahead > Real(0)) ||
-        first_end(rig_, statics_, then, span) != End::none) {
+    return ahead > Real(0) ? slide_side<turning, left>(change, angles, turn, direction, tie_before)
+                           : slide_side<turning, right>(change, angles, turn, direction, tie_before);
+  }
+
+  template <bool turning, std::size_t side>
+  [[gnu::always_inline]] bool slide_side(Real change, const PerSide<Real>& angles,
+                                         const PerSide<Real>& turn, Slide direction,
+                                         const Tie<Real>& tie_before) {
+    PerSide<PalmAngle<Real>> palms = stance_.palms;
+    Statics<Real> statics = statics_;
+    if constexpr (turning) {
+      for (const std::size_t i : {left, right}) {
+        if (turn[i] != Real(0)) palms[i] = PalmAngle<Real>::at(angles[i]);
+      }
+      statics = Statics<Real>::at(rig_, palms);
+    }
+    const Real separation = stance_.separation + change;
+    const Slid<Real> next = slid(separation, palms, side, stance_.contacts[other(side)],
+                                 rig_.offset, rig_.load.width);
+    PerSide<Real> contacts{};
+    contacts[side] = next.contact;
+    contacts[other(side)] = stance_.contacts[other(side)];
+    Tie<Real> tie_after = tie_before;
+    if constexpr (turning) {
+      if (direction_of(drive(palms, contacts, next.span, change, turn)) != direction) return false;
+      tie_after = let_go(statics, direction);
+    }
+    if (!(mirrored(side, left_first(tie_after, direction, next.span)) > Real(0)) ||
+        !plainly_held(rig_, statics, palms, contacts, next.span)) {
       return false;
     }
-    stance_.separation = then.separation;
-    stance_.contacts[side] = then.contacts[side];
-    span_ = span;
+    if constexpr (turning) {
+      stance_.palms = palms;
+      statics_ = statics;
+    }
+    stance_.separation = separation;
+    stance_.contacts[side] = next.contact;
+    span_ = next.span;
     tied_ = Slide::stick;
-    result.motion[side] = direction;
+    last_.end = End::none;
+    last_.fraction = Real(1);
+    last_.motion[side] = direction;
+    last_.motion[other(side)] = Slide::stick;
+    last_.pieces = 1;
     return true;
   }
 
@@ -226,14 +297,13 @@ class World {
       return first;
     }
 
-    // Pieces of at most 1° of turn.
     Real longest_look() const {
       Real most = Real(0);
       for (const Real t : turn) {
         const Real size = t < Real(0) ? -t : t;
         if (size > most) most = size;
       }
-      return most > radians_per_degree<Real> ? radians_per_degree<Real> / most : Real(1);
+      return most > longest_turn ? longest_turn / most : Real(1);
     }
 
     // The state at a fraction t of the step, if `slider` slides from `now` on.
@@ -251,38 +321,27 @@ class World {
       const auto& offset = world.rig_.offset;
       const Real width = world.rig_.load.width;
       if (slider == Slider::both) {
-        const auto& statics = then.statics;
-        const Tie<Real> equal =
-            (direction == Slide::up ? statics.closing : statics.opening).at(world.push_);
+        const Tie<Real> equal = world.let_go(then.statics, direction);
         const Real slope =
             equal.tilt != Real(0) ? -equal.level / equal.tilt : now.span.dy / now.span.dx;
         then.stance.contacts = slid_along(then.stance, slope, offset, width);
       } else if (slider != Slider::none) {
         const auto side = static_cast<std::size_t>(slider);
-        then.stance.contacts[side] = slid(then.stance, side, offset, width);
+        const auto next = slid(then.stance.separation, then.stance.palms, side,
+                               then.stance.contacts[other(side)], offset, width);
+        then.stance.contacts[side] = next.contact;
+        then.span = next.span;
+        return then;
       }
       then.span = palmbots::span(then.stance, offset);
       return then;
     }
 
     End end_of(const State& s) const {
-      return first_end(world.rig_, s.statics, s.stance, s.span);
+      return first_end(world.rig_, s.statics, s.stance.palms, s.stance.contacts, s.span);
     }
 
-    // Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens.
-    Real drive(const State& s) const {
-      const auto& palms = s.stance.palms;
-      const auto& p = s.stance.contacts;
-      const auto& o = world.rig_.offset;
-      PerSide<Real> along{};
-      PerSide<Real> lift{};
-      for (const std::size_t side : {left, right}) {
-        along[side] = (p[side] * palms[side].sin + o[side] * palms[side].cos) * turn[side];
-        lift[side] = (p[side] * palms[side].cos - o[side] * palms[side].sin) * turn[side];
-      }
-      return s.span.dx * (change - (along[left] + along[right])) +
-             s.span.dy * (lift[right] - lift[left]);
-    }
+    Real drive(const State& s) const { return world.drive(s.stance.palms, s.stance.contacts, s.span, change, turn); }
 
     Slide direction_at(const State& now, Real goal) const {
       Real rate = change;
@@ -290,7 +349,7 @@ class World {
         rate = drive(now);
         if (rate == Real(0)) rate = drive(state(goal, Slider::none, Slide::stick, now));
       }
-      return rate < Real(0) ? Slide::up : (rate > Real(0) ? Slide::down : Slide::stick);
+      return direction_of(rate);
     }
 
     // ≥ 0 while the sliding contact is still the one that lets go first.
@@ -299,7 +358,7 @@ class World {
           s.statics.wedged_in(right, direction, s.span)) {
         return Real(0);
       }
-      const Real ahead = left_first(s.statics, direction, world.push_, s.span);
+      const Real ahead = left_first(world.let_go(s.statics, direction), direction, s.span);
       return slider == Slider::on_left ? ahead : -ahead;
     }
 
@@ -309,7 +368,7 @@ class World {
       if (now.statics.wedged_in(right, direction, now.span)) return Slider::on_left;
       const bool on_tie = world.tied_ == direction;
       if (on_tie && !turning) return settle(now, direction, goal);
-      const Real ahead = left_first(now.statics, direction, world.push_, now.span);
+      const Real ahead = left_first(world.let_go(now.statics, direction), direction, now.span);
       if (!on_tie && ahead != Real(0)) return ahead > Real(0) ? Slider::on_left : Slider::on_right;
       return settle(now, direction, goal);
     }
@@ -351,6 +410,7 @@ class World {
   Stance<Real> stance_{};
   Span<Real> span_{};
   Statics<Real> statics_{};
+  Advance<Real> last_{};
   Real push_ = Real(0);
   Slide tied_ = Slide::stick;  // the direction in which both contacts slide along their tie
 };

@@ -4,10 +4,12 @@ The trace is drawn as it is; no physics runs here. A carry of up to a minute run
 longer one a whole number of times faster, which its title says. See `sideview` for what is drawn.
 """
 
+import contextlib
 import math
 import os
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -19,9 +21,10 @@ from palmbots.errors import PalmbotsError
 from palmbots.figure8_story import correction_bars
 from palmbots.files import whole_file
 from palmbots.geometry import place_rows
-from palmbots.gif import GifWriter
+from palmbots.gif import GifWriter, palette
 from palmbots.lowering import lower
-from palmbots.sideview import Moment, Stage, palette_image
+from palmbots.sideview import COLOURS, Moment, Stage
+from palmbots.sideview_world import Message
 
 if TYPE_CHECKING:
     from palmbots.carry import Carry
@@ -44,10 +47,9 @@ def save(
 ) -> None:
     """Write the animation to `path` (.gif or .mp4); the file appears whole or not at all.
 
-    `fps` is frames per second (a GIF counts in hundredths of a second, so 10, 20, 25 and 50 are kept
-    exactly). `progress(done, total)` is called
-    after each frame. Raises `PalmbotsError` for another suffix, a carry without trace, an unwritable
-    path, or an MP4 without ffmpeg.
+    `fps` is frames per second (a GIF counts in hundredths of a second, so 10, 20, 25 and 50 are
+    kept exactly). `progress(done, total)` is called after each frame. Raises `PalmbotsError` for
+    another suffix, a carry without trace, an unwritable path, or an MP4 without ffmpeg.
     """
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".mp4"):
@@ -92,7 +94,7 @@ def _plan(carry: "Carry", fps: float) -> tuple[Stage, list[Moment]]:
         Moment(
             row=k,
             time=float(times[row]),
-            case=(str(case[k, 0]), str(case[k, 1])),
+            case=(str(case[k, 0]).strip(), str(case[k, 1]).strip()),
             sign=(int(sign[k, 0]), int(sign[k, 1])),
             motion=(int(motion[k, 0]), int(motion[k, 1])),
             contact=(float(contact[k, 0]), float(contact[k, 1])),
@@ -107,14 +109,14 @@ def _plan(carry: "Carry", fps: float) -> tuple[Stage, list[Moment]]:
     return Stage(spec, placement, correction_bars(carry), float(times[-1]), title), moments
 
 
-def _messages_shown(carry: "Carry", times: np.ndarray) -> list[tuple[str, str, str] | None]:
+def _messages_shown(carry: "Carry", times: np.ndarray) -> list[Message | None]:
     """For each time the newest message, for as long as it is shown."""
-    shown: list[tuple[str, str, str] | None] = [None] * len(times)
+    shown: list[Message | None] = [None] * len(times)
     for letter in carry.letters:
         first, last = np.searchsorted(times, [letter.sent_s, letter.sent_s + _MESSAGE_SHOWN_S])
         text = letter.letter if letter.received_s is not None else f"{letter.letter} (lost)"
         for k in range(int(first), int(last)):
-            shown[k] = (letter.sender, letter.receiver, text)
+            shown[k] = Message(letter.sender, letter.receiver, text)
     return shown
 
 
@@ -136,10 +138,9 @@ def _write_gif(
 ) -> None:
     """One palette for all frames, learnt from a few of them, so that colours never flicker."""
     spread = [moments[k * (len(moments) - 1) // 5] for k in range(6)]
-    busy = [m for m in moments if any(c.strip() for c in m.case)][:6]
-    palette = palette_image(stage, [stage.frame(m) for m in (*spread, *busy)])
+    busy = [m for m in moments if any(m.case)][:6]
 
-    writer = GifWriter(stream, palette)
+    writer = GifWriter(stream, palette(COLOURS, [stage.frame(m) for m in (*spread, *busy)]))
     for k, image in enumerate(images, start=1):
         last = k == len(moments)
         writer.add(image, round(1000 * (_LAST_FRAME_S if last else 1 / fps)))
@@ -154,7 +155,7 @@ def _write_mp4(
     fps: float,
     path: str | os.PathLike[str],
 ) -> None:
-    """Feed ffmpeg raw frames; it writes into the open temporary file, which it needs to seek in."""
+    """Feed ffmpeg raw frames; it writes into the temporary file, for which it needs the name."""
     wide, high = stage.size
     command = [
         encoder, "-loglevel", "error", "-y",
@@ -163,15 +164,24 @@ def _write_mp4(
         "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart",
         "-f", "mp4", stream.name,
     ]  # fmt: skip
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert process.stdin is not None and process.stderr is not None
-    try:
-        for image in images:
-            process.stdin.write(image.tobytes())
-        process.stdin.close()
-    except BrokenPipeError:  # ffmpeg gave up; what it says follows
-        pass
-    complaint = process.stderr.read().decode(errors="replace").strip().splitlines()
-    if process.wait() != 0:
-        reason = complaint[-1] if complaint else f"exit code {process.returncode}"
+    with (
+        tempfile.TemporaryFile() as complaints,
+        subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints) as process,
+    ):
+        assert process.stdin is not None
+        try:
+            for image in images:
+                process.stdin.write(image.tobytes())
+            process.stdin.close()
+        except BrokenPipeError:  # ffmpeg gave up; what it says follows
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.close()
+        except BaseException:
+            process.kill()
+            raise
+        code = process.wait()
+        complaints.seek(0)
+        said = complaints.read().decode(errors="replace").split("\n")
+    if code != 0:
+        reason = next((line for line in reversed(said) if line.strip()), f"exit code {code}")
         raise PalmbotsError(f"{path}: ffmpeg could not write the film: {reason}")

@@ -27,7 +27,7 @@ _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s
 def draw(comparison: "Comparison") -> Figure:
     """Two panels over the swept key: drop rate with its 95 % interval, and contact rms."""
     with styled():
-        figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+        figure = Figure(figsize=(7.2, 3.4), layout="constrained")
         drops, rms = figure.subplots(1, 2)
         for controller in dict.fromkeys(row.controller for row in comparison.rows):
             rows = [row for row in comparison.rows if row.controller == controller]
@@ -51,8 +51,12 @@ def draw(comparison: "Comparison") -> Figure:
         rms.set(xlabel=label, ylabel="contact rms [mm]")
         rms.set_ylim(bottom=0)
         n = comparison.rows[0].n
-        figure.suptitle(f"{n} carries a point, the same seeds for every controller", fontsize=9)
-        drops.legend(loc="center right")
+        figure.legend(
+            *drops.get_legend_handles_labels(),
+            loc="outside upper center",
+            ncols=4,
+            title=f"{n} carries a point, the same seeds for every controller",
+        )
         return figure
 
 

@@ -23,7 +23,9 @@ from matplotlib.patches import Patch
 from palmbots import figure8_story as story
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
+from palmbots.geometry import SIDES
 from palmbots.lowering import lower
+from palmbots.sections import Side
 from palmbots.style import DROP, HATCH, HUE, INK, LINE, QUIET, ZERO, styled
 
 if TYPE_CHECKING:
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "save"]
 
-SIDES = ("left", "right")
 _FORMATS = (".png", ".svg", ".pdf")
 
 _HEIGHTS = {  # inches of each panel
@@ -71,17 +72,14 @@ def _view(carry: "Carry", window: tuple[float, float] | None) -> _View:
     if carry.trace is None:
         raise PalmbotsError("figure: this carry has no trace; run it with record=True")
     times = carry.trace["time"].to_numpy()
-    start, end = window or (float(times[0]), float(times[-1]))
+    last = float(times[-1])
+    # A carry that ended in its first tick still gets a picture.
+    start, end = window or (0.0, max(last, carry.scene.control.period_s))
     if not (math.isfinite(start) and math.isfinite(end) and start < end):
-        if window is None:  # a carry that ended in its first tick still gets a picture
-            end = start + carry.scene.control.period_s
-        else:
-            raise PalmbotsError(
-                f"figure: window is {window}; allowed: (from_s, to_s) with from < to"
-            )
+        raise PalmbotsError(f"figure: window is {window}; allowed: (from_s, to_s) with from < to")
     rows = np.flatnonzero((times >= start) & (times <= end))
     if rows.size == 0:
-        raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {times[-1]:g} s")
+        raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {last:g} s")
     shown = sum(1 for c in carry.corrections if c.end_s >= start and c.start_s <= end)
     width = min(max(6.3, 0.28 * (end - start), 0.27 * shown), 12.0)
     return _View(carry, lower(carry.scene), carry.trace.isel(time=rows), start, end, width)
@@ -194,7 +192,7 @@ def _contact_reach(view: _View) -> float:
     return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
 
 
-def _draw_contact(panel: Axes, view: _View, side: str, reach: float) -> None:
+def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
     """Contact coordinate in mm, with the zero zones and, when near, the ends of the palm."""
     half = view.spec.palms[SIDES.index(side)].length / 2 * 1e3
     for sign, low, high in view.spec.zones:
@@ -212,7 +210,7 @@ def _draw_contact(panel: Axes, view: _View, side: str, reach: float) -> None:
     panel.set_ylabel(f"{side}\ncontact (mm)")
 
 
-def _draw_sensor(panel: Axes, view: _View, side: str) -> None:
+def _draw_sensor(panel: Axes, view: _View, side: Side) -> None:
     """The sensor's sign as a filled step, so that it reads without colour."""
     sign = view.series("sign", side)
     panel.fill_between(view.time, sign, step="post", color=HUE[side], alpha=0.45, lw=0)

@@ -6,7 +6,7 @@ levels as they need not to collide; one that finds no room is left out.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,7 @@ __all__ = ["Bar", "correction_bars", "draw_story", "message_key", "runs", "stagg
 _ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
+_MOST_PER_INCH = 10  # bars; where there are more, letters and messages would be a blot
 _MARKERS = {"TiltUp": "^", "Ack": "o", "TiltDown": "v"}
 
 
@@ -65,12 +66,16 @@ def draw_story(panel: Axes, carry: "Carry", start: float, end: float, width_in: 
     second_per_inch = (end - start) / width_in
     size = 6.5 if len(shown) > 3.2 * width_in else 8.0
     bars = [bar for bar in correction_bars(carry) if bar.end >= start and bar.start <= end]
+    legible = len(bars) <= _MOST_PER_INCH * width_in
+    if not legible:
+        bars = [replace(bar, text="") for bar in bars]
     tallest = 1
     for row in ("left", "right"):
         mine = [bar for bar in bars if bar.row == row]
         tallest = max(tallest, _draw_row(panel, mine, row, size, second_per_inch, (start, end)))
     letters = [m for m in carry.letters if start <= m.sent_s <= end]
-    _draw_letters(panel, letters, end, size)
+    if legible:
+        _draw_letters(panel, letters, end, size)
     if not shown:
         panel.text(
             (start + end) / 2, 0, "no corrections", ha="center", va="center", size=8, color=QUIET

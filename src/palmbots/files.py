@@ -66,7 +66,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     temporary = final.with_name(f".palmbots-{secrets.token_hex(6)}.part")
     try:
         # "x" never follows a planted link, and leaves the permissions to the user's umask.
-        stream = open(temporary, "x+b")
+        stream = open(temporary, "x+b")  # noqa: SIM115 (the file outlives this block)
     except OSError as error:
         raise _refusal(shown, error) from None
     try:

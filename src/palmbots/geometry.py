@@ -15,11 +15,14 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from palmbots._core import Spec
+from palmbots.sections import Side
 
 __all__ = [
     "BODY_GAP",
     "BODY_SIZE",
+    "CLEARANCE",
     "PALM_THICKNESS",
+    "SIDES",
     "WHEEL_RADIUS",
     "Placement",
     "floor_level",
@@ -27,11 +30,13 @@ __all__ = [
     "place_rows",
 ]
 
+SIDES: tuple[Side, Side] = ("left", "right")
 Array = NDArray[np.float64]
 
 BODY_SIZE = 0.20  # m; the paper's robots are "approximately the size of a 20 cm cube"
 BODY_GAP = 0.05  # m, from the pivot outward to the near face of the body; assumed
 WHEEL_RADIUS = 0.04  # m; assumed
+CLEARANCE = 0.02  # m, from the floor to the body; assumed
 PALM_THICKNESS = 0.006  # m; assumed
 _PIVOT_HEIGHT = 0.25  # m above the floor; assumed, clears the body for any usual palm
 
@@ -111,6 +116,6 @@ def place_rows(spec: Spec, trace: xr.Dataset, rows: slice | NDArray[np.integer])
 
 
 def floor_level(spec: Spec) -> float:
-    """World y of the floor to draw: low enough for the robots, and for an object that hangs deep."""
+    """World y of the floor to draw: low enough for the robots and for any object."""
     lowest = min(y for _, _, y in spec.outline)
     return min(-_PIVOT_HEIGHT, lowest - 0.05)

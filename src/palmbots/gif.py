@@ -6,15 +6,37 @@ only what moves takes room. Format: GIF89a specification, with the looping exten
 """
 
 import struct
+from collections.abc import Sequence
 from typing import BinaryIO
 
 import numpy as np
 from PIL import GifImagePlugin, Image
 
-__all__ = ["GifWriter"]
+__all__ = ["GifWriter", "palette"]
 
 _TRANSPARENT = 255  # the palette place that stands for "as before"
+_BLENDS = 160  # colours learnt beside the plain ones
 _KEEP = 1  # disposal method: leave the frame on the screen
+
+
+def palette(plain: Sequence[str], samples: Sequence[Image.Image]) -> Image.Image:
+    """A palette: the plain colours ("#RRGGBB") exactly, and between them the samples' blends."""
+    exact = [tuple(bytes.fromhex(colour[1:])) for colour in plain]
+    sheet = Image.new("RGB", (samples[0].width, sum(s.height for s in samples)))
+    for k, sample in enumerate(samples):
+        sheet.paste(sample, (0, k * sample.height))
+    learnt = sheet.quantize(_BLENDS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    values = (learnt.getpalette() or [])[: 3 * _BLENDS]
+    blends = list(zip(values[::3], values[1::3], values[2::3], strict=True))
+
+    def apart(one: tuple[int, ...], other: tuple[int, ...]) -> int:
+        return max(abs(x - y) for x, y in zip(one, other, strict=True))
+
+    # Pillow finds the nearest entry only roughly: a blend near a plain colour would replace it.
+    far = [b for b in blends if all(apart(b, p) > 12 for p in exact)]
+    made = Image.new("P", (1, 1))
+    made.putpalette([value for colour in (*exact, *far) for value in colour])
+    return made
 
 
 class GifWriter:

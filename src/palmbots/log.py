@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from mcap.records import Channel, Message, Metadata, Schema
+from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import register_schema
@@ -32,7 +32,7 @@ from palmbots.carry import Carry, Correction, Letter
 from palmbots.carry import _dataset as trace_dataset
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
-from palmbots.geometry import place_rows
+from palmbots.geometry import SIDES, place_rows
 from palmbots.log_schema import CorrectionEvent, LetterEvent, PairState, RobotState
 from palmbots.lowering import lower
 from palmbots.solids import contact_balls, solids, urdf
@@ -42,7 +42,6 @@ __all__ = ["Log", "read_log", "write_log"]
 _RECORD = "palmbots"  # the name of the metadata record
 _FORMAT = "1"
 _SCENE_INTERVAL_S = 0.04  # between two pictures of the three-dimensional scene
-_SIDES = ("left", "right")
 
 # Facts of a carry that are no time series: as they are, and as JSON (which keeps every bit too).
 _TEXTS = ("controller", "world", "precision", "version", "outcome", "trace_hash")
@@ -172,7 +171,7 @@ class _Channels:
         for row, instant in enumerate(instants):
             while events and events[-1][0] <= instant:
                 self._put(*events.pop()[1:], instant)
-            for k, side in enumerate(_SIDES):
+            for k, side in enumerate(SIDES):
                 columns = zip(_ROBOT_FIELDS, robots, strict=True)
                 state = RobotState(**{field: column[row][k] for (_, field), column in columns})
                 self._put(f"/{side}", state, instant)
@@ -291,7 +290,7 @@ def _parse(data: bytes) -> Log:
 
 
 def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
-    robots = [[RobotState.FromString(m) for m in messages[f"/{side}"]] for side in _SIDES]
+    robots = [[RobotState.FromString(m) for m in messages[f"/{side}"]] for side in SIDES]
     pair = [PairState.FromString(m) for m in messages["/pair"]]
     trace = {
         field: np.array([[getattr(state, field) for state in states] for states in robots]).T
@@ -304,7 +303,7 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
         trace[field] = np.array([getattr(state, field) for state in pair])
     letters = [LetterEvent.FromString(m) for m in messages.get("/messages", [])]
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
-    told = {name: facts[name] for name in _TEXTS}
+    told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
     told |= {name: json.loads(facts[name]) for name in ("scene", *_VALUES)}
     told["warnings"] = tuple(told["warnings"])
     return Log(

@@ -20,13 +20,11 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from palmbots.geometry import Placement
+from palmbots.geometry import SIDES, Placement
 from palmbots.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector, poses
 from palmbots.style import SLIDES, ZERO
 
 __all__ = ["contact_update", "ros_string", "scene_update", "transforms"]
-
-_SIDES = ("left", "right")
 
 
 def transforms(place: Placement, row: int, nanoseconds: int) -> FrameTransforms:
@@ -57,7 +55,7 @@ def scene_update(parts: Iterable[Solid]) -> SceneUpdate:
 def contact_update(motion: tuple[int, int], nanoseconds: int) -> SceneUpdate:
     """The contact points: green where they stick; yellow, with an arrow, where they slide."""
     message = SceneUpdate()
-    for k, side in enumerate(_SIDES):
+    for k, side in enumerate(SIDES):
         colour = _colour(ZERO if motion[k] == 0 else SLIDES)
         entity = message.entities.add(
             frame_id=f"{side}_contact", id=f"{side}_contact", frame_locked=True

@@ -30,7 +30,7 @@ _MESSAGES = {
         ("motion", "sint32"),
         ("case", "string"),
     ),
-    # What belongs to both: time, distance of the pivots, way of their midpoint, angle of the object.
+    # Both: time, distance of the pivots, way of their midpoint, angle of the object.
     "PairState": (
         ("time_s", "double"),
         ("separation_m", "double"),

@@ -1,4 +1,4 @@
-"""Running a log again, to prove that the same scene and seed give the same carry to the last bit."""
+"""Running a log again, to prove that scene and seed give the same carry to the last bit."""
 
 import os
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ import xarray as xr
 
 from palmbots.carry import Carry, carry
 from palmbots.errors import PalmbotsError
+from palmbots.geometry import SIDES
 from palmbots.log import Log, read_log
 
 __all__ = ["Replay", "replay"]
@@ -87,10 +88,10 @@ def first_difference(logged: xr.Dataset, again: xr.Dataset) -> str | None:
         differs = _bits(one) != _bits(other)
         if not differs.any():
             continue
-        where = tuple(int(k) for k in np.argwhere(differs)[0])
-        if earliest is None or where[0] < earliest[0]:
-            side = f" {logged['side'].to_numpy()[where[1]]}" if len(where) > 1 else ""
-            earliest = (where[0], f"{name}{side}", one[where].item(), other[where].item())
+        row, *side = np.argwhere(differs)[0].tolist()
+        if earliest is None or row < earliest[0]:
+            what = " ".join([name, *(SIDES[k] for k in side)])
+            earliest = (row, what, one[row, *side].item(), other[row, *side].item())
     if earliest is not None:
         row, what, before, now = earliest
         when = float(logged["time"][row])

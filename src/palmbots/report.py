@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from rich.console import Console
 from rich.table import Table
@@ -160,16 +160,15 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
     """One row for each controller and value."""
     console = Console(highlight=False)
     table = Table(title=f"{done.rows[0].n} carries a row, seeds from {done.seed}")
-    for name, justify in (
+    columns: tuple[tuple[str, Literal["left", "right"]], ...] = (
         ("controller", "left"),
         (done.key, "right"),
-        ("dropped", "right"),
-        ("95 % interval", "right"),
-        ("stalled", "right"),
+        ("dropped (95 %)", "right"),
         ("contact rms", "right"),
         ("corrections", "right"),
-    ):
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    )
+    for name, justify in columns:
+        table.add_column(name, justify=justify, no_wrap=True)
     last = None
     for row in done.rows:
         if last is not None and row.controller != last:
@@ -177,14 +176,15 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         table.add_row(
             row.controller if row.controller != last else "",
             f"{row.value:g}",
-            f"{100 * row.drop_rate:.1f} %",
-            f"{100 * row.interval[0]:.1f} – {100 * row.interval[1]:.1f} %",
-            f"{100 * row.stall_rate:.1f} %",
+            f"{100 * row.drop_rate:.1f} % ({100 * row.interval[0]:.1f}–{100 * row.interval[1]:.1f})",
             _mm(row.rms_m),
             f"{row.corrections:.1f}",
         )
         last = row.controller
     console.print(table)
+    stalled = sum(round(row.stall_rate * row.n) for row in done.rows)
+    if stalled:
+        console.print(f"{stalled} carries stalled: they neither arrived nor dropped in time")
     if written is not None:
         _files(console, [written])
 

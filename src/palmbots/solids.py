@@ -14,11 +14,14 @@ from xml.sax.saxutils import quoteattr
 from palmbots.geometry import (
     BODY_GAP,
     BODY_SIZE,
+    CLEARANCE,
     PALM_THICKNESS,
+    SIDES,
     WHEEL_RADIUS,
     Placement,
     floor_level,
 )
+from palmbots.sections import Side
 from palmbots.style import HUE, INK, OBJECT, PALE, QUIET, ZERO
 
 if TYPE_CHECKING:
@@ -39,7 +42,6 @@ __all__ = [
 ]
 
 WORLD = "world"
-SIDES = ("left", "right")
 Vector = tuple[float, float, float]
 
 _WALL = 0.004  # m, thickness of the object's sides in URDF, which knows no prisms
@@ -120,11 +122,11 @@ def contact_balls() -> list[Solid]:
     return [Solid(f"{side}_contact", Ball(0.006), ZERO) for side in SIDES]
 
 
-def _robot(side: str, outward: float, floor: float) -> list[Solid]:
+def _robot(side: Side, outward: float, floor: float) -> list[Solid]:
     """Body, wheels and arm in the frame of the robot, whose origin is its pivot."""
     frame = f"{side}_robot"
     middle = outward * (BODY_GAP + BODY_SIZE / 2)
-    low = floor + 0.02
+    low = floor + CLEARANCE
     shoulder = (outward * (BODY_GAP + 0.03), low + BODY_SIZE - 0.03)
     arm = math.hypot(*shoulder)
     lean = math.atan2(shoulder[1], shoulder[0])

@@ -6,6 +6,7 @@ by line style and hatch, and every correction carries its letter.
 
 import contextlib
 from collections.abc import Iterator
+from typing import Any
 
 __all__ = [
     "BOTH",
@@ -35,7 +36,7 @@ PALE = {"left": "#CCE3F0", "right": "#F7DFCC", "zero": "#B2E2D3"}
 LINE = {"left": "-", "right": (0, (4, 1.2))}
 HATCH = {"left": "////", "right": "\\\\\\\\", "both": "...."}
 
-_SETTINGS = {
+_SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.labelsize": 8,

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#define CHECK(expression)                                                              \
-  do {                                                                                 \
-    if (!(expression)) {                                                               \
+#define CHECK(expression)                                                                 \
+  do {                                                                                    \
+    if (!(expression)) {                                                                  \
       std::fprintf(stderr, "%s:%d: CHECK(%s) failed\n", __FILE__, __LINE__, #expression); \
-      std::exit(1);                                                                    \
-    }                                                                                  \
+      std::exit(1);                                                                       \
+    }                                                                                     \
   } while (false)

@@ -1,0 +1,126 @@
+// Whole carries from C++: nothing in a tick takes memory from the heap, and recorders only watch.
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+#include "check.hpp"
+#include "palmbots/recorder.hpp"
+#include "paper_spec.hpp"
+
+namespace {
+
+long allocations = 0;
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  std::abort();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace {
+
+using namespace palmbots;
+
+// Everything that a scene can switch on, so that every part of a tick is reached.
+Spec busy_spec() {
+  Spec spec = paper_spec();
+  spec.false_rate = 0.01;
+  spec.jitter = 0.03;
+  spec.loss = 0.001;
+  spec.bump_rate = 5;
+  spec.bump_max = 0.004;
+  spec.bumps[0] = {0, 1, 1.0, 0.008};
+  spec.bumps[1] = {1, 0, 0.2, -0.008};
+  spec.bump_count = 2;
+  for (PalmSpec& palm : spec.palms) palm.offset = 0.01;
+  return spec;
+}
+
+struct Ran {
+  std::uint32_t ticks;
+  std::uint32_t corrections;
+  std::uint32_t sent;
+  Result outcome;
+  double square_sum;
+};
+
+template <class Real, class Recorder, class Team>
+Ran run_counting(const Spec& spec, std::uint64_t seed, Team team, Recorder* out = nullptr) {
+  Carry<Real, Team, Recorder> carry(spec, seed, std::move(team), Recorder{});
+  while (carry.metrics().outcome == Result::running) {
+    carry.recorder().make_room();
+    const long before = allocations;
+    carry.tick();
+    CHECK(allocations == before);
+  }
+  if (out != nullptr) *out = std::move(carry.recorder());
+  const Metrics& m = carry.metrics();
+  return {carry.ticks(), m.corrections, carry.team().traffic.sent, m.outcome,
+          m.square_sum[left] + m.square_sum[right]};
+}
+
+template <class Team>
+void test_no_allocation(const Spec& spec, std::uint64_t seed, const Team& team) {
+  const Ran bare = run_counting<double, NoRecorder>(spec, seed, team);
+  HashRecorder hash;
+  TraceRecorder trace;
+  const Ran hashed = run_counting<double, HashRecorder>(spec, seed, team, &hash);
+  const Ran traced = run_counting<double, TraceRecorder>(spec, seed, team, &trace);
+  // A recorder watches and changes nothing.
+  CHECK(bare.ticks == hashed.ticks && bare.ticks == traced.ticks);
+  CHECK(bare.square_sum == hashed.square_sum && bare.square_sum == traced.square_sum);
+  CHECK(bare.corrections == traced.corrections && bare.sent == traced.sent);
+  CHECK(hash.hash() == trace.hash());
+  CHECK(bare.ticks > 10);
+  CHECK((run_counting<float, TraceRecorder>(spec, seed, team).ticks > 10));
+}
+
+void test_no_allocation_by_any_team() {
+  const Spec busy = busy_spec();
+  const Spec plain = paper_spec();
+  const Channel channel = Channel::of(busy.latency, busy.jitter, busy.loss, busy.period);
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    for (const Spec& spec : {plain, busy}) {
+      test_no_allocation(spec, seed, Unattended{});
+      test_no_allocation(spec, seed, Station(channel, seed, right));
+      test_no_allocation(spec, seed, Pair<Distributed>({}, channel, seed, right));
+    }
+  }
+}
+
+// The counter does count: a trace needs memory, outside the ticks.
+void test_the_counter_counts() {
+  const long before = allocations;
+  TraceRecorder trace;
+  trace.make_room();
+  CHECK(allocations > before);
+}
+
+void test_paper_box_arrives() {
+  const Spec spec = paper_spec();
+  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Pair<Distributed> team({}, channel, seed, right);
+    const Ran ran = run_counting<double, NoRecorder>(spec, seed, team);
+    CHECK(ran.outcome == Result::delivered);
+    CHECK(ran.ticks > 2300 && ran.ticks < 2800);
+    CHECK(ran.corrections > 15 && ran.corrections < 60);
+  }
+}
+
+}  // namespace
+
+int main() {
+  test_the_counter_counts();
+  test_no_allocation_by_any_team();
+  test_paper_box_arrives();
+}

@@ -1,0 +1,291 @@
+"""Whole carries of all kinds of scenes: laws that hold for every one of them."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import palmbots as pb
+from grid import NONE, STEEP
+from palmbots.controllers import Distributed, StepInput, StepOutput
+from palmbots.errors import PalmbotsError
+from palmbots.scene import Scene
+from strategies import scenes
+from table2 import Deed, Robot, tick
+
+CONTROLLERS = ("none", "centralized", "distributed")
+REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed"}
+IMAGE = str.maketrans("12345678", "21436587")
+LETTERS = (None, "TiltUp", "TiltDown", "Ack")
+
+controllers = st.sampled_from(CONTROLLERS)
+precisions = st.sampled_from(("double", "float"))
+seeds = st.integers(0, 2**64 - 1)
+many = settings(
+    max_examples=150, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+)
+
+
+def columns(carry: pb.Carry) -> dict[str, np.ndarray]:
+    assert carry.trace is not None
+    return {str(name): carry.trace[name].values for name in carry.trace.variables}
+
+
+def busy(controller: str, seed: int = 0, **keys: object) -> pb.Carry:
+    """The paper's carry with everything switched on that disturbs it."""
+    disturbed = {
+        "robot.bias_m_s": 0.001,
+        "tactile.false_rate": 0.002,
+        "radio.jitter_s": 0.03,
+        "palm.pivot_offset_m": 0.01,
+        "bumps.rate_per_m": 3.0,
+    }
+    keys = {key.replace("__", "."): value for key, value in keys.items()}
+    return pb.carry("paper", controller, seed=seed, overrides=disturbed | keys)
+
+
+@many
+@given(scenes(), controllers, precisions, seeds)
+def test_mirrored_scene_gives_the_mirrored_carry(
+    scene: Scene, controller: str, precision: str, seed: int
+) -> None:
+    there = pb.carry(scene, controller, precision=precision, seed=seed)
+    back = pb.carry(scene.mirrored(), controller, precision=precision, seed=seed)
+    assert (there.outcome, there.reason) == (back.outcome, back.reason)
+    assert (there.time_s, there.distance_m) == (back.time_s, back.distance_m)
+    assert (there.messages, there.messages_lost) == (back.messages, back.messages_lost)
+    for here, image in (("left", "right"), ("right", "left")):
+        for measure in ("contact_rms_m", "contact_peak_m", "waiting_s"):
+            assert getattr(there, measure)[here] == getattr(back, measure)[image]
+    a, b = columns(there), columns(back)
+    for name in ("contact", "palm", "sign", "motion"):
+        np.testing.assert_array_equal(a[name], b[name][:, ::-1], err_msg=name)
+    for name in ("speed", "commanded"):
+        np.testing.assert_array_equal(a[name], -b[name][:, ::-1], err_msg=name)
+    for name in ("midpoint", "object"):
+        np.testing.assert_array_equal(a[name], -b[name], err_msg=name)
+    for name in ("separation", "time"):
+        np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+    image_case = np.char.translate(b["case"][:, ::-1], IMAGE)
+    np.testing.assert_array_equal(a["case"], image_case)
+
+
+@many
+@given(scenes(), controllers, precisions, seeds)
+def test_any_valid_scene_can_be_carried(
+    scene: Scene, controller: str, precision: str, seed: int
+) -> None:
+    check(pb.carry(scene, controller, precision=precision, seed=seed))
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_disturbed_carries_of_the_paper(controller: str, precision: str) -> None:
+    for seed in range(10):
+        keys = {"bumps.rate_per_m": 3.0, "radio.jitter_s": 0.03, "tactile.false_rate": 0.002}
+        check(pb.carry("paper", controller, precision=precision, seed=seed, overrides=keys))
+
+
+def check(carry: pb.Carry) -> None:
+    """What a carry says of itself agrees with its trace."""
+    scene, rows = carry.scene, columns(carry)
+    single = carry.precision == "float"
+    ticks = len(rows["time"]) - 1
+    period = scene.control.period_s
+
+    assert carry.outcome in ("delivered", "dropped", "stalled")
+    assert (carry.reason is not None) == (carry.outcome == "dropped")
+    assert carry.reason is None or carry.reason in REASONS
+    assert ticks <= scene.timeout_ticks
+    assert carry.time_s == rows["time"][-1]
+    assert (ticks - 1) * period <= carry.time_s * (1 + 1e-9) + 1e-12
+    assert carry.time_s <= ticks * period * (1 + 1e-9)
+    if carry.outcome == "delivered":
+        assert carry.distance_m >= scene.task.distance_m
+    if carry.outcome == "stalled":
+        assert ticks == scene.timeout_ticks
+    for name in ("contact", "palm", "speed", "separation", "midpoint", "object"):
+        assert np.isfinite(rows[name]).all(), name
+    assert set(np.unique(rows["sign"])) <= {-1, 0, 1}
+    assert set(np.unique(rows["motion"])) <= {-1, 0, 1}
+
+    contact = rows["contact"][:-1]
+    for k, side in enumerate(("left", "right")):
+        rms = math.sqrt(np.mean(contact[:, k] ** 2)) if ticks else 0.0
+        assert carry.contact_rms_m[side] == pytest.approx(rms, rel=1e-9, abs=1e-300)
+        assert carry.contact_peak_m[side] == (np.abs(contact[:, k]).max() if ticks else 0.0)
+        assert 0 <= carry.waiting_s[side] <= ticks * period * (1 + 1e-9)
+
+    check_loop(scene, rows, 2e-6 if single else 1e-12)
+    check_corrections(carry, rows)
+    for letter in carry.letters:
+        assert letter.letter in LETTERS[1:]
+        assert letter.sender != letter.receiver
+    assert carry.messages_lost <= carry.messages
+    if carry.controller == "distributed":
+        assert carry.messages == len(carry.letters)
+        assert carry.messages_lost == sum(ltr.received_s is None for ltr in carry.letters)
+
+
+def check_loop(scene: Scene, rows: dict[str, np.ndarray], slack: float) -> None:
+    """|C_R - C_L| = w at every tick, and the angle of the object is that of C_R - C_L."""
+    (lx, ly), (rx, ry) = (scene.object.vertices_m[k] for k in scene.object.contacts)
+    width = math.hypot(rx - lx, ry - ly)
+    outward = np.array([-1, 1])
+    angle, p = rows["palm"], rows["contact"]
+    offset = np.array([scene.palm_of(side).pivot_offset_m for side in ("left", "right")])
+    x = outward * (p * np.cos(angle) - offset * np.sin(angle))
+    y = p * np.sin(angle) + offset * np.cos(angle)
+    dx = rows["separation"] + x[:, 1] - x[:, 0]
+    dy = y[:, 1] - y[:, 0]
+    np.testing.assert_allclose(np.hypot(dx, dy), width, atol=slack)
+    np.testing.assert_allclose(np.sin(rows["object"]), dy / width, atol=10 * slack)
+
+
+def check_corrections(carry: pb.Carry, rows: dict[str, np.ndarray]) -> None:
+    period = carry.scene.control.period_s
+    legal = {"none": "", "centralized": "12345678", "distributed": "abd"}[carry.controller]
+    for correction in carry.corrections:
+        assert correction.case in legal
+        assert 0 <= correction.start_s <= correction.end_s <= carry.time_s
+        column = 1 if correction.robot == "right" else 0
+        start = round(correction.start_s / period)
+        shown = rows["case"][start, column]
+        assert shown == correction.case or (shown, correction.case) == ("a", "b")
+    assert [c.label for c in carry.corrections[:3]] == ["A", "B", "C"][: len(carry.corrections)]
+    starts = [c.start_s for c in carry.corrections]
+    assert starts == sorted(starts)
+    # As many as the cases of the trace begin, an (a) that becomes a (b) counted once.
+    begun = 0
+    tracks = [rows["case"][:-1, k] for k in (0, 1)][: 1 if carry.controller == "centralized" else 2]
+    for track in tracks:
+        before = " "
+        for now in track:
+            begun += now != before and now in legal and (before, now) != ("a", "b")
+            before = now
+    assert len(carry.corrections) == min(begun, 512)
+
+
+class FromTable:
+    """A controller in Python: the transcription of Table 2 in tests/table2.py."""
+
+    def __init__(self) -> None:
+        self.robot = Robot()
+
+    def step(self, seen: StepInput) -> StepOutput:
+        self.robot, deed = tick(self.robot, (seen.sign, LETTERS.index(seen.letter), seen.turned))
+        return StepOutput(
+            palm=("steep", "shallow")[deed.palm],
+            move=("hold", "away", "closer")[deed.move],
+            send=LETTERS[deed.send],
+            read=deed.read,
+            case=deed.case,
+            waits=deed.waits,
+        )
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("maker", [FromTable, Distributed])
+def test_controller_in_python_carries_alike(maker: type, precision: str) -> None:
+    keys = {"radio.jitter_s": 0.04, "bumps.rate_per_m": 3.0, "tactile.false_rate": 0.003}
+    for seed in range(3):
+        arguments = {"precision": precision, "seed": seed, "overrides": keys}
+        mine = pb.carry("paper", maker, **arguments)
+        shipped = pb.carry("paper", "distributed", **arguments)
+        assert mine.trace_hash == shipped.trace_hash
+        assert mine.letters == shipped.letters
+        assert mine.corrections == shipped.corrections
+        assert mine.waiting_s == shipped.waiting_s
+        np.testing.assert_array_equal(columns(mine)["case"], columns(shipped)["case"])
+    assert mine.controller == maker.__name__
+
+
+@pytest.mark.parametrize("output", [StepOutput(palm="flat"), StepOutput(case="q")])  # type: ignore[arg-type]
+def test_controller_that_answers_nonsense(output: StepOutput) -> None:
+    class Nonsense:
+        def step(self, seen: StepInput) -> StepOutput:
+            return output
+
+    with pytest.raises(ValueError, match="controller: .* allowed"):
+        pb.carry(controller=Nonsense)
+
+
+def test_trace_and_letters_tell_the_whole_conversation() -> None:
+    """Fed with the signs, palms and letters of the log alone, Table 2 takes the logged cases, asks
+    for the logged speeds, sends the logged letters and waits as long."""
+    for seed in range(4):
+        carry = busy("distributed", seed=seed)
+        rows, period = columns(carry), carry.scene.control.period_s
+        targets = np.radians([carry.scene.palm.steep_deg, carry.scene.palm.shallow_deg])
+        for k, side in enumerate(("left", "right")):
+            post = [ltr for ltr in carry.letters if ltr.receiver == side]
+            inbox = [(round(ltr.received_s / period), ltr.letter) for ltr in post if ltr.received_s]
+            sent = [
+                (round(ltr.sent_s / period), ltr.letter)
+                for ltr in carry.letters
+                if ltr.sender == side
+            ]
+            robot, deed, waited, said = Robot(), Deed(STEEP), 0, []
+            for now in range(len(rows["time"]) - 1):
+                letter = inbox[0][1] if inbox and inbox[0][0] <= now else None
+                turned = abs(rows["palm"][now, k] - targets[deed.palm]) < 1e-12
+                seen = (int(rows["sign"][now, k]), LETTERS.index(letter), bool(turned))
+                robot, deed = tick(robot, seen)
+                if deed.read:
+                    inbox.pop(0)
+                if deed.send != NONE:
+                    said.append((now, LETTERS[deed.send]))
+                waited += deed.waits
+                assert rows["case"][now, k] == deed.case
+                away = (0.0, 0.03, -0.03)[deed.move] * (-1, 1)[k]
+                assert rows["commanded"][now, k] == pytest.approx(0.06 + away, abs=1e-15)
+            assert said == sent
+            assert carry.waiting_s[side] == pytest.approx(waited * period)
+
+
+def test_same_seed_same_carry_other_seed_other_carry() -> None:
+    first, again, other = busy("distributed", 1), busy("distributed", 1), busy("distributed", 2)
+    assert first.trace_hash == again.trace_hash
+    assert first.trace is not None
+    assert first.trace.identical(again.trace)
+    assert first.summary() == again.summary()
+    assert first.trace_hash != other.trace_hash
+
+
+def test_kinematics() -> None:
+    """Separation and midpoint are the integral of the speeds."""
+    rows = columns(pb.carry("paper", seed=3))
+    speed, period = rows["speed"][:-2], 0.01
+    steps = np.diff(rows["separation"])[:-1]
+    np.testing.assert_allclose(steps, (speed[:, 1] - speed[:, 0]) * period, atol=1e-15)
+    steps = np.diff(rows["midpoint"])[:-1]
+    np.testing.assert_allclose(steps, speed.mean(axis=1) * period, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"controller": "both"}, "controller: value is .*both.*; allowed: none, centralized"),
+        ({"world": "mars"}, "world: value is .*mars"),
+        ({"precision": "half"}, "precision: value is .*half"),
+        ({"seed": -1}, "seed: value is -1"),
+        ({"seed": 2**64}, "seed: value is"),
+        ({"seed": 1.5}, "seed: value is 1.5"),
+        ({"seed": True}, "seed"),
+    ],
+)
+def test_what_is_refused(arguments: dict, words: str) -> None:
+    with pytest.raises(PalmbotsError, match=words) as caught:
+        pb.carry(**arguments)
+    assert "\n" not in str(caught.value)
+
+
+def test_labels_run_past_z() -> None:
+    carry = pb.carry("paper", seed=0)
+    labels = [c.label for c in carry.corrections]
+    assert len(labels) > 27
+    assert labels[:2] + labels[25:28] == ["A", "B", "Z", "AA", "AB"]
+    assert all(len(a) <= len(b) for a, b in pairwise(labels))

@@ -1,0 +1,112 @@
+"""Controllers side by side: rows, their statistics, and what is refused."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots import _core
+from palmbots.compare import wilson
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.lowering import lower
+
+
+def test_rows() -> None:
+    done: list[float] = []
+    comparison = pb.compare(
+        values=(0.0, 0.1), carries=20, seed=7, controllers=("none", "distributed"),
+        progress=done.append,
+    )
+    assert [(r.controller, r.value) for r in comparison.rows] == [
+        ("none", 0.0), ("none", 0.1), ("distributed", 0.0), ("distributed", 0.1),
+    ]
+    assert {r.key for r in comparison.rows} == {"radio.latency_s"}
+    assert {r.n for r in comparison.rows} == {20}
+    assert comparison.seed == 7
+    assert done == [0.25, 0.5, 0.75, 1.0]
+
+
+def test_a_row_is_made_of_single_carries() -> None:
+    """The carries of a row are those that `carry` gives, with the same seeds."""
+    key, value, seeds = "robot.noise_m_s", 0.02, range(5, 25)
+    (row,) = pb.compare(
+        key=key, values=[value], controllers=["none"], carries=len(seeds), seed=seeds[0]
+    ).rows
+    carries = [
+        pb.carry(controller="none", seed=s, record=False, overrides={key: value}) for s in seeds
+    ]
+    drops = sum(c.outcome == "dropped" for c in carries)
+    squares = [p**2 for c in carries for p in c.contact_rms_m.values()]
+    assert 0 < drops < len(seeds)
+    assert row.drop_rate == drops / len(seeds)
+    assert row.interval == wilson(drops, len(seeds))
+    assert row.stall_rate == 0
+    assert row.rms_m == pytest.approx(math.sqrt(np.mean(squares)), rel=1e-12)
+    (row,) = pb.compare(values=[0.05], controllers=["distributed"], carries=10).rows
+    counts = [len(pb.carry(seed=s, record=False).corrections) for s in range(10)]
+    assert row.corrections == pytest.approx(np.mean(counts))
+
+
+def test_stalled_carries_are_no_drops() -> None:
+    (row,) = pb.compare(
+        values=[0.05], controllers=["distributed"], carries=5, overrides={"task.timeout_s": 2.0}
+    ).rows
+    assert (row.stall_rate, row.drop_rate) == (1.0, 0.0)
+
+
+def test_none_has_no_radio() -> None:
+    rows = pb.compare(controllers=["none"], values=[0.0, 0.5], carries=50).rows
+    assert rows[0].drop_rate == rows[1].drop_rate
+    assert rows[0].rms_m == rows[1].rms_m
+
+
+def test_seeds_in_bulk_are_the_single_ones() -> None:
+    scene = pb.load_scene("paper", {"robot.noise_m_s": 0.02})
+    for controller in ("none", "centralized", "distributed"):
+        for precision in ("double", "float"):
+            bulk = _core.run_seeds(lower(scene), controller, 3, 6, precision)
+            for i in range(6):
+                one = pb.carry(scene, controller, seed=3 + i, precision=precision, record=False)
+                outcome = ("running", "delivered", "dropped", "stalled")[bulk["outcome"][i]]
+                assert outcome == one.outcome
+                assert bulk["time_s"][i] == one.time_s
+                assert tuple(bulk["contact_rms_m"][i]) == tuple(one.contact_rms_m.values())
+                assert tuple(bulk["contact_peak_m"][i]) == tuple(one.contact_peak_m.values())
+                assert bulk["corrections"][i] == len(one.corrections)
+
+
+@pytest.mark.parametrize("n", [1, 12, 200])
+def test_wilson_solves_the_score_equation(n: int) -> None:
+    """The ends are the rates p whose distance from events / n is 1.96 √(p (1 − p) / n)."""
+    for events in range(n + 1):
+        low, high = wilson(events, n)
+        assert 0 <= low <= events / n <= high <= 1
+        for end in (low, high):
+            distance = abs(events / n - end)
+            spread = 1.959963984540054 * math.sqrt(end * (1 - end) / n)
+            if 0 < end < 1:
+                assert distance == pytest.approx(spread, abs=1e-9)
+    assert wilson(0, n)[0] == 0
+    assert wilson(n, n)[1] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"controllers": ["both"]}, PalmbotsError, "controller: value is .*both"),
+        ({"carries": 0}, PalmbotsError, "carries: value is 0"),
+        ({"carries": 2.0}, PalmbotsError, "carries: value is 2.0"),
+        ({"carries": True}, PalmbotsError, "carries"),
+        ({"values": []}, PalmbotsError, "values: none given"),
+        ({"precision": "half"}, PalmbotsError, "precision: value is .*half"),
+        ({"key": "radio.latncy_s"}, SceneError, "latency_s"),
+        ({"values": [-1.0]}, SceneError, "radio.latency_s"),
+        ({"scene": "nowhere"}, SceneError, "nowhere"),
+    ],
+)
+def test_what_is_refused(arguments: dict[str, Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words) as caught:
+        pb.compare(**({"carries": 2, "values": [0.0]} | arguments))
+    assert "\n" not in str(caught.value)

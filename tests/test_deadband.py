@@ -1,0 +1,135 @@
+"""The dead-band law: a zero zone narrower than what a contact runs on gives an endless correction.
+
+Source: PROTOCOL, "Dead band". The scenes here have no noise, only a contact that starts off.
+"""
+
+import math
+
+import pytest
+
+import palmbots as pb
+from palmbots.deadband import overrun_m, warnings_before, zero_zone_m
+from palmbots.scene import Scene, load_scene
+
+STARTS = [(0.02, 0.0), (-0.02, 0.0), (0.02, 0.02), (-0.02, -0.02), (0.02, -0.02), (-0.02, 0.02)]
+
+
+def quiet(zone_m: float, start: tuple[float, float] = (0, 0), latency_s: float = 0.05) -> Scene:
+    """A noise-free scene with a zero zone of this width."""
+    return load_scene(
+        "paper",
+        {
+            "robot.noise_m_s": 0.0,
+            "tactile.zero_half_width_m": zone_m / 2,
+            "start.left_m": start[0],
+            "start.right_m": start[1],
+            "radio.latency_s": latency_s,
+        },
+    )
+
+
+def late(carry: pb.Carry) -> int:
+    """Corrections in the second half of the carry."""
+    return sum(c.start_s > carry.time_s / 2 for c in carry.corrections)
+
+
+def cycles(carry: pb.Carry) -> bool:
+    return any("limit cycle" in warning for warning in carry.warnings)
+
+
+def warned_before(carry: pb.Carry) -> bool:
+    return any("zero zone" in warning for warning in carry.warnings)
+
+
+def test_overrun_is_what_the_wheels_do() -> None:
+    """One period until the sign is seen, then 0.5 m/s² from 3 cm/s down, a step each period."""
+    speeds = [0.03, 0.025, 0.02, 0.015, 0.01, 0.005]
+    along_palm = 1 / math.cos(math.radians(15))
+    expected = 0.01 * sum(speeds) * along_palm
+    assert overrun_m(quiet(0.01), "distributed") == pytest.approx(expected, rel=1e-12)
+    # Both robots at half the speed; up and down the radio takes 5 periods each, and one to see it.
+    way = 2 * (0.015 * 11 * 0.01 + 0.01 * (0.01 + 0.005))
+    assert overrun_m(quiet(0.01), "centralized") == pytest.approx(way * along_palm, rel=1e-12)
+    assert overrun_m(quiet(0.01), "none") == 0
+
+
+def test_latency_enters_only_where_a_station_decides() -> None:
+    slow, fast = quiet(0.01, latency_s=0.3), quiet(0.01, latency_s=0.01)
+    assert overrun_m(slow, "distributed") == overrun_m(fast, "distributed")
+    assert overrun_m(slow, "centralized") > 5 * overrun_m(fast, "centralized")
+
+
+def test_zero_zone() -> None:
+    assert zero_zone_m(Scene()) == 0.01
+    minus = {"sign": "-", "from_m": -0.075, "to_m": -0.004}
+    zero = {"sign": "0", "from_m": -0.002, "to_m": 0.006}
+    plus = {"sign": "+", "from_m": 0.003, "to_m": 0.075}
+
+    def width(*zones: dict[str, object]) -> float:
+        return zero_zone_m(load_scene("paper", {"tactile.zones": list(zones)}))
+
+    assert width(minus, zero, plus) == pytest.approx(0.010)  # zero wins over plus
+    assert width(plus, minus) == pytest.approx(0.007)  # no switch between them
+    assert width(minus, zero) == math.inf
+    assert width() == math.inf
+
+
+def test_paper_scene_warns_of_nothing() -> None:
+    for controller in ("none", "centralized", "distributed"):
+        assert warnings_before(Scene(), controller) == ()
+        assert pb.carry("paper", controller, record=False).warnings == ()
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize(
+    ("controller", "latency_s", "share"),
+    [
+        # Distributed: strokes of unequal length sooner or later end in any zone of some width.
+        ("distributed", 0.05, 0.0),
+        ("distributed", 0.3, 0.0),
+        ("centralized", 0.0, 0.1),
+        ("centralized", 0.05, 0.1),
+        ("centralized", 0.1, 0.3),
+    ],
+)
+def test_narrow_zone_never_ends(
+    controller: str, latency_s: float, share: float, start: tuple[float, float]
+) -> None:
+    zone = share * overrun_m(quiet(0), controller)
+    carry = pb.carry(quiet(zone, start, latency_s), controller, record=False)
+    assert carry.outcome == "delivered"
+    assert late(carry) >= 5
+    assert warned_before(carry)
+    assert cycles(carry)
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("latency_s", [0.0, 0.05, 0.1, 0.3])
+@pytest.mark.parametrize("controller", ["distributed", "centralized"])
+def test_wide_zone_ends(controller: str, latency_s: float, start: tuple[float, float]) -> None:
+    zone = 1.2 * overrun_m(quiet(0, latency_s=latency_s), controller)
+    carry = pb.carry(quiet(zone, start, latency_s), controller, record=False)
+    assert carry.outcome == "delivered"
+    assert 1 <= len(carry.corrections) <= 4
+    assert late(carry) == 0
+    assert carry.warnings == ()
+
+
+def test_latency_alone_makes_the_station_cycle() -> None:
+    """A zone of 5 mm: at 50 ms both are content, at 150 ms only the distributed algorithm is."""
+    for latency_s, controller, content in [
+        (0.05, "distributed", True),
+        (0.15, "distributed", True),
+        (0.05, "centralized", True),
+        (0.15, "centralized", False),
+    ]:
+        carry = pb.carry(quiet(0.005, (0.02, 0.0), latency_s), controller, record=False)
+        assert (late(carry) == 0) is content
+        assert cycles(carry) is not content
+        assert warned_before(carry) is not content
+
+
+def test_noise_is_not_mistaken_for_a_cycle() -> None:
+    for controller in ("centralized", "distributed"):
+        for seed in range(100):
+            assert not cycles(pb.carry("paper", controller, seed=seed, record=False))

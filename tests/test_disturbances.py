@@ -1,0 +1,220 @@
+"""What disturbs a carry does so as its scene key says: noise, bias, limits, bumps, sensors, radio."""
+
+import math
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots import _core
+from palmbots.lowering import lower
+
+CALM = {"robot.noise_m_s": 0.0}
+
+
+def carried(controller: str = "none", seed: int = 0, **keys: object) -> pb.Carry:
+    overrides = {key.replace("__", "."): value for key, value in keys.items()}
+    return pb.carry("paper", controller, seed=seed, overrides=overrides)
+
+
+def column(carry: pb.Carry, name: str) -> np.ndarray:
+    assert carry.trace is not None
+    return carry.trace[name].values
+
+
+def test_speed_noise_against_its_closed_forms() -> None:
+    """Ornstein-Uhlenbeck: spread noise_m_s from the first tick on, correlation exp(-t / tau)."""
+    sigma, tau, period, ticks, n = 0.004, 0.2, 0.01, 400, 600
+    keys = {
+        "robot.noise_m_s": sigma,
+        "robot.noise_tau_s": tau,
+        "robot.speed_m_s": 0.001,  # reached in the first tick
+        "robot.acceleration_m_s2": 100.0,
+        "task.timeout_s": ticks * period,
+        "palm.friction": 0.3,
+    }
+    spec = lower(pb.load_scene("paper", keys))
+    runs = [_core.run(spec, "none", seed, "double", True) for seed in range(n)]
+    noise = np.array([run.trace["speed_m_s"][:-1] - 0.001 for run in runs])
+    assert noise.shape == (n, ticks, 2)
+    memory = math.exp(-period / tau)
+    margin = 5 * math.sqrt(2 * (1 + memory**2) / (1 - memory**2) / (2 * n * ticks))
+    assert abs(noise.mean()) < 5 * sigma * math.sqrt(2 * tau / period / (2 * n * ticks))
+    assert noise.var() / sigma**2 == pytest.approx(1, abs=margin)
+    for lag in (1, 5, 20, 60):
+        product = np.mean(noise[:, lag:] * noise[:, :-lag]) / sigma**2
+        assert product == pytest.approx(memory**lag, abs=margin)
+    at_once = noise[:, 0].var() / sigma**2
+    assert at_once == pytest.approx(1, abs=5 * math.sqrt(2 / (2 * n)))
+    between = np.mean(noise[:, :, 0] * noise[:, :, 1]) / sigma**2
+    assert between == pytest.approx(0, abs=margin)
+
+
+def test_bias_is_added_to_the_speed() -> None:
+    carry = carried(
+        **CALM, robot__left={"bias_m_s": 0.002}, robot__right={"bias_m_s": -0.001}, seed=1
+    )
+    speed = column(carry, "speed")
+    assert len(speed) > 20
+    np.testing.assert_allclose(speed[15:-1], [[0.062, 0.059]] * len(speed[15:-1]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("controller", ["none", "centralized", "distributed"])
+def test_limits_of_speed_and_acceleration(controller: str) -> None:
+    keys = CALM | {"robot.acceleration_m_s2": 0.3, "robot.max_speed_m_s": 0.08, "start.left_m": 0.02}
+    carry = pb.carry("paper", controller, overrides=keys)
+    speed = column(carry, "speed")[:-1]
+    wanted = column(carry, "commanded")[:-1]
+    from_rest = np.vstack([[0.0, 0.0], speed])
+    assert np.abs(np.diff(from_rest, axis=0)).max() <= 0.3 * 0.01 * (1 + 1e-9)
+    assert np.abs(speed).max() <= 0.08
+    if controller == "distributed":
+        assert wanted.min() == pytest.approx(0.03)
+        assert speed.min() <= 0.0301
+    # Each tick goes as far towards what is wanted as the limits let it.
+    target = np.clip(wanted, -0.08, 0.08)
+    step = np.clip(target - from_rest[:-1], -0.003, 0.003)
+    np.testing.assert_allclose(speed, from_rest[:-1] + step, atol=1e-15)
+
+
+@pytest.mark.parametrize("rate_deg_s", [20.0, 50.0, 333.0])
+def test_palms_turn_at_their_rate(rate_deg_s: float) -> None:
+    carry = carried("distributed", palm__rate_deg_s=rate_deg_s)
+    palm = np.degrees(column(carry, "palm"))
+    turn = np.abs(np.diff(palm, axis=0))
+    assert turn.max() == pytest.approx(rate_deg_s * 0.01, rel=1e-9)
+    assert palm.min() == pytest.approx(5, abs=1e-9)
+    assert palm.max() == pytest.approx(15, abs=1e-9)
+    turning = (turn > 0).any()
+    assert turning
+
+
+def test_scripted_bumps() -> None:
+    script = [
+        {"robot": "left", "at_s": 1.0, "shift_m": 0.008},
+        {"robot": "right", "at_m": 0.3, "shift_m": -0.006},
+        {"robot": "right", "at_s": 1.0, "shift_m": 0.002},
+    ]
+    carry = carried(robot__noise_m_s=0.0, bumps__script=script)
+    p, time, midpoint = (column(carry, name) for name in ("contact", "time", "midpoint"))
+    late = (time >= 1.0 - 1e-9).astype(float)
+    far = (midpoint >= 0.3).astype(float)
+    np.testing.assert_allclose(p[:, 0], 0.008 * late, atol=1e-15)
+    np.testing.assert_allclose(p[:, 1], 0.002 * late - 0.006 * far, atol=1e-15)
+    assert carry.bumps == 3
+    # Nobody drives: the separation changes only with the bumps.
+    assert np.count_nonzero(np.diff(column(carry, "separation"))) == 2
+
+
+def test_bump_past_the_end_of_the_palm_drops_the_object() -> None:
+    script = [{"robot": "right", "at_s": 2.0, "shift_m": 0.1}]
+    carry = carried("distributed", robot__noise_m_s=0.0, bumps__script=script)
+    assert (carry.outcome, carry.reason) == ("dropped", "off-palm")
+    assert carry.time_s == pytest.approx(2.0)
+
+
+def test_random_bumps_come_as_often_as_said() -> None:
+    """rate x way x 2 robots of them, spread as a Poisson number of small chances is."""
+    n, rate, way = 400, 6.0, 1.5
+    scene = pb.load_scene(
+        "paper",
+        CALM | {"bumps.rate_per_m": rate, "bumps.max_shift_m": 0.0, "task.distance_m": way},
+    )
+    counts = np.array([_core.run(lower(scene), "none", s, "double", False).bumps for s in range(n)])
+    mean = 2 * rate * way
+    assert counts.mean() == pytest.approx(mean, abs=5 * math.sqrt(mean / n) + 0.02)
+    assert counts.var() == pytest.approx(mean, rel=5 * math.sqrt(2 / n))
+    assert _core.run(lower(pb.load_scene("paper")), "none", 0, "double", False).bumps == 0
+
+
+def test_random_bumps_are_uniform() -> None:
+    """Up to max_shift_m either way, on either robot."""
+    keys = CALM | {"bumps.rate_per_m": 2.0, "bumps.max_shift_m": 0.003}
+    shifts = []
+    for seed in range(150):
+        steps = np.diff(column(pb.carry("paper", "none", seed=seed, overrides=keys), "contact"), axis=0)
+        shifts += [steps[:, k][steps[:, k] != 0] for k in (0, 1)]
+    left, right = (np.concatenate(shifts[k::2]) for k in (0, 1))
+    both = np.concatenate([left, right])
+    assert abs(len(left) - len(right)) < 5 * math.sqrt(len(both))
+    assert np.abs(both).max() <= 0.003
+    place = np.sort(both / 0.006 + 0.5)
+    # Kolmogorov-Smirnov at a level below one in a million.
+    distance = np.abs(place - (np.arange(len(place)) + 0.5) / len(place)).max()
+    assert distance < 2.7 / math.sqrt(len(place))
+
+
+@pytest.mark.parametrize("rate", [0.01, 0.2])
+def test_false_readings_are_as_many_as_said(rate: float) -> None:
+    """A contact that stays at 0 reads + or -, each with half the rate: binomial, 5 sigma."""
+    signs = np.concatenate(
+        [
+            column(carried(seed=s, robot__noise_m_s=0.0, tactile__false_rate=rate), "sign")[:-1]
+            for s in range(4)
+        ]
+    ).ravel()
+    n = len(signs)
+    for sign in (-1, 1):
+        expected, share = n * rate / 2, rate / 2
+        spread = math.sqrt(n * share * (1 - share))
+        assert abs(np.count_nonzero(signs == sign) - expected) < 5 * spread
+    # Readings of successive ticks are independent.
+    wrong = (signs != 0).astype(float)
+    pairs = np.mean(wrong[2:] * wrong[:-2])
+    assert pairs == pytest.approx(rate**2, abs=5 * rate / math.sqrt(n))
+
+
+def test_jitter_never_reorders_letters() -> None:
+    held_back = 0
+    for seed in range(10):
+        carry = carried("distributed", seed=seed, radio__jitter_s=0.5, radio__latency_s=0.02)
+        for receiver in ("left", "right"):
+            letters = [ltr for ltr in carry.letters if ltr.receiver == receiver]
+            got = [ltr.received_s for ltr in letters if ltr.received_s is not None]
+            assert got == sorted(got)
+            for letter in letters:
+                assert letter.received_s is not None
+                delay = letter.received_s - letter.sent_s
+                assert delay >= 0.02 - 1e-9
+                held_back += delay > 0.3
+    assert held_back > 10
+
+
+def test_lost_letters_hang_the_distributed_algorithm() -> None:
+    """One that waits for a letter waits for ever, at nominal speed: that is the algorithm."""
+    for seed in range(10):
+        carry = carried("distributed", seed=seed, radio__loss=1.0)
+        assert carry.outcome in ("delivered", "dropped")
+        assert carry.messages == carry.messages_lost > 0
+        for side, column_ in (("left", 0), ("right", 1)):
+            sent = [ltr for ltr in carry.letters if ltr.sender == side]
+            assert len(sent) <= 1  # no answer, no second letter
+            if sent:
+                waited = carry.time_s - sent[0].sent_s
+                assert carry.waiting_s[side] == pytest.approx(waited, abs=0.011)
+                after = column(carry, "time")[:-1] >= sent[0].sent_s
+                wanted = column(carry, "commanded")[:-1][after, column_]
+                np.testing.assert_array_equal(wanted, 0.06)
+
+
+def test_lost_packets_only_delay_the_station() -> None:
+    """State packets of which the newest counts: half of them lost makes little difference."""
+    def runs(loss: float, latency_s: float = 0.05) -> dict[str, np.ndarray]:
+        keys = {"radio.loss": loss, "radio.latency_s": latency_s}
+        return _core.run_seeds(lower(pb.load_scene("paper", keys)), "centralized", 0, 100, "double")
+
+    def rms(result: dict[str, np.ndarray]) -> float:
+        return float(np.sqrt(np.mean(result["contact_rms_m"] ** 2)))
+
+    sure, lossy, slower = runs(0.0), runs(0.5), runs(0.0, 0.1)
+    assert (lossy["outcome"] == 1).all()
+    assert rms(lossy) < 1.1 * rms(sure)
+    assert rms(lossy) < rms(slower)
+    carry = carried("centralized", radio__loss=0.5)
+    # Two reports every tick, two commands from the first report of both on.
+    assert carry.messages == pytest.approx(4 * carry.time_s / 0.01, rel=0.01)
+    assert carry.messages_lost == pytest.approx(carry.messages / 2, rel=0.05)
+    silent = carried("centralized", radio__loss=1.0)
+    assert silent.corrections == ()
+    assert not (column(silent, "commanded")[:-1] != 0.06).any()
+    assert silent.trace_hash == carried("none").trace_hash
