@@ -30,7 +30,8 @@ def frames_of(path):
 @pytest.mark.parametrize("controller", ["none", "centralized", "distributed"])
 def test_a_gif_runs_in_real_time(tmp_path, controller):
     done = pb.carry("paper", controller, seed=0, overrides={"task.distance_m": 0.2})
-    reports = []
+    assert done.trace is not None
+    reports: list[tuple[int, int]] = []
     animation.save(done, tmp_path / "c.gif", progress=lambda *report: reports.append(report))
     frames = frames_of(tmp_path / "c.gif")
     last = float(done.trace["time"][-1])

@@ -18,14 +18,14 @@ from table2 import Deed, Robot, tick
 
 CONTROLLERS = ("none", "centralized", "distributed")
 REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed"}
-IMAGE = str.maketrans("12345678", "21436587")
+IMAGE = dict(zip("12345678", "21435687", strict=True))
 LETTERS = (None, "TiltUp", "TiltDown", "Ack")
 
 controllers = st.sampled_from(CONTROLLERS)
 precisions = st.sampled_from(("double", "float"))
 seeds = st.integers(0, 2**64 - 1)
 many = settings(
-    max_examples=150, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 
 
@@ -69,7 +69,7 @@ def test_mirrored_scene_gives_the_mirrored_carry(
         np.testing.assert_array_equal(a[name], -b[name], err_msg=name)
     for name in ("separation", "time"):
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
-    image_case = np.char.translate(b["case"][:, ::-1], IMAGE)
+    image_case = np.vectorize(lambda name: IMAGE.get(name, name), otypes=["U1"])(b["case"][:, ::-1])
     np.testing.assert_array_equal(a["case"], image_case)
 
 
@@ -196,11 +196,11 @@ def test_controller_in_python_carries_alike(maker: type, precision: str) -> None
         mine = pb.carry("paper", maker, **arguments)
         shipped = pb.carry("paper", "distributed", **arguments)
         assert mine.trace_hash == shipped.trace_hash
+        assert mine.controller == maker.__name__
         assert mine.letters == shipped.letters
         assert mine.corrections == shipped.corrections
         assert mine.waiting_s == shipped.waiting_s
         np.testing.assert_array_equal(columns(mine)["case"], columns(shipped)["case"])
-    assert mine.controller == maker.__name__
 
 
 @pytest.mark.parametrize("output", [StepOutput(palm="flat"), StepOutput(case="q")])  # type: ignore[arg-type]
@@ -209,7 +209,7 @@ def test_controller_that_answers_nonsense(output: StepOutput) -> None:
         def step(self, seen: StepInput) -> StepOutput:
             return output
 
-    with pytest.raises(ValueError, match="controller: .* allowed"):
+    with pytest.raises(ValueError, match=r"controller: .* allowed"):
         pb.carry(controller=Nonsense)
 
 
@@ -250,6 +250,7 @@ def test_same_seed_same_carry_other_seed_other_carry() -> None:
     first, again, other = busy("distributed", 1), busy("distributed", 1), busy("distributed", 2)
     assert first.trace_hash == again.trace_hash
     assert first.trace is not None
+    assert again.trace is not None
     assert first.trace.identical(again.trace)
     assert first.summary() == again.summary()
     assert first.trace_hash != other.trace_hash

@@ -16,11 +16,17 @@ from palmbots.lowering import lower
 def test_rows() -> None:
     done: list[float] = []
     comparison = pb.compare(
-        values=(0.0, 0.1), carries=20, seed=7, controllers=("none", "distributed"),
+        values=(0.0, 0.1),
+        carries=20,
+        seed=7,
+        controllers=("none", "distributed"),
         progress=done.append,
     )
     assert [(r.controller, r.value) for r in comparison.rows] == [
-        ("none", 0.0), ("none", 0.1), ("distributed", 0.0), ("distributed", 0.1),
+        ("none", 0.0),
+        ("none", 0.1),
+        ("distributed", 0.0),
+        ("distributed", 0.1),
     ]
     assert {r.key for r in comparison.rows} == {"radio.latency_s"}
     assert {r.n for r in comparison.rows} == {20}

@@ -1,6 +1,7 @@
-"""What disturbs a carry does so as its scene key says: noise, bias, limits, bumps, sensors, radio."""
+"""What disturbs a carry does so as its scene key says: noise, limits, bumps, sensors, radio."""
 
 import math
+from typing import cast
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import palmbots as pb
 from palmbots import _core
 from palmbots.lowering import lower
 
-CALM = {"robot.noise_m_s": 0.0}
+CALM: dict[str, float] = {"robot.noise_m_s": 0.0}
 
 
 def carried(controller: str = "none", seed: int = 0, **keys: object) -> pb.Carry:
@@ -35,7 +36,8 @@ def test_speed_noise_against_its_closed_forms() -> None:
     }
     spec = lower(pb.load_scene("paper", keys))
     runs = [_core.run(spec, "none", seed, "double", True) for seed in range(n)]
-    noise = np.array([run.trace["speed_m_s"][:-1] - 0.001 for run in runs])
+    traces = [cast(dict[str, np.ndarray], run.trace) for run in runs]
+    noise = np.array([trace["speed_m_s"][:-1] - 0.001 for trace in traces])
     assert noise.shape == (n, ticks, 2)
     memory = math.exp(-period / tau)
     margin = 5 * math.sqrt(2 * (1 + memory**2) / (1 - memory**2) / (2 * n * ticks))
@@ -51,17 +53,19 @@ def test_speed_noise_against_its_closed_forms() -> None:
 
 
 def test_bias_is_added_to_the_speed() -> None:
-    carry = carried(
-        **CALM, robot__left={"bias_m_s": 0.002}, robot__right={"bias_m_s": -0.001}, seed=1
-    )
-    speed = column(carry, "speed")
+    biases = {"robot.left.bias_m_s": 0.002, "robot.right.bias_m_s": -0.001}
+    speed = column(pb.carry("paper", "none", overrides=CALM | biases), "speed")
     assert len(speed) > 20
     np.testing.assert_allclose(speed[15:-1], [[0.062, 0.059]] * len(speed[15:-1]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("controller", ["none", "centralized", "distributed"])
 def test_limits_of_speed_and_acceleration(controller: str) -> None:
-    keys = CALM | {"robot.acceleration_m_s2": 0.3, "robot.max_speed_m_s": 0.08, "start.left_m": 0.02}
+    keys = CALM | {
+        "robot.acceleration_m_s2": 0.3,
+        "robot.max_speed_m_s": 0.08,
+        "start.left_m": 0.02,
+    }
     carry = pb.carry("paper", controller, overrides=keys)
     speed = column(carry, "speed")[:-1]
     wanted = column(carry, "commanded")[:-1]
@@ -132,7 +136,9 @@ def test_random_bumps_are_uniform() -> None:
     keys = CALM | {"bumps.rate_per_m": 2.0, "bumps.max_shift_m": 0.003}
     shifts = []
     for seed in range(150):
-        steps = np.diff(column(pb.carry("paper", "none", seed=seed, overrides=keys), "contact"), axis=0)
+        steps = np.diff(
+            column(pb.carry("paper", "none", seed=seed, overrides=keys), "contact"), axis=0
+        )
         shifts += [steps[:, k][steps[:, k] != 0] for k in (0, 1)]
     left, right = (np.concatenate(shifts[k::2]) for k in (0, 1))
     both = np.concatenate([left, right])
@@ -199,6 +205,7 @@ def test_lost_letters_hang_the_distributed_algorithm() -> None:
 
 def test_lost_packets_only_delay_the_station() -> None:
     """State packets of which the newest counts: half of them lost makes little difference."""
+
     def runs(loss: float, latency_s: float = 0.05) -> dict[str, np.ndarray]:
         keys = {"radio.loss": loss, "radio.latency_s": latency_s}
         return _core.run_seeds(lower(pb.load_scene("paper", keys)), "centralized", 0, 100, "double")

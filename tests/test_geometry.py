@@ -45,6 +45,7 @@ def test_pivot_offset_lies_along_the_normal():
 def test_real_carries_close_the_loop(scene, controller):
     """Hung on its left contact, the object touches the right palm where the trace says."""
     done = pb.carry(scene, controller, seed=2, overrides={"task.distance_m": 0.5})
+    assert done.trace is not None
     spec = lower(done.scene)
     found = place_rows(spec, done.trace, slice(None))
     vertex = found.outline[:, spec.contact_right]

@@ -49,10 +49,10 @@ Stance<Real> stance_of(const Spec& spec, const Rig<Real>& rig) {
 
 template <class Real>
 Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
-  const Real memory =
-      robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
+  const Real memory = robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
   const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
-  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory, drive};
+  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
+          drive};
 }
 
 template <class Real>
@@ -108,7 +108,8 @@ class Carry {
     const PerSide<Sensed> sensed = sense();
     const PerSide<Command> commands =
         team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
-    if (commands != commands_) [[unlikely]] obey(commands);
+    if (commands != commands_) [[unlikely]]
+      obey(commands);
     metrics_.observe(tick_, team_, world_.stance().contacts);
 
     if ((tick_ & 1) == 0) noise_words_ = draw(seed_, tick_, Stream::noise);  // for two ticks
@@ -116,16 +117,16 @@ class Carry {
     const auto sense_of_travel = Real(spec_.direction);
     for (const std::size_t side : {left, right}) {
       speeds_[side] =
-          sense_of_travel *
-          wheels_[side].step(sense_of_travel * wanted(side, commands_[side].move),
-                             random(tick_, side));
+          sense_of_travel * wheels_[side].step(sense_of_travel * wanted(side, commands_[side].move),
+                                               random(tick_, side));
       angles[side] = wrists_[side].step(world_.stance().palms[side].angle, commands_[side].palm);
     }
     const auto period = Real(spec_.period);
     recorder_.before(*this, sensed);
     const Real together = speeds_[left] + speeds_[right];
     const Real push = inertia_ * (together - together_);
-    const Advance<Real>& step = world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
+    const Advance<Real>& step =
+        world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
     together_ = together;
     const Real travel = Real(0.5) * together * period;
     midpoint_ = midpoint_ + (step.end == End::none ? travel : travel * step.fraction);
@@ -147,8 +148,7 @@ class Carry {
   // The speed a command asks of a robot, in the world's x direction.
   Real wanted(std::size_t side, Move move) const {
     const Real away = outward<Real>(side) * full_move_[side];
-    return nominal_[side] +
-           (move == Move::away ? away : (move == Move::closer ? -away : Real(0)));
+    return nominal_[side] + (move == Move::away ? away : (move == Move::closer ? -away : Real(0)));
   }
 
  private:
@@ -174,8 +174,7 @@ class Carry {
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])
                               : tactile_.sign(p);
-      sensed[side].turned =
-          now.palms[side].angle == wrists_[side].target(commands_[side].palm);
+      sensed[side].turned = now.palms[side].angle == wrists_[side].target(commands_[side].palm);
     }
     return sensed;
   }
@@ -184,8 +183,8 @@ class Carry {
   void bump() {
     for (std::size_t i = 0; i < spec_.bump_count; ++i) {
       const BumpSpec& bump = spec_.bumps[i];
-      const double reached = bump.by_time != 0 ? double(tick_) * spec_.period
-                                               : double(midpoint_) * spec_.direction;
+      const double reached =
+          bump.by_time != 0 ? double(tick_) * spec_.period : double(midpoint_) * spec_.direction;
       if ((bumped_ >> i & 1) != 0 || reached < bump.at) continue;
       bumped_ |= std::uint64_t{1} << i;
       shift(bump.side, Real(bump.shift));
@@ -237,7 +236,8 @@ class Carry {
       turn = own > turn ? own : turn;
     }
     return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
-                                      spec_.period) + 10;
+                                      spec_.period) +
+           10;
   }
 
   Spec spec_;

@@ -88,8 +88,9 @@ constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along
 // What the palm touches besides its contact. `contact` is p, the palm reaches from p = −half to
 // +half; reach is the vector to the other contact in the palm's frame.
 template <class Real>
-[[gnu::noinline]] constexpr Touch touch(const Outline<Real>& outline, std::size_t side, Reach<Real> reach, Real width,
-                      Real contact, Real half_length) {
+[[gnu::noinline]] constexpr Touch touch(const Outline<Real>& outline, std::size_t side,
+                                        Reach<Real> reach, Real width, Real contact,
+                                        Real half_length) {
   const Real cos = reach.inward / width;
   const Real sin = reach.normal / width;
   for (std::size_t i = 0; i < outline.count; ++i) {

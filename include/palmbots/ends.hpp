@@ -72,8 +72,8 @@ template <class Real>
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
     const Real half = rig.half_length[side];
-    const Real arm = rig.load.level_arm(side) * span.dx +
-                     rig.load.tilt_arm() * mirrored(side, span.dy);
+    const Real arm =
+        rig.load.level_arm(side) * span.dx + rig.load.tilt_arm() * mirrored(side, span.dy);
     held = held & (p >= -half) & (p <= half) & (arm >= Real(0)) &
            rig.clear[side].contains(reach(span, side, palms[side]));
   }
@@ -83,8 +83,8 @@ template <class Real>
 // The first reason, in a fixed order, why the object is not held.
 template <class Real>
 [[gnu::noinline]] End first_end(const Rig<Real>& rig, const Statics<Real>& statics,
-              const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
-              Span<Real> span) {
+                                const PerSide<PalmAngle<Real>>& palms,
+                                const PerSide<Real>& contacts, Span<Real> span) {
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
     if (!(p >= -rig.half_length[side] && p <= rig.half_length[side])) return End::off_palm;
@@ -93,7 +93,8 @@ template <class Real>
   for (const std::size_t side : {left, right}) {
     const Reach<Real> r = reach(span, side, palms[side]);
     if (rig.clear[side].contains(r)) continue;
-    const Touch t = touch(rig.outline, side, r, rig.load.width, contacts[side], rig.half_length[side]);
+    const Touch t =
+        touch(rig.outline, side, r, rig.load.width, contacts[side], rig.half_length[side]);
     if (t == Touch::flush) return End::flush;
     at_tip = at_tip || t == Touch::tip;
   }

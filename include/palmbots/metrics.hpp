@@ -40,7 +40,7 @@ class Metrics {
   PerSide<bool> limit_cycle{};
   std::uint32_t bumps = 0;
   std::uint32_t corrections = 0;
-  std::uint32_t longest_correction = 0;  // [ticks]
+  std::uint32_t longest_correction = 0;          // [ticks]
   std::array<Correction, max_corrections> rows;  // the first `corrections` of them; not cleared
   std::uint32_t settle_ticks = 0;
 

@@ -102,8 +102,7 @@ constexpr Real friction_margin(const Load<Real>& load, PerSide<SinCos<Real>> pal
     Interval<Real> both{-std::numeric_limits<Real>::infinity(),
                         std::numeric_limits<Real>::infinity()};
     for (const std::size_t side : {left, right}) {
-      const Cone<Real> cone =
-          friction_cone(palm[side], tangent(friction_angle[side] - shrink));
+      const Cone<Real> cone = friction_cone(palm[side], tangent(friction_angle[side] - shrink));
       both = intersect(both, squeeze(load, side, cone, dx, dy));
     }
     return !both.empty();

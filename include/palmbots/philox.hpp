@@ -18,8 +18,7 @@ constexpr Words philox(Words counter, std::uint64_t key) {
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0];
     const std::uint64_t b = std::uint64_t{0xCD9E8D57} * counter[2];
-    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ k0,
-               static_cast<std::uint32_t>(b),
+    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ k0, static_cast<std::uint32_t>(b),
                static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ k1,
                static_cast<std::uint32_t>(a)};
     k0 += 0x9E3779B9;
@@ -32,7 +31,8 @@ constexpr Words philox(Words counter, std::uint64_t key) {
 enum class Stream : std::uint32_t { noise = 0, tactile = 1, bump = 2, radio = 3 };
 
 // The random words of one tick. `lane` separates equal uses of one stream (which robot, which link).
-constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream, std::uint32_t lane = 0) {
+constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream,
+                     std::uint32_t lane = 0) {
   return philox({tick, static_cast<std::uint32_t>(stream), lane, 0}, seed);
 }
 

@@ -101,7 +101,8 @@ class Centralized {
     switch (action.who) {
       case Who::left: return holds(in[left].sign, action.until);
       case Who::right: return holds(in[right].sign, action.until);
-      case Who::either: return holds(in[left].sign, action.until) || holds(in[right].sign, action.until);
+      case Who::either:
+        return holds(in[left].sign, action.until) || holds(in[right].sign, action.until);
       case Who::none: break;
     }
     return true;

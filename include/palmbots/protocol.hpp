@@ -117,8 +117,7 @@ class Distributed {
   // A state that looks at its messages takes one letter off the inbox a tick, whatever it is. In
   // idle with p > 0 the letter waits for the request's own state, which reads it next.
   static constexpr bool reads(State state, Sign sign) {
-    return doing[static_cast<int>(state)].waits ||
-           (state == State::idle && sign != Sign::positive);
+    return doing[static_cast<int>(state)].waits || (state == State::idle && sign != Sign::positive);
   }
 
   Output step(Input in) {
@@ -144,17 +143,27 @@ class Distributed {
 
   static constexpr int index(State state, Sign sign, Letter letter, bool turned) {
     return ((static_cast<int>(state) * 3 + static_cast<int>(sign) + 1) * 4 +
-            static_cast<int>(letter)) * 2 + (turned ? 1 : 0);
+            static_cast<int>(letter)) *
+               2 +
+           (turned ? 1 : 0);
   }
 
   static constexpr bool fits(const Row& row, State state, Sign sign, Letter letter, bool turned) {
     if (row.state != state) return false;
     if (row.tilt == Tilt::done && !turned) return false;
     switch (row.p) {
-      case P::positive: if (sign != Sign::positive) return false; break;
-      case P::not_positive: if (sign == Sign::positive) return false; break;
-      case P::negative: if (sign != Sign::negative) return false; break;
-      case P::not_negative: if (sign == Sign::negative) return false; break;
+      case P::positive:
+        if (sign != Sign::positive) return false;
+        break;
+      case P::not_positive:
+        if (sign == Sign::positive) return false;
+        break;
+      case P::negative:
+        if (sign != Sign::negative) return false;
+        break;
+      case P::not_negative:
+        if (sign == Sign::negative) return false;
+        break;
       case P::any: break;
     }
     switch (row.got) {

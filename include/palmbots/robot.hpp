@@ -11,11 +11,11 @@ namespace palmbots {
 // dn = −n dt/τ + σ √(2/τ) dW, sampled exactly once a tick. Speeds are along the direction of travel.
 template <class Real>
 struct Wheels {
-  Real gain;      // largest change of speed in a tick [m/s]
-  Real limit;     // largest speed [m/s]
-  Real bias;      // calibration error [m/s]
-  Real memory;    // e^(−T/τ)
-  Real drive;     // σ √(1 − memory²) [m/s]
+  Real gain;    // largest change of speed in a tick [m/s]
+  Real limit;   // largest speed [m/s]
+  Real bias;    // calibration error [m/s]
+  Real memory;  // e^(−T/τ)
+  Real drive;   // σ √(1 − memory²) [m/s]
   Real speed = Real(0);
   Real noise = Real(0);
 

@@ -38,22 +38,24 @@ constexpr Real polynomial(Real y, const Real (&c)[8]) {
 // Taylor series on |x| ≤ π/4; the first term left out is below 1e-18 there.
 template <class Real>
 constexpr Real sin_kernel(Real x) {
-  constexpr Real c[8] = {
-      Real(-1) / Real(6),           Real(1) / Real(120),
-      Real(-1) / Real(5040),        Real(1) / Real(362880),
-      Real(-1) / Real(39916800),    Real(1) / Real(6227020800),
-      Real(-1) / Real(1307674368000), Real(1) / Real(355687428096000)};
+  constexpr Real c[8] = {Real(-1) / Real(6),
+                         Real(1) / Real(120),
+                         Real(-1) / Real(5040),
+                         Real(1) / Real(362880),
+                         Real(-1) / Real(39916800),
+                         Real(1) / Real(6227020800),
+                         Real(-1) / Real(1307674368000),
+                         Real(1) / Real(355687428096000)};
   const Real y = x * x;
   return x + (x * y) * polynomial(y, c);
 }
 
 template <class Real>
 constexpr Real cos_kernel(Real x) {
-  constexpr Real c[8] = {
-      Real(-1) / Real(2),           Real(1) / Real(24),
-      Real(-1) / Real(720),         Real(1) / Real(40320),
-      Real(-1) / Real(3628800),     Real(1) / Real(479001600),
-      Real(-1) / Real(87178291200), Real(1) / Real(20922789888000)};
+  constexpr Real c[8] = {Real(-1) / Real(2),           Real(1) / Real(24),
+                         Real(-1) / Real(720),         Real(1) / Real(40320),
+                         Real(-1) / Real(3628800),     Real(1) / Real(479001600),
+                         Real(-1) / Real(87178291200), Real(1) / Real(20922789888000)};
   const Real y = x * x;
   return Real(1) + y * polynomial(y, c);
 }
@@ -67,21 +69,30 @@ constexpr SinCos<Real> sin_cos(Real x) {
     return {detail::sin_kernel(x), detail::cos_kernel(x)};
   }
   // π/2 as a sum of two parts: the first has trailing zero bits, so that k times it is exact.
-  constexpr Real half_pi_high = sizeof(Real) == 8 ? Real(1.57079632673412561417e+00)
-                                                  : Real(1.5703125);
-  constexpr Real half_pi_low = sizeof(Real) == 8 ? Real(6.07710050650619224932e-11)
-                                                 : Real(4.83826794896619231e-4);
+  constexpr Real half_pi_high =
+      sizeof(Real) == 8 ? Real(1.57079632673412561417e+00) : Real(1.5703125);
+  constexpr Real half_pi_low =
+      sizeof(Real) == 8 ? Real(6.07710050650619224932e-11) : Real(4.83826794896619231e-4);
   const Real magnitude = x < Real(0) ? -x : x;
-  const auto k = static_cast<std::int32_t>(magnitude * (Real(2) / pi<Real>) + Real(0.5));
+  const auto k = static_cast<std::int32_t>(magnitude * (Real(2) / pi<Real>)+Real(0.5));
   const Real r = (magnitude - Real(k) * half_pi_high) - Real(k) * half_pi_low;
   const Real s = detail::sin_kernel(r);
   const Real c = detail::cos_kernel(r);
   Real sine = s;
   Real cosine = c;
   switch (k & 3) {
-    case 1: sine = c; cosine = -s; break;
-    case 2: sine = -s; cosine = -c; break;
-    case 3: sine = -c; cosine = s; break;
+    case 1:
+      sine = c;
+      cosine = -s;
+      break;
+    case 2:
+      sine = -s;
+      cosine = -c;
+      break;
+    case 3:
+      sine = -c;
+      cosine = s;
+      break;
     default: break;
   }
   return {x < Real(0) ? -sine : sine, cosine};

@@ -72,8 +72,10 @@ struct Slid {
 // change while sliding, and the inward part must become √(w² − normal²). Not a number when the
 // object cannot reach.
 template <class Real>
-[[gnu::always_inline]] inline Slid<Real> slid(Real separation, const PerSide<PalmAngle<Real>>& palms, std::size_t side, Real held,
-                const PerSide<Real>& offset, Real width) {
+[[gnu::always_inline]] inline Slid<Real> slid(Real separation,
+                                              const PerSide<PalmAngle<Real>>& palms,
+                                              std::size_t side, Real held,
+                                              const PerSide<Real>& offset, Real width) {
   const PalmAngle<Real>& palm = palms[side];
   const PalmAngle<Real>& partner = palms[other(side)];
   const Span<Real> base = feet(separation, palms, offset);

@@ -25,7 +25,7 @@ struct Activity {
   char name = ' ';             // 'a'–'d' or '1'–'8'; ' ': none
   std::int8_t robot = nobody;  // whose contact is corrected: 0, 1 or both
   std::int8_t assistant = nobody;
-  std::int8_t sense = 0;       // +1: a positive contact is corrected, −1: a negative one, 0: both
+  std::int8_t sense = 0;  // +1: a positive contact is corrected, −1: a negative one, 0: both
 };
 
 // One message, for the log. A lost one has received == 0.
@@ -66,8 +66,7 @@ class Pair {
   static constexpr bool half_moves = false;
   Traffic traffic{};
 
-  Pair(PerSide<Controller> controllers, Channel channel, std::uint64_t seed,
-       std::size_t leader)
+  Pair(PerSide<Controller> controllers, Channel channel, std::uint64_t seed, std::size_t leader)
       : controllers_(std::move(controllers)), channel_(channel), seed_(seed), leader_(leader) {}
 
   template <class Log>
@@ -101,7 +100,8 @@ class Pair {
     const auto self = static_cast<std::int8_t>(side);
     const auto partner = static_cast<std::int8_t>(other(side));
     switch (name) {
-      case 'a': case 'b': return {name, self, partner, 1};
+      case 'a':
+      case 'b': return {name, self, partner, 1};
       case 'd': return {name, self, Activity::nobody, -1};
       default: return {};
     }
@@ -170,9 +170,9 @@ class Station {
     constexpr auto nobody = Activity::nobody;
     constexpr auto both = Activity::both;
     // robot, assistant, sense for cases 1–8
-    constexpr std::int8_t rows[8][3] = {{0, 1, 1},          {1, 0, 1},          {0, nobody, -1},
-                                        {1, nobody, -1},    {both, nobody, 1},  {both, nobody, -1},
-                                        {both, nobody, 0},  {both, nobody, 0}};
+    constexpr std::int8_t rows[8][3] = {{0, 1, 1},         {1, 0, 1},         {0, nobody, -1},
+                                        {1, nobody, -1},   {both, nobody, 1}, {both, nobody, -1},
+                                        {both, nobody, 0}, {both, nobody, 0}};
     const auto& row = rows[now - 1];
     return {static_cast<char>('0' + now), row[0], row[1], row[2]};
   }

@@ -56,9 +56,7 @@ class World {
   const Advance<Real>& last() const { return last_; }
 
   // Why the object is not held where it is now (none: it is).
-  End check() const {
-    return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_);
-  }
+  End check() const { return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_); }
 
   // A sudden shift of one contact; the robot under it is displaced so that the loop stays closed.
   End shift(std::size_t side, Real by) {
@@ -78,8 +76,7 @@ class World {
       push_ = push;
       tied_ = Slide::stick;  // a tie lies elsewhere under another push
     }
-    const bool done =
-        turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
+    const bool done = turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
     if (!done) last_ = Pieces{*this, change, angles, turning}.run();
     return last_;
   }
@@ -103,8 +100,8 @@ class World {
 
   // Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens.
   // `change` and `turn` are the rates of the separation and of the palm angles.
-  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
-             Span<Real> span, Real change, const PerSide<Real>& turn) const {
+  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts, Span<Real> span,
+             Real change, const PerSide<Real>& turn) const {
     PerSide<Real> along{};
     PerSide<Real> lift{};
     for (const std::size_t side : {left, right}) {
@@ -136,15 +133,15 @@ class World {
       direction = direction_of(drive(stance_.palms, stance_.contacts, span_, change, turn));
     }
     if (direction == Slide::stick || tied_ == direction ||
-        statics_.wedged_in(left, direction, span_) ||
-        statics_.wedged_in(right, direction, span_)) {
+        statics_.wedged_in(left, direction, span_) || statics_.wedged_in(right, direction, span_)) {
       return false;
     }
     const Tie<Real> tie_before = let_go(statics_, direction);
     const Real ahead = left_first(tie_before, direction, span_);
     if (ahead == Real(0)) return false;
-    return ahead > Real(0) ? slide_side<turning, left>(change, angles, turn, direction, tie_before)
-                           : slide_side<turning, right>(change, angles, turn, direction, tie_before);
+    return ahead > Real(0)
+               ? slide_side<turning, left>(change, angles, turn, direction, tie_before)
+               : slide_side<turning, right>(change, angles, turn, direction, tie_before);
   }
 
   template <bool turning, std::size_t side>
@@ -160,8 +157,8 @@ class World {
       statics = Statics<Real>::at(rig_, palms);
     }
     const Real separation = stance_.separation + change;
-    const Slid<Real> next = slid(separation, palms, side, stance_.contacts[other(side)],
-                                 rig_.offset, rig_.load.width);
+    const Slid<Real> next =
+        slid(separation, palms, side, stance_.contacts[other(side)], rig_.offset, rig_.load.width);
     PerSide<Real> contacts{};
     contacts[side] = next.contact;
     contacts[other(side)] = stance_.contacts[other(side)];
@@ -313,8 +310,8 @@ class World {
       if (turning) {
         for (const std::size_t side : {left, right}) {
           if (turn[side] == Real(0)) continue;
-          then.stance.palms[side] = PalmAngle<Real>::at(
-              t == Real(1) ? angles[side] : from[side] + t * turn[side]);
+          then.stance.palms[side] =
+              PalmAngle<Real>::at(t == Real(1) ? angles[side] : from[side] + t * turn[side]);
         }
         then.statics = Statics<Real>::at(world.rig_, then.stance.palms);
       }
@@ -341,7 +338,9 @@ class World {
       return first_end(world.rig_, s.statics, s.stance.palms, s.stance.contacts, s.span);
     }
 
-    Real drive(const State& s) const { return world.drive(s.stance.palms, s.stance.contacts, s.span, change, turn); }
+    Real drive(const State& s) const {
+      return world.drive(s.stance.palms, s.stance.contacts, s.span, change, turn);
+    }
 
     Slide direction_at(const State& now, Real goal) const {
       Real rate = change;

@@ -24,8 +24,7 @@ void bind_controllers(nb::module_& m) {
           nb::arg("sign"), nb::arg("letter"), nb::arg("turned"),
           "One tick; returns (palm, move, letter sent, letter read).")
       .def_prop_ro("state", [](const Distributed& self) { return static_cast<int>(self.state()); })
-      .def_prop_ro("name",
-                   [](const Distributed& self) { return nb::str(&self.now().name, 1); })
+      .def_prop_ro("name", [](const Distributed& self) { return nb::str(&self.now().name, 1); })
       .def_prop_ro("waits", [](const Distributed& self) { return self.now().waits; });
 
   nb::class_<Centralized>(m, "Centralized", "Table 1 of the paper, the station.")
@@ -39,10 +38,9 @@ void bind_controllers(nb::module_& m) {
             };
             const Centralized::Report reports[2] = {report(l), report(r)};
             const auto out = self.step(reports);
-            return std::tuple(static_cast<int>(out.command[0].palm),
-                              static_cast<int>(out.command[0].move),
-                              static_cast<int>(out.command[1].palm),
-                              static_cast<int>(out.command[1].move));
+            return std::tuple(
+                static_cast<int>(out.command[0].palm), static_cast<int>(out.command[0].move),
+                static_cast<int>(out.command[1].palm), static_cast<int>(out.command[1].move));
           },
           nb::arg("left"), nb::arg("right"),
           "One tick with each robot's (sign, palm commanded, turned); returns (palm, move) of "

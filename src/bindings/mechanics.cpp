@@ -42,8 +42,8 @@ Contacts<double> contacts_of(const double (&v)[13]) {
   for (const std::size_t side : {left, right}) {
     stance.palms[side] = PalmAngle<double>::at(v[9 + side]);
     stance.contacts[side] = v[11 + side];
-    at.cones[side] = friction_cone<double>({stance.palms[side].sin, stance.palms[side].cos},
-                                           v[7 + side]);
+    at.cones[side] =
+        friction_cone<double>({stance.palms[side].sin, stance.palms[side].cos}, v[7 + side]);
   }
   const PerSide<double> offset{v[5], v[6]};
   at.dy = span(stance, offset).dy;

@@ -125,8 +125,7 @@ nb::object columns(const std::vector<Row>& rows, Get get) {
   for (const Row& row : rows) {
     for (const std::size_t side : {left, right}) values->push_back(static_cast<T>(get(row)[side]));
   }
-  return nb::cast(
-      nb::ndarray<nb::numpy, T>(values->data(), {rows.size(), 2}, owner_of(values)));
+  return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), {rows.size(), 2}, owner_of(values)));
 }
 
 nb::object trace(const Run& run) {
@@ -158,8 +157,8 @@ nb::list corrections(const Run& run) {
   for (std::size_t i = 0; i < kept; ++i) {
     const Correction& c = run.metrics.rows[i];
     // The last tick may be cut short by the end of the carry.
-    const double end = double(c.end) < run.metrics.time_ticks ? double(c.end)
-                                                              : run.metrics.time_ticks;
+    const double end =
+        double(c.end) < run.metrics.time_ticks ? double(c.end) : run.metrics.time_ticks;
     list.append(nb::make_tuple(static_cast<int>(c.robot), nb::str(&c.name, 1),
                                static_cast<int>(c.assistant), double(c.start) * run.period,
                                end * run.period));
@@ -231,11 +230,11 @@ void bind_run(nb::module_& m) {
                    })
       .def_prop_ro("time_s", [](const Run& r) { return r.metrics.time_ticks * r.period; })
       .def_prop_ro("distance_m", [](const Run& r) { return r.distance; })
-      .def_prop_ro("contact_rms_m", [](const Run& r) { return std::tuple(r.rms(left), r.rms(right)); })
-      .def_prop_ro("contact_peak_m",
-                   [](const Run& r) {
-                     return std::tuple(r.metrics.peak[left], r.metrics.peak[right]);
-                   })
+      .def_prop_ro("contact_rms_m",
+                   [](const Run& r) { return std::tuple(r.rms(left), r.rms(right)); })
+      .def_prop_ro(
+          "contact_peak_m",
+          [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
       .def_prop_ro("messages", [](const Run& r) { return r.traffic.sent; })
       .def_prop_ro("messages_lost", [](const Run& r) { return r.traffic.lost; })
       .def_prop_ro("waiting_s",
@@ -255,9 +254,8 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("trace", &trace)
       .def_prop_ro("trace_hash", [](const Run& r) { return hex(r.hash); });
 
-  m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
-        nb::arg("precision"), nb::arg("record"),
-        "One carry. controller: a name, or a pair of Python step functions.");
+  m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
+        nb::arg("record"), "One carry. controller: a name, or a pair of Python step functions.");
   m.def("run_seeds", &run_seeds, nb::arg("spec"), nb::arg("controller"), nb::arg("first"),
         nb::arg("n"), nb::arg("precision"),
         "n carries with seeds first, first + 1, ...: their metrics as columns.");

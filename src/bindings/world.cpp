@@ -31,8 +31,9 @@ void bind_world(nb::module_& m) {
                      return std::pair(w.stance().palms[left].angle, w.stance().palms[right].angle);
                    })
       .def_prop_ro("span", [](const W& w) { return std::pair(w.span().dx, w.span().dy); })
-      .def("check", [](const W& w) { return end_names[static_cast<int>(w.check())]; },
-           "Why the object is not held here; empty if it is.")
+      .def(
+          "check", [](const W& w) { return end_names[static_cast<int>(w.check())]; },
+          "Why the object is not held here; empty if it is.")
       .def(
           "shift",
           [](W& w, std::size_t side, double by) {

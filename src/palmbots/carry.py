@@ -158,14 +158,17 @@ def carry(
     one_of("world", world, WORLDS)
     one_of("precision", precision, PRECISIONS)
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= _MOST_SEED:
-        raise PalmbotsError(f"seed: value is {show(seed)}; allowed: a whole number from 0 to 2^64-1")
+        raise PalmbotsError(
+            f"seed: value is {show(seed)}; allowed: a whole number from 0 to 2^64-1"
+        )
     if isinstance(controller, str):
         one_of("controller", controller, CONTROLLERS)
         name, core_controller = controller, controller
     else:
         name = getattr(controller, "__name__", type(controller).__name__)
         core_controller = (adapted(controller()), adapted(controller()))
-    run = _core.run(lower(chosen), core_controller, seed, precision, record)
+    # The compiled module's stub knows the shapes of Python types, not their contents.
+    run: Any = _core.run(lower(chosen), core_controller, seed, precision, record)
     return Carry(
         scene=chosen,
         controller=name,
@@ -228,7 +231,7 @@ def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
     )
 
 
-def _warnings_after(run: _core.Run) -> tuple[str, ...]:
+def _warnings_after(run: Any) -> tuple[str, ...]:
     told = [
         f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
         for side, cycles in zip(_SIDES, run.limit_cycle, strict=True)

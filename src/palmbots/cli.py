@@ -20,7 +20,7 @@ __all__ = ["main"]
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 
 # The base of all errors of usage. Typer brings its own copy of click, under a private name.
-_UsageFault = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
+_UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 
 app = typer.Typer(
     name="palmbots",
@@ -59,7 +59,7 @@ def run(arguments: list[str]) -> int:
         context = getattr(error, "ctx", None)
         where = f"{context.command_path}: " if context is not None else ""
         helps = f"; see {context.command_path} --help" if context is not None else ""
-        return _refuse(f"{where}{_message(error).rstrip('.')}{helps}")
+        return _refuse(f"{where}{error.format_message().rstrip('.')}{helps}")
     except typer.Exit as stop:
         return stop.exit_code
     except (KeyboardInterrupt, typer.Abort):
@@ -68,10 +68,6 @@ def run(arguments: list[str]) -> int:
     except BrokenPipeError:
         sys.stderr.close()  # nobody reads on; say nothing
         return FAILED
-
-
-def _message(error: Any) -> str:
-    return error.format_message()
 
 
 def _refuse(message: str) -> int:

@@ -53,9 +53,7 @@ class Comparison:
     def summary(self) -> dict[str, Any]:
         """What ``palmbots compare --json`` prints."""
         return {
-            "rows": [
-                {field: getattr(row, field) for field in Row.__slots__} for row in self.rows
-            ],
+            "rows": [{field: getattr(row, field) for field in Row.__slots__} for row in self.rows],
             "key": self.key,
             "seed": self.seed,
             "scene": self.scene.model_dump(),

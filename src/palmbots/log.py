@@ -257,6 +257,8 @@ def _damage(data: bytes) -> str | None:
     data_end_at = summary_at - _DATA_END.size
     if (opcode, size) != (0x02, 20) or not len(_MAGIC) <= data_end_at < footer_at:
         return "the log is damaged at its end, or was not written by palmbots"
+    if summary_crc == 0:  # by the format: left out
+        return "the file was not written by palmbots: it has no checksums"
     if zlib.crc32(data[summary_at : end - 4]) != summary_crc:
         return "the log is damaged: the checksum of its summary is wrong"
     opcode, size, data_crc = _DATA_END.unpack_from(data, data_end_at)

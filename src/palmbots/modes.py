@@ -213,7 +213,9 @@ def modes(
                 f"theta_{side}_deg: value is {show(degrees[i])}; allowed: -80 to 80 degrees"
             )
     angles = [math.radians(d) for d in degrees]
-    height = [p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)]
+    height = [
+        p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)
+    ]
     rise = (height[1] - height[0]) / spec.width
     if not abs(rise) < 1:
         raise PalmbotsError(

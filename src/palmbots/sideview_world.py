@@ -152,7 +152,7 @@ class _Brush:
             x, deep = tenth / 10, 0.016 if whole else 0.008
             top, foot = self._pixels((x, floor), (x, floor - deep))
             self._draw.line((top, foot), QUIET, 3 if whole else 2)
-            if whole:
+            if whole and 25 <= foot[0] / _FINE <= WIDTH - 25:  # room for the text
                 place = (foot[0] / _FINE, foot[1] / _FINE + 1)
                 notes.append(Note(place, f"{x:g} m".replace("-", "−")))
         goal = spec.distance * spec.direction

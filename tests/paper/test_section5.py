@@ -15,9 +15,7 @@ DROPPED = 2
 
 def many(controller: str, precision: str = "double", **overrides: object) -> dict[str, np.ndarray]:
     keys = {key.replace("__", "."): value for key, value in overrides.items()}
-    return _core.run_seeds(
-        lower(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision
-    )
+    return _core.run_seeds(lower(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision)
 
 
 def rms(runs: dict[str, np.ndarray]) -> float:
@@ -82,7 +80,7 @@ def test_distributed_is_better_at_the_default_latency() -> None:
 
 def test_accelerations_take_part_in_what_slides() -> None:
     """Without them an exactly symmetric object stays symmetric for ever, both contacts equal to
-    the last bit, and even an uncorrected carry rarely drops: against all three engines (8 of 12)."""
+    the last bit, and even an uncorrected carry rarely drops; the three engines drop 8 of 12."""
     still = many("none", task__inertia=False)
     np.testing.assert_array_equal(still["contact_rms_m"][:, 0], still["contact_rms_m"][:, 1])
     assert drops(still) < 0.15

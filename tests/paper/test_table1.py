@@ -130,7 +130,8 @@ def orders(place: Place) -> tuple[tuple[int, int], tuple[int, int]]:
         for action in actions[: place.action + 1]:
             if action.palm is not None:
                 palms[action.side] = action.palm
-        moves = (actions[place.action].move,) * 2
+        move = actions[place.action].move
+        moves = (move, move)
     return (palms[0], palms[1]), moves
 
 

@@ -1,0 +1,378 @@
+"""The compiled core of palmbots: mechanics, world, controllers, carries."""
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy
+from numpy.typing import NDArray
+
+
+def tangent(angle: float) -> float:
+    """
+    Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.
+    """
+
+class PalmSpec:
+    """One palm, in SI units and radians."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def length(self) -> float: ...
+
+    @length.setter
+    def length(self, arg: float, /) -> None: ...
+
+    @property
+    def offset(self) -> float: ...
+
+    @offset.setter
+    def offset(self, arg: float, /) -> None: ...
+
+    @property
+    def friction(self) -> float: ...
+
+    @friction.setter
+    def friction(self, arg: float, /) -> None: ...
+
+    @property
+    def shallow(self) -> float: ...
+
+    @shallow.setter
+    def shallow(self, arg: float, /) -> None: ...
+
+    @property
+    def steep(self) -> float: ...
+
+    @steep.setter
+    def steep(self, arg: float, /) -> None: ...
+
+    @property
+    def rate(self) -> float: ...
+
+    @rate.setter
+    def rate(self, arg: float, /) -> None: ...
+
+class RobotSpec:
+    """One robot's wheels, in SI units."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def speed(self) -> float: ...
+
+    @speed.setter
+    def speed(self, arg: float, /) -> None: ...
+
+    @property
+    def correction(self) -> float: ...
+
+    @correction.setter
+    def correction(self, arg: float, /) -> None: ...
+
+    @property
+    def acceleration(self) -> float: ...
+
+    @acceleration.setter
+    def acceleration(self, arg: float, /) -> None: ...
+
+    @property
+    def max_speed(self) -> float: ...
+
+    @max_speed.setter
+    def max_speed(self, arg: float, /) -> None: ...
+
+    @property
+    def noise(self) -> float: ...
+
+    @noise.setter
+    def noise(self, arg: float, /) -> None: ...
+
+    @property
+    def noise_tau(self) -> float: ...
+
+    @noise_tau.setter
+    def noise_tau(self, arg: float, /) -> None: ...
+
+    @property
+    def bias(self) -> float: ...
+
+    @bias.setter
+    def bias(self, arg: float, /) -> None: ...
+
+class Spec:
+    """Everything that defines a carry, as plain numbers."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def width(self) -> float: ...
+
+    @width.setter
+    def width(self, arg: float, /) -> None: ...
+
+    @property
+    def com_left(self) -> float: ...
+
+    @com_left.setter
+    def com_left(self, arg: float, /) -> None: ...
+
+    @property
+    def com_right(self) -> float: ...
+
+    @com_right.setter
+    def com_right(self, arg: float, /) -> None: ...
+
+    @property
+    def com_height(self) -> float: ...
+
+    @com_height.setter
+    def com_height(self, arg: float, /) -> None: ...
+
+    @property
+    def outline(self) -> list[tuple[float, float, float]]:
+        """
+        Vertices as (from left contact, from right contact, height); the first is the left contact.
+        """
+
+    @outline.setter
+    def outline(self, arg: Sequence[tuple[float, float, float]], /) -> None: ...
+
+    @property
+    def contact_right(self) -> int: ...
+
+    @contact_right.setter
+    def contact_right(self, arg: int, /) -> None: ...
+
+    @property
+    def palms(self) -> tuple[PalmSpec, PalmSpec]: ...
+
+    @palms.setter
+    def palms(self, arg: tuple[PalmSpec, PalmSpec], /) -> None: ...
+
+    @property
+    def robots(self) -> tuple[RobotSpec, RobotSpec]: ...
+
+    @robots.setter
+    def robots(self, arg: tuple[RobotSpec, RobotSpec], /) -> None: ...
+
+    @property
+    def zones(self) -> list[tuple[int, float, float]]: ...
+
+    @zones.setter
+    def zones(self, arg: Sequence[tuple[int, float, float]], /) -> None: ...
+
+    @property
+    def false_rate(self) -> float: ...
+
+    @false_rate.setter
+    def false_rate(self, arg: float, /) -> None: ...
+
+    @property
+    def period(self) -> float: ...
+
+    @period.setter
+    def period(self, arg: float, /) -> None: ...
+
+    @property
+    def latency(self) -> float: ...
+
+    @latency.setter
+    def latency(self, arg: float, /) -> None: ...
+
+    @property
+    def jitter(self) -> float: ...
+
+    @jitter.setter
+    def jitter(self, arg: float, /) -> None: ...
+
+    @property
+    def loss(self) -> float: ...
+
+    @loss.setter
+    def loss(self, arg: float, /) -> None: ...
+
+    @property
+    def distance(self) -> float: ...
+
+    @distance.setter
+    def distance(self, arg: float, /) -> None: ...
+
+    @property
+    def slope(self) -> float: ...
+
+    @slope.setter
+    def slope(self, arg: float, /) -> None: ...
+
+    @property
+    def inertia(self) -> float: ...
+
+    @inertia.setter
+    def inertia(self, arg: float, /) -> None: ...
+
+    @property
+    def direction(self) -> float: ...
+
+    @direction.setter
+    def direction(self, arg: float, /) -> None: ...
+
+    @property
+    def timeout_ticks(self) -> int: ...
+
+    @timeout_ticks.setter
+    def timeout_ticks(self, arg: int, /) -> None: ...
+
+    @property
+    def start(self) -> tuple[float, float]: ...
+
+    @start.setter
+    def start(self, arg: tuple[float, float], /) -> None: ...
+
+    @property
+    def bumps(self) -> list[tuple[int, bool, float, float]]: ...
+
+    @bumps.setter
+    def bumps(self, arg: Sequence[tuple[int, bool, float, float]], /) -> None: ...
+
+    @property
+    def bump_rate(self) -> float: ...
+
+    @bump_rate.setter
+    def bump_rate(self, arg: float, /) -> None: ...
+
+    @property
+    def bump_max(self) -> float: ...
+
+    @bump_max.setter
+    def bump_max(self, arg: float, /) -> None: ...
+
+    def to_bytes(self) -> bytes:
+        """The spec as it lies in memory, for C++ programs on the same machine."""
+
+def modes(columns: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]], n: int) -> tuple:
+    """
+    For n states: ends of I_L and I_R, bits of the feasible modes, and the bits of the modes on closing and opening (-1: not held, -2: jammed).
+    """
+
+def margin(values: Sequence[float], friction_angle_left: float, friction_angle_right: float) -> float:
+    """
+    The angle [rad] by which both friction cones may shrink with the object still held.
+    """
+
+class World:
+    """Two palms and an object: exact motion under given robot motions."""
+
+    def __init__(self, spec: Spec) -> None: ...
+
+    @property
+    def contacts(self) -> tuple[float, float]: ...
+
+    @property
+    def separation(self) -> float: ...
+
+    @property
+    def palms(self) -> tuple[float, float]: ...
+
+    @property
+    def span(self) -> tuple[float, float]: ...
+
+    def check(self) -> str:
+        """Why the object is not held here; empty if it is."""
+
+    def shift(self, side: int, by: float) -> str:
+        """A bump: shifts one contact [m]; the robots give way."""
+
+    def advance(self, change: float, palms: tuple[float, float], push: float = 0.0) -> tuple[str, float, int, int, int]:
+        """
+        Changes the separation [m] and turns the palms to the given angles [rad], both at constant rates. Returns (end, fraction done, motion left, motion right, pieces).
+        """
+
+class Distributed:
+    """Table 2 of the paper, one robot."""
+
+    def __init__(self) -> None: ...
+
+    def step(self, sign: int, letter: int, turned: bool) -> tuple[int, int, int, bool]:
+        """One tick; returns (palm, move, letter sent, letter read)."""
+
+    @property
+    def state(self) -> int: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def waits(self) -> bool: ...
+
+class Centralized:
+    """Table 1 of the paper, the station."""
+
+    def __init__(self) -> None: ...
+
+    def step(self, left: tuple[int, int, bool], right: tuple[int, int, bool]) -> tuple[int, int, int, int]:
+        """
+        One tick with each robot's (sign, palm commanded, turned); returns (palm, move) of both.
+        """
+
+    @property
+    def case_number(self) -> int: ...
+
+    @property
+    def stage(self) -> int: ...
+
+class Run:
+    """A finished carry."""
+
+    @property
+    def outcome(self) -> str: ...
+
+    @property
+    def reason(self) -> object: ...
+
+    @property
+    def time_s(self) -> float: ...
+
+    @property
+    def distance_m(self) -> float: ...
+
+    @property
+    def contact_rms_m(self) -> tuple[float, float]: ...
+
+    @property
+    def contact_peak_m(self) -> tuple[float, float]: ...
+
+    @property
+    def messages(self) -> int: ...
+
+    @property
+    def messages_lost(self) -> int: ...
+
+    @property
+    def waiting_s(self) -> tuple[float, float]: ...
+
+    @property
+    def limit_cycle(self) -> tuple[bool, bool]: ...
+
+    @property
+    def bumps(self) -> int: ...
+
+    @property
+    def correction_count(self) -> int: ...
+
+    @property
+    def corrections(self) -> list: ...
+
+    @property
+    def letters(self) -> list: ...
+
+    @property
+    def trace(self) -> object: ...
+
+    @property
+    def trace_hash(self) -> str: ...
+
+def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
+    """One carry. controller: a name, or a pair of Python step functions."""
+
+def run_seeds(spec: Spec, controller: str, first: int, n: int, precision: str) -> dict:
+    """n carries with seeds first, first + 1, ...: their metrics as columns."""

@@ -1,0 +1,197 @@
+"""The command line as a user meets it: real processes, their exit status, stdout and stderr."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from palmbots import cli
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+
+def palmbots(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "palmbots", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=120,
+        check=False,
+    )
+
+
+def refused(result: subprocess.CompletedProcess[str], *words: str) -> None:
+    """Exit status 2, nothing on stdout, one line on stderr that has these words."""
+    assert result.returncode == BAD_INPUT, result
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1, result.stderr
+    for word in words:
+        assert word in result.stderr
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with everything that one carry writes."""
+    out = tmp_path_factory.mktemp("carry") / "out"
+    result = palmbots("carry", "figure8", "--out", str(out), "--json")
+    assert result.returncode == DONE, result.stderr
+    return out
+
+
+def test_carry_json_has_the_contract() -> None:
+    result = palmbots("carry", "--json", "--seed", "3")
+    assert result.returncode == DONE
+    assert result.stderr == ""
+    said = json.loads(result.stdout)
+    assert {
+        "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m",
+        "corrections", "messages", "waiting_s", "warnings", "trace_hash", "scene",
+    } <= set(said)  # fmt: skip
+    assert set(said["contact_rms_m"]) == {"left", "right"}
+    assert set(said["corrections"][0]) == {
+        "label", "robot", "case", "assistant", "start_s", "end_s",
+    }  # fmt: skip
+
+
+def test_a_dropped_object_is_exit_status_1() -> None:
+    result = palmbots("carry", "-c", "none", "--set", "robot.left.bias_m_s=0.02", "--json")
+    assert result.returncode == FAILED
+    said = json.loads(result.stdout)
+    assert (said["outcome"], said["reason"]) == ("dropped", "off-palm")
+
+
+def test_carry_writes_picture_animation_and_log(written: Path) -> None:
+    heads = {path.name: path.read_bytes()[:8] for path in written.iterdir()}
+    assert heads["carry.png"].startswith(b"\x89PNG")
+    assert heads["carry.gif"].startswith(b"GIF89a")
+    assert heads["carry.mcap"] == b"\x89MCAP0\r\n"
+    assert len(heads) == 3
+
+
+def test_replay_proves_the_log_identical(written: Path) -> None:
+    result = palmbots("replay", str(written / "carry.mcap"), "--json")
+    assert result.returncode == DONE
+    assert json.loads(result.stdout)["identical"] is True
+    assert "IDENTICAL" in palmbots("replay", str(written / "carry.mcap")).stdout
+
+
+def test_replay_refuses_a_truncated_log(written: Path, tmp_path: Path) -> None:
+    whole = (written / "carry.mcap").read_bytes()
+    for size in (0, 5, 100, len(whole) // 2, len(whole) - 1):
+        (tmp_path / "cut.mcap").write_bytes(whole[:size])
+        refused(palmbots("replay", str(tmp_path / "cut.mcap")), "cut.mcap")
+
+
+def test_modes_json_has_the_contract() -> None:
+    said = json.loads(palmbots("modes", "--json", "--theta-left-deg", "5").stdout)
+    assert said["closing"] == ["SL", "ST"]  # property 1
+    assert said["opening"] == ["ST", "SL"]  # property 2
+    assert len(said["feasible"]) == 3
+    assert len(said["consistent_closing"]) == len(said["consistent_opening"]) == 5
+    assert set(said) >= {"wedged", "squeeze", "margin_rad", "scene"}
+
+
+def test_compare_json_has_the_contract(tmp_path: Path) -> None:
+    result = palmbots("compare", "--values", "0,0.2", "-n", "5", "--out", str(tmp_path), "--json")
+    assert result.returncode == DONE
+    rows = json.loads(result.stdout)["rows"]
+    assert len(rows) == 6
+    assert {"controller", "key", "value", "n", "drop_rate", "interval", "rms_m"} <= set(rows[0])
+    assert (tmp_path / "compare.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["carry", "nowhere.toml"], ["nowhere.toml", "paper"]),
+        (["carry", "--set", "radio.los=0.1"], ["radio.los", "radio.loss"]),
+        (["carry", "--set", "radio.loss=nan"], ["radio.loss", "allowed"]),
+        (["carry", "--set", "radio.loss"], ["radio.loss"]),
+        (["carry", "--set", "palm.length_m=-1"], ["palm.length_m", "allowed"]),
+        (["carry", "--controller", "magic"], ["controller", "distributed"]),
+        (["carry", "--world", "moon"], ["world", "quasistatic"]),
+        (["carry", "--precision", "half"], ["precision", "float"]),
+        (["carry", "--seed", "-1"], ["seed", "allowed"]),
+        (["carry", "--seed", "x"], ["--seed"]),
+        (["carry", "--animation", "avi"], ["--animation", "gif"]),
+        (["carry", "--frobnicate"], ["--frobnicate", "--help"]),
+        (["frobnicate"], ["frobnicate", "--help"]),
+        (["modes", "--p-left-m", "0.2"], ["p_left_m", "allowed"]),
+        (["modes", "--theta-left-deg", "95"], ["theta_left_deg", "allowed"]),
+        (["modes", "--p-left-m", "nan"], ["p_left_m", "allowed"]),
+        (["compare", "--sweep", "robot.noise_m_s"], ["--values"]),
+        (["compare", "--values", "1,b"], ["--values", "1,b"]),
+        (["compare", "--carries", "0"], ["carries", "allowed"]),
+        (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
+        (["compare", "--sweep", "object.vertices_m", "--values", "1"], ["object.vertices_m"]),
+        (["replay", "nothing.mcap"], ["nothing.mcap"]),
+        (["replay", "/dev/null"], ["/dev/null"]),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_status_2(
+    arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = cli.run(arguments)
+    said = capsys.readouterr()
+    refused(subprocess.CompletedProcess(arguments, status, said.out, said.err), *words)
+
+
+def test_an_unwritable_folder_is_refused(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    refused(palmbots("carry", "--out", str(blocked)), "file")
+    assert blocked.read_text() == "not a folder"
+
+
+def test_the_dead_band_is_warned_of_before_and_reported_after() -> None:
+    keys = {
+        "tactile.zero_half_width_m": 0.0001,
+        "robot.noise_m_s": 0,
+        "robot.acceleration_m_s2": 20,
+        "start.right_m": 0.02,
+    }
+    changes = [part for key, value in keys.items() for part in ("--set", f"{key}={value}")]
+    result = palmbots("carry", *changes, "--json")
+    assert "zero zone" in result.stderr
+    warnings = json.loads(result.stdout)["warnings"]
+    assert any("zero zone" in w for w in warnings)
+    assert any("limit cycle" in w for w in warnings)
+
+
+def test_interrupted_it_leaves_nothing_half_written(tmp_path: Path) -> None:
+    """Ctrl-C while it writes: every file in the folder is whole."""
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "palmbots", "carry", "--out", str(out)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    deadline = time.monotonic() + 60
+    while not (out / "carry.mcap").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)  # the animation comes next and takes a while
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode in (130, DONE)
+    assert "Traceback" not in error
+    names = {path.name for path in out.iterdir()}
+    assert names <= {"carry.png", "carry.mcap", "carry.gif"}
+    if process.returncode == 130:
+        assert "carry.gif" not in names
+    assert palmbots("replay", str(out / "carry.mcap")).returncode == DONE
+
+
+def test_help_shows_an_example() -> None:
+    for command in ("carry", "modes", "compare", "replay"):
+        result = palmbots(command, "--help")
+        assert result.returncode == DONE
+        assert f"Example: palmbots {command}" in result.stdout
+    assert "Commands:" in palmbots().stdout
+    assert palmbots("--version").stdout.startswith("palmbots 0.")
