@@ -96,5 +96,5 @@ def begin(robot: Robot, send: int, read: bool) -> tuple[Robot, Deed]:
     if line.startswith("Tilt"):
         robot = replace(robot, palm=SHALLOW if line == "Tilt Up" else STEEP)
     move = AWAY if "away" in line else CLOSER if "closer" in line else HOLD
-    case = {"request": "a"}.get(robot.column, robot.column)
+    case = "a" if robot.column == "request" else robot.column or " "
     return robot, Deed(robot.palm, move, send, read, case, line.startswith("Wait"))

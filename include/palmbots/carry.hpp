@@ -64,7 +64,11 @@ template <class Real, class Team, class Recorder>
 class Carry {
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : spec_(spec), seed_(seed), team_(std::move(team)), recorder_(std::move(recorder)) {
+      : spec_(spec),
+        seed_(seed),
+        team_(std::move(team)),
+        recorder_(std::move(recorder)),
+        sense_of_travel_(Real(spec.direction)) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
     for (const std::size_t side : {left, right}) {
@@ -80,6 +84,7 @@ class Carry {
     for (std::size_t i = 0; i < spec.zone_count; ++i) {
       zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
     }
+    obey(commands_);
     tactile_ = Tactile<Real>(zones, spec.zone_count, spec.false_rate);
     // The object goes with the mean of the two robots; a push is an acceleration in units of g.
     if (spec.inertia != 0) inertia_ = Real(0.5 / (spec.period * standard_gravity));
@@ -114,12 +119,10 @@ class Carry {
 
     if ((tick_ & 1) == 0) noise_words_ = draw(seed_, tick_, Stream::noise);  // for two ticks
     PerSide<Real> angles{};
-    const auto sense_of_travel = Real(spec_.direction);
     for (const std::size_t side : {left, right}) {
-      speeds_[side] =
-          sense_of_travel * wheels_[side].step(sense_of_travel * wanted(side, commands_[side].move),
-                                               random(tick_, side));
-      angles[side] = wrists_[side].step(world_.stance().palms[side].angle, commands_[side].palm);
+      speeds_[side] = sense_of_travel_ * wheels_[side].step(goal_speed_[side], random(tick_, side));
+      const Real angle = world_.stance().palms[side].angle;
+      angles[side] = wrists_[side].step(angle, goal_angle_[side]);
     }
     const auto period = Real(spec_.period);
     recorder_.before(*this, sensed);
@@ -154,7 +157,14 @@ class Carry {
  private:
   // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
   // processor guesses that they did not.
-  [[gnu::noinline]] void obey(const PerSide<Command>& commands) { commands_ = commands; }
+  [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
+    commands_ = commands;
+    for (const std::size_t side : {left, right}) {
+      goal_angle_[side] = wrists_[side].target(commands[side].palm);
+      goal_speed_[side] =
+          wheels_[side].within_limit(sense_of_travel_ * wanted(side, commands[side].move));
+    }
+  }
 
   // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
   // draws the mirrored numbers.
@@ -174,7 +184,7 @@ class Carry {
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])
                               : tactile_.sign(p);
-      sensed[side].turned = now.palms[side].angle == wrists_[side].target(commands_[side].palm);
+      sensed[side].turned = now.palms[side].angle == goal_angle_[side];
     }
     return sensed;
   }
@@ -244,13 +254,16 @@ class Carry {
   std::uint64_t seed_;
   Team team_;
   Recorder recorder_;
+  Real sense_of_travel_;
   World<Real> world_;
   PerSide<Wheels<Real>> wheels_{};
   PerSide<Wrist<Real>> wrists_{};
   Tactile<Real> tactile_;
   PerSide<Real> full_move_{};
   PerSide<Real> nominal_{};
-  PerSide<Real> speeds_{};
+  PerSide<Real> goal_speed_{};  // along the direction of travel
+  PerSide<Real> goal_angle_{};
+  PerSide<Real> speeds_{};   // towards +x
   Real together_ = Real(0);  // the sum of the speeds in the tick before
   Real inertia_ = Real(0);   // push per change of that sum [s/m]
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};

@@ -19,10 +19,13 @@ struct Wheels {
   Real speed = Real(0);
   Real noise = Real(0);
 
-  // The speed over the next tick; `random` has mean 0 and variance 1.
-  constexpr Real step(Real wanted, Real random) {
-    const Real target = clamp(wanted, -limit, limit);
-    speed = clamp(target, speed - gain, speed + gain);
+  // What a commanded speed comes to.
+  constexpr Real within_limit(Real wanted) const { return clamp(wanted, -limit, limit); }
+
+  // The speed over the next tick towards a target within the limit; `random` has mean 0 and
+  // variance 1.
+  constexpr Real step(Real target, Real random) {
+    if (speed != target) speed = clamp(target, speed - gain, speed + gain);
     noise = memory * noise + drive * random;
     return speed + (bias + noise);
   }
@@ -39,8 +42,7 @@ struct Wrist {
 
   // The angle at the end of the next tick. A remainder below a billionth of a tick's turn is
   // rounding of the sum, not a distance left to go.
-  constexpr Real step(Real angle, Palm palm) const {
-    const Real to = target(palm);
+  constexpr Real step(Real angle, Real to) const {
     const Real left_to_go = to - angle;
     const Real reach = gain * Real(1.000000001);
     if (left_to_go <= reach && left_to_go >= -reach) return to;

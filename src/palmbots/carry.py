@@ -16,7 +16,7 @@ from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
 
-__all__ = ["CONTROLLERS", "PRECISIONS", "WORLDS", "Carry", "Correction", "Letter", "carry"]
+__all__ = ["CONTROLLERS", "PRECISIONS", "WORLDS", "Carry", "Correction", "Letter", "carry", "trace_dataset"]
 
 CONTROLLERS = ("none", "centralized", "distributed")
 WORLDS = ("quasistatic",)
@@ -189,7 +189,7 @@ def carry(
         bumps=run.bumps,
         warnings=(*warnings_before(chosen, name), *_warnings_after(run)),
         trace_hash=run.trace_hash,
-        trace=_dataset(run.trace) if record else None,
+        trace=trace_dataset(run.trace) if record else None,
         letters=tuple(
             Letter(sent, None if np.isnan(got) else got, _SIDES[sender], _SIDES[receiver], letter)
             for sent, got, sender, receiver, letter in run.letters
@@ -242,7 +242,8 @@ def _warnings_after(run: Any) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:
+def trace_dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:
+    """The arrays of a trace, named as the core names them, as a labelled dataset."""
     variables: dict[str, Any] = {}
     for name, (key, unit, meaning) in _VARIABLES.items():
         values = trace[key]

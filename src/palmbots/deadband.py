@@ -44,6 +44,8 @@ def zero_zone_m(scene: Scene) -> float:
     zones = scene.tactile.zones
     if zones is None:
         return 2 * scene.tactile.zero_half_width_m
+    if not zones:
+        return math.inf
     edges = sorted({edge for zone in zones for edge in (zone.from_m, zone.to_m)})
     pieces = [(-math.inf, edges[0]), *pairwise(edges), (edges[-1], math.inf)]
 

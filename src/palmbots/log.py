@@ -29,7 +29,7 @@ from mcap_protobuf.schema import register_schema
 
 from palmbots import log_scene
 from palmbots.carry import Carry, Correction, Letter
-from palmbots.carry import _dataset as trace_dataset
+from palmbots.carry import trace_dataset as trace_dataset
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
 from palmbots.geometry import SIDES, place_rows

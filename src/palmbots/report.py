@@ -176,7 +176,7 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         table.add_row(
             row.controller if row.controller != last else "",
             f"{row.value:g}",
-            f"{100 * row.drop_rate:.1f} % ({100 * row.interval[0]:.1f}–{100 * row.interval[1]:.1f})",
+            _rate(row.drop_rate, row.interval),
             _mm(row.rms_m),
             f"{row.corrections:.1f}",
         )
@@ -187,6 +187,11 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         console.print(f"{stalled} carries stalled: they neither arrived nor dropped in time")
     if written is not None:
         _files(console, [written])
+
+
+def _rate(rate: float, interval: tuple[float, float]) -> str:
+    low, high = (100 * end for end in interval)
+    return f"{100 * rate:.1f} % ({low:.1f}–{high:.1f})"
 
 
 def replay_report(result: "Replay", log: Path) -> None:

@@ -63,7 +63,7 @@ def test_finer_sensor_keeps_contacts_nearer() -> None:
 
 
 def test_latency_hurts_the_centralized_algorithm_much_more() -> None:
-    """Section 5.3: "the distributed algorithm performed better ... due to the decreased latency"."""
+    """Section 5.3: it "performed better ..., primarily due to the decreased latency"."""
     central = [rms(many("centralized", radio__latency_s=s)) for s in (0.0, 0.2, 0.4)]
     alone = [rms(many("distributed", radio__latency_s=s)) for s in (0.0, 0.2, 0.4)]
     assert central == sorted(central)
