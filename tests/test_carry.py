@@ -73,6 +73,16 @@ def test_mirrored_scene_gives_the_mirrored_carry(
     np.testing.assert_array_equal(a["case"], image_case)
 
 
+def test_bumps_of_one_tick_mirrored() -> None:
+    """Two robots bumped in one tick, and the first bump ends the carry: the same one in a mirror."""
+    keys = {"robot.noise_m_s": 0.0, "bumps.rate_per_m": 100.0, "bumps.max_shift_m": 0.2}
+    scene = pb.load_scene("paper", keys)
+    for seed in range(150):
+        there = columns(pb.carry(scene, "none", seed=seed))
+        back = columns(pb.carry(scene.mirrored(), "none", seed=seed))
+        np.testing.assert_array_equal(there["contact"], back["contact"][:, ::-1])
+
+
 @many
 @given(scenes(), controllers, precisions, seeds)
 def test_any_valid_scene_can_be_carried(

@@ -241,6 +241,7 @@ def explore(starts: list[Contacts], turn: int) -> Explored:
             for then, seen in cycles(state, turn):
                 assert set(seen.moves) != {AWAY, CLOSER}, f"away and closer: {state}"
                 assert not seen.confused, f"confused: {state}"
+                assert max(map(len, then.inbox)) <= 2, f"letters pile up: {state}"
                 rises |= sum(map(abs, then.p)) > sum(map(abs, state.p))
                 after.append(then)
             put_off[state] = -1
@@ -290,7 +291,7 @@ def test_exploration_sees_a_livelock(monkeypatch: pytest.MonkeyPatch) -> None:
         for key, step in distributed_table().items()
     }
     monkeypatch.setitem(globals(), "distributed_table", lambda: silent)
-    with pytest.raises(AssertionError, match="never ends"):
+    with pytest.raises(AssertionError, match="never ends|pile up"):
         explore([(0, 1)], turn=0)
 
 
@@ -312,3 +313,4 @@ def test_both_robots_shallow_only_where_the_paper_has_it() -> None:
             if then not in seen:
                 seen.add(then)
                 queue.append(then)
+                assert len(seen) < 10_000, "letters pile up"

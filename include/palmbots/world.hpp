@@ -28,7 +28,7 @@
 
 #include "palmbots/ends.hpp"
 #include "palmbots/locate.hpp"
-#include "palmbots/modes.hpp"
+#include "palmbots/slip.hpp"
 
 namespace palmbots {
 
@@ -88,34 +88,13 @@ class World {
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
 
-  // > 0: the left contact lets go first; < 0: the right one; 0: tie.
-  static Real left_first(const Tie<Real>& let_go, Slide direction, Span<Real> span) {
-    const Real left_higher = let_go.at(span);
-    return direction == Slide::up ? -left_higher : left_higher;
+  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts, Span<Real> span,
+             Real change, const PerSide<Real>& turn) const {
+    return drive_rate(palms, contacts, rig_.offset, span, change, turn);
   }
 
   Tie<Real> let_go(const Statics<Real>& statics, Slide direction) const {
     return statics.let_go(pushed(rig_.load, push_), direction);
-  }
-
-  // Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens.
-  // `change` and `turn` are the rates of the separation and of the palm angles.
-  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts, Span<Real> span,
-             Real change, const PerSide<Real>& turn) const {
-    PerSide<Real> along{};
-    PerSide<Real> lift{};
-    for (const std::size_t side : {left, right}) {
-      const PalmAngle<Real>& palm = palms[side];
-      const Real p = contacts[side];
-      const Real o = rig_.offset[side];
-      along[side] = (p * palm.sin + o * palm.cos) * turn[side];
-      lift[side] = (p * palm.cos - o * palm.sin) * turn[side];
-    }
-    return span.dx * (change - (along[left] + along[right])) + span.dy * (lift[right] - lift[left]);
-  }
-
-  static Slide direction_of(Real rate) {
-    return rate < Real(0) ? Slide::up : (rate > Real(0) ? Slide::down : Slide::stick);
   }
 
   // The common case, without ceremony: one contact slides through the whole step. Returns false, and
