@@ -191,15 +191,21 @@ class Carry {
 
   // Scripted bumps that are due, and random ones: for each robot a chance in proportion to the way.
   void bump() {
+    PerSide<Real> by{};
     for (std::size_t i = 0; i < spec_.bump_count; ++i) {
       const BumpSpec& bump = spec_.bumps[i];
       const double reached =
           bump.by_time != 0 ? double(tick_) * spec_.period : double(midpoint_) * spec_.direction;
       if ((bumped_ >> i & 1) != 0 || reached < bump.at) continue;
       bumped_ |= std::uint64_t{1} << i;
-      shift(bump.side, Real(bump.shift));
+      by[bump.side] += Real(bump.shift);
+      ++metrics_.bumps;
     }
-    if (spec_.bump_rate <= 0) return;
+    if (spec_.bump_rate > 0) random_bumps(by);
+    if (by[left] != Real(0) || by[right] != Real(0)) metrics_.end = world_.shift(by);
+  }
+
+  void random_bumps(PerSide<Real>& by) {
     const Words words = draw(seed_, tick_, Stream::bump);
     const double way = std::abs(double(speeds_[left] + speeds_[right])) * 0.5 * spec_.period;
     const double chance = spec_.bump_rate * way;
@@ -207,14 +213,9 @@ class Carry {
       const std::size_t lane = side == leader() ? 0 : 2;
       if (unit_uniform<double>(words[lane]) >= chance) continue;
       const double place = 2 * unit_uniform<double>(words[lane + 1]) - 1;
-      shift(side, Real(place * spec_.bump_max));
+      by[side] += Real(place * spec_.bump_max);
+      ++metrics_.bumps;
     }
-  }
-
-  void shift(std::size_t side, Real by) {
-    if (metrics_.end != End::none) return;
-    metrics_.end = world_.shift(side, by);
-    ++metrics_.bumps;
   }
 
   void finish_tick(const Advance<Real>& step, Real travel) {

@@ -68,7 +68,9 @@ template <class Real>
 [[gnu::always_inline]] inline bool plainly_held(const Rig<Real>& rig, const Statics<Real>& statics,
                                                 const PerSide<PalmAngle<Real>>& palms,
                                                 const PerSide<Real>& contacts, Span<Real> span) {
-  bool held = (statics.left_up.at(span) >= Real(0)) & (statics.right_up.at(span) <= Real(0));
+  const Real left_up = statics.left_up.at(span);
+  const Real right_up = statics.right_up.at(span);
+  bool held = (left_up >= Real(0)) & (right_up <= Real(0));
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
     const Real half = rig.half_length[side];

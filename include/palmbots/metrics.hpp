@@ -91,7 +91,7 @@ class Metrics {
     }
     for (const std::size_t side : {left, right}) {
       if (now.robot == Activity::both || now.robot == static_cast<std::int8_t>(side)) {
-        alternate(tick, side, now.sense);
+        alternate(tick, side, now.sense[side]);
       }
     }
   }
@@ -101,11 +101,8 @@ class Metrics {
     rows[row].end = tick;
     const std::uint32_t length = tick - rows[row].start;
     if (length > longest_correction) longest_correction = length;
-    for (const std::size_t side : {left, right}) {
-      if (rows[row].robot == Activity::both || rows[row].robot == static_cast<std::int8_t>(side)) {
-        last_[side].ended = tick;
-      }
-    }
+    // Correcting one contact may put the other off again: 5, 6, 3, 5, 6, 3, …
+    for (Alternation& last : last_) last.ended = tick;
   }
 
   void alternate(std::uint32_t tick, std::size_t side, std::int8_t sense) {

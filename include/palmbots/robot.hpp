@@ -40,11 +40,11 @@ struct Wrist {
 
   constexpr Real target(Palm palm) const { return palm == Palm::steep ? steep : shallow; }
 
-  // The angle at the end of the next tick. A remainder below a billionth of a tick's turn is
-  // rounding of the sum, not a distance left to go.
+  // The angle at the end of the next tick. A remainder below a billionth of a tick's turn (in float
+  // a thousandth) is rounding of the sum, not a distance left to go.
   constexpr Real step(Real angle, Real to) const {
     const Real left_to_go = to - angle;
-    const Real reach = gain * Real(1.000000001);
+    const Real reach = gain * (sizeof(Real) == 8 ? Real(1.000000001) : Real(1.001));
     if (left_to_go <= reach && left_to_go >= -reach) return to;
     return left_to_go > Real(0) ? angle + gain : angle - gain;
   }

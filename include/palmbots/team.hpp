@@ -25,7 +25,7 @@ struct Activity {
   char name = ' ';             // 'a'–'d' or '1'–'8'; ' ': none
   std::int8_t robot = nobody;  // whose contact is corrected: 0, 1 or both
   std::int8_t assistant = nobody;
-  std::int8_t sense = 0;  // +1: a positive contact is corrected, −1: a negative one, 0: both
+  PerSide<std::int8_t> sense{};  // of each contact: +1 positive, −1 negative, 0 left alone
 };
 
 // One message, for the log. A lost one has received == 0.
@@ -101,13 +101,19 @@ class Pair {
     const auto partner = static_cast<std::int8_t>(other(side));
     switch (name) {
       case 'a':
-      case 'b': return {name, self, partner, 1};
-      case 'd': return {name, self, Activity::nobody, -1};
+      case 'b': return {name, self, partner, only(side, 1)};
+      case 'd': return {name, self, Activity::nobody, only(side, -1)};
       default: return {};
     }
   }
 
  private:
+  static constexpr PerSide<std::int8_t> only(std::size_t side, std::int8_t sense) {
+    PerSide<std::int8_t> senses{};
+    senses[side] = sense;
+    return senses;
+  }
+
   template <class Log>
   void post(std::uint32_t tick, std::size_t side, Letter letter, Log&& log) {
     const Words words = channel_.is_random()
@@ -169,12 +175,19 @@ class Station {
     if (side != left || now == 0) return {};
     constexpr auto nobody = Activity::nobody;
     constexpr auto both = Activity::both;
-    // robot, assistant, sense for cases 1–8
-    constexpr std::int8_t rows[8][3] = {{0, 1, 1},         {1, 0, 1},         {0, nobody, -1},
-                                        {1, nobody, -1},   {both, nobody, 1}, {both, nobody, -1},
-                                        {both, nobody, 0}, {both, nobody, 0}};
-    const auto& row = rows[now - 1];
-    return {static_cast<char>('0' + now), row[0], row[1], row[2]};
+    struct Part {
+      std::int8_t robot;
+      std::int8_t assistant;
+      PerSide<std::int8_t> sense;
+    };
+    constexpr Part parts[8] = {
+        {0, 1, {1, 0}},          {1, 0, {0, 1}},            // cases 1, 2
+        {0, nobody, {-1, 0}},    {1, nobody, {0, -1}},      // 3, 4
+        {both, nobody, {1, 1}},  {both, nobody, {-1, -1}},  // 5, 6
+        {both, nobody, {1, -1}}, {both, nobody, {-1, 1}},   // 7, 8
+    };
+    const Part& part = parts[now - 1];
+    return {static_cast<char>('0' + now), part.robot, part.assistant, part.sense};
   }
 
  private:

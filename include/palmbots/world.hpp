@@ -58,9 +58,9 @@ class World {
   // Why the object is not held where it is now (none: it is).
   End check() const { return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_); }
 
-  // A sudden shift of one contact; the robot under it is displaced so that the loop stays closed.
-  End shift(std::size_t side, Real by) {
-    stance_.contacts[side] += by;
+  // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
+  End shift(const PerSide<Real>& by) {
+    for (const std::size_t side : {left, right}) stance_.contacts[side] += by[side];
     stance_.separation = closing_separation(stance_, rig_.offset, rig_.load.width);
     span_ = palmbots::span(stance_, rig_.offset);
     tied_ = Slide::stick;

@@ -38,7 +38,9 @@ void bind_world(nb::module_& m) {
           "shift",
           [](W& w, std::size_t side, double by) {
             if (side > 1) throw std::out_of_range("side is 0 or 1");
-            return end_names[static_cast<int>(w.shift(side, by))];
+            PerSide<double> shifts{};
+            shifts[side] = by;
+            return end_names[static_cast<int>(w.shift(shifts))];
           },
           nb::arg("side"), nb::arg("by"), "A bump: shifts one contact [m]; the robots give way.")
       .def(

@@ -32,11 +32,11 @@ void test_acceleration_and_speed_limit() {
     ++ticks;
   }
   CHECK(ticks == 12 || ticks == 13);  // 0.06 / 0.005, one more where the sum is rounded down
-  for (int i = 0; i < 100; ++i) wheels.step(Real(9), Real(0));
+  for (int i = 0; i < 100; ++i) wheels.step(wheels.within_limit(Real(9)), Real(0));
   CHECK(wheels.speed == Real(0.1));
-  for (int i = 0; i < 39; ++i) wheels.step(Real(-9), Real(0));
+  for (int i = 0; i < 39; ++i) wheels.step(wheels.within_limit(Real(-9)), Real(0));
   CHECK(wheels.speed > Real(-0.1));
-  for (int i = 0; i < 3; ++i) wheels.step(Real(-9), Real(0));
+  for (int i = 0; i < 3; ++i) wheels.step(wheels.within_limit(Real(-9)), Real(0));
   CHECK(wheels.speed == Real(-0.1));
 }
 
@@ -45,7 +45,7 @@ void test_bias() {
   Wheels<double> wheels{1.0, 0.2, 0.013, 0.0, 0.0};
   CHECK(wheels.step(0.06, 0) == 0.06 + 0.013);
   CHECK(wheels.step(0.2, 0) == 0.2 + 0.013);
-  CHECK(wheels.step(9.0, 0) == 0.2 + 0.013);
+  CHECK(wheels.step(wheels.within_limit(9.0), 0) == 0.2 + 0.013);
 }
 
 // dn = −n dt/τ + σ √(2/τ) dW sampled every T: stationary spread σ, correlation e^(−kT/τ) at lag k.
@@ -83,7 +83,7 @@ void test_wrist() {
       const Real sense = to == Palm::shallow ? Real(-1) : Real(1);
       int ticks = 0;
       while (angle != wrist.target(to)) {
-        const Real next = wrist.step(angle, to);
+        const Real next = wrist.step(angle, wrist.target(to));
         const Real turn = sense * (next - angle);
         CHECK(turn > 0);
         CHECK(turn <= wrist.gain * Real(1.002));  // the last one may be longer by rounding
@@ -92,7 +92,7 @@ void test_wrist() {
         CHECK(ticks < 1000);
       }
       CHECK(ticks == int(std::ceil(double(Real(10) / (rate * Real(0.01))) - 1e-5)));
-      CHECK(wrist.step(angle, to) == angle);
+      CHECK(wrist.step(angle, wrist.target(to)) == angle);
     }
   }
 }
@@ -100,10 +100,10 @@ void test_wrist() {
 // Called back on the way, it turns round at once.
 void test_wrist_turns_round() {
   const Wrist<double> wrist{0.3, 0.1, 0.05};
-  const double a = wrist.step(0.3, Palm::shallow);
-  const double b = wrist.step(a, Palm::shallow);
+  const double a = wrist.step(0.3, wrist.target(Palm::shallow));
+  const double b = wrist.step(a, wrist.target(Palm::shallow));
   CHECK(std::abs(b - 0.2) < 1e-15);
-  CHECK(std::abs(wrist.step(b, Palm::steep) - 0.25) < 1e-15);
+  CHECK(std::abs(wrist.step(b, wrist.target(Palm::steep)) - 0.25) < 1e-15);
 }
 
 }  // namespace
