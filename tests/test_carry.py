@@ -74,7 +74,7 @@ def test_mirrored_scene_gives_the_mirrored_carry(
 
 
 def test_bumps_of_one_tick_mirrored() -> None:
-    """Two robots bumped in one tick, and the first bump ends the carry: the same one in a mirror."""
+    """Both robots bumped in one tick, and one bump ends the carry: its mirror image in a mirror."""
     keys = {"robot.noise_m_s": 0.0, "bumps.rate_per_m": 100.0, "bumps.max_shift_m": 0.2}
     scene = pb.load_scene("paper", keys)
     for seed in range(150):

@@ -291,7 +291,7 @@ def test_exploration_sees_a_livelock(monkeypatch: pytest.MonkeyPatch) -> None:
         for key, step in distributed_table().items()
     }
     monkeypatch.setitem(globals(), "distributed_table", lambda: silent)
-    with pytest.raises(AssertionError, match="never ends|pile up"):
+    with pytest.raises(AssertionError, match=r"never ends|pile up"):
         explore([(0, 1)], turn=0)
 
 

@@ -93,12 +93,19 @@ template <class Real>
                                         Real half_length) {
   const Real cos = reach.inward / width;
   const Real sin = reach.normal / width;
+  const std::size_t own = outline.contact[side];
   for (std::size_t i = 0; i < outline.count; ++i) {
-    if (i == outline.contact[side]) continue;
+    if (i == own) continue;
     const Vertex<Real>& v = outline.vertices[i];
-    const Real place = contact - (v.along[side] * cos - v.height * sin);
+    const Real inward = v.along[side] * cos - v.height * sin;
     const Real above = v.along[side] * sin + v.height * cos;
-    if (above <= Real(0) && place >= -half_length && place <= half_length) return Touch::flush;
+    if (above > Real(0)) continue;
+    const Real place = contact - inward;
+    const bool on_palm = place >= -half_length && place <= half_length;
+    // An edge that starts at the contact lies on the palm however long it is.
+    const bool own_edge = i == (own + 1) % outline.count || own == (i + 1) % outline.count;
+    const bool palm_goes_on = inward > Real(0) ? contact > -half_length : contact < half_length;
+    if (on_palm || (own_edge && palm_goes_on)) return Touch::flush;
   }
   for (const Real end : {-half_length, half_length}) {
     const Real inward = contact - end;
