@@ -10,12 +10,13 @@ from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.log import Log, read_log, write_log
-from palmbots.modes import ContactModes, States, modes, states
+from palmbots.modes import MODES, ContactModes, States, modes, states
 from palmbots.replay import Replay, replay
 from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
 
 __all__ = [
+    "MODES",
     "Carry",
     "Comparison",
     "ContactModes",

@@ -16,7 +16,16 @@ from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
 
-__all__ = ["CONTROLLERS", "PRECISIONS", "WORLDS", "Carry", "Correction", "Letter", "carry", "trace_dataset"]
+__all__ = [
+    "CONTROLLERS",
+    "PRECISIONS",
+    "WORLDS",
+    "Carry",
+    "Correction",
+    "Letter",
+    "carry",
+    "trace_dataset",
+]
 
 CONTROLLERS = ("none", "centralized", "distributed")
 WORLDS = ("quasistatic",)
@@ -198,6 +207,7 @@ def carry(
 
 
 def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
+    """Raise `PalmbotsError`, saying what is allowed, unless the value is one of the legal ones."""
     if value not in legal:
         raise PalmbotsError(f"{key}: value is {show(value)}; allowed: {', '.join(legal)}")
 

@@ -1,0 +1,69 @@
+"""The docs are true: links lead somewhere, tables match the code, commands and examples run."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from palmbots import cli
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)]+)\)", page.read_text()):
+        if target.startswith("http"):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.exists(), f"{page.name}: {target}"
+        if anchor:
+            heads = re.findall(r"^#+ (.+)$", file.read_text(), re.MULTILINE)
+            slugs = [re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads]
+            assert anchor in slugs, f"{page.name}: {target}"
+
+
+def test_the_table_of_scene_keys_is_up_to_date() -> None:
+    script = ROOT / "scripts" / "docs_keys"
+    assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0
+
+
+def commands() -> list[str]:
+    found = []
+    for page in PAGES:
+        found += re.findall(r"`(palmbots (?:carry|modes|compare|replay)[^`\[]*)`", page.read_text())
+        found += re.findall(r"^    \$ (palmbots .*)$", page.read_text(), re.MULTILINE)
+    return sorted(set(found))
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_run(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = command.split()[1:]
+    if words == ["replay"]:
+        return
+    few = ["--carries", "2"] if words[0] == "compare" else []
+    assert cli.run([*words, *few]) in (cli.DONE, cli.FAILED)
+    assert capsys.readouterr().out
+
+
+def test_the_summary_in_the_readme_is_what_the_command_prints(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    shown = (ROOT / "README.md").read_text().split("$ palmbots carry --seed 0\n")[1]
+    shown = shown.split("\n- `palmbots")[0]
+    cli.run(["carry", "--seed", "0"])
+    told = capsys.readouterr().out
+    assert [line.split() for line in told.splitlines()] == [
+        line.split() for line in shown.splitlines() if line.strip()
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_in_the_docs_runs(page: Path) -> None:
+    for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
+        subprocess.run([sys.executable, "-c", block], check=True, capture_output=True)
