@@ -24,6 +24,5 @@ found = pb.states(
 )
 names = [" ".join(mode) for mode in pb.MODES]
 for what, happens in (("closing", found.closing), ("opening", found.opening)):
-    indices, counts = np.unique(happens, return_counts=True)
-    shares = {names[i]: f"{100 * n / happens.size:.1f} %" for i, n in zip(indices, counts, strict=True)}
-    print(f"{what}: {shares}")
+    for i, count in zip(*np.unique(happens, return_counts=True), strict=True):
+        print(f"{what}: {names[i]} in {100 * count / happens.size:.1f} % of the states")

@@ -7,7 +7,7 @@ contact on an edge of its cone, for each contact, and slides the one that lets g
 import math
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 
 class SlowWorld:
@@ -75,4 +75,5 @@ class SlowWorld:
                 return self.length(p) - self.width
 
             near = self.p[slider]
-            self.p[slider] = float(brentq(excess, near - 0.02, near + 0.02, xtol=1e-14))
+            bracket = (near - 0.02, near + 0.02)
+            self.p[slider] = root_scalar(excess, bracket=bracket, xtol=1e-14).root

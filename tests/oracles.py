@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 STICK, UP, DOWN = "stick", "up", "down"
-MODES = list(product((STICK, UP, DOWN), repeat=2))
+MODES = list(product((STICK, UP, DOWN), (STICK, UP, DOWN)))
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ class Centralized {
   };
 
   // Whose contact a condition is about; `either` and `none` stand for both and for nobody.
-  enum class Who : std::uint8_t { left, right, either, none };
+  enum class Who : std::uint8_t { on_left, on_right, either, none };
   enum class Until : std::uint8_t { le_zero, ge_zero };  // p ≤ 0, p ≥ 0
 
   // One action: both robots move the same way until a contact satisfies a condition.
@@ -42,18 +42,23 @@ class Centralized {
     Action second;
   };
 
+  static constexpr Sign neg = Sign::negative, zero = Sign::zero, pos = Sign::positive;
+  static constexpr Who L = Who::on_left, R = Who::on_right, any = Who::either, no = Who::none;
+  static constexpr Move away = Move::away, closer = Move::closer;
+  static constexpr Until le = Until::le_zero, ge = Until::ge_zero;
+  static constexpr Action done_then{Move::hold, no, le};
+
   // clang-format off
-  static constexpr Action no_action{Move::hold, Who::none, Until::le_zero};
   static constexpr Case table[] = {
-      //   p_L             p_R               tilt up     then until                                      then until
-      {{Sign::positive, Sign::zero},     Who::right, {Move::away,   Who::left,   Until::le_zero}, no_action},                                      // 1
-      {{Sign::zero,     Sign::positive}, Who::left,  {Move::away,   Who::right,  Until::le_zero}, no_action},                                      // 2
-      {{Sign::negative, Sign::zero},     Who::left,  {Move::closer, Who::left,   Until::ge_zero}, no_action},                                      // 3
-      {{Sign::zero,     Sign::negative}, Who::right, {Move::closer, Who::right,  Until::ge_zero}, no_action},                                      // 4
-      {{Sign::positive, Sign::positive}, Who::none,  {Move::away,   Who::either, Until::le_zero}, no_action},                                      // 5
-      {{Sign::negative, Sign::negative}, Who::none,  {Move::closer, Who::either, Until::ge_zero}, no_action},                                      // 6
-      {{Sign::positive, Sign::negative}, Who::right, {Move::closer, Who::right,  Until::ge_zero}, {Move::away, Who::left,  Until::le_zero}},       // 7
-      {{Sign::negative, Sign::positive}, Who::left,  {Move::closer, Who::left,   Until::ge_zero}, {Move::away, Who::right, Until::le_zero}},       // 8
+      //  p_L   p_R    tilt up   first, until      then, until
+      {{pos,  zero},   R,   {away,   L,   le},   done_then},          // 1
+      {{zero, pos },   L,   {away,   R,   le},   done_then},          // 2
+      {{neg,  zero},   L,   {closer, L,   ge},   done_then},          // 3
+      {{zero, neg },   R,   {closer, R,   ge},   done_then},          // 4
+      {{pos,  pos },   no,  {away,   any, le},   done_then},          // 5
+      {{neg,  neg },   no,  {closer, any, ge},   done_then},          // 6
+      {{pos,  neg },   R,   {closer, R,   ge},   {away, L, le}},      // 7
+      {{neg,  pos },   L,   {closer, L,   ge},   {away, R, le}},      // 8
   };
   // clang-format on
   static constexpr int cases = 8;
@@ -99,8 +104,8 @@ class Centralized {
 
   static constexpr bool done(const Action& action, const Report (&in)[2]) {
     switch (action.who) {
-      case Who::left: return holds(in[left].sign, action.until);
-      case Who::right: return holds(in[right].sign, action.until);
+      case Who::on_left: return holds(in[left].sign, action.until);
+      case Who::on_right: return holds(in[right].sign, action.until);
       case Who::either:
         return holds(in[left].sign, action.until) || holds(in[right].sign, action.until);
       case Who::none: break;
