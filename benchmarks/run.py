@@ -1,0 +1,107 @@
+"""`make bench`: one carry of the default scene here, in pymunk, Box2D and MuJoCo, in one run.
+
+Prints a table with ratios and writes benchmarks/results/carry.csv. See README.md beside this file.
+"""
+
+import csv
+import datetime
+import os
+import platform
+import statistics
+import subprocess
+import time
+from pathlib import Path
+
+import mujoco
+import peer_box2d
+import peer_mujoco
+import peer_pymunk
+import task
+from rich.console import Console
+from rich.table import Table
+
+from palmbots import _core
+from palmbots.lowering import lower
+from palmbots.scene import Scene
+from palmbots.version import __version__
+
+RESULTS = Path(__file__).parent / "results" / "carry.csv"
+CARRIES, REPEATS, SEEDS = 200, 9, 4
+PEERS = {
+    "pymunk": (peer_pymunk.Pymunk, peer_pymunk.version()),
+    "Box2D": (peer_box2d.Box2d, peer_box2d.version()),
+    "MuJoCo": (peer_mujoco.Mujoco, mujoco.__version__),
+}
+
+
+def processor() -> str:
+    """The processor's name and the number of cores."""
+    names = [
+        line.split(":")[1].strip()
+        for line in Path("/proc/cpuinfo").read_text().splitlines()
+        if line.startswith("model name")
+    ]
+    return f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores"
+
+
+def palmbots_us(controller: str, precision: str) -> float:
+    """Microseconds a carry, trace and hash off: the median of several runs of many carries."""
+    spec = lower(Scene())
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        _core.run_seeds(spec, controller, 0, CARRIES, precision)
+        times.append((time.perf_counter() - start) / CARRIES)
+    return 1e6 * statistics.median(times)
+
+
+def main() -> None:
+    """Time everything, print a table and write the CSV."""
+    console = Console()
+    rows: list[tuple[str, str, float, str]] = []
+    for controller in ("distributed", "centralized", "none"):
+        for precision in ("double", "float"):
+            rows.append(
+                (f"palmbots, {controller}, {precision}", __version__,
+                 palmbots_us(controller, precision), "")
+            )  # fmt: skip
+    for name, (engine, version) in PEERS.items():
+        console.print(f"{name} …", end="\r")
+        results = [task.carry(engine(), seed) for seed in range(SEEDS)]
+        dropped = sum(r.outcome == "dropped" for r in results)
+        rms = 1e3 * statistics.mean(r.rms_m for r in results)
+        told = f"{dropped} of {SEEDS} dropped, rms {rms:.1f} mm"
+        rows.append(
+            (f"{name}, engine alone", version,
+             1e6 * statistics.median(r.engine_s for r in results), told)
+        )  # fmt: skip
+        rows.append(
+            (f"{name}, with its loop in Python", version,
+             1e6 * statistics.median(r.total_s for r in results), told)
+        )  # fmt: skip
+    base = rows[0][2]
+    table = Table("one carry of 25 s", "version", "µs", "ratio", "carried")
+    for what, version, us, told in rows:
+        table.add_row(what, version, f"{us:,.0f}", f"{us / base:,.2f}", told)
+    console.print(table)
+
+    compiler = subprocess.run(["g++", "--version"], capture_output=True, text=True, check=False)
+    machine = processor()
+    console.print(f"{machine}; Python {platform.python_version()}")
+    RESULTS.parent.mkdir(exist_ok=True)
+    with RESULTS.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(
+            ["what", "version", "us", "ratio", "carried", "machine", "python", "compiler", "date"]
+        )
+        for what, version, us, told in rows:
+            out.writerow(
+                [what, version, f"{us:.1f}", f"{us / base:.3f}", told, machine,
+                 platform.python_version(), compiler.stdout.splitlines()[0],
+                 datetime.date.today().isoformat()]
+            )  # fmt: skip
+    console.print(f"wrote {RESULTS}")
+
+
+if __name__ == "__main__":
+    main()
