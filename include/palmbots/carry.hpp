@@ -75,8 +75,8 @@ class Carry {
       wheels_[side] = wheels_of<Real>(spec.robots[side], spec.period);
       wrists_[side] = wrist_of<Real>(spec.palms[side], spec.period);
       // Noise is under way when the carry starts: its first value has its lasting spread.
-      noise_words_ = draw(seed, ~0U, Stream::noise);
-      wheels_[side].noise = Real(spec.robots[side].noise) * random(0, side);
+      const Words words = draw(seed, ~0U, Stream::noise);
+      wheels_[side].noise = Real(spec.robots[side].noise) * random(words, 0, side);
       full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
@@ -117,10 +117,11 @@ class Carry {
       obey(commands);
     metrics_.observe(tick_, team_, world_.stance().contacts);
 
-    if ((tick_ & 1) == 0) noise_words_ = draw(seed_, tick_, Stream::noise);  // for two ticks
+    if (tick_ % noise_block == 0) draw_noise();
     PerSide<Real> angles{};
     for (const std::size_t side : {left, right}) {
-      speeds_[side] = sense_of_travel_ * wheels_[side].step(goal_speed_[side], random(tick_, side));
+      speeds_[side] = sense_of_travel_ *
+                      wheels_[side].step(goal_speed_[side], noise_[side][tick_ % noise_block]);
       const Real angle = world_.stance().palms[side].angle;
       angles[side] = wrists_[side].step(angle, goal_angle_[side]);
     }
@@ -169,8 +170,20 @@ class Carry {
   // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
   // draws the mirrored numbers.
   std::size_t leader() const { return spec_.direction > 0 ? right : left; }
-  Real random(std::uint32_t tick, std::size_t side) const {
-    return unit_noise<Real>(noise_words_[2 * (tick & 1) + (side == leader() ? 0 : 1)]);
+  Real random(const Words& words, std::uint32_t tick, std::size_t side) const {
+    return unit_noise<Real>(words[2 * (tick & 1) + (side == leader() ? 0 : 1)]);
+  }
+
+  // The noise of the ticks to come, many at once: four words serve two robots for two ticks, and
+  // draws that do not wait for each other are quick.
+  [[gnu::noinline]] void draw_noise() {
+    for (std::uint32_t k = 0; k < noise_block; k += 2) {
+      const Words words = draw(seed_, tick_ + k, Stream::noise);
+      for (const std::size_t side : {left, right}) {
+        noise_[side][k] = random(words, 0, side);
+        noise_[side][k + 1] = random(words, 1, side);
+      }
+    }
   }
 
   PerSide<Sensed> sense() const {
@@ -269,7 +282,8 @@ class Carry {
   Real inertia_ = Real(0);   // push per change of that sum [s/m]
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Real midpoint_ = Real(0);
-  Words noise_words_{};
+  static constexpr std::uint32_t noise_block = 32;
+  PerSide<std::array<Real, noise_block>> noise_{};
   std::uint64_t bumped_ = 0;
   std::uint32_t tick_ = 0;
   Metrics metrics_;

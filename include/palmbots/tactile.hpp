@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -33,20 +34,20 @@ class Tactile {
       add_edge(zones[i].from);
       add_edge(zones[i].to);
     }
-    // A reading holds between two edges and, since zones are closed, may differ on an edge.
+    // A reading holds between two edges and, since zones are closed, may differ on an edge itself;
+    // what is kept are the numbers from which on it is another one.
+    readings_[0] = covered(zones, count, between(0));
     for (std::size_t i = 0; i < edge_count_; ++i) {
-      readings_[2 * i] = covered(zones, count, below(i));
-      readings_[2 * i + 1] = covered(zones, count, edges_[i]);
+      change_at(edges_[i], covered(zones, count, edges_[i]));
+      change_at(std::nextafter(edges_[i], std::numeric_limits<Real>::infinity()),
+                covered(zones, count, between(i + 1)));
     }
-    readings_[2 * edge_count_] = covered(zones, count, below(edge_count_));
   }
 
   // The sign at contact coordinate p [m] with perfect switches.
   constexpr Sign sign(Real p) const {
     std::size_t passed = 0;
-    for (std::size_t i = 0; i < edge_count_; ++i) {
-      passed += (p >= edges_[i] ? 1U : 0U) + (p > edges_[i] ? 1U : 0U);
-    }
+    for (std::size_t i = 0; i < change_count_; ++i) passed += p >= changes_[i] ? 1U : 0U;
     return readings_[passed];
   }
 
@@ -77,8 +78,14 @@ class Tactile {
     ++edge_count_;
   }
 
+  void change_at(Real from, Sign reading) {
+    if (reading == readings_[change_count_]) return;
+    changes_[change_count_] = from;
+    readings_[++change_count_] = reading;
+  }
+
   // A coordinate strictly between edge i − 1 and edge i.
-  constexpr Real below(std::size_t i) const {
+  constexpr Real between(std::size_t i) const {
     if (edge_count_ == 0) return Real(0);
     if (i == 0) return edges_[0] - Real(1);
     if (i == edge_count_) return edges_[i - 1] + Real(1);
@@ -97,6 +104,8 @@ class Tactile {
 
   std::array<Real, 2 * max_zones> edges_{};
   std::size_t edge_count_ = 0;
+  std::array<Real, 4 * max_zones> changes_{};
+  std::size_t change_count_ = 0;
   std::array<Sign, 4 * max_zones + 1> readings_{};
   std::uint64_t false_words_ = 0;
 };

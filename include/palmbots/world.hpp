@@ -101,7 +101,7 @@ class World {
   // changes nothing, if anything else is going on. Written so that everything stays in registers
   // until the step is known to be good: copying a struct just written stalls the processor.
   template <bool turning>
-  bool slide_one(Real change, const PerSide<Real>& angles) {
+  [[gnu::noinline]] bool slide_one(Real change, const PerSide<Real>& angles) {
     PerSide<Real> turn{};
     Slide direction = direction_of(change);
     if constexpr (turning) {
@@ -111,10 +111,11 @@ class World {
       }
       direction = direction_of(drive(stance_.palms, stance_.contacts, span_, change, turn));
     }
-    if (direction == Slide::stick || tied_ == direction ||
-        statics_.wedged_in(left, direction, span_) || statics_.wedged_in(right, direction, span_)) {
-      return false;
-    }
+    const bool left_wedged = statics_.wedged_in(left, direction, span_);
+    const bool right_wedged = statics_.wedged_in(right, direction, span_);
+    const bool plain = (direction != Slide::stick) & (tied_ != direction);
+    const bool free = !left_wedged & !right_wedged;
+    if (!(plain & free)) return false;
     const Tie<Real> tie_before = let_go(statics_, direction);
     const Real ahead = left_first(tie_before, direction, span_);
     if (ahead == Real(0)) return false;
@@ -182,7 +183,7 @@ class World {
     PerSide<Real> from{world.stance_.palms[left].angle, world.stance_.palms[right].angle};
     PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
 
-    Advance<Real> run() {
+    [[gnu::noinline]] Advance<Real> run() {
       Advance<Real> result;
       State now{world.stance_, world.span_, world.statics_};
       Real done = Real(0);
