@@ -3,6 +3,7 @@
 import datetime
 import tomllib
 
+import numpy as np
 import pytest
 
 from palmbots.complaints import dotted_keys
@@ -310,7 +311,6 @@ def test_values_are_shown_short_and_on_one_line(value, shown):
 
 
 def test_numpy_numbers_are_numbers():
-    np = pytest.importorskip("numpy")
     for number in (np.float64(0.5), np.float32(0.5)):
         assert load_scene("paper", {"radio.loss": number}).radio.loss == 0.5
     one = load_scene("paper", {"radio.loss": np.int64(1), "object.contacts": [np.int8(0), 1]})
