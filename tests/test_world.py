@@ -123,6 +123,27 @@ def test_steps_of_any_size_end_alike(rig: str) -> None:
             assert once.contacts == pytest.approx(often.contacts, abs=1e-7 if turning else 1e-12)
 
 
+def test_a_reversal_inside_a_step_is_found() -> None:
+    """Turning a palm under a contact off its pivot opens at first; the robots close all the while."""
+    keys = {"start__left_m": 0.03, "palm__friction": 0.2}
+    spec, once = world(**keys)
+    _, often = world(**keys)
+    slow = SlowWorld(spec, once.contacts, once.separation, once.palms)
+    p, target = 0.03, math.radians(14.2)  # less than 1°: one look
+    middle = 0.5 * (STEEP + target)
+    # At half the turn the palm lets the contact down as fast as the robots close.
+    down = p * math.sin(middle) * (1 - p * math.cos(middle) / spec.width)
+    change = down * (target - STEEP)
+    steps = 4000
+    for k in range(1, steps + 1):
+        often.advance(change / steps, (STEEP + k / steps * (target - STEEP), STEEP))
+    end, _, *motion, pieces = once.advance(change, (target, STEEP))
+    assert (end, pieces) == ("", 2)
+    slow.move(change, (target, STEEP), steps)
+    assert once.contacts == pytest.approx(often.contacts, abs=1e-12)
+    assert once.contacts == pytest.approx(slow.p, abs=1e-8)
+
+
 def test_no_drift_in_an_hour_of_rest_and_of_common_motion() -> None:
     for start in ({}, {"start__left_m": 0.0123456789, "start__right_m": -0.03}):
         _, w = world(**start)
