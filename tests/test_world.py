@@ -124,7 +124,7 @@ def test_steps_of_any_size_end_alike(rig: str) -> None:
 
 
 def test_a_reversal_inside_a_step_is_found() -> None:
-    """Turning a palm under a contact off its pivot opens at first; the robots close all the while."""
+    """A palm turns under a contact off its pivot: the drive opens at first, then closes."""
     keys = {"start__left_m": 0.03, "palm__friction": 0.2}
     spec, once = world(**keys)
     _, often = world(**keys)
@@ -137,8 +137,8 @@ def test_a_reversal_inside_a_step_is_found() -> None:
     steps = 4000
     for k in range(1, steps + 1):
         often.advance(change / steps, (STEEP + k / steps * (target - STEEP), STEEP))
-    end, _, *motion, pieces = once.advance(change, (target, STEEP))
-    assert (end, pieces) == ("", 2)
+    result = once.advance(change, (target, STEEP))
+    assert (result[0], result[-1]) == ("", 2)
     slow.move(change, (target, STEEP), steps)
     assert once.contacts == pytest.approx(often.contacts, abs=1e-12)
     assert once.contacts == pytest.approx(slow.p, abs=1e-8)
@@ -282,6 +282,15 @@ class TestEnds:
         assert w.advance(-0.001, (STEEP, STEEP))[:2] == ("jammed", 0.0)
         assert w.contacts == before
         assert _core.World(spec).advance(0.001, (STEEP, STEEP))[0] == ""
+
+    def test_tipping(self) -> None:
+        """A tall object whose COM comes past its left contact as the right one is lifted."""
+        tall = [[0, 0], [0.25, 0], [0.25, 0.5], [0, 0.5]]
+        _, w = world(object__vertices_m=tall, object__com_m=[0.01, 0.3], palm__friction=0.5)
+        assert w.check() == ""
+        lift = 0.25 * math.sin(math.atan(0.01 / 0.3)) / math.sin(STEEP)  # COM above the contact
+        assert w.shift(1, lift - 1e-6) in ("", "sliding")
+        assert w.shift(1, 2e-6) == "tipping"
 
     def test_held_where_it_starts(self) -> None:
         assert world()[1].check() == ""
