@@ -29,7 +29,7 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 	$(BIN)/palmbots carry --out out
 
 test: $(VENV)/strict.done lint  ## everything a change must pass
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: $(VENV)/test.done
 	$(BIN)/ruff check $(PY_FILES)

@@ -27,8 +27,9 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in slugs, f"{page.name}: {target}"
 
 
-def test_the_table_of_scene_keys_is_up_to_date() -> None:
-    script = ROOT / "scripts" / "docs_keys"
+@pytest.mark.parametrize("name", ["docs_keys", "docs_tables"])
+def test_what_is_drawn_from_the_code_is_up_to_date(name: str) -> None:
+    script = ROOT / "scripts" / name
     assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0
 
 

@@ -20,6 +20,7 @@ Rig<Real> rig_of(const Spec& spec) {
   Rig<Real> rig{};
   rig.load = {Real(spec.width), Real(spec.com_left), Real(spec.com_right), Real(spec.com_height),
               Real(spec.slope)};
+  rig.moments = Moments<Real>::of(rig.load);
   rig.outline.count = spec.outline.count;
   rig.outline.contact = spec.outline.contact;
   for (std::size_t i = 0; i < spec.outline.count; ++i) {

@@ -21,6 +21,7 @@ enum class End : std::uint8_t {
 template <class Real>
 struct Rig {
   Load<Real> load;
+  Moments<Real> moments;  // of the load
   Outline<Real> outline;
   PerSide<ClearCone<Real>> clear;
   PerSide<Real> offset;       // of the palm's surface from its pivot [m]
@@ -42,14 +43,14 @@ struct Statics {
     }
     const Cone<Real>& l = s.cones[left];
     const Cone<Real>& r = s.cones[right];
-    s.left_up = tie(rig.load, l.up, r.down);
-    s.right_up = tie(rig.load, l.down, r.up);
+    s.left_up = tie(rig.moments, l.up, r.down);
+    s.right_up = tie(rig.moments, l.down, r.up);
     return s;
   }
 
   // Where the two contacts let go at the same squeeze: the upper ends on closing (direction up),
   // the lower ends on opening.
-  constexpr Tie<Real> let_go(const Load<Real>& load, Slide direction) const {
+  constexpr Tie<Real> let_go(const Moments<Real>& load, Slide direction) const {
     const bool closing = direction == Slide::up;
     return tie(load, closing ? cones[left].up : cones[left].down,
                closing ? cones[right].up : cones[right].down);
@@ -74,8 +75,7 @@ template <class Real>
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
     const Real half = rig.half_length[side];
-    const Real arm =
-        rig.load.level_arm(side) * span.dx + rig.load.tilt_arm() * mirrored(side, span.dy);
+    const Real arm = rig.moments.arm(side, span.dx, mirrored(side, span.dy));
     held = held & (p >= -half) & (p <= half) & (arm >= Real(0)) &
            rig.clear[side].contains(reach(span, side, palms[side]));
   }
@@ -102,8 +102,7 @@ template <class Real>
   }
   if (at_tip) return End::tip;
   for (const std::size_t side : {left, right}) {
-    const Real rise = mirrored(side, span.dy);
-    const Real arm = rig.load.level_arm(side) * span.dx + rig.load.tilt_arm() * rise;
+    const Real arm = rig.moments.arm(side, span.dx, mirrored(side, span.dy));
     if (!(arm >= Real(0))) return End::tipping;
   }
   const bool left_holds = statics.left_up.at(span) >= Real(0) ||

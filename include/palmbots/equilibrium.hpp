@@ -40,13 +40,28 @@ struct Load {
   Real com_right;   // COM from the right contact, along the line of contacts [m]
   Real com_height;  // COM above the line of contacts [m]
   Real slope;       // s, sideways specific force towards −x [1]
+};
 
-  // The moment arms, times w: x_R + s y = arm(left) / w, x_L − s y = arm(right) / w.
-  constexpr Real level_arm(std::size_t side) const {
-    return side == left ? com_right + slope * com_height : com_left - slope * com_height;
+// The moment arms of the weight and of the sideways force, which everything below is made of; times
+// w: x_R + s y = level[left] dx + tilt dy, and its mirror image on the right.
+template <class Real>
+struct Moments {
+  Real width;           // w [m]
+  PerSide<Real> level;  // [m]
+  Real tilt;            // [m]
+  Real slope;           // s [1]
+
+  static constexpr Moments of(const Load<Real>& load) {
+    const Real s = load.slope;
+    return {load.width,
+            {load.com_right + s * load.com_height, load.com_left - s * load.com_height},
+            load.com_height + s * (Real(0.5) * (load.com_left - load.com_right)),
+            s};
   }
-  constexpr Real tilt_arm() const {
-    return com_height + slope * (Real(0.5) * (com_left - com_right));
+
+  // w x_R + … on the left, w x_L − … on the right: negative where the COM is past the contact.
+  constexpr Real arm(std::size_t side, Real dx, Real rise) const {
+    return level[side] * dx + tilt * rise;
   }
 };
 
@@ -58,13 +73,13 @@ struct Bound {
 };
 
 template <class Real>
-constexpr Bound<Real> bound(const Load<Real>& load, std::size_t side, Edge<Real> edge, Real dx,
+constexpr Bound<Real> bound(const Moments<Real>& load, std::size_t side, Edge<Real> edge, Real dx,
                             Real dy) {
   const Real rise = mirrored(side, dy);
   const Real push = mirrored(side, load.slope);
-  const Real arm = load.level_arm(side) * dx + load.tilt_arm() * rise;
-  return {edge.vertical * dx - edge.lateral * rise,
-          edge.lateral * arm - Real(0.5) * push * load.width * edge.vertical * dx};
+  return {
+      edge.vertical * dx - edge.lateral * rise,
+      edge.lateral * load.arm(side, dx, rise) - Real(0.5) * push * load.width * edge.vertical * dx};
 }
 
 // The squeezes that a contact (or both) can bear. Empty iff low > high.
@@ -96,8 +111,8 @@ constexpr Interval<Real> half_line(Real a, Real b) {
 
 // I_L or I_R: every squeeze whose force on this contact lies in its cone. [H in weights]
 template <class Real>
-constexpr Interval<Real> squeeze(const Load<Real>& load, std::size_t side, const Cone<Real>& cone,
-                                 Real dx, Real dy) {
+constexpr Interval<Real> squeeze(const Moments<Real>& load, std::size_t side,
+                                 const Cone<Real>& cone, Real dx, Real dy) {
   const Bound<Real> up = bound(load, side, cone.up, dx, dy);
   const Bound<Real> down = bound(load, side, cone.down, dx, dy);
   return intersect(detail::half_line(up.a * load.width, up.b),
@@ -119,14 +134,14 @@ struct Tie {
 };
 
 template <class Real>
-constexpr Tie<Real> tie(const Load<Real>& load, Edge<Real> l, Edge<Real> r) {
+constexpr Tie<Real> tie(const Moments<Real>& load, Edge<Real> l, Edge<Real> r) {
   const Real half_push = Real(0.5) * load.slope * load.width;
   const Real lateral_left = l.lateral * r.vertical;
   const Real lateral_right = l.vertical * r.lateral;
-  return {(lateral_left * load.level_arm(left) - lateral_right * load.level_arm(right)) -
+  return {(lateral_left * load.level[left] - lateral_right * load.level[right]) -
               (half_push + half_push) * (l.vertical * r.vertical),
           ((l.lateral * r.lateral) * load.width + half_push * (lateral_left - lateral_right)) +
-              load.tilt_arm() * (lateral_left + lateral_right)};
+              load.tilt * (lateral_left + lateral_right)};
 }
 
 // The same load with a further sideways specific force, such as an acceleration / g.

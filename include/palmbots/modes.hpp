@@ -23,7 +23,7 @@ inline constexpr Real squeeze_tolerance = Real(256) * std::numeric_limits<Real>:
 // One state of the two palms and the object, as far as statics sees it.
 template <class Real>
 struct Contacts {
-  Load<Real> load;
+  Moments<Real> load;
   PerSide<Cone<Real>> cones;
   Real dx;
   Real dy;
@@ -96,7 +96,7 @@ constexpr Outcome outcome(const Contacts<Real>& at, Slide direction) {
 // The largest angle by which both friction cones could shrink with the object still held (negative:
 // by which they would have to grow). Bisection to the last bit of the answer.
 template <class Real>
-constexpr Real friction_margin(const Load<Real>& load, PerSide<SinCos<Real>> palm,
+constexpr Real friction_margin(const Moments<Real>& load, PerSide<SinCos<Real>> palm,
                                PerSide<Real> friction_angle, Real dx, Real dy) {
   const auto held = [&](Real shrink) {
     Interval<Real> both{-std::numeric_limits<Real>::infinity(),

@@ -46,7 +46,10 @@ class World {
  public:
   World() = default;
   World(const Rig<Real>& rig, const Stance<Real>& stance)
-      : rig_(rig), stance_(stance), statics_(Statics<Real>::at(rig, stance.palms)) {
+      : rig_(rig),
+        stance_(stance),
+        statics_(Statics<Real>::at(rig, stance.palms)),
+        pushed_(rig.moments) {
     span_ = palmbots::span(stance_, rig_.offset);
   }
 
@@ -74,6 +77,7 @@ class World {
         angles[left] != stance_.palms[left].angle || angles[right] != stance_.palms[right].angle;
     if (push != push_) {
       push_ = push;
+      pushed_ = Moments<Real>::of(pushed(rig_.load, push));
       tied_ = Slide::stick;  // a tie lies elsewhere under another push
     }
     const bool done = turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
@@ -94,7 +98,7 @@ class World {
   }
 
   Tie<Real> let_go(const Statics<Real>& statics, Slide direction) const {
-    return statics.let_go(pushed(rig_.load, push_), direction);
+    return statics.let_go(pushed_, direction);
   }
 
   // The common case, without ceremony: one contact slides through the whole step. Returns false, and
@@ -391,6 +395,7 @@ class World {
   Statics<Real> statics_{};
   Advance<Real> last_{};
   Real push_ = Real(0);
+  Moments<Real> pushed_{};     // of the load under this push
   Slide tied_ = Slide::stick;  // the direction in which both contacts slide along their tie
 };
 

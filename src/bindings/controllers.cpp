@@ -1,4 +1,7 @@
 // The controllers and their tables, one step at a time.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -6,7 +9,71 @@
 
 namespace palmbots::bindings {
 
+namespace {
+
+// Names for what the tables hold, in the order of the enumerations.
+constexpr const char* palms[] = {"steep", "shallow"};
+constexpr const char* moves[] = {"hold", "away", "closer"};
+constexpr const char* letters[] = {"none", "tilt_up", "tilt_down", "ack"};
+constexpr const char* who[] = {"left", "right", "either", "none"};
+constexpr const char* until[] = {"le_zero", "ge_zero"};
+constexpr const char* contact[] = {"any", "positive", "not_positive", "negative", "not_negative"};
+constexpr const char* got[] = {"any", "tilt_up", "tilt_down", "ack"};
+constexpr const char* tilt[] = {"any", "done"};
+constexpr const char* states[] = {"idle",      "a_or_b_request", "a_move",      "b_wait_ack",
+                                  "b_move",    "b_tilt_up",      "b_wait_down", "b_tilt_down",
+                                  "c_tilt_up", "c_wait_down",    "c_tilt_down", "d_tilt_up",
+                                  "d_move",    "d_tilt_down"};
+static_assert(std::size(states) == Distributed::states);
+
+template <class Enum, std::size_t n>
+std::string named(const char* const (&names)[n], Enum value) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+using Action = std::tuple<std::string, std::string, std::string>;
+Action action(const Centralized::Action& a) {
+  return {named(moves, a.move), named(who, a.who), named(until, a.until)};
+}
+
+}  // namespace
+
 void bind_controllers(nb::module_& m) {
+  m.def(
+      "table1",
+      [] {
+        std::vector<std::tuple<std::array<int, 2>, std::string, Action, Action>> rows;
+        for (const auto& row : Centralized::table) {
+          rows.push_back({{static_cast<int>(row.sign[0]), static_cast<int>(row.sign[1])},
+                          named(who, row.tilt),
+                          action(row.first),
+                          action(row.second)});
+        }
+        return rows;
+      },
+      "Table 1 as it runs: per case the signs, the palm to tilt up, and two actions (move, whose "
+      "contact, until).");
+  m.def(
+      "table2",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string, bool>> doing;
+        for (int i = 0; i < Distributed::states; ++i) {
+          const auto& d = Distributed::doing[i];
+          doing.push_back({states[i], std::string(1, d.name), named(palms, d.command.palm),
+                           named(moves, d.command.move), d.waits});
+        }
+        std::vector<std::array<std::string, 6>> rows;
+        for (const auto& row : Distributed::table) {
+          rows.push_back({named(states, row.state), named(contact, row.p), named(got, row.got),
+                          named(tilt, row.tilt), named(states, row.next),
+                          named(letters, row.send)});
+        }
+        return std::pair(doing, rows);
+      },
+      "Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, "
+      "contact, "
+      "letter, palm turned, next state, letter sent).");
+
   nb::class_<Distributed>(m, "Distributed", "Table 2 of the paper, one robot.")
       .def(nb::init<>())
       .def(

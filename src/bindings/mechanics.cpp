@@ -38,7 +38,7 @@ std::int8_t happening(const Contacts<double>& at, Slide direction) {
 Contacts<double> contacts_of(const double (&v)[13]) {
   Stance<double> stance{};
   Contacts<double> at{};
-  at.load = {v[0], v[1], v[2], v[3], v[4]};
+  at.load = Moments<double>::of({v[0], v[1], v[2], v[3], v[4]});
   for (const std::size_t side : {left, right}) {
     stance.palms[side] = PalmAngle<double>::at(v[9 + side]);
     stance.contacts[side] = v[11 + side];

@@ -287,6 +287,16 @@ class World:
         Changes the separation [m] and turns the palms to the given angles [rad], both at constant rates. Returns (end, fraction done, motion left, motion right, pieces).
         """
 
+def table1() -> list[tuple[list[int], str, tuple[str, str, str], tuple[str, str, str]]]:
+    """
+    Table 1 as it runs: per case the signs, the palm to tilt up, and two actions (move, whose contact, until).
+    """
+
+def table2() -> tuple[list[tuple[str, str, str, str, bool]], list[list[str]]]:
+    """
+    Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, contact, letter, palm turned, next state, letter sent).
+    """
+
 class Distributed:
     """Table 2 of the paper, one robot."""
 
