@@ -5,10 +5,8 @@ Prints a table with ratios and writes benchmarks/results/carry.csv. See README.m
 
 import csv
 import datetime
-import os
 import platform
 import statistics
-import subprocess
 import time
 from pathlib import Path
 
@@ -17,6 +15,7 @@ import peer_box2d
 import peer_mujoco
 import peer_pymunk
 import task
+from machine import compiler, processor
 from rich.console import Console
 from rich.table import Table
 
@@ -32,16 +31,6 @@ PEERS = {
     "Box2D": (peer_box2d.Box2d, peer_box2d.version()),
     "MuJoCo": (peer_mujoco.Mujoco, mujoco.__version__),
 }
-
-
-def processor() -> str:
-    """The processor's name and the number of cores."""
-    names = [
-        line.split(":")[1].strip()
-        for line in Path("/proc/cpuinfo").read_text().splitlines()
-        if line.startswith("model name")
-    ]
-    return f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores"
 
 
 def palmbots_us(controller: str, precision: str) -> float:
@@ -85,8 +74,7 @@ def main() -> None:
         table.add_row(what, version, f"{us:,.0f}", f"{us / base:,.2f}", told)
     console.print(table)
 
-    compiler = subprocess.run(["g++", "--version"], capture_output=True, text=True, check=False)
-    machine = processor()
+    machine, built = processor(), compiler()
     console.print(f"{machine}; Python {platform.python_version()}")
     RESULTS.parent.mkdir(exist_ok=True)
     with RESULTS.open("w", newline="") as file:
@@ -97,7 +85,7 @@ def main() -> None:
         for what, version, us, told in rows:
             out.writerow(
                 [what, version, f"{us:.1f}", f"{us / base:.3f}", told, machine,
-                 platform.python_version(), compiler.stdout.splitlines()[0],
+                 platform.python_version(), built,
                  datetime.date.today().isoformat()]
             )  # fmt: skip
     console.print(f"wrote {RESULTS}")

@@ -25,7 +25,8 @@ M = "a number in m"
 SIMPLE = "allowed: a simple polygon, whose edges share nothing but the vertices between them"
 LOWER = "allowed: [left, right], two lower corners of the outline's convex hull"
 PALM_KEYS = (
-    "length_m, width_m, pivot_offset_m, friction, shallow_deg, steep_deg, rate_deg_s, left, right"
+    "length_m, width_m, pivot_offset_m, friction, slip_deg, shallow_deg, steep_deg, rate_deg_s, "
+    "left, right"
 )
 BAD = [
     # Unknown and misspelt keys.

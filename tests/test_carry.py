@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -213,14 +214,44 @@ def test_controller_in_python_carries_alike(maker: type, precision: str) -> None
         np.testing.assert_array_equal(columns(mine)["case"], columns(shipped)["case"])
 
 
-@pytest.mark.parametrize("output", [StepOutput(palm="flat"), StepOutput(case="q")])  # type: ignore[arg-type]
-def test_controller_that_answers_nonsense(output: StepOutput) -> None:
+class Stepless:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [
+        (StepOutput(palm="flat"), 'palm is "flat"; allowed: "steep", "shallow"'),  # type: ignore[arg-type]
+        (StepOutput(send=["Ack"]), r"send is \[.*; allowed: None, "),  # type: ignore[arg-type]
+        (StepOutput(case="q"), 'case is "q"; allowed'),
+        (StepOutput(case=None), "case is None; allowed"),  # type: ignore[arg-type]
+        (None, r"Nonsense.step gave None; allowed: a StepOutput, as in StepOutput\("),
+        (("steep", "hold"), "Nonsense.step gave .*; allowed: a StepOutput"),
+    ],
+)
+def test_controller_that_answers_nonsense(output: Any, words: str) -> None:
     class Nonsense:
         def step(self, seen: StepInput) -> StepOutput:
             return output
 
-    with pytest.raises(ValueError, match=r"controller: .* allowed"):
+    with pytest.raises(PalmbotsError, match=f"^controller: {words}") as caught:
         pb.carry(controller=Nonsense)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("controller", "words"),
+    [
+        (Stepless, r"Stepless has no step; needed: def step\("),
+        (FromTable(), "is one FromTable, .*; allowed: the class, controller=FromTable"),
+        (5, "value is 5; allowed: a name, or a class"),
+        (None, "value is None; allowed"),
+    ],
+)
+def test_what_is_no_class_of_controllers(controller: Any, words: str) -> None:
+    with pytest.raises(PalmbotsError, match=f"^controller: {words}") as caught:
+        pb.carry(controller=controller)
+    assert "\n" not in str(caught.value)
 
 
 def test_trace_and_letters_tell_the_whole_conversation() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -110,7 +111,9 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         (["carry", "nowhere.toml"], ["nowhere.toml", "paper"]),
-        (["carry", "--set", "radio.los=0.1"], ["radio.los", "radio.loss"]),
+        (["carry", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
+        (["modes", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
+        (["compare", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
         (["carry", "--set", "radio.loss=nan"], ["radio.loss", "allowed"]),
         (["carry", "--set", "radio.loss"], ["radio.loss"]),
         (["carry", "--set", "palm.length_m=-1"], ["palm.length_m", "allowed"]),
@@ -120,6 +123,8 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
         (["carry", "--seed", "-1"], ["seed", "allowed"]),
         (["carry", "--seed", "x"], ["--seed"]),
         (["carry", "--animation", "avi"], ["--animation", "gif"]),
+        (["carry", "--animation", "mp4"], ["--animation: mp4 needs --out"]),
+        (["carry", "--animation", "gif"], ["--animation: gif needs --out"]),
         (["carry", "--frobnicate"], ["--frobnicate", "--help"]),
         (["frobnicate"], ["frobnicate", "--help"]),
         (["modes", "--p-left-m", "0.2"], ["p_left_m", "allowed"]),
@@ -129,6 +134,8 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
         (["compare", "--values", "1,b"], ["--values", "1,b"]),
         (["compare", "--carries", "0"], ["carries", "allowed"]),
         (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
+        (["compare", "--controllers", "none, none"], ["controllers", "none", "twice"]),
+        (["compare", "--values", "0.1,0.10"], ["values", "0.1", "twice"]),
         (["compare", "--sweep", "object.vertices_m", "--values", "1"], ["object.vertices_m"]),
         (["replay", "nothing.mcap"], ["nothing.mcap"]),
         (["replay", "/dev/null"], ["/dev/null"]),
@@ -140,6 +147,68 @@ def test_bad_input_is_one_line_and_exit_status_2(
     status = cli.run(arguments)
     said = capsys.readouterr()
     refused(subprocess.CompletedProcess(arguments, status, said.out, said.err), *words)
+
+
+def test_a_carry_by_robots_that_hang_says_so() -> None:
+    result = palmbots("carry", "--set", "radio.loss=1")
+    assert "(2 unanswered)" in result.stdout
+    assert "warning: left has waited since 0.8 s for an Ack that does not come" in result.stdout
+    assert "unanswered" not in palmbots("carry").stdout
+
+
+def test_one_is_no_plural() -> None:
+    changes = ("robot.noise_m_s=0", "start.left_m=0.006", "radio.loss=1")
+    script = "bumps.script=[{robot='left', at_s=0, shift_m=0.001}]"
+    once = palmbots("carry", *(f"--set={change}" for change in (*changes, script))).stdout
+    for said in ("\n1 correction\n", "\n1 message, 1 lost   1 bump   trace"):
+        assert said in once
+
+
+def test_modes_report_names_the_sides() -> None:
+    said = palmbots("modes", "--theta-left-deg", "5").stdout
+    assert "closing: left SL, right ST\nopening: left ST, right SL\n" in said
+
+
+def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither in a pipe nor in a terminal that is too narrow."""
+    long = ("--sweep", "robot.left.acceleration_m_s2", "--values", "0.5,0.50000000001")
+    for terminal in ("", "1"):
+        monkeypatch.setenv("FORCE_COLOR", terminal)
+        monkeypatch.setenv("COLUMNS", "30" if terminal else "80")
+        told = palmbots("compare", *long, "-n", "1", "--controllers", "none").stdout
+        plain = re.sub("\x1b[^m]*m", "", told)
+        title, *rows = plain.splitlines()
+        assert title.strip() == "robot.left.acceleration_m_s2: 1 carry a value, seeds from 0"
+        assert "…" not in plain
+        for word in ("controller", "value", "dropped (95 %)", "rms", "corrections"):
+            assert word in rows[1]
+        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 14.4 mm │         0.0 │" in plain
+
+
+def test_an_animation_of_an_earlier_carry_is_removed(tmp_path: Path) -> None:
+    short = ("carry", "--set", "task.distance_m=0.05", "--out", str(tmp_path))
+    (tmp_path / "carry.mp4").write_text("a film")
+    said = palmbots(*short).stdout
+    assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "carry.gif"}
+    assert f"removed {tmp_path / 'carry.mp4'}" in said
+    (tmp_path / "other.gif").write_text("not ours")
+    said = palmbots(*short, "--animation", "none").stdout
+    assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "other.gif"}
+    assert f"removed {tmp_path / 'carry.gif'}" in said
+    (tmp_path / "carry.gif").mkdir()
+    refused(palmbots(*short, "--animation", "none"), "carry.gif: cannot be removed")
+
+
+def test_a_carry_that_fails_to_write_leaves_the_earlier_animation(tmp_path: Path) -> None:
+    (tmp_path / "carry.mp4").write_text("a film")
+    (tmp_path / "carry.gif").mkdir()  # where the new one cannot be written
+    out = ("--out", str(tmp_path))
+    refused(palmbots("carry", "--set", "task.distance_m=0.05", *out), "carry.gif")
+    assert (tmp_path / "carry.mp4").read_text() == "a film"
+
+
+def test_no_animation_needs_no_folder() -> None:
+    assert palmbots("carry", "--animation", "none").returncode == DONE
 
 
 def test_an_unwritable_folder_is_refused(tmp_path: Path) -> None:
@@ -193,5 +262,6 @@ def test_help_shows_an_example() -> None:
         result = palmbots(command, "--help")
         assert result.returncode == DONE
         assert f"Example: palmbots {command}" in result.stdout
+    assert "numeric scene key" in palmbots("compare", "--help").stdout
     assert "Commands:" in palmbots().stdout
     assert palmbots("--version").stdout.startswith("palmbots 0.")

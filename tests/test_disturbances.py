@@ -117,6 +117,14 @@ def test_bump_past_the_end_of_the_palm_drops_the_object() -> None:
     assert carry.time_s == pytest.approx(2.0)
 
 
+def test_a_bump_that_drops_the_object_ends_its_corrections() -> None:
+    script = [{"robot": "left", "at_s": 3.0, "shift_m": 0.2}]
+    carry = carried("distributed", bumps__script=script, robot__right__bias_m_s=-0.02)
+    assert (carry.outcome, carry.time_s) == ("dropped", 3.0)
+    assert column(carry, "case")[-2].tolist() == ["c", "a"]
+    assert carry.corrections[-1].end_s == 3.0
+
+
 def test_random_bumps_come_as_often_as_said() -> None:
     """rate x way x 2 robots of them, spread as a Poisson number of small chances is."""
     n, rate, way = 400, 6.0, 1.5
@@ -201,6 +209,77 @@ def test_lost_letters_hang_the_distributed_algorithm() -> None:
                 after = column(carry, "time")[:-1] >= sent[0].sent_s
                 wanted = column(carry, "commanded")[:-1][after, column_]
                 np.testing.assert_array_equal(wanted, 0.06)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [{}, {"radio__latency_s": 0.3}, {"radio__loss": 0.1}, {"radio__loss": 1.0}],
+)
+def test_assistants_are_those_that_came(keys: dict[str, float]) -> None:
+    """By the trace: the partner that came into (c) meanwhile, or that is in (b) too."""
+    for seed in range(8):
+        carry = carried("distributed", seed, **keys)
+        cases = np.vstack([[" ", " "], column(carry, "case")[:-1]])
+        answered = []
+        for c in carry.corrections:
+            if c.case == "d":
+                assert c.assistant is None
+                continue
+            partner = "left" if c.robot == "right" else "right"
+            first, last = 1 + round(c.start_s / 0.01), 1 + math.ceil(c.end_s / 0.01 - 1e-6)
+            there = cases[:, 0 if partner == "left" else 1]
+            now, before = there[first:last], there[first - 1 : last - 1]
+            came = (now == "c") & (before != "c") | (now == "b") & (c.case == "b")
+            assert c.assistant == (partner if came.any() else None), (seed, c)
+            if c.end_s < carry.time_s:
+                answered.append(c.assistant is not None)
+        if carry.messages_lost == 0:
+            assert all(answered) and len(answered) > 1
+        if keys == {"radio__loss": 1.0}:
+            assert [(c.case, c.assistant) for c in carry.corrections if c.case == "a"]
+            assert {c.assistant for c in carry.corrections} == {None}
+
+
+def test_robots_that_hang_are_warned_of() -> None:
+    """Every wait begins with a letter of its own: that and the palm show in the trace who waits."""
+    steep, shallow = math.radians(15), math.radians(5)
+    waits = {
+        ("a", "TiltUp"): (steep, "an Ack"),
+        ("b", "Ack"): (steep, "an Ack"),
+        ("b", "TiltDown"): (shallow, "a TiltDown"),
+        ("c", "Ack"): (shallow, "a TiltDown"),
+    }
+    seen = set()
+    for seed in range(12):
+        carry = carried("distributed", seed, radio__loss=0.1)
+        hangs = []
+        for k, side in enumerate(("left", "right")):
+            case, palm = column(carry, "case")[-2, k], column(carry, "palm")[-1, k]
+            letter = [m for m in carry.letters if m.sender == side][-1]
+            angle, what = waits.get((case, letter.letter), (None, ""))
+            nominal = column(carry, "commanded")[-2, k] == pytest.approx(0.06)
+            if palm == angle and nominal and carry.time_s - letter.sent_s > 2.1:
+                seen.add((case, what))
+                hangs.append(
+                    f"{side} has waited since {letter.sent_s:.1f} s for {what} that does not come "
+                    "(a letter was lost)"
+                )
+        assert [w for w in carry.warnings if "does not come" in w] == hangs
+        bare = pb.carry("paper", seed=seed, record=False, overrides={"radio.loss": 0.1})
+        assert bare.warnings == carry.warnings
+    assert seen == {("a", "an Ack"), ("b", "an Ack"), ("b", "a TiltDown"), ("c", "a TiltDown")}
+
+
+def test_a_controller_in_python_that_hangs_is_warned_of_too() -> None:
+    lost = pb.carry("paper", pb.Distributed, overrides={"radio.loss": 1.0})
+    assert "left has waited since 0.8 s for a letter that does not come" in lost.warnings[0]
+
+
+def test_nobody_hangs_where_nothing_is_lost() -> None:
+    """However late the letters are."""
+    for latency in (0.05, 2.0):
+        carry = carried("distributed", radio__latency_s=latency)
+        assert not any("does not come" in w for w in carry.warnings)
 
 
 def test_lost_packets_only_delay_the_station() -> None:

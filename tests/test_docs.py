@@ -56,7 +56,7 @@ def test_the_summary_in_the_readme_is_what_the_command_prints(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     shown = (ROOT / "README.md").read_text().split("$ palmbots carry --seed 0\n")[1]
-    shown = shown.split("\n- `palmbots")[0]
+    shown = shown.split("\n\n")[0]
     cli.run(["carry", "--seed", "0"])
     told = capsys.readouterr().out
     assert [line.split() for line in told.splitlines()] == [

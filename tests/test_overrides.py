@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from palmbots.errors import SceneError
 from palmbots.overrides import merged, parse_override, parse_overrides
+from palmbots.scene import load_scene
 
 
 @pytest.mark.parametrize(
@@ -95,6 +96,14 @@ def test_no_way_into_what_is_no_table(overrides, line):
     with pytest.raises(SceneError) as error:
         merged({"palm": {"friction": 0.3}}, overrides)
     assert str(error.value) == line
+
+
+def test_messages_call_overrides_what_they_are_told():
+    for keys in ({"palm.friction.x": 1}, {"palm.friction": -1}):
+        with pytest.raises(SceneError, match=r"^overrides: palm\.friction"):
+            load_scene("paper", keys)
+        with pytest.raises(SceneError, match=r"^--set palm\.friction"):
+            load_scene("paper", keys, called="--set")
 
 
 @given(st.text())

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 import tomllib
 
 import pytest
@@ -35,7 +36,7 @@ def test_the_default_is_the_scene_paper_which_gives_every_key():
     given_keys = {
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
     }
-    optional = {"tactile.zones", "task.timeout_s"}
+    optional = {"palm.slip_deg", "tactile.zones", "task.timeout_s"}
     assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
 
 
@@ -276,3 +277,17 @@ def test_any_overrides(table, overrides):
 )
 def test_any_object(vertices, contacts, com):
     is_a_scene_or_refused({"object": {"vertices_m": vertices, "contacts": contacts, "com_m": com}})
+
+
+def test_friction_as_a_measured_slip_angle():
+    scene = load_scene("paper", {"palm.slip_deg": 20.0, "palm.left.friction": 0.4})
+    assert scene.palm_of("left").friction == 0.4
+    assert scene.palm_of("right").friction == pytest.approx(math.tan(math.radians(20)), rel=1e-15)
+    assert load_scene(scene.model_dump()) == scene
+    assert load_scene(tomllib.loads(scene.to_toml())) == scene
+    assert scene.mirrored().palm_of("right").friction == 0.4
+    own = load_scene("paper", {"palm.friction": 0.5, "palm.left.slip_deg": 10.0})
+    assert own.palm_of("left").friction == pytest.approx(math.tan(math.radians(10)), rel=1e-15)
+    assert own.palm_of("right").friction == 0.5
+    with pytest.raises(SceneError, match="slip_deg"):
+        load_scene("paper", {"palm.slip_deg": 95.0})

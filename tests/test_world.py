@@ -283,12 +283,22 @@ class TestEnds:
         assert w.contacts == before
         assert _core.World(spec).advance(0.001, (STEEP, STEEP))[0] == ""
 
-    def test_tipping(self) -> None:
-        """A tall object whose COM comes past its left contact as the right one is lifted."""
+    @pytest.mark.parametrize("slope_deg", [0.0, 0.5, -0.5])
+    def test_tipping(self, slope_deg: float) -> None:
+        """A tall object whose COM comes past its left contact as the right one is lifted.
+
+        On a slope it is the line of gravity that passes the contact, not the vertical.
+        """
         tall = [[0, 0], [0.25, 0], [0.25, 0.5], [0, 0.5]]
-        _, w = world(object__vertices_m=tall, object__com_m=[0.01, 0.3], palm__friction=0.5)
+        _, w = world(
+            object__vertices_m=tall,
+            object__com_m=[0.01, 0.3],
+            palm__friction=0.5,
+            task__slope_deg=slope_deg,
+        )
         assert w.check() == ""
-        lift = 0.25 * math.sin(math.atan(0.01 / 0.3)) / math.sin(STEEP)  # COM above the contact
+        turn = math.atan(0.01 / 0.3) - math.radians(slope_deg)  # the COM is above the contact
+        lift = 0.25 * math.sin(turn) / math.sin(STEEP)
         assert w.shift(1, lift - 1e-6) in ("", "sliding")
         assert w.shift(1, 2e-6) == "tipping"
 

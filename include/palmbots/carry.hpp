@@ -109,6 +109,7 @@ class Carry {
     if (metrics_.end != End::none) {
       metrics_.outcome = Result::dropped;
       metrics_.time_ticks = double(tick_);
+      metrics_.close(tick_);
       return;
     }
     const PerSide<Sensed> sensed = sense();

@@ -75,7 +75,7 @@ template <class Real>
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
     const Real half = rig.half_length[side];
-    const Real arm = rig.moments.arm(side, span.dx, mirrored(side, span.dy));
+    const Real arm = rig.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
     held = held & (p >= -half) & (p <= half) & (arm >= Real(0)) &
            rig.clear[side].contains(reach(span, side, palms[side]));
   }
@@ -102,7 +102,7 @@ template <class Real>
   }
   if (at_tip) return End::tip;
   for (const std::size_t side : {left, right}) {
-    const Real arm = rig.moments.arm(side, span.dx, mirrored(side, span.dy));
+    const Real arm = rig.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
     if (!(arm >= Real(0))) return End::tipping;
   }
   const bool left_holds = statics.left_up.at(span) >= Real(0) ||

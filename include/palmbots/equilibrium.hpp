@@ -49,6 +49,7 @@ struct Moments {
   Real width;           // w [m]
   PerSide<Real> level;  // [m]
   Real tilt;            // [m]
+  PerSide<Real> lift;   // the tilt of `lift_arm` [m]
   Real slope;           // s [1]
 
   static constexpr Moments of(const Load<Real>& load) {
@@ -56,10 +57,17 @@ struct Moments {
     return {load.width,
             {load.com_right + s * load.com_height, load.com_left - s * load.com_height},
             load.com_height + s * (Real(0.5) * (load.com_left - load.com_right)),
+            {load.com_height - s * load.com_right, load.com_height + s * load.com_left},
             s};
   }
 
-  // w x_R + … on the left, w x_L − … on the right: negative where the COM is past the contact.
+  // w (x_R + s y_R) on the left, w (x_L − s y_L) on the right, with y_L, y_R the heights of the COM
+  // above that contact. Negative where nothing presses on this side's palm: the object tips.
+  constexpr Real lift_arm(std::size_t side, Real dx, Real rise) const {
+    return level[side] * dx + lift[side] * rise;
+  }
+
+  // The arm of the mean squeeze, about which the bounds below are written.
   constexpr Real arm(std::size_t side, Real dx, Real rise) const {
     return level[side] * dx + tilt * rise;
   }

@@ -12,7 +12,9 @@ namespace palmbots {
 
 enum class Result : std::uint8_t { running, delivered, dropped, stalled };
 
-// One correction, in ticks. `robot` and `assistant` as in Activity.
+// One correction, in ticks. `robot` and `assistant` as in Activity; of the distributed algorithm's
+// (a) and (b) the assistant is the partner from when it is in (c), or in (b) too: before that, and
+// where a letter was lost, nobody assists.
 struct Correction {
   char name;
   std::int8_t robot;
@@ -37,6 +39,7 @@ class Metrics {
   PerSide<double> peak{};        // largest |p| [m]
   std::uint32_t samples = 0;
   PerSide<std::uint32_t> waiting_ticks{};
+  PerSide<std::uint32_t> waits_since{};  // the tick from which on it has waited without a break
   PerSide<bool> limit_cycle{};
   std::uint32_t bumps = 0;
   std::uint32_t corrections = 0;
@@ -53,8 +56,14 @@ class Metrics {
       square_sum[side] += p * p;
       const double size = p < 0 ? -p : p;
       if (size > peak[side]) peak[side] = size;
-      waiting_ticks[side] += team.waits(side) ? 1 : 0;
-      if (team.track_name(side) != open_[side].name) follow(tick, side, team.activity(side));
+    }
+    const PerSide<char> names{team.name(left), team.name(right)};
+    if (names != names_) [[unlikely]]
+      take_note(tick, team, names);
+    for (const std::size_t side : {left, right}) {
+      const bool waits = team.waits(side);
+      waiting_ticks[side] += waits ? 1 : 0;
+      waits_since[side] = waits ? waits_since[side] : tick + 1;
     }
   }
 
@@ -73,6 +82,25 @@ class Metrics {
     std::uint32_t ended = 0;
     std::uint32_t length = 0;
   };
+
+  // A robot has come into another case than it was in the tick before.
+  template <class Team>
+  void take_note(std::uint32_t tick, const Team& team, const PerSide<char>& names) {
+    for (const std::size_t side : {left, right}) {
+      follow(tick, side, team.activity(side));
+      if (names[side] != names_[side]) waits_since[side] = tick;
+    }
+    for (const std::size_t side : {left, right}) {
+      // Still in (c) from a correction before is no answer to this one.
+      const bool answers = names[side] == 'c' && names_[side] != 'c';
+      const char helped = open_[other(side)].name;
+      if ((answers && (helped == 'a' || helped == 'b')) || (helped == 'b' && names[side] == 'b')) {
+        const std::uint32_t row = open_[other(side)].row;
+        if (row < max_corrections) rows[row].assistant = static_cast<std::int8_t>(side);
+      }
+    }
+    names_ = names;
+  }
 
   void follow(std::uint32_t tick, std::size_t track, const Activity& now) {
     Track& open = open_[track];
@@ -114,6 +142,7 @@ class Metrics {
   }
 
   PerSide<Track> open_{};
+  PerSide<char> names_{' ', ' '};
   PerSide<Alternation> last_{};
 };
 

@@ -52,24 +52,25 @@ class Distributed {
   struct Doing {
     char name;  // the case, as in Table 2; ' ' for none
     Command command;
-    bool waits;  // for a message
+    bool waits;     // for a message
+    Letter awaits;  // which one, where that is known
   };
 
   static constexpr Doing doing[states] = {
-      /* idle           */ {' ', {Palm::steep, Move::hold}, false},
-      /* a_or_b_request */ {'a', {Palm::steep, Move::hold}, true},
-      /* a_move         */ {'a', {Palm::steep, Move::away}, false},
-      /* b_wait_ack     */ {'b', {Palm::steep, Move::hold}, true},
-      /* b_move         */ {'b', {Palm::steep, Move::away}, false},
-      /* b_tilt_up      */ {'b', {Palm::shallow, Move::hold}, false},
-      /* b_wait_down    */ {'b', {Palm::shallow, Move::hold}, true},
-      /* b_tilt_down    */ {'b', {Palm::steep, Move::hold}, false},
-      /* c_tilt_up      */ {'c', {Palm::shallow, Move::hold}, false},
-      /* c_wait_down    */ {'c', {Palm::shallow, Move::hold}, true},
-      /* c_tilt_down    */ {'c', {Palm::steep, Move::hold}, false},
-      /* d_tilt_up      */ {'d', {Palm::shallow, Move::hold}, false},
-      /* d_move         */ {'d', {Palm::shallow, Move::closer}, false},
-      /* d_tilt_down    */ {'d', {Palm::steep, Move::hold}, false},
+      /* idle           */ {' ', {Palm::steep, Move::hold}, false, Letter::none},
+      /* a_or_b_request */ {'a', {Palm::steep, Move::hold}, true, Letter::ack},
+      /* a_move         */ {'a', {Palm::steep, Move::away}, false, Letter::none},
+      /* b_wait_ack     */ {'b', {Palm::steep, Move::hold}, true, Letter::ack},
+      /* b_move         */ {'b', {Palm::steep, Move::away}, false, Letter::none},
+      /* b_tilt_up      */ {'b', {Palm::shallow, Move::hold}, false, Letter::none},
+      /* b_wait_down    */ {'b', {Palm::shallow, Move::hold}, true, Letter::tilt_down},
+      /* b_tilt_down    */ {'b', {Palm::steep, Move::hold}, false, Letter::none},
+      /* c_tilt_up      */ {'c', {Palm::shallow, Move::hold}, false, Letter::none},
+      /* c_wait_down    */ {'c', {Palm::shallow, Move::hold}, true, Letter::tilt_down},
+      /* c_tilt_down    */ {'c', {Palm::steep, Move::hold}, false, Letter::none},
+      /* d_tilt_up      */ {'d', {Palm::shallow, Move::hold}, false, Letter::none},
+      /* d_move         */ {'d', {Palm::shallow, Move::closer}, false, Letter::none},
+      /* d_tilt_down    */ {'d', {Palm::steep, Move::hold}, false, Letter::none},
   };
 
   // Conditions of a row.

@@ -17,7 +17,8 @@ struct Sensed {
   bool turned;  // the palm has reached the angle last commanded
 };
 
-// A correction as far as it shows from outside: its case, and who takes part.
+// A correction as far as it shows from outside: its case, and who takes part. Where the robots agree
+// by letters nobody assists when it starts: the partner comes in later, or never (Metrics).
 struct Activity {
   static constexpr std::int8_t nobody = -1;
   static constexpr std::int8_t both = 2;
@@ -53,8 +54,8 @@ struct Unattended {
     return {{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   }
   char name(std::size_t) const { return ' '; }
-  char track_name(std::size_t) const { return ' '; }
   bool waits(std::size_t) const { return false; }
+  Letter awaits(std::size_t) const { return Letter::none; }
   Activity activity(std::size_t) const { return {}; }
 };
 
@@ -89,19 +90,15 @@ class Pair {
 
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
-  // The name of the activity, cheaper: (c) assists and is no correction of its own.
-  char track_name(std::size_t side) const {
-    const char name = this->name(side);
-    return name == 'c' ? ' ' : name;
-  }
+  Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }
 
+  // (c) assists and is no correction of its own.
   Activity activity(std::size_t side) const {
     const char name = this->name(side);
     const auto self = static_cast<std::int8_t>(side);
-    const auto partner = static_cast<std::int8_t>(other(side));
     switch (name) {
       case 'a':
-      case 'b': return {name, self, partner, only(side, 1)};
+      case 'b': return {name, self, Activity::nobody, only(side, 1)};
       case 'd': return {name, self, Activity::nobody, only(side, -1)};
       default: return {};
     }
@@ -168,7 +165,7 @@ class Station {
     return now == 0 ? ' ' : static_cast<char>('0' + now);
   }
   bool waits(std::size_t) const { return false; }
-  char track_name(std::size_t side) const { return side == left ? name(side) : ' '; }
+  Letter awaits(std::size_t) const { return Letter::none; }
 
   Activity activity(std::size_t side) const {
     const int now = station_.current();

@@ -18,6 +18,8 @@ inline constexpr const char* letter_names[] = {"", "TiltUp", "TiltDown", "Ack"};
 
 void bind_spec(nb::module_& m);
 void bind_mechanics(nb::module_& m);
+void bind_modes_batch(nb::module_& m);
+void bind_stability(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_controllers(nb::module_& m);
 void bind_run(nb::module_& m);

@@ -7,6 +7,8 @@ NB_MODULE(_core, m) {
         "Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.");
   palmbots::bindings::bind_spec(m);
   palmbots::bindings::bind_mechanics(m);
+  palmbots::bindings::bind_modes_batch(m);
+  palmbots::bindings::bind_stability(m);
   palmbots::bindings::bind_world(m);
   palmbots::bindings::bind_controllers(m);
   palmbots::bindings::bind_run(m);

@@ -24,7 +24,10 @@ class PythonController {
         step_(static_cast<int>(in.sign), static_cast<int>(in.letter), in.turned);
     const auto [palm, move, send, read, name, waits] =
         nb::cast<std::tuple<int, int, int, bool, int, bool>>(answer);
-    now_ = {static_cast<char>(name), {static_cast<Palm>(palm), static_cast<Move>(move)}, waits};
+    now_ = {static_cast<char>(name),
+            {static_cast<Palm>(palm), static_cast<Move>(move)},
+            waits,
+            Letter::none};
     return {now_.command, static_cast<Letter>(send), read};
   }
   const Distributed::Doing& now() const { return now_; }
@@ -40,6 +43,7 @@ struct Run {
   double period = 0;
   double distance = 0;
   Traffic traffic;
+  PerSide<Letter> awaits{};
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<Posted> posted;
@@ -58,6 +62,7 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
   run.period = spec.period;
   run.distance = double(carry.midpoint()) * spec.direction;
   run.traffic = carry.team().traffic;
+  for (const std::size_t side : {left, right}) run.awaits[side] = carry.team().awaits(side);
   if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
   if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
     run.rows = carry.recorder().take_rows();
@@ -166,6 +171,18 @@ nb::list corrections(const Run& run) {
   return list;
 }
 
+// For how long each robot has been waiting at the end [s], and for which letter if that is known.
+nb::list hanging(const Run& run) {
+  nb::list list;
+  for (const std::size_t side : {left, right}) {
+    const double since = double(run.metrics.waits_since[side]) * run.period;
+    const double waits = run.metrics.time_ticks * run.period - since;
+    list.append(nb::make_tuple(since, waits > 0 ? waits : 0.0,
+                               letter_names[static_cast<int>(run.awaits[side])]));
+  }
+  return list;
+}
+
 nb::list letters(const Run& run) {
   nb::list list;
   for (const Posted& p : run.posted) {
@@ -242,6 +259,7 @@ void bind_run(nb::module_& m) {
                      return std::tuple(r.metrics.waiting_ticks[left] * r.period,
                                        r.metrics.waiting_ticks[right] * r.period);
                    })
+      .def_prop_ro("hanging", &hanging)
       .def_prop_ro("limit_cycle",
                    [](const Run& r) {
                      return std::tuple(bool(r.metrics.limit_cycle[left]),

@@ -6,18 +6,25 @@
 """
 
 from palmbots.carry import Carry, Correction, Letter, carry
+from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.feasibility import feasible_modes
 from palmbots.log import Log, read_log, write_log
 from palmbots.modes import MODES, ContactModes, States, modes, states
 from palmbots.replay import Replay, replay
 from palmbots.scene import Scene, load_scene
+from palmbots.stability.analysis import Analysis, analyze
+from palmbots.stability.certificate import Certificate, certify
 from palmbots.version import __version__
 
 __all__ = [
     "MODES",
+    "Analysis",
     "Carry",
+    "Certificate",
+    "Checked",
     "Comparison",
     "ContactModes",
     "Controller",
@@ -33,8 +40,12 @@ __all__ = [
     "StepInput",
     "StepOutput",
     "__version__",
+    "analyze",
     "carry",
+    "certify",
+    "check",
     "compare",
+    "feasible_modes",
     "load_scene",
     "modes",
     "read_log",

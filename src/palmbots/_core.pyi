@@ -259,6 +259,35 @@ def margin(values: Sequence[float], friction_angle_left: float, friction_angle_r
     The angle [rad] by which both friction cones may shrink with the object still held.
     """
 
+def feasible_modes(columns: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]], n: int) -> Annotated[NDArray[numpy.uint16], dict(shape=(None,))]:
+    """For n states: bits of the modes that balance. Columns as in `modes`."""
+
+class Envelope:
+    """Everything under which the properties have to hold."""
+
+    def __init__(self, spec: Spec, com_y: tuple[float, float], friction: Sequence[tuple[float, float]], common: bool, slope: tuple[float, float], contacts: Sequence[tuple[float, float]], beyond: float) -> None: ...
+
+    def com_x_of(self, property: int, shallow: int, angles: Sequence[tuple[float, float]]) -> tuple[float, float]: ...
+
+    def com_x_held(self, angles: Sequence[tuple[float, float]]) -> tuple[float, float]: ...
+
+    def com_x_all(self, angles: Sequence[tuple[float, float]]) -> tuple[float, float]: ...
+
+    def clearance(self, angles: Sequence[tuple[float, float]]) -> float: ...
+
+    def map(self, shallow: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], steep: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple:
+        """
+        The permitted c_x (low, high) at every pair of angles, alike for both palms.
+        """
+
+def com_band(property: int, shallow: int, width: float, slope: float, friction: Sequence[tuple[float, float]], common: bool, angles: Sequence[float], rise: float) -> tuple[float, float, float, float, int, int]:
+    """
+    The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.
+    """
+
+def rise_over(property: int, shallow: int, contacts: Sequence[tuple[float, float]], beyond: float, angles: Sequence[float], offset: Sequence[float]) -> tuple[float, float]:
+    """The height differences of the contacts over a property's region."""
+
 class World:
     """Two palms and an object: exact motion under given robot motions."""
 
@@ -359,6 +388,9 @@ class Run:
 
     @property
     def waiting_s(self) -> tuple[float, float]: ...
+
+    @property
+    def hanging(self) -> list: ...
 
     @property
     def limit_cycle(self) -> tuple[bool, bool]: ...

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from palmbots import _core
-from palmbots.controllers import Controller, adapted
+from palmbots.controllers import Controller, adapted_pair
 from palmbots.deadband import warnings_before
 from palmbots.errors import PalmbotsError, show
 from palmbots.lowering import lower
@@ -34,6 +34,7 @@ PRECISIONS = ("double", "float")
 _SIDES = ("left", "right")
 _STATIONS = (*_SIDES, "station")
 _MOST_SEED = 2**64 - 1
+_PATIENCE_S = 2.0  # what a partner may take over an answer, besides the radio's time
 
 # Name in the dataset: (name in the core, unit, meaning)
 _VARIABLES = {
@@ -61,6 +62,7 @@ class Correction:
     case: str
     """``a``, ``b``, ``d`` of Table 2, or ``1`` to ``8`` of Table 1."""
     assistant: Literal["left", "right"] | None
+    """Who came to assist; None also where a robot asked and nobody answered."""
     start_s: float
     end_s: float
 
@@ -174,8 +176,8 @@ def carry(
         one_of("controller", controller, CONTROLLERS)
         name, core_controller = controller, controller
     else:
+        core_controller = adapted_pair(controller)
         name = getattr(controller, "__name__", type(controller).__name__)
-        core_controller = (adapted(controller()), adapted(controller()))
     # The compiled module's stub knows the shapes of Python types, not their contents.
     run: Any = _core.run(lower(chosen), core_controller, seed, precision, record)
     return Carry(
@@ -196,7 +198,7 @@ def carry(
         messages_lost=run.messages_lost,
         waiting_s=_by_side(run.waiting_s),
         bumps=run.bumps,
-        warnings=(*warnings_before(chosen, name), *_warnings_after(run)),
+        warnings=(*warnings_before(chosen, name), *_warnings_after(run, chosen)),
         trace_hash=run.trace_hash,
         trace=trace_dataset(run.trace) if record else None,
         letters=tuple(
@@ -241,8 +243,9 @@ def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
     )
 
 
-def _warnings_after(run: Any) -> tuple[str, ...]:
-    told = [
+def _warnings_after(run: Any, scene: Scene) -> tuple[str, ...]:
+    told = _hanging(run, scene)
+    told += [
         f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
         for side, cycles in zip(_SIDES, run.limit_cycle, strict=True)
         if cycles
@@ -250,6 +253,20 @@ def _warnings_after(run: Any) -> tuple[str, ...]:
     if run.correction_count > len(run.corrections):
         told.append(f"{run.correction_count} corrections; only the first are listed")
     return tuple(told)
+
+
+def _hanging(run: Any, scene: Scene) -> list[str]:
+    """Robots still waiting at the end where letters were lost: for ever, as far as one can see."""
+    if run.messages_lost == 0:
+        return []
+    longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
+    names = {"": "a letter", "Ack": "an Ack", "TiltDown": "a TiltDown"}
+    return [
+        f"{side} has waited since {since:.1f} s for {names[letter]} that does not come "
+        "(a letter was lost)"
+        for side, (since, lasts, letter) in zip(_SIDES, run.hanging, strict=True)
+        if lasts > longest
+    ]
 
 
 def trace_dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:

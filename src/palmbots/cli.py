@@ -1,4 +1,4 @@
-"""The command line: `palmbots carry`, `modes`, `compare`, `replay`.
+"""The command line: `palmbots carry`, `modes`, `compare`, `replay`, and those of `stability`.
 
 Every command has ``--json`` (one object on stdout, nothing else) and exits with 0 when it did its
 job, 1 when what it was asked about failed, 2 on bad input, which is answered with one line.
@@ -6,41 +6,31 @@ job, 1 when what it was asked about failed, 2 on bad input, which is answered wi
 
 import json
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from palmbots.cli_options import (
+    BAD_INPUT,
+    DONE,
+    FAILED,
+    JsonOption,
+    PrecisionOption,
+    SceneArgument,
+    SeedOption,
+    SetOption,
+    app,
+    progress,
+    scene_of,
+)
 from palmbots.errors import PalmbotsError, one_line
+from palmbots.stability import cli as stability  # puts its commands into `app`
 
-__all__ = ["main"]
-
-DONE, FAILED, BAD_INPUT = 0, 1, 2
+__all__ = ["main", "stability"]
 
 # The base of all errors of usage. Typer brings its own copy of click, under a private name.
 _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-
-app = typer.Typer(
-    name="palmbots",
-    help="Two robots, a flat tiltable palm each, carry one object together.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-SceneArgument = Annotated[
-    str, typer.Argument(metavar="[SCENE]", help="A built-in scene or a TOML file.")
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a scene key; may be given often."),
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
-SeedOption = Annotated[int, typer.Option("--seed", help="Seed of all that is random.")]
-PrecisionOption = Annotated[str, typer.Option("--precision", help="double or float.")]
 
 
 def main() -> None:
@@ -104,42 +94,47 @@ def carry(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write carry.png, carry.gif, carry.mcap there."),
     ] = None,
-    video: Annotated[str, typer.Option("--animation", help="gif, mp4 or none.")] = "gif",
+    video: Annotated[
+        str | None, typer.Option("--animation", help="gif, mp4 or none [default: gif].")
+    ] = None,
     as_json: JsonOption = False,
 ) -> int:
     """Carry the object once and say how it went. Exit status 1: it did not arrive."""
     from palmbots.carry import carry as run_carry
     from palmbots.carry import one_of
     from palmbots.deadband import warnings_before
-    from palmbots.overrides import parse_overrides
     from palmbots.report import carry_report
-    from palmbots.scene import load_scene
 
-    one_of("--animation", video, ("gif", "mp4", "none"))
-    chosen = load_scene(scene, parse_overrides(changes or []))
+    if video is not None:
+        one_of("--animation", video, ("gif", "mp4", "none"))
+        if out is None and video != "none":
+            raise PalmbotsError(f"--animation: {video} needs --out; allowed: --out DIR with it")
+    chosen = scene_of(scene, changes)
     before = warnings_before(chosen, controller)
     for warning in before:
         print(f"palmbots: warning: {warning}", file=sys.stderr)
     done = run_carry(
         chosen, controller, world=world, precision=precision, seed=seed, record=out is not None
     )
-    written = _write_carry(done, out, video, quiet=as_json) if out is not None else []
+    written, removed = [], []
+    if out is not None:
+        written, removed = _write_carry(done, out, video or "gif", quiet=as_json)
     if as_json:
         print(json.dumps(done.summary(), allow_nan=False))
     else:
-        carry_report(done, scene, [w for w in done.warnings if w not in before], written)
+        carry_report(done, scene, [w for w in done.warnings if w not in before], written, removed)
     return DONE if done.outcome == "delivered" else FAILED
 
 
-def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> list[Path]:
-    """The picture, the animation and the log of a carry; returns what was written."""
+def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Path], list[Path]]:
+    """The picture, the animation and the log of a carry; returns what was written and removed."""
     from palmbots import animation, figure8
-    from palmbots.files import folder
+    from palmbots.files import folder, remove
     from palmbots.log import write_log
 
     target = folder(out)
     written = [target / "carry.png", target / "carry.mcap"]
-    with _progress("figure, log, animation", quiet) as report:
+    with progress("figure, log, animation", quiet) as report:
         figure8.save(done, written[0])
         report(0.15)
         write_log(done, written[1])
@@ -149,7 +144,9 @@ def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> list[Path]:
             animation.save(
                 done, written[-1], progress=lambda done, of: report(0.3 + 0.7 * done / of)
             )
-    return written
+    # An animation of an earlier carry would pass for one of this.
+    others = [target / f"carry.{kind}" for kind in ("gif", "mp4") if kind != video]
+    return written, [path for path in others if remove(path)]
 
 
 @app.command(epilog="Example: palmbots modes --theta-left-deg 5 --p-left-m -0.02")
@@ -168,16 +165,14 @@ def modes(
 ) -> int:
     """Say which of the nine contact modes balance in one state, and which one happens."""
     from palmbots.modes import modes as find_modes
-    from palmbots.overrides import parse_overrides
     from palmbots.report import modes_report
 
     found = find_modes(
-        scene,
+        scene_of(scene, changes),
         p_left_m=p_left_m,
         p_right_m=p_right_m,
         theta_left_deg=theta_left_deg,
         theta_right_deg=theta_right_deg,
-        overrides=parse_overrides(changes or []),
     )
     if as_json:
         print(json.dumps(found.summary(), allow_nan=False))
@@ -190,7 +185,7 @@ def modes(
 def compare(
     scene: SceneArgument = "paper",
     key: Annotated[
-        str, typer.Option("--sweep", metavar="KEY", help="The scene key to sweep.")
+        str, typer.Option("--sweep", metavar="KEY", help="The numeric scene key to sweep.")
     ] = "radio.latency_s",
     values: Annotated[
         str | None,
@@ -208,24 +203,22 @@ def compare(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Put controllers side by side over a swept scene key, radio latency by default."""
+    """Put controllers side by side over any numeric scene key, radio latency by default."""
     from palmbots.compare import DEFAULT_SWEEP, DEFAULT_VALUES
     from palmbots.compare import compare as run_comparison
-    from palmbots.overrides import parse_overrides
     from palmbots.report import compare_report
 
     if values is None and key != DEFAULT_SWEEP:
         raise PalmbotsError(f"--values: not given; allowed: numbers to set {key} to, as in 0.1,0.2")
-    with _progress("comparing", as_json) as report:
+    with progress("comparing", as_json) as report:
         done = run_comparison(
-            scene,
+            scene_of(scene, changes),
             key=key,
             values=DEFAULT_VALUES if values is None else _numbers("--values", values),
             controllers=[name.strip() for name in controllers.split(",")],
             carries=carries,
             seed=seed,
             precision=precision,
-            overrides=parse_overrides(changes or []),
             progress=report,
         )
     written = None
@@ -268,19 +261,3 @@ def replay(
     else:
         replay_report(result, log)
     return DONE if result.identical else FAILED
-
-
-@contextmanager
-def _progress(what: str, quiet: bool) -> Iterator[Callable[[float], None]]:
-    """A progress bar on stderr, where a person looks at it; gives a function to report to."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield lambda fraction: None
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(what, total=1.0)
-        yield lambda fraction: bar.update(task, completed=fraction)

@@ -72,7 +72,7 @@ def compare(
     overrides: Mapping[str, Any] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Comparison:
-    """Run every controller at every value of a scene key, over the same seeds.
+    """Run every controller at every value of a numeric scene key, over the same seeds.
 
     Args:
         scene: as in `palmbots.carry`.
@@ -91,13 +91,13 @@ def compare(
     """
     for controller in controllers:
         one_of("controller", controller, CONTROLLERS)
+    _each_once("controllers", controllers)
     one_of("precision", precision, PRECISIONS)
     if isinstance(carries, bool) or not isinstance(carries, int) or not 1 <= carries <= 10**8:
         raise PalmbotsError(f"carries: value is {show(carries)}; allowed: 1 to 100000000")
-    if not values:
-        raise PalmbotsError("values: none given; allowed: at least one number")
     base = load_scene(scene, overrides)
-    scenes = [load_scene(base, {key: value}) for value in values]
+    scenes = [load_scene(base, {key: value}, called="sweep:") for value in values]
+    _each_once("values", values)
     rows = []
     cells = [(c, v, s) for c in controllers for v, s in zip(values, scenes, strict=True)]
     for i, (controller, value, at) in enumerate(cells):
@@ -105,6 +105,15 @@ def compare(
         if progress is not None:
             progress((i + 1) / len(cells))
     return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows))
+
+
+def _each_once(what: str, given: Sequence[object]) -> None:
+    """Raise `PalmbotsError` for nothing at all, or for the same thing twice."""
+    if len(given) == 0:
+        raise PalmbotsError(f"{what}: none given; allowed: at least one")
+    for i, one in enumerate(given):
+        if one in given[:i]:
+            raise PalmbotsError(f"{what}: {show(one)} is given twice; allowed: each one once")
 
 
 def _cell(

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palmbots.files import whole_file
+from palmbots.report import counted
 from palmbots.style import styled
 
 if TYPE_CHECKING:
@@ -46,16 +47,16 @@ def draw(comparison: "Comparison") -> Figure:
                 **look,
             )
             rms.plot(x, [1e3 * row.rms_m for row in rows], label=controller, **look)
+        carries = counted(comparison.rows[0].n, "carry")
         label = _axis_label(comparison.key)
         drops.set(xlabel=label, ylabel="dropped, with 95 % interval [%]", ylim=(-3, 103))
         rms.set(xlabel=label, ylabel="contact rms [mm]")
         rms.set_ylim(bottom=0)
-        n = comparison.rows[0].n
         figure.legend(
             *drops.get_legend_handles_labels(),
             loc="outside upper center",
             ncols=4,
-            title=f"{n} carries a point, the same seeds for every controller",
+            title=f"{carries} a point, the same seeds for every controller",
         )
         return figure
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from palmbots import _core
+from palmbots.errors import PalmbotsError, show
 
 __all__ = ["Controller", "Distributed", "Letter", "Move", "Palm", "StepInput", "StepOutput"]
 
@@ -80,15 +81,44 @@ class Distributed:
         )
 
 
-def adapted(controller: Controller) -> Callable[[int, int, bool], tuple[object, ...]]:
-    """The controller's step as the core calls it, in numbers.
+Step = Callable[[int, int, bool], tuple[object, ...]]
+
+
+def adapted_pair(maker: Callable[[], Controller]) -> tuple[Step, Step]:
+    """A controller for each robot, its step as the core calls it.
 
     Raises:
-        ValueError: when called, if the controller answers with something that is not legal.
+        PalmbotsError: `maker` is no class of controllers; or, when the core calls a step, it
+            answers with something that is not legal.
     """
+    if not callable(maker):
+        name = type(maker).__name__
+        if hasattr(maker, "step"):
+            raise PalmbotsError(
+                f"controller: is one {name}, but each robot needs its own; "
+                f"allowed: the class, controller={name}"
+            )
+        raise PalmbotsError(
+            f"controller: value is {_shown(maker)}; allowed: a name, or a class with a step"
+        )
+    return _adapted(maker()), _adapted(maker())
+
+
+def _adapted(controller: Controller) -> Step:
+    """The controller's step as the core calls it, in numbers."""
+    name = type(controller).__name__
+    if not callable(getattr(controller, "step", None)):
+        raise PalmbotsError(
+            f"controller: {name} has no step; needed: def step(self, seen: StepInput) -> StepOutput"
+        )
 
     def step(sign: int, letter: int, turned: bool) -> tuple[object, ...]:
-        out = controller.step(StepInput((-1, 0, 1)[sign + 1], _LETTERS[letter], turned))
+        out: object = controller.step(StepInput((-1, 0, 1)[sign + 1], _LETTERS[letter], turned))
+        if not isinstance(out, StepOutput):
+            raise PalmbotsError(
+                f"controller: {name}.step gave {_shown(out)}; allowed: a StepOutput, as in "
+                'StepOutput(palm="shallow", move="away")'
+            )
         return (
             _index("palm", _PALMS, out.palm),
             _index("move", _MOVES, out.move),
@@ -101,14 +131,20 @@ def adapted(controller: Controller) -> Callable[[int, int, bool], tuple[object, 
     return step
 
 
-def _index(what: str, legal: tuple[object, ...], value: object) -> int:
-    try:
+def _shown(value: object) -> str:
+    return "None" if value is None else show(value)
+
+
+def _index(what: str, legal: tuple[str | None, ...], value: object) -> int:
+    if (isinstance(value, str) or value is None) and value in legal:
         return legal.index(value)
-    except ValueError:
-        raise ValueError(f"controller: {what} is {value!r}; allowed: {legal}") from None
+    raise PalmbotsError(
+        f"controller: {what} is {_shown(value)}; "
+        f"allowed: {', '.join(_shown(name) for name in legal)}"
+    )
 
 
-def _case(name: str) -> int:
-    if len(name) == 1 and name in " abcd":
+def _case(name: object) -> int:
+    if isinstance(name, str) and len(name) == 1 and name in " abcd":
         return ord(name)
-    raise ValueError(f"controller: case is {name!r}; allowed: 'a' to 'd', or ' '")
+    raise PalmbotsError(f'controller: case is {_shown(name)}; allowed: "a" to "d", or " "')

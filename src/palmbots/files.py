@@ -18,7 +18,7 @@ from typing import BinaryIO
 
 from palmbots.errors import PalmbotsError
 
-__all__ = ["folder", "whole_file", "write_whole"]
+__all__ = ["folder", "remove", "whole_file", "write_whole"]
 
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:
@@ -87,6 +87,17 @@ def write_whole(path: str | os.PathLike[str], data: bytes | str) -> None:
     """Write `data` (text as UTF-8) to `path`, whole or not at all."""
     with whole_file(path) as stream:
         stream.write(data.encode() if isinstance(data, str) else data)
+
+
+def remove(path: Path) -> bool:
+    """Remove the file `path`, if there is one; returns whether there was."""
+    try:
+        path.unlink()
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be removed: {error.strerror or error}") from None
+    return True
 
 
 def folder(path: str | os.PathLike[str]) -> Path:

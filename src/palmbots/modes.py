@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palmbots import _core
+from palmbots.columns import columns_of
 from palmbots.errors import PalmbotsError, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
@@ -84,34 +85,13 @@ def states(
     Raises:
         ValueError: the arguments do not broadcast.
     """
-    w, x = np.asarray(width, float), np.asarray(com_x, float)
-    given = [
-        w,
-        x,
-        w - x,
-        *(
-            np.asarray(v, float)
-            for v in (
-                com_y,
-                slope,
-                offset_left,
-                offset_right,
-                friction_left,
-                friction_right,
-                theta_left,
-                theta_right,
-                p_left,
-                p_right,
-            )
-        ),
-    ]
-    shape = np.broadcast_shapes(*(v.shape for v in given))
-    n = math.prod(shape)
-    # One number for all states stays one number: nothing is blown up that need not be.
-    columns = [
-        v.reshape(1) if v.size == 1 else np.ascontiguousarray(np.broadcast_to(v, shape)).reshape(n)
-        for v in given
-    ]
+    pairs = (
+        (offset_left, offset_right),
+        (friction_left, friction_right),
+        (theta_left, theta_right),
+        (p_left, p_right),
+    )
+    shape, n, columns = columns_of(width, com_x, com_y, slope, pairs)
     left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, n)
     ends = np.stack([left_low, left_high, right_low, right_high], axis=-1)
     return States(

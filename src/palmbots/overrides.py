@@ -39,18 +39,22 @@ def parse_overrides(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def merged(
-    data: Mapping[str, Any], overrides: Mapping[str, Any], inside: str = ""
+    data: Mapping[str, Any],
+    overrides: Mapping[str, Any],
+    inside: str = "",
+    called: str = "overrides:",
 ) -> dict[str, Any]:
     """`data` with the overrides put in: {"palm.left.friction": 0.4} or nested tables.
 
     Tables are merged, None takes a key away, anything else is replaced; the arguments stay as they
     are. Raises `SceneError` where an override is to go into something that is no table; which keys
-    there may be is for the scene to say. `inside` is the dotted key of `data`, with a dot.
+    there may be is for the scene to say. `inside` is the dotted key of `data`, with a dot; `called`
+    is what a message calls the overrides.
     """
     result = dict(data)
     for key, value in overrides.items():
         if not isinstance(key, str):
-            raise SceneError(f"overrides: {inside}{show(key)} is not a key; allowed: a dotted key")
+            raise SceneError(f"{called} {inside}{show(key)} is not a key; allowed: a dotted key")
         first, dot, rest = key.partition(".")
         if dot:
             value = {rest: value}
@@ -60,10 +64,10 @@ def merged(
             table = result.get(first, {})
             if not isinstance(table, Mapping):
                 raise SceneError(
-                    f"overrides: {inside}{key}: {inside}{first} is {show(table)}, which holds no "
+                    f"{called} {inside}{key}: {inside}{first} is {show(table)}, which holds no "
                     "keys; allowed: a key inside a table"
                 )
-            result[first] = merged(table, value, f"{inside}{first}.")
+            result[first] = merged(table, value, f"{inside}{first}.", called)
         else:
             result[first] = value
     return result

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -16,10 +17,18 @@ if TYPE_CHECKING:
     from palmbots.modes import ContactModes
     from palmbots.replay import Replay
 
-__all__ = ["carry_report", "compare_report", "modes_report", "replay_report"]
+__all__ = [
+    "carry_report",
+    "compare_report",
+    "counted",
+    "files_written",
+    "modes_report",
+    "replay_report",
+]
 
 _SIDES = ("left", "right")
 _GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
+_ANY_WIDTH = 10_000  # columns: a pipe or a file has no edge at which to break or cut a line
 
 _REASONS = {
     "off-palm": "a contact ran past the end of its palm",
@@ -45,6 +54,19 @@ _CASES = {
 }
 
 
+def counted(n: int, noun: str) -> str:
+    """A number with its noun: 1 correction, 2 corrections, 2 carries."""
+    many = f"{noun[:-1]}ies" if noun.endswith("ry") else f"{noun}s"
+    return f"{n} {noun if n == 1 else many}"
+
+
+def _console() -> Console:
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = _ANY_WIDTH
+    return console
+
+
 def _plain() -> Table:
     return Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
 
@@ -54,10 +76,14 @@ def _mm(metres: float) -> str:
 
 
 def carry_report(
-    done: "Carry", scene_name: str, warnings: Sequence[str], written: Sequence[Path]
+    done: "Carry",
+    scene_name: str,
+    warnings: Sequence[str],
+    written: Sequence[Path],
+    removed: Sequence[Path] = (),
 ) -> None:
     """The outcome of a carry at a glance: result, contacts, corrections, files."""
-    console = Console(highlight=False)
+    console = _console()
     good = done.outcome == "delivered"
     head = Text(done.outcome.upper(), style=_GOOD if good else _BAD)
     head.append(
@@ -80,8 +106,9 @@ def carry_report(
     console.print(table)
 
     if done.corrections:
-        console.print(f"{len(done.corrections)} corrections")
+        console.print(counted(len(done.corrections), "correction"))
         counts = Counter((c.case, c.robot) for c in done.corrections)
+        alone = Counter(c.case for c in done.corrections if c.assistant is None)
         cases = _plain()
         for case in sorted({case for case, _ in counts}):
             by_robot = "   ".join(
@@ -89,17 +116,23 @@ def carry_report(
                 for robot in (*_SIDES, "both")
                 if counts[case, robot]
             )
+            if case in ("a", "b") and alone[case]:
+                by_robot += f"   ({alone[case]} unanswered)"
             cases.add_row(f"  ({case})", Text(_CASES.get(case, ""), style=_QUIET), by_robot)
         console.print(cases)
     lost = f", {done.messages_lost} lost" if done.messages_lost else ""
-    bumps = f"   {done.bumps} bumps" if done.bumps else ""
-    console.print(f"{done.messages} messages{lost}{bumps}   trace {done.trace_hash}", style=_QUIET)
+    bumps = f"   {counted(done.bumps, 'bump')}" if done.bumps else ""
+    messages = counted(done.messages, "message")
+    console.print(f"{messages}{lost}{bumps}   trace {done.trace_hash}", style=_QUIET)
     for warning in warnings:
         console.print(Text("warning: ", style="bold yellow").append(warning, style="default"))
-    _files(console, written)
+    files_written(console, written)
+    for path in removed:
+        console.print(f"removed {path}, of an earlier carry", soft_wrap=True)
 
 
-def _files(console: Console, written: Sequence[Path]) -> None:
+def files_written(console: Console, written: Sequence[Path]) -> None:
+    """The files that a command wrote, with their sizes."""
     for path in written:
         console.print(f"wrote {path}  {_size(path.stat().st_size)}", soft_wrap=True)
 
@@ -110,7 +143,7 @@ def _size(n: int) -> str:
 
 def modes_report(found: "ContactModes") -> None:
     """The nine modes as a 3 × 3 table, and what happens."""
-    console = Console(highlight=False)
+    console = _console()
     console.print(
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
         f"contacts {_mm(found.p_left_m)}, {_mm(found.p_right_m)}   object {found.object_deg:.2f}°"
@@ -129,7 +162,7 @@ def modes_report(found: "ContactModes") -> None:
         ("opening", found.opening, False),
     ):
         if mode is not None:
-            console.print(f"{what}: [bold]{mode[0]}–{mode[1]}[/bold]")
+            console.print(f"{what}: left [bold]{mode[0]}[/bold], right [bold]{mode[1]}[/bold]")
         else:
             held = any(m == ("ST", "ST") for m in found.feasible)
             why = "jammed: no contact lets go" if held or wedged else "the object is not held"
@@ -158,13 +191,15 @@ def _end(value: float) -> str:
 
 def compare_report(done: "Comparison", written: Path | None) -> None:
     """One row for each controller and value."""
-    console = Console(highlight=False)
-    table = Table(title=f"{done.rows[0].n} carries a row, seeds from {done.seed}")
+    console = _console()
+    carries = counted(done.rows[0].n, "carry")
+    title = f"{done.key}: {carries} a value, seeds from {done.seed}"
+    table = Table(title=title, min_width=len(title))
     columns: tuple[tuple[str, Literal["left", "right"]], ...] = (
         ("controller", "left"),
-        (done.key, "right"),
+        ("value", "right"),
         ("dropped (95 %)", "right"),
-        ("contact rms", "right"),
+        ("rms", "right"),
         ("corrections", "right"),
     )
     for name, justify in columns:
@@ -175,18 +210,25 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
             table.add_section()
         table.add_row(
             row.controller if row.controller != last else "",
-            f"{row.value:g}",
+            _exactly(row.value),
             _rate(row.drop_rate, row.interval),
             _mm(row.rms_m),
             f"{row.corrections:.1f}",
         )
         last = row.controller
+    # A terminal that is too narrow may break lines, but nobody cuts numbers.
+    widest = console.options.update(width=_ANY_WIDTH)
+    console.width = max(console.width, Measurement.get(console, widest, table).maximum)
     console.print(table)
     stalled = sum(round(row.stall_rate * row.n) for row in done.rows)
     if stalled:
-        console.print(f"{stalled} carries stalled: they neither arrived nor dropped in time")
+        console.print(f"{counted(stalled, 'carry')} stalled: neither arrived nor dropped in time")
     if written is not None:
-        _files(console, [written])
+        files_written(console, [written])
+
+
+def _exactly(value: float) -> str:
+    return short if float(short := f"{value:g}") == value else repr(value)
 
 
 def _rate(rate: float, interval: tuple[float, float]) -> str:
@@ -196,7 +238,7 @@ def _rate(rate: float, interval: tuple[float, float]) -> str:
 
 def replay_report(result: "Replay", log: Path) -> None:
     """Whether the new run is the logged one."""
-    console = Console(highlight=False)
+    console = _console()
     if result.identical:
         console.print(
             Text("IDENTICAL", style=_GOOD).append(

@@ -166,22 +166,25 @@ class Scene(Section):
 def load_scene(
     source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     overrides: Mapping[str, Any] | None = None,
+    *,
+    called: str = "overrides:",
 ) -> Scene:
     """The scene of a built-in name, TOML file, table or other scene, with overrides on top.
 
     `overrides` has dotted keys, {"radio.loss": 0.1}, nested tables, or both; None as a value
     means "not set". What is not given has its default, the value in the scene `paper`.
     Raises `SceneError`, one line that names file, key, value and what is allowed. The
-    source has to be valid by itself, so that a complaint blames either it or the overrides.
+    source has to be valid by itself, so that a complaint blames either it or the overrides, which
+    it calls what `called` says.
     """
     if isinstance(source, Scene):
         scene, data = source, source.model_dump()
     elif isinstance(source, Mapping):
         data = dict(source)
-        scene = _validated("scene", data)
+        scene = _validated("scene:", data)
     elif isinstance(source, str | os.PathLike):
         name, data = read_scene(source)
-        scene = _validated(name, data)
+        scene = _validated(f"{name}:", data)
     else:
         raise SceneError(
             f"{show(source)}: is no scene; allowed: a built-in name, a path, a table or a Scene"
@@ -189,12 +192,12 @@ def load_scene(
     if not overrides:
         return scene
     if not isinstance(overrides, Mapping):
-        raise SceneError(f"overrides: {show(overrides)} is not a table; allowed: {{key: value}}")
-    return _validated("overrides", merged(data, overrides))
+        raise SceneError(f"{called} {show(overrides)} is not a table; allowed: {{key: value}}")
+    return _validated(called, merged(data, overrides, called=called))
 
 
-def _validated(name: str, data: dict[str, Any]) -> Scene:
+def _validated(called: str, data: dict[str, Any]) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        raise SceneError(f"{name}: {complaint(error, Scene)}") from None
+        raise SceneError(f"{called} {complaint(error, Scene)}") from None

@@ -20,6 +20,7 @@ from pydantic import (
     model_validator,
 )
 
+from palmbots import _core
 from palmbots.quantities import Angle, Fraction, Index, Range, Switch, fault, from_list
 from palmbots.standing import check_standing
 
@@ -59,6 +60,7 @@ Distance = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10_000)
 Travel = Annotated[float, BeforeValidator(Range("m", least=0, most=10_000))]
 Mass = Annotated[float, BeforeValidator(Range("kg", least=0.001, most=1000))]
 Friction = Annotated[float, BeforeValidator(Range(least=0.001, most=100))]
+SlipAngle = Annotated[float, BeforeValidator(Range("degrees", least=0.1, most=89))]
 Turning = Annotated[float, BeforeValidator(Range("degrees/s", least=0.1, most=100_000))]
 Speed = Annotated[float, BeforeValidator(Range("m/s", least=0, most=10))]
 SpeedError = Annotated[float, BeforeValidator(Range("m/s", least=-1, most=1))]
@@ -127,6 +129,9 @@ class PalmParameters(Section):
     """Distance of the palm's surface above its pivot, along the palm's normal."""
     friction: Friction = 0.3
     """Coulomb coefficient between palm and object."""
+    slip_deg: SlipAngle | None = None
+    """Measured instead: the palm angle at which the object begins to slide. Takes the place of
+    `friction`, which is its tangent."""
     shallow_deg: Angle = 5.0
     """Angle of the palm while it is tilted up; an angle > 0 rises outward."""
     steep_deg: Angle = 15.0
@@ -142,6 +147,7 @@ class PalmOverride(Section):
     width_m: Size | None = None
     pivot_offset_m: Shift | None = None
     friction: Friction | None = None
+    slip_deg: SlipAngle | None = None
     shallow_deg: Angle | None = None
     steep_deg: Angle | None = None
     rate_deg_s: Turning | None = None
@@ -155,7 +161,13 @@ class Palm(PalmParameters):
 
     def of(self, side: Side) -> PalmParameters:
         """The palm of one side, with what overrides it applied."""
-        return PalmParameters(**_merged(self, self.left if side == "left" else self.right))
+        override = self.left if side == "left" else self.right
+        values = _merged(self, override)
+        if override.friction is not None and override.slip_deg is None:
+            values["slip_deg"] = None  # this palm's own coefficient, not both palms' slip angle
+        if values["slip_deg"] is not None:
+            values["friction"] = _core.tangent(values["slip_deg"] * (math.pi / 180))
+        return PalmParameters(**values)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

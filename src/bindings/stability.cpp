@@ -1,0 +1,145 @@
+// Bands, envelopes and the map over both angles.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include "bindings.hpp"
+#include "palmbots/envelope.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+using Pair = std::pair<double, double>;
+using Sides = std::array<Pair, 2>;
+using Angles = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+Interval<double> interval(Pair ends) { return {ends.first, ends.second}; }
+PerSide<Interval<double>> intervals(const Sides& ends) {
+  return {interval(ends[left]), interval(ends[right])};
+}
+Pair ends_of(Interval<double> i) { return {i.low, i.high}; }
+
+// Angles (shallow, steep) of the left and the right palm [rad].
+PerSide<AnglePair<double>> angles_of(const Sides& angles) {
+  const auto pair = [](Pair a) {
+    return AnglePair<double>{PalmAngle<double>::at(a.first), PalmAngle<double>::at(a.second)};
+  };
+  return {pair(angles[left]), pair(angles[right])};
+}
+
+const Property& property_of(int number) {
+  if (number < 0 || number > 2) throw std::out_of_range("property is 0, 1 or 2");
+  return properties[number];
+}
+
+std::size_t side_of(std::size_t side) {
+  if (side > 1) throw std::out_of_range("side is 0 (left) or 1 (right)");
+  return side;
+}
+
+auto grid(std::vector<double>&& values, std::size_t rows, std::size_t columns) {
+  auto* kept = new std::vector<double>(std::move(values));
+  return nb::ndarray<nb::numpy, double, nb::ndim<2>>(kept->data(), {rows, columns}, owner_of(kept));
+}
+
+nb::tuple design_map(const Envelope<double>& envelope, const Angles& shallow, const Angles& steep) {
+  const std::size_t rows = shallow.size();
+  const std::size_t columns = steep.size();
+  std::vector<double> low(rows * columns);
+  std::vector<double> high(rows * columns);
+  {
+    const nb::gil_scoped_release release;
+    std::vector<PalmAngle<double>> across(columns);
+    for (std::size_t j = 0; j < columns; ++j) across[j] = PalmAngle<double>::at(steep.data()[j]);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const auto down = PalmAngle<double>::at(shallow.data()[i]);
+      for (std::size_t j = 0; j < columns; ++j) {
+        const AnglePair<double> pair{down, across[j]};
+        const Interval<double> permitted = com_x_all<double>(envelope, {pair, pair});
+        low[i * columns + j] = permitted.low;
+        high[i * columns + j] = permitted.high;
+      }
+    }
+  }
+  return nb::make_tuple(grid(std::move(low), rows, columns), grid(std::move(high), rows, columns));
+}
+
+}  // namespace
+
+void bind_stability(nb::module_& m) {
+  using E = Envelope<double>;
+  nb::class_<E>(m, "Envelope", "Everything under which the properties have to hold.")
+      .def(
+          "__init__",
+          [](E* self, const Spec& spec, Pair com_y, const Sides& friction, bool common, Pair slope,
+             const Sides& contacts, double beyond) {
+            const Rig<double> rig = rig_of<double>(spec);
+            new (self) E{spec.width,      rig.offset,
+                         interval(com_y), {intervals(friction), common},
+                         interval(slope), intervals(contacts),
+                         beyond,          rig.clear};
+          },
+          nb::arg("spec"), nb::arg("com_y"), nb::arg("friction"), nb::arg("common"),
+          nb::arg("slope"), nb::arg("contacts"), nb::arg("beyond"))
+      .def(
+          "com_x_of",
+          [](const E& self, int property, std::size_t shallow, const Sides& angles) {
+            if (property != 1 && property != 2) throw std::out_of_range("property is 1 or 2");
+            return ends_of(com_x_of(self, property, side_of(shallow), angles_of(angles)));
+          },
+          nb::arg("property"), nb::arg("shallow"), nb::arg("angles"))
+      .def(
+          "com_x_held",
+          [](const E& self, const Sides& angles) {
+            return ends_of(com_x_held(self, angles_of(angles)));
+          },
+          nb::arg("angles"))
+      .def(
+          "com_x_all",
+          [](const E& self, const Sides& angles) {
+            return ends_of(com_x_all(self, angles_of(angles)));
+          },
+          nb::arg("angles"))
+      .def(
+          "clearance",
+          [](const E& self, const Sides& angles) {
+            return clearance_margin(self, angles_of(angles));
+          },
+          nb::arg("angles"))
+      .def("map", &design_map, nb::arg("shallow"), nb::arg("steep"),
+           "The permitted c_x (low, high) at every pair of angles, alike for both palms.");
+
+  m.def(
+      "com_band",
+      [](int property, std::size_t shallow, double width, double slope, const Sides& friction,
+         bool common, std::array<double, 2> angles, double rise) {
+        const PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(angles[left]),
+                                               PalmAngle<double>::at(angles[right])};
+        const ComBand<double> band =
+            com_band<double>(property_of(property), side_of(shallow), palms,
+                             {intervals(friction), common}, width, slope, span_at(rise, width));
+        return std::tuple(band.x, band.y, band.low, band.high, static_cast<int>(band.low_by),
+                          static_cast<int>(band.high_by));
+      },
+      nb::arg("property"), nb::arg("shallow"), nb::arg("width"), nb::arg("slope"),
+      nb::arg("friction"), nb::arg("common"), nb::arg("angles"), nb::arg("rise"),
+      "The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.");
+  m.def(
+      "rise_over",
+      [](int property, std::size_t shallow, const Sides& contacts, double beyond,
+         std::array<double, 2> angles, std::array<double, 2> offset) {
+        property_of(property);
+        const PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(angles[left]),
+                                               PalmAngle<double>::at(angles[right])};
+        return ends_of(rise_over<double>(
+            region_of<double>(property, side_of(shallow), intervals(contacts), beyond), palms,
+            {offset[left], offset[right]}));
+      },
+      nb::arg("property"), nb::arg("shallow"), nb::arg("contacts"), nb::arg("beyond"),
+      nb::arg("angles"), nb::arg("offset"),
+      "The height differences of the contacts over a property's region.");
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,69 @@
+"""What the commands of the command line share: exit statuses, options, a progress bar."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+import typer
+
+from palmbots.scene import Scene
+
+__all__ = [
+    "BAD_INPUT",
+    "DONE",
+    "FAILED",
+    "JsonOption",
+    "PrecisionOption",
+    "SceneArgument",
+    "SeedOption",
+    "SetOption",
+    "app",
+    "progress",
+    "scene_of",
+]
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+app = typer.Typer(
+    name="palmbots",
+    help="Two robots, a flat tiltable palm each, carry one object together.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="[SCENE]", help="A built-in scene or a TOML file.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a scene key; may be given often."),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of all that is random.")]
+PrecisionOption = Annotated[str, typer.Option("--precision", help="double or float.")]
+
+
+def scene_of(source: str, changes: list[str] | None) -> Scene:
+    """The scene of a command, with what --set changes."""
+    from palmbots.overrides import parse_overrides
+    from palmbots.scene import load_scene
+
+    return load_scene(source, parse_overrides(changes or []), called="--set")
+
+
+@contextmanager
+def progress(what: str, quiet: bool) -> Iterator[Callable[[float], None]]:
+    """A progress bar on stderr, where a person looks at it; gives a function to report to."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda fraction: None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda fraction: bar.update(task, completed=fraction)

@@ -1,0 +1,68 @@
+"""Where a condition holds along one quantity: unions of intervals with exact ends.
+
+The ends are roots of the forms of `forms.py`, polynomials of degree at most two in the quantity.
+Between two neighbouring roots nothing changes, so one look in the middle decides the whole piece.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+from typing import Any
+
+from numpy.polynomial import Polynomial
+
+__all__ = ["VARIABLE", "Interval", "around", "intersection", "real_roots", "where"]
+
+Interval = tuple[float, float]
+
+VARIABLE = Polynomial([0.0, 1.0])
+"""Put in place of a number, it makes polynomials of the forms."""
+
+
+def real_roots(value: Any) -> Iterator[float]:
+    """The real roots of a polynomial, or none of a plain number."""
+    if not isinstance(value, Polynomial):
+        return
+    coefficients = [float(c) for c in value.coef]
+    while coefficients and coefficients[-1] == 0:
+        coefficients.pop()
+    if len(coefficients) == 2:
+        yield -coefficients[0] / coefficients[1]
+    elif len(coefficients) == 3:
+        c, b, a = coefficients
+        discriminant = b * b - 4 * a * c
+        if discriminant < 0:
+            return
+        q = -0.5 * (b + math.copysign(math.sqrt(discriminant), b))
+        yield q / a
+        if q != 0:
+            yield c / q
+
+
+def where(
+    candidates: Iterable[float], domain: Interval, holds: Callable[[float], bool]
+) -> tuple[Interval, ...]:
+    """The intervals of the domain in which `holds`, given every value at which it may change."""
+    low, high = domain
+    inside = sorted({c for c in candidates if low < c < high})
+    pieces: list[Interval] = []
+    for start, end in pairwise([low, *inside, high]):
+        if not holds(0.5 * (start + end)):
+            continue
+        if pieces and pieces[-1][1] == start:
+            pieces[-1] = (pieces[-1][0], end)
+        else:
+            pieces.append((start, end))
+    return tuple(pieces)
+
+
+def around(pieces: Iterable[Interval], value: float) -> Interval | None:
+    """The interval that contains a value; None: none does."""
+    return next((piece for piece in pieces if piece[0] <= value <= piece[1]), None)
+
+
+def intersection(intervals: Iterable[Interval]) -> Interval | None:
+    """What is common to all; None: nothing."""
+    lows, highs = zip(*intervals, strict=True)
+    low, high = max(lows), min(highs)
+    return (low, high) if low <= high else None

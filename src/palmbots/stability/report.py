@@ -1,0 +1,162 @@
+"""What `palmbots analyze`, `certify` and `check` print for people."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from palmbots.report import files_written
+from palmbots.stability.forms import text_of
+from palmbots.stability.ranges import Interval
+
+if TYPE_CHECKING:
+    from palmbots.check import Checked
+    from palmbots.stability.analysis import Analysis
+    from palmbots.stability.certificate import Certificate
+
+__all__ = ["analysis_report", "certificate_report", "check_report"]
+
+_NAMES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
+
+
+def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path]) -> None:
+    """The properties with their margins, what binds, the ranges, and the warnings they deserve."""
+    console = Console(highlight=False)
+    good = found.holds
+    head = Text("HOLDS" if good else "FAILS", style="bold green" if good else "bold red")
+    region = found.situation.contacts[0]
+    head.append("  both properties, either palm shallow", style="bold")
+    head.append(f"   {scene_name}, p {1e3 * region[0]:.1f} to {_mm(region[1])}", style="dim")
+    console.print(head)
+
+    table = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0))
+    for name in ("property", "shallow", "", "travel", "angles", "friction", "COM"):
+        table.add_column(name, justify="left" if name in ("property", "shallow", "") else "right")
+    for (number, shallow), report in found.properties.items():
+        margins = report.margins
+        table.add_row(
+            _NAMES[number] if shallow == "left" else "",
+            shallow,
+            Text("holds", style="green") if report.holds else Text("FAILS", style="bold red"),
+            _signed(margins.travel_m, 1e3, "mm"),
+            _signed(margins.angle_rad, 180 / math.pi, "°", "±"),
+            _signed(margins.friction, 1, "", "±"),
+            _signed(margins.com_m, 1e3, "mm", "±" if report.holds else ""),
+        )
+    console.print(table)
+    weakest = min(
+        (r for r in found.properties.values() if r.binding),
+        key=lambda r: r.margins.travel_m if r.margins.travel_m is not None else math.inf,
+        default=None,
+    )
+    if weakest is not None:
+        left, right = weakest.binding_p_m
+        console.print(
+            f"nearest to failing: {_NAMES[weakest.number]}, {weakest.shallow} palm shallow, at "
+            f"{_mm(left)}, {_mm(right)}:\n  {weakest.binding}"
+        )
+
+    console.print(Text("both properties hold, each range with all else as in the scene", "bold"))
+    ranges = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
+    ranges.add_row("  COM along the object", _interval(found.com_x_m, 1e3, "mm"))
+    ranges.add_row("  COM height", _union(found.com_y_m, 1e3, "mm"))
+    ranges.add_row("  friction, both palms", _union(found.friction, 1, ""))
+    half = found.half_length_m
+    ranges.add_row("  palm half-length", "none" if half is None else f"up to {_mm(half[1])}")
+    ranges.add_row("  angle error", _signed(found.angle_error_rad, 180 / math.pi, "°", "±"))
+    slope = found.slope
+    degrees = None if slope is None else tuple(math.degrees(math.atan(s)) for s in slope)
+    ranges.add_row(
+        "  slope, uphill +", "none" if degrees is None else f"{degrees[0]:.2f} to {degrees[1]:.2f}°"
+    )
+    limit = found.max_acceleration_m_s2
+    ranges.add_row("  acceleration", "none" if limit is None else f"up to {limit:.2f} m/s²")
+    console.print(ranges)
+
+    clear = math.degrees(found.clearance_rad)
+    wedging, sideways = found.wedging, found.sideways
+    console.print(
+        f"clearance {clear:.2f}°"
+        + ("" if clear > 0 else "  an edge of the object comes to lie on a palm")
+    )
+    start = (
+        f"wedging starts at friction {wedging.friction:.2f} ({wedging.side} palm, {wedging.palm})"
+        if math.isfinite(wedging.friction)
+        else "no contact can wedge"
+    )
+    console.print(start + ("  the scene's friction is above that" if wedging.happens else ""))
+    console.print(
+        f"sideways: support ±{_mm(sideways.margin_m)}, tips at "
+        f"{math.degrees(sideways.tilt_rad):.1f}° or {sideways.acceleration_g:.2f} g"
+    )
+    files_written(console, written)
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.1f} mm"
+
+
+def _signed(value: float | None, scale: float, unit: str, sign: str = "") -> str:
+    if value is None:
+        return "–"
+    space = "" if unit in ("", "°") else " "
+    return f"{sign}{scale * value:.{3 if not unit else 1}f}{space}{unit}"
+
+
+def _interval(ends: Interval | None, scale: float, unit: str) -> str:
+    if ends is None:
+        return "none"
+    digits = 1 if unit else 3
+    return f"{scale * ends[0]:.{digits}f} to {scale * ends[1]:.{digits}f} {unit}".rstrip()
+
+
+def _union(pieces: Sequence[Interval], scale: float, unit: str) -> str:
+    return ", ".join(_interval(piece, scale, unit) for piece in pieces) or "none"
+
+
+def certificate_report(found: "Certificate", written: Sequence[Path]) -> None:
+    """What was proved, or where it fails."""
+    console = Console(highlight=False)
+    looks = {"holds": "bold green", "fails": "bold red", "undecided": "bold yellow"}
+    words = {
+        "holds": "CERTIFIED TO HOLD",
+        "fails": "CERTIFIED TO FAIL",
+        "undecided": "UNDECIDED",
+    }
+    head = Text(words[found.verdict], style=looks[found.verdict])
+    head.append(f"  {', '.join(found.data['claims'])}", style="bold")
+    console.print(head)
+    if found.verdict == "holds":
+        console.print(f"{found.parts} parts of the box proved at their corners", style="dim")
+    elif found.verdict == "fails":
+        witness = found.data["witness"]
+        number, side = int(witness["claim"][0]), witness["claim"].split()[1]
+        console.print(f"{_NAMES[number]}, {side}: {text_of(number, witness['fails'])}")
+        table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
+        for name, key, unit in (
+            ("palm angles", "angle_deg", "°"),
+            ("friction", "friction", ""),
+            ("contacts", "contacts_m", " m"),
+        ):
+            pair = witness[key]
+            table.add_row(f"  {name}", f"left {pair['left']}{unit}", f"right {pair['right']}{unit}")
+        table.add_row("  COM", f"x {witness['com_m'][0]} m", f"y {witness['com_m'][1]} m")
+        console.print(table)
+    else:
+        console.print(f"neither proved nor refuted: {found.undecided} (a smaller box may decide)")
+    files_written(console, written)
+
+
+def check_report(found: "Checked", path: Path) -> None:
+    """Whether a certificate proves what it claims."""
+    console = Console(highlight=False)
+    if found.valid:
+        console.print(Text("VALID", style="bold green").append(f"  {path}", style="default"))
+    else:
+        console.print(Text("INVALID", style="bold red").append(f"  {path}", style="default"))
+        console.print(f"  {found.why}")
+    console.print(f"  {found.claim}", style="dim")
