@@ -4,8 +4,10 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
+#include <limits>
+
 #include "bindings.hpp"
-#include "palmbots/envelope.hpp"
+#include "palmbots/tolerance.hpp"
 
 namespace palmbots::bindings {
 
@@ -44,26 +46,46 @@ auto grid(std::vector<double>&& values, std::size_t rows, std::size_t columns) {
   return nb::ndarray<nb::numpy, double, nb::ndim<2>>(kept->data(), {rows, columns}, owner_of(kept));
 }
 
-nb::tuple design_map(const Envelope<double>& envelope, const Angles& shallow, const Angles& steep) {
+using Reach = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+// Tolerance and clearance at every pair of angles. `reach`: how far out the contacts may be there; an
+// empty array leaves the envelope's own region. −inf: steep is not above shallow; the clearance is
+// looked at only where the tolerance is not negative.
+nb::tuple design_map(const Envelope<double>& envelope, const Angles& shallow, const Angles& steep,
+                     Pair com_x, int quantity, double most, const Reach& reach) {
+  if (quantity < 0 || quantity > 4) throw std::out_of_range("quantity is 0 to 4");
   const std::size_t rows = shallow.size();
   const std::size_t columns = steep.size();
-  std::vector<double> low(rows * columns);
-  std::vector<double> high(rows * columns);
+  const bool own_region = reach.size() == 0;
+  if (!own_region && (reach.shape(0) != rows || reach.shape(1) != columns)) {
+    throw std::invalid_argument("reach: one number for each pair of angles");
+  }
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  std::vector<double> tolerances(rows * columns, none);
+  std::vector<double> clearances(rows * columns, none);
   {
     const nb::gil_scoped_release release;
     std::vector<PalmAngle<double>> across(columns);
     for (std::size_t j = 0; j < columns; ++j) across[j] = PalmAngle<double>::at(steep.data()[j]);
+    Envelope<double> here = envelope;
     for (std::size_t i = 0; i < rows; ++i) {
       const auto down = PalmAngle<double>::at(shallow.data()[i]);
       for (std::size_t j = 0; j < columns; ++j) {
+        if (!(down.angle < across[j].angle)) continue;
+        const std::size_t at = i * columns + j;
+        if (!own_region) {
+          const double far = reach.data()[at];
+          here.contacts = {Interval<double>{-far, far}, Interval<double>{-far, far}};
+        }
         const AnglePair<double> pair{down, across[j]};
-        const Interval<double> permitted = com_x_all<double>(envelope, {pair, pair});
-        low[i * columns + j] = permitted.low;
-        high[i * columns + j] = permitted.high;
+        tolerances[at] = tolerance<double>(here, interval(com_x), static_cast<Quantity>(quantity),
+                                           most, {pair, pair});
+        if (tolerances[at] >= 0) clearances[at] = clearance_margin<double>(here, {pair, pair});
       }
     }
   }
-  return nb::make_tuple(grid(std::move(low), rows, columns), grid(std::move(high), rows, columns));
+  return nb::make_tuple(grid(std::move(tolerances), rows, columns),
+                        grid(std::move(clearances), rows, columns));
 }
 
 }  // namespace
@@ -108,8 +130,11 @@ void bind_stability(nb::module_& m) {
             return clearance_margin(self, angles_of(angles));
           },
           nb::arg("angles"))
-      .def("map", &design_map, nb::arg("shallow"), nb::arg("steep"),
-           "The permitted c_x (low, high) at every pair of angles, alike for both palms.");
+      .def(
+          "map", &design_map, nb::arg("shallow"), nb::arg("steep"), nb::arg("com_x"),
+          nb::arg("quantity"), nb::arg("most"), nb::arg("reach"),
+          "Tolerance of a quantity (0 COM, 1 friction, 2 slope, 3 contacts, 4 angle) and clearance "
+          "[rad] at every pair of angles, alike for both palms.");
 
   m.def(
       "com_band",

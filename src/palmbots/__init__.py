@@ -13,10 +13,12 @@ from palmbots.errors import PalmbotsError, SceneError
 from palmbots.feasibility import feasible_modes
 from palmbots.log import Log, read_log, write_log
 from palmbots.modes import MODES, ContactModes, States, modes, states
+from palmbots.object_files import objects
 from palmbots.replay import Replay, replay
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.certificate import Certificate, certify
+from palmbots.stability.design import Design, design
 from palmbots.version import __version__
 
 __all__ = [
@@ -29,6 +31,7 @@ __all__ = [
     "ContactModes",
     "Controller",
     "Correction",
+    "Design",
     "Distributed",
     "Letter",
     "Log",
@@ -45,9 +48,11 @@ __all__ = [
     "certify",
     "check",
     "compare",
+    "design",
     "feasible_modes",
     "load_scene",
     "modes",
+    "objects",
     "read_log",
     "replay",
     "states",

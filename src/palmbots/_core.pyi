@@ -275,9 +275,9 @@ class Envelope:
 
     def clearance(self, angles: Sequence[tuple[float, float]]) -> float: ...
 
-    def map(self, shallow: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], steep: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple:
+    def map(self, shallow: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], steep: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], com_x: tuple[float, float], quantity: int, most: float, reach: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> tuple:
         """
-        The permitted c_x (low, high) at every pair of angles, alike for both palms.
+        Tolerance of a quantity (0 COM, 1 friction, 2 slope, 3 contacts, 4 angle) and clearance [rad] at every pair of angles, alike for both palms.
         """
 
 def com_band(property: int, shallow: int, width: float, slope: float, friction: Sequence[tuple[float, float]], common: bool, angles: Sequence[float], rise: float) -> tuple[float, float, float, float, int, int]:

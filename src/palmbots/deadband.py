@@ -12,7 +12,7 @@ from itertools import pairwise
 from palmbots.scene import Scene
 from palmbots.sections import RobotParameters
 
-__all__ = ["overrun_m", "warnings_before", "zero_zone_m"]
+__all__ = ["overrun_m", "warnings_before", "zero_zone_edges_m", "zero_zone_m"]
 
 
 def overrun_m(scene: Scene, controller: str) -> float:
@@ -41,11 +41,18 @@ def _braking_m(robot: RobotParameters, share: float, period: float) -> float:
 
 def zero_zone_m(scene: Scene) -> float:
     """The width of the stretch between − and + where the sensor reads 0 [m]."""
+    low, high = zero_zone_edges_m(scene)
+    return high - low
+
+
+def zero_zone_edges_m(scene: Scene) -> tuple[float, float]:
+    """Where the sensor ceases to read − and begins to read + [m]; infinite where it never does."""
     zones = scene.tactile.zones
     if zones is None:
-        return 2 * scene.tactile.zero_half_width_m
+        half = scene.tactile.zero_half_width_m
+        return -half, half
     if not zones:
-        return math.inf
+        return -math.inf, math.inf
     edges = sorted({edge for zone in zones for edge in (zone.from_m, zone.to_m)})
     pieces = [(-math.inf, edges[0]), *pairwise(edges), (edges[-1], math.inf)]
 
@@ -58,7 +65,7 @@ def zero_zone_m(scene: Scene) -> float:
     read = [(low, high, reads(low, high)) for low, high in pieces]
     negative_end = max((high for _, high, sign in read if sign == "-"), default=-math.inf)
     positive_start = min((low for low, _, sign in read if sign == "+"), default=math.inf)
-    return positive_start - negative_end
+    return negative_end, positive_start
 
 
 def warnings_before(scene: Scene, controller: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The commands that know before a carry: `palmbots analyze`, `certify`, `check`."""
+"""The commands that know before a carry: `palmbots analyze`, `certify`, `check`, `design`."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ import typer
 
 from palmbots.cli_options import DONE, FAILED, JsonOption, SceneArgument, SetOption, app, scene_of
 
-__all__ = ["analyze", "certify", "check"]
+__all__ = ["analyze", "certify", "check", "design"]
 
 
 @app.command(epilog="Example: palmbots analyze --set palm.friction=0.4 --figures out")
@@ -120,3 +120,92 @@ def check(
     else:
         check_report(found, certificate)
     return DONE if found.valid else FAILED
+
+
+@app.command(epilog="Example: palmbots design --friction 0.3 0.5 --region palm --out out")
+def design(
+    scene: SceneArgument = "paper",
+    maximize: Annotated[
+        str,
+        typer.Option("--maximize", help="com, friction, slope, acceleration, region or angle."),
+    ] = "com",
+    friction: Annotated[Interval, _interval("--friction", "Friction of both palms")] = None,
+    each: Annotated[
+        bool, typer.Option("--each", help="Each palm its own friction, not a common one.")
+    ] = False,
+    com_y_m: Annotated[Interval, _interval("--com-y-m", "COM above the contacts")] = None,
+    slope: Annotated[Interval, _interval("--slope", "Tangent of the floor's slope")] = None,
+    region: Annotated[
+        str,
+        typer.Option(
+            "--region",
+            metavar="implied|palm|LOW,HIGH",
+            help="Contacts it has to hold for: what the scene implies, the whole palm, or metres.",
+        ),
+    ] = "implied",
+    least_difference_deg: Annotated[
+        float, typer.Option(help="Least difference of the two angles.")
+    ] = 5.0,
+    least_clearance_deg: Annotated[
+        float, typer.Option(help="Least clearance of the outline.")
+    ] = 0.25,
+    angles_deg: Annotated[
+        tuple[float, float], typer.Option(metavar="LOW HIGH", help="Limits of both angles.")
+    ] = (-5.0, 50.0),
+    resolution_deg: Annotated[
+        float | None, typer.Option(help="Of the grid [default: 0.1 for com, else 0.5].")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write design.png, design.json (certificate)."),
+    ] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Find the palm angles that tolerate most, with a certificate."""
+    from palmbots.stability.design import design as run_design
+    from palmbots.stability.report import design_report
+
+    where: Any = region if region in ("implied", "palm") else _pair("--region", region)
+    found = run_design(
+        scene_of(scene, changes),
+        maximize=maximize,
+        friction=friction,
+        common=not each,
+        com_y_m=com_y_m,
+        slope=slope,
+        region_m=where,
+        least_difference_deg=least_difference_deg,
+        least_clearance_deg=least_clearance_deg,
+        angles_deg=angles_deg,
+        resolution_deg=resolution_deg,
+    )
+    written: list[Path] = []
+    if out is not None:
+        from palmbots.files import folder
+        from palmbots.stability.design_figure import save
+
+        target = folder(out)
+        written.append(target / "design.png")
+        save(found, written[0])
+        if found.certificate.verdict == "holds":
+            written.append(target / "design.json")
+            found.certificate.save(written[1])
+    if as_json:
+        print(json.dumps(found.summary(), allow_nan=False))
+    else:
+        design_report(found, scene, written)
+    return DONE
+
+
+def _pair(option: str, text: str) -> tuple[float, float]:
+    from palmbots.errors import PalmbotsError, show
+
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        raise PalmbotsError(
+            f"{option}: value is {show(text)}; allowed: implied, palm, or two numbers in m with a "
+            "comma between, as in -0.05,0.05"
+        ) from None
+    return low, high

@@ -1,4 +1,4 @@
-"""What `palmbots analyze`, `certify` and `check` print for people."""
+"""What `palmbots analyze`, `certify`, `check` and `design` print for people."""
 
 import math
 from collections.abc import Sequence
@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from palmbots.check import Checked
     from palmbots.stability.analysis import Analysis
     from palmbots.stability.certificate import Certificate
+    from palmbots.stability.design import Design
 
-__all__ = ["analysis_report", "certificate_report", "check_report"]
+__all__ = ["analysis_report", "certificate_report", "check_report", "design_report"]
 
 _NAMES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
@@ -160,3 +161,47 @@ def check_report(found: "Checked", path: Path) -> None:
         console.print(Text("INVALID", style="bold red").append(f"  {path}", style="default"))
         console.print(f"  {found.why}")
     console.print(f"  {found.claim}", style="dim")
+
+
+def design_report(found: "Design", scene_name: str, written: Sequence[Path]) -> None:
+    """The angles, what they are worth, and at what price."""
+    from palmbots.stability.design import QUANTITIES
+
+    console = Console(highlight=False)
+    *_, unit, scale, name = QUANTITIES[found.quantity]
+    head = Text(f"{found.shallow_deg:g}° and {found.steep_deg:g}°", style="bold green")
+    head.append(f"  tolerate most: {name.split(' [')[0]}", style="bold")
+    head.append(f"   {scene_name}", style="dim")
+    console.print(head)
+
+    def told(value: float) -> str:
+        shown = {"m": "mm", "rad": "°"}.get(unit, unit)
+        return f"±{scale * value:.3g}{'' if shown == '°' else ' '}{shown}".rstrip()
+
+    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
+    ratio = ""
+    if found.paper_tolerance:
+        gain = found.tolerance / found.paper_tolerance
+        ratio = f"{gain:.2f} × that of 5° and 15°, {told(found.paper_tolerance)}"
+    table.add_row("  tolerance", told(found.tolerance), ratio)
+    table.add_row("  clearance", f"{found.clearance_deg:.2f}°", "until an edge lies on a palm")
+    low, high = found.region_m
+    table.add_row("  contacts", f"{1e3 * low:.1f} to {_mm(high)}", "for which all of it holds")
+    if found.friction is not None:
+        table.add_row(
+            "  friction", f"{found.friction[0]:.3f} to {found.friction[1]:.3f}", "both palms alike"
+        )
+    table.add_row(
+        "  reaction",
+        f"{found.reaction_s['own']:.2f} s, {found.reaction_s['asked']:.2f} s",
+        "own contact (d), partner asked (a)",
+    )
+    console.print(table)
+    verdict = found.certificate.verdict
+    if verdict == "holds":
+        console.print("certified: properties 0, 1 and 2 and clearance, for all of the above")
+    else:
+        console.print(
+            Text(f"certificate: {verdict} ({found.certificate.undecided})", "bold yellow")
+        )
+    files_written(console, written)
