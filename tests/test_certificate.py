@@ -15,11 +15,7 @@ from flint import arb, ctx, fmpq
 
 import palmbots as pb
 from palmbots import check as check_function
-from palmbots.check import (
-    _cosine_of_degrees,  # pyright: ignore[reportPrivateUsage]
-    _root,  # pyright: ignore[reportPrivateUsage]
-    _sine_of_degrees,  # pyright: ignore[reportPrivateUsage]
-)
+from palmbots.enclosures import cosine_of_degrees, root, sine_of_degrees
 from palmbots.sections import SIDES
 from palmbots.stability.box import exact, text
 from palmbots.stability.certificate import Certificate, certify
@@ -289,7 +285,8 @@ def test_prover_and_checker_share_nothing() -> None:
         return found
 
     own = {m for m in imports(SOURCE / "check.py") if m.startswith("palmbots")}
-    assert own == {"palmbots.errors"}
+    assert own == {"palmbots.enclosures", "palmbots.errors"}
+    assert imports(SOURCE / "enclosures.py") == {"fractions", "math"}
     assert not imports(SOURCE / "check.py") & {"flint", "numpy"}
     for path in (SOURCE / "stability").glob("*.py"):
         if path.name not in ("cli.py", "report.py"):
@@ -303,8 +300,8 @@ def test_enclosures_of_the_checker() -> None:
             value = exact(float(degrees))
             angle = arb(fmpq(value.numerator, value.denominator)) * arb.pi() / 180
             sides = (
-                (_sine_of_degrees(value), angle.sin()),
-                (_cosine_of_degrees(value), angle.cos()),
+                (sine_of_degrees(value), angle.sin()),
+                (cosine_of_degrees(value), angle.cos()),
             )
             for (low, high), true in sides:
                 assert arb(fmpq(low.numerator, low.denominator)) <= true
@@ -312,8 +309,8 @@ def test_enclosures_of_the_checker() -> None:
                 assert high - low < Fraction(1, 10**21)
     for x in rng.uniform(0, 2, 200):
         value = exact(float(x))
-        assert _root(value, False) ** 2 <= value <= _root(value, True) ** 2
-        assert _root(value, True) - _root(value, False) <= Fraction(3, 10**24)
+        assert root(value, False) ** 2 <= value <= root(value, True) ** 2
+        assert root(value, True) - root(value, False) <= Fraction(3, 10**24)
 
 
 def test_numbers_are_written_exactly() -> None:

@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import palmbots as pb
 from palmbots import MODES, load_scene
@@ -32,7 +32,7 @@ def happens(
     shallow: Side,
     angles: tuple[float, float],
     p: tuple[NDArray[np.float64], NDArray[np.float64]],
-    **changed: float,
+    **changed: ArrayLike,
 ) -> NDArray[np.bool_]:
     """Whether the property holds at these contacts, state by state."""
     given = {

@@ -82,6 +82,34 @@ Interval<Real> com_x_of(const Envelope<Real>& envelope, int property, std::size_
   return detail::com_x_at(envelope, properties[property], shallow, palms, rise);
 }
 
+namespace detail {
+
+// Is everything the same seen from the other side?
+template <class Real>
+constexpr bool symmetric(const Envelope<Real>& e, const PerSide<AnglePair<Real>>& angles) {
+  const auto same = [](Interval<Real> p, Interval<Real> q) {
+    return p.low == q.low && p.high == q.high;
+  };
+  return e.slope.low == Real(0) && e.slope.high == Real(0) && e.offset[left] == e.offset[right] &&
+         same(e.friction.palms[left], e.friction.palms[right]) &&
+         same(e.contacts[left], e.contacts[right]) &&
+         angles[left].shallow.angle == angles[right].shallow.angle &&
+         angles[left].steep.angle == angles[right].steep.angle;
+}
+
+// If so, what one side permits the other one does in the mirror.
+template <class Real>
+constexpr Interval<Real> and_mirrored(const Envelope<Real>& e, Interval<Real> com_x, bool mirror) {
+  return mirror ? intersect(com_x, {e.width - com_x.high, e.width - com_x.low}) : com_x;
+}
+
+template <class Real>
+constexpr bool contains(Interval<Real> all, Interval<Real> part) {
+  return all.low <= part.low && part.high <= all.high;
+}
+
+}  // namespace detail
+
 // The c_x for which the object is held (property 0) while one palm turns between its angles and the
 // other one is steep, and with both palms shallow. [m]
 template <class Real>
@@ -90,6 +118,7 @@ Interval<Real> com_x_held(const Envelope<Real>& envelope, const PerSide<AnglePai
                         Interval<Real> rise) {
     return detail::com_x_at(envelope, properties[0], shallow, palms, rise);
   };
+  const bool mirror = detail::symmetric(envelope, angles);
   const PerSide<PalmAngle<Real>> steep{angles[left].steep, angles[right].steep};
   const PerSide<PalmAngle<Real>> flat{angles[left].shallow, angles[right].shallow};
   Interval<Real> permitted =
@@ -105,8 +134,9 @@ Interval<Real> com_x_held(const Envelope<Real>& envelope, const PerSide<AnglePai
       permitted = intersect(permitted,
                             held(palms, turning, detail::operating_rise(envelope, turning, palms)));
     }
+    if (mirror) break;
   }
-  return permitted;
+  return detail::and_mirrored(envelope, permitted, mirror);
 }
 
 // The same, no wider and much quicker: the squeeze at an edge grows with the palm's angle, so the
@@ -136,14 +166,22 @@ Interval<Real> com_x_held_surely(const Envelope<Real>& envelope,
 }
 
 // The c_x for which both properties hold with either palm as the shallow one, and the object is held
-// throughout. [m]
+// throughout. Where `wanted` is not within it the result is only no narrower, which saves work. [m]
 template <class Real>
-Interval<Real> com_x_all(const Envelope<Real>& envelope, const PerSide<AnglePair<Real>>& angles) {
-  Interval<Real> permitted = com_x_of(envelope, 1, left, angles);
-  permitted = intersect(permitted, com_x_of(envelope, 2, left, angles));
-  permitted = intersect(permitted, com_x_of(envelope, 1, right, angles));
-  permitted = intersect(permitted, com_x_of(envelope, 2, right, angles));
-  if (permitted.empty()) return permitted;
+Interval<Real> com_x_all(const Envelope<Real>& envelope, const PerSide<AnglePair<Real>>& angles,
+                         Interval<Real> wanted) {
+  const bool mirror = detail::symmetric(envelope, angles);
+  Interval<Real> permitted{-std::numeric_limits<Real>::infinity(),
+                           std::numeric_limits<Real>::infinity()};
+  for (const std::size_t shallow : {left, right}) {
+    for (const int property : {1, 2}) {
+      permitted = intersect(
+          permitted,
+          detail::and_mirrored(envelope, com_x_of(envelope, property, shallow, angles), mirror));
+      if (!detail::contains(permitted, wanted)) return permitted;
+    }
+    if (mirror) break;
+  }
   const Interval<Real> surely = intersect(permitted, com_x_held_surely(envelope, angles));
   if (surely.low == permitted.low && surely.high == permitted.high) return permitted;
   return intersect(permitted, com_x_held(envelope, angles));
@@ -154,21 +192,18 @@ Interval<Real> com_x_all(const Envelope<Real>& envelope, const PerSide<AnglePair
 // endless. [rad]
 template <class Real>
 Real clearance_margin(const Envelope<Real>& envelope, const PerSide<AnglePair<Real>>& angles) {
-  Real least = pi<Real>;
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  // The tangents of the angle between palm and object: the extremes over all that is looked at.
+  PerSide<Interval<Real>> seen{Interval<Real>{inf, -inf}, Interval<Real>{inf, -inf}};
+  bool within = true;
   const auto look = [&](const PerSide<PalmAngle<Real>>& palms, Interval<Real> rise) {
     for (const Real dy : {rise.low, rise.high}) {
       const Span<Real> span = span_at(dy, envelope.width);
-      if (!(span.dx > Real(0))) {
-        least = -pi<Real>;
-        return;
-      }
       for (const std::size_t side : {left, right}) {
         const Reach<Real> r = reach(span, side, palms[side]);
-        const Real angle = std::atan2(r.normal, r.inward);
-        const Real low = angle - std::atan(envelope.clear[side].low);
-        const Real high = std::atan(envelope.clear[side].high) - angle;
-        least = low < least ? low : least;
-        least = high < least ? high : least;
+        within = within && r.inward > Real(0);  // not so when the object cannot reach, too
+        const Real tangent = r.normal / r.inward;
+        seen[side] = hull(seen[side], {tangent, tangent});
       }
     }
   };
@@ -180,6 +215,14 @@ Real clearance_margin(const Envelope<Real>& envelope, const PerSide<AnglePair<Re
     PerSide<PalmAngle<Real>> palms = steep;
     palms[shallow] = flat[shallow];
     look(palms, detail::operating_rise(envelope, shallow, palms));
+  }
+  if (!within) return -pi<Real>;
+  Real least = pi<Real>;
+  for (const std::size_t side : {left, right}) {
+    const Real low = std::atan(seen[side].low) - std::atan(envelope.clear[side].low);
+    const Real high = std::atan(envelope.clear[side].high) - std::atan(seen[side].high);
+    least = low < least ? low : least;
+    least = high < least ? high : least;
   }
   return least;
 }

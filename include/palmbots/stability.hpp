@@ -153,7 +153,7 @@ constexpr ComBand<Real> com_band(const Property& property, std::size_t shallow,
   constexpr Real inf = std::numeric_limits<Real>::infinity();
   const Real dx = span.dx;
   const Real dy = span.dy;
-  const Real scale = Real(1) / std::sqrt(Real(1) + slope * slope);
+  const Real scale = slope == Real(0) ? Real(1) : Real(1) / std::sqrt(Real(1) + slope * slope);
   ComBand<Real> band{(dx - slope * dy) * scale / width,
                      -(dy + slope * dx) * scale / width,
                      Real(0),

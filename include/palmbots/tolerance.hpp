@@ -39,8 +39,7 @@ constexpr Envelope<Real> widened(Envelope<Real> envelope, Quantity quantity, Rea
 template <class Real>
 bool permits(const Envelope<Real>& envelope, Interval<Real> com_x,
              const PerSide<AnglePair<Real>>& angles) {
-  const Interval<Real> permitted = com_x_all(envelope, angles);
-  return permitted.low <= com_x.low && com_x.high <= permitted.high;
+  return contains(com_x_all(envelope, angles, com_x), com_x);
 }
 
 template <class Real>
@@ -63,13 +62,12 @@ bool permits_errors(const Envelope<Real>& envelope, Interval<Real> com_x,
 
 }  // namespace detail
 
-// The tolerance of one quantity, up to `most`; negative (COM) or −1 (others) where not even the
-// stated envelope holds.
+// The tolerance of one quantity, up to `most`; negative where not even the stated envelope holds.
 template <class Real>
 Real tolerance(const Envelope<Real>& envelope, Interval<Real> com_x, Quantity quantity, Real most,
                const PerSide<AnglePair<Real>>& angles) {
   if (quantity == Quantity::com) {
-    const Interval<Real> permitted = com_x_all(envelope, angles);
+    const Interval<Real> permitted = com_x_all(envelope, angles, com_x);
     const Real below = com_x.low - permitted.low;
     const Real above = permitted.high - com_x.high;
     return below < above ? below : above;

@@ -120,10 +120,10 @@ void bind_stability(nb::module_& m) {
           nb::arg("angles"))
       .def(
           "com_x_all",
-          [](const E& self, const Sides& angles) {
-            return ends_of(com_x_all(self, angles_of(angles)));
+          [](const E& self, const Sides& angles, Pair wanted) {
+            return ends_of(com_x_all(self, angles_of(angles), interval(wanted)));
           },
-          nb::arg("angles"))
+          nb::arg("angles"), nb::arg("wanted"))
       .def(
           "clearance",
           [](const E& self, const Sides& angles) {

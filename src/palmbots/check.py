@@ -25,16 +25,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
-from math import isqrt
 from pathlib import Path
 from typing import Any
 
+from palmbots.enclosures import Ends, cosine_of_degrees, down, root, sine_of_degrees, up
 from palmbots.errors import PalmbotsError, show
 
 __all__ = ["Checked", "check"]
 
 F = Fraction
-Ends = tuple[Fraction, Fraction]
 LEFT, RIGHT = 0, 1
 FORMAT = "palmbots certificate 1"
 _MOST_BYTES = 50_000_000
@@ -57,68 +56,6 @@ class Checked:
 
 class _Wrong(Exception):
     """The certificate does not prove what it claims."""
-
-
-# ---- exact enclosures of sine, cosine, tangent and square root -----------------------------------
-
-_GRID = 10**24  # enclosures are rounded outward to multiples of 1/_GRID, to keep numbers short
-
-
-def _down(x: Fraction) -> Fraction:
-    return F((x * _GRID).__floor__(), _GRID)
-
-
-def _up(x: Fraction) -> Fraction:
-    return F((x * _GRID).__ceil__(), _GRID)
-
-
-def _arctan_of_inverse(n: int, terms: int) -> Ends:
-    """1/n − 1/(3n³) + …: the sum alternates, so two neighbouring sums enclose the value."""
-    total, sums = F(0), []
-    for k in range(terms):
-        total += F((-1) ** k, (2 * k + 1) * n ** (2 * k + 1))
-        sums.append(total)
-    return min(sums[-2:]), max(sums[-2:])
-
-
-def _pi() -> Ends:
-    a, b = _arctan_of_inverse(5, 24), _arctan_of_inverse(239, 8)  # Machin
-    return _down(16 * a[0] - 4 * b[1]), _up(16 * a[1] - 4 * b[0])
-
-
-_PI = _pi()
-
-
-def _sine(x: Fraction) -> Ends:
-    """For 0 ≤ x ≤ 1.6: the Taylor terms alternate and shrink."""
-    term, total, k = x, x, 1
-    while term > F(1, _GRID):  # rounded up it never gets below that
-        term = _up(term * x * x / ((k + 1) * (k + 2)))
-        # Rounding the term up moves the sum by no more than one step of the grid.
-        total += -term if k % 4 == 1 else term
-        k += 2
-    slack = term + F(k, _GRID)
-    return _down(total - slack), _up(total + slack)
-
-
-def _sine_of_degrees(degrees: Fraction) -> Ends:
-    size = abs(degrees)
-    low = _sine(_PI[0] * size / 180)[0]
-    high = _sine(_PI[1] * size / 180)[1]
-    return (low, high) if degrees >= 0 else (-high, -low)
-
-
-def _cosine_of_degrees(degrees: Fraction) -> Ends:
-    return _sine_of_degrees(90 - abs(degrees))
-
-
-def _root(x: Fraction, upward: bool) -> Fraction:
-    """√x rounded to the grid, down or up."""
-    scaled = x * _GRID * _GRID
-    down = isqrt(scaled.__floor__())
-    if not upward:
-        return F(down, _GRID)
-    return F(down + 2, _GRID)  # √ of the part cut off adds less than 1, the floor less than 1
 
 
 # ---- the box -------------------------------------------------------------------------------------
@@ -169,8 +106,8 @@ def _object_tangent(box: _Box, given: _Given, contacts: tuple[Ends, Ends]) -> En
     heights: list[Ends] = []
     for side in (LEFT, RIGHT):
         low, high = box.angles[side]
-        sines = (_sine_of_degrees(low)[0], _sine_of_degrees(high)[1])
-        cosines = [c for angle in (low, high) for c in _cosine_of_degrees(angle)]
+        sines = (sine_of_degrees(low)[0], sine_of_degrees(high)[1])
+        cosines = [c for angle in (low, high) for c in cosine_of_degrees(angle)]
         if low < 0 < high:
             cosines.append(F(1))
         along = [p * s for p in contacts[side] for s in sines]
@@ -183,10 +120,10 @@ def _object_tangent(box: _Box, given: _Given, contacts: tuple[Ends, Ends]) -> En
     def tangent(z: Fraction, upward: bool) -> Fraction:
         outward = (z > 0) == upward
         w = box.width[0] if outward else box.width[1]
-        run = _root(w * w - z * z, upward=not outward)
+        run = root(w * w - z * z, upward=not outward)
         return z / run
 
-    return _down(tangent(rise[0], False)), _up(tangent(rise[1], True))
+    return down(tangent(rise[0], False)), up(tangent(rise[1], True))
 
 
 def _palm_tangents(box: _Box) -> tuple[Ends, Ends]:
@@ -195,9 +132,9 @@ def _palm_tangents(box: _Box) -> tuple[Ends, Ends]:
     for low, high in box.angles:
         ends: list[Fraction] = []
         for angle, end in ((low, 0), (high, 1)):
-            sine, cosine = _sine_of_degrees(angle), _cosine_of_degrees(angle)
+            sine, cosine = sine_of_degrees(angle), cosine_of_degrees(angle)
             ends.append([min, max][end](s / c for s in sine for c in cosine))
-        found.append((_down(ends[0]), _up(ends[1])))
+        found.append((down(ends[0]), up(ends[1])))
     return found[0], found[1]
 
 
