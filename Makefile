@@ -42,8 +42,10 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
-bench: $(VENV)/bench.done $(VENV)/extension.done  ## speed against other engines; CSV in benchmarks/results/
+bench: $(VENV)/bench.done $(VENV)/extension.done  ## speed against named peers; CSV in benchmarks/results/
 	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/modes.py
+	$(BIN)/python benchmarks/stability.py
 
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -m palmbots._core -o src/palmbots/_core.pyi
