@@ -2,6 +2,7 @@
 
 import ast
 import copy
+import importlib
 import json
 import math
 import random
@@ -23,6 +24,7 @@ from palmbots.stability.situation import situation_of
 from test_stability import happens
 
 SOURCE = Path(pb.__file__).parent
+check_module: Any = importlib.import_module("palmbots.check")  # `pb.check` is the function
 
 UNCERTAIN: list[dict[str, Any]] = [
     {},
@@ -311,6 +313,34 @@ def test_enclosures_of_the_checker() -> None:
         value = exact(float(x))
         assert root(value, False) ** 2 <= value <= root(value, True) ** 2
         assert root(value, True) - root(value, False) <= Fraction(3, 10**24)
+
+
+def test_the_checker_encloses_the_objects_angle() -> None:
+    """For random boxes, every tangent at sampled points is inside; with the extremes near it."""
+    rng = np.random.default_rng(8)
+    near = 0
+    for _ in range(200):
+        angles = np.sort(np.round(rng.uniform(-10, 40, (2, 2)), 3), axis=1)
+        contacts = np.sort(np.round(rng.uniform(-0.08, 0.08, (2, 2)), 4), axis=1)
+        widths = np.sort(np.round(rng.uniform(0.2, 0.4, 2), 3))
+        offsets = np.round(rng.choice([0.0, 0.01, -0.02], 2), 3)
+        pairs = [tuple((exact(a), exact(b)) for a, b in v) for v in (angles, contacts)]
+        zero = (Fraction(0), Fraction(0))
+        box = check_module._Box(pairs[0], (zero, zero), (exact(widths[0]), exact(widths[1])), False)
+        given = check_module._Given((), zero, (exact(offsets[0]), exact(offsets[1])), ())
+        low, high = check_module._object_tangent(box, given, pairs[1])
+        shape = (500, 2)
+        share = rng.random(shape).round(rng.integers(0, 3))  # corners, too
+        theta = np.radians(angles[:, 0] + share * np.diff(angles).T)
+        p = contacts[:, 0] + rng.random(shape).round(0) * np.diff(contacts).T
+        heights = p * np.sin(theta) + offsets * np.cos(theta)
+        z = heights[:, 1] - heights[:, 0]
+        w = widths[0] + rng.integers(0, 2, 500) * (widths[1] - widths[0])
+        tangent = z / np.sqrt(w**2 - z**2)
+        assert float(low) - 1e-12 <= tangent.min()
+        assert tangent.max() <= float(high) + 1e-12
+        near += tangent.max() > float(high) - 0.02
+    assert near > 100
 
 
 def test_numbers_are_written_exactly() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from palmbots.scene import Scene, load_scene
 from palmbots.sections import SIDES, Side
+from palmbots.stability.clearance import Touch, clearance, touching
 from palmbots.stability.forms import failing, text_of
 from palmbots.stability.limits import (
     Wedging,
@@ -94,7 +95,9 @@ class Analysis:
     """Tangents of the floor's slope, uphill in travel positive."""
     angle_error_rad: float | None
     clearance_rad: float
-    """How far object or palm may turn until an edge lies on a palm; negative: it does."""
+    """How far object or palm may turn until an edge lies on the line of a palm."""
+    touch: Touch | None
+    """A state in which the outline touches a palm; None: none found."""
     wedging: Wedging
     sideways: Sideways
 
@@ -142,6 +145,7 @@ class Analysis:
             if self.angle_error_rad is None
             else math.degrees(self.angle_error_rad),
             "clearance_deg": math.degrees(self.clearance_rad),
+            "touch": None if self.touch is None else asdict(self.touch),
             "wedging": asdict(self.wedging),
             "sideways": asdict(self.sideways),
             "region_m": {
@@ -188,7 +192,8 @@ def analyze(
         half_length_m=half_length_range(at),
         slope=slope_range(at),
         angle_error_rad=angle_error(at),
-        clearance_rad=at.envelope().clearance(at.angles),
+        clearance_rad=clearance(at),
+        touch=touching(at) if clearance(at) <= 0 else None,
         wedging=wedging(at),
         sideways=sideways_of(chosen),
     )
@@ -237,12 +242,7 @@ def _travel(
 
 def _corner(at: Situation, number: int, shallow: Side, angles: Pair, highest: bool) -> Pair:
     """The contacts of the region at which z is extreme: E (highest) or F (lowest)."""
-    ends = [list(c) for c in at.contacts]
-    side = SIDES.index(shallow)
-    if number == 1:
-        ends[side][1] = min(ends[side][1], at.beyond)
-    if number == 2:
-        ends[1 - side][0] = max(ends[1 - side][0], -at.beyond)
+    ends = at.region(number, shallow)
     rising = [math.sin(a) >= 0 for a in angles]
     left = ends[0][0] if rising[0] == highest else ends[0][1]
     right = ends[1][1] if rising[1] == highest else ends[1][0]

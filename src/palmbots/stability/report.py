@@ -80,10 +80,7 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
 
     clear = math.degrees(found.clearance_rad)
     wedging, sideways = found.wedging, found.sideways
-    console.print(
-        f"clearance {clear:.2f}°"
-        + ("" if clear > 0 else "  an edge of the object comes to lie on a palm")
-    )
+    console.print(f"clearance {clear:.2f}°" + _touch(found))
     start = (
         f"wedging starts at friction {wedging.friction:.2f} ({wedging.side} palm, {wedging.palm})"
         if math.isfinite(wedging.friction)
@@ -95,6 +92,20 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
         f"{math.degrees(sideways.tilt_rad):.1f}° or {sideways.acceleration_g:.2f} g"
     )
     files_written(console, written)
+
+
+def _touch(found: "Analysis") -> str:
+    if found.clearance_rad > 0:
+        return ""
+    touch = found.touch
+    if touch is None:
+        return "  of the palms' lines; the palms end before they touch (looked at on a grid)"
+    what = "an edge lies on a palm" if touch.kind == "flush" else "a palm's end meets an edge"
+    left, right = (math.degrees(angle) for angle in touch.angles_rad)
+    return (
+        f"  {what}: palms {left:.1f}°, {right:.1f}°, contacts {_mm(touch.contacts_m[0])}, "
+        f"{_mm(touch.contacts_m[1])}"
+    )
 
 
 def _mm(metres: float) -> str:

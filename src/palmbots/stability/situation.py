@@ -56,6 +56,17 @@ class Situation:
         left, right = self.angles
         return (left[0], right[1]) if shallow == "left" else (left[1], right[0])
 
+    def region(self, number: int, shallow: Side) -> tuple[Pair, Pair]:
+        """The contacts for which a property is needed; 0: all."""
+        left, right = self.contacts
+        ends = [left, right]
+        side = SIDES.index(shallow)
+        if number == 1:
+            ends[side] = (ends[side][0], min(ends[side][1], self.beyond))
+        if number == 2:
+            ends[1 - side] = (max(ends[1 - side][0], -self.beyond), ends[1 - side][1])
+        return ends[0], ends[1]
+
     def rise(self, number: int, shallow: Side, angles: Pair) -> Pair:
         """The extreme height differences over a property's region; 0: over all contacts."""
         return _core.rise_over(
