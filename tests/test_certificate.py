@@ -201,6 +201,7 @@ TAMPERED: list[tuple[str, Any]] = [
     ("verdict", "undecided"),
     ("proof.1 left", ["friction", "0.3", "corners", "corners"]),
     ("proof.1 left", ["colour", "0.3", "corners", "corners"]),
+    ("proof.1 left", ["left", "7", "corners", "corners"]),
     ("proof.1 left", "trust me"),
     ("proof.1 left", None),
     ("proof", {}),
