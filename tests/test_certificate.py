@@ -368,3 +368,63 @@ def test_bad_intervals_are_refused() -> None:
     for given in bad:
         with pytest.raises(pb.PalmbotsError, match="allowed"):
             certify("paper", **given)
+
+
+def refused(data: dict[str, Any], folder: Path) -> str:
+    target = folder / "false.json"
+    target.write_text(json.dumps(data))
+    found = check_function(target)
+    assert not found.valid
+    return found.why
+
+
+def all_corners(data: dict[str, Any]) -> dict[str, Any]:
+    """The same claim with the proof that says least: look at the corners of the whole box."""
+    return data | {"proof": dict.fromkeys(data["proof"], "corners")}
+
+
+def test_false_claims_are_refused_each_for_its_own_reason(tmp_path: Path) -> None:
+    """Claims that are wrong in one place only: that place has to be looked at."""
+    held = copy.deepcopy(certify("paper", claims=("property 0",)).data)
+    for side in SIDES:
+        held["box"]["friction"][side] = ["0.04", "0.04"]
+    # With palms alike it is held; between 5° and 15° it slides (10° > 2 φ).
+    assert refused(held, tmp_path).startswith("0 left 1: the wrong contact may slide")
+
+    tipping = copy.deepcopy(certify("paper", claims=("property 0",)).data)
+    tipping["box"]["com_m"] = [["0.2505", "0.04"]]
+    assert "the object may tip" in refused(tipping, tmp_path)
+
+    data = copy.deepcopy(
+        certify("paper", friction=(0.3, 0.5), common=True, com_x_m=(0.117, 0.133)).data
+    )
+    valid = data["proof"]["1 left"]
+    assert valid != "corners"
+    wider = copy.deepcopy(data)
+    for side in SIDES:
+        wider["box"]["friction"][side] = ["0.3", "1.0"]
+    for name in wider["proof"]:
+        wider["proof"][name] = ["friction", "0.5", wider["proof"][name], "corners"]
+    assert "1 left: the wrong contact may slide" in refused(wider, tmp_path)
+    lower = copy.deepcopy(data)
+    for side in SIDES:
+        lower["box"]["friction"][side] = ["0.05", "0.5"]
+    for name in lower["proof"]:
+        lower["proof"][name] = ["friction", "0.3", "corners", lower["proof"][name]]
+    assert "the wrong contact may slide" in refused(lower, tmp_path)
+    unlike = copy.deepcopy(data)
+    unlike["box"]["friction"]["right"] = ["0.3", "0.3"]
+    assert "two intervals" in refused(unlike, tmp_path)
+    assert "the wrong contact may slide" in refused(all_corners(data), tmp_path)
+
+    clear = copy.deepcopy(certify("paper", claims=("clearance",)).data)
+    clear["box"]["shallow_deg"] = {side: ["3", "3"] for side in SIDES}
+    assert "touch a palm" in refused(clear, tmp_path) or "lie flat" in refused(clear, tmp_path)
+    keel = copy.deepcopy(certify("paper", claims=("clearance",)).data)
+    keel["box"]["outline_m"].append(["0.02", "0.23", "-0.01"])
+    assert "touch a palm" in refused(keel, tmp_path)
+
+    wedged = copy.deepcopy(certify("paper", claims=("property 1",)).data)
+    for side in SIDES:
+        wedged["box"]["friction"][side] = ["20", "20"]
+    assert refused(wedged, tmp_path)
