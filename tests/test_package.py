@@ -58,6 +58,7 @@ def test_wheel_holds_every_source_scene_and_type(wheel: Path) -> None:
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert {"palmbots/py.typed", "palmbots/scenes/paper.toml", "palmbots/_core.pyi"} <= kept
+    assert {f"palmbots/objects/{name}.toml" for name in palmbots.objects()} <= kept
     (extension,) = held - kept
     assert extension.startswith("palmbots/_core.")
     assert kept <= held

@@ -19,6 +19,7 @@ from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.certificate import Certificate, certify
 from palmbots.stability.design import Design, design
+from palmbots.touching import Contact, contacts
 from palmbots.version import __version__
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Certificate",
     "Checked",
     "Comparison",
+    "Contact",
     "ContactModes",
     "Controller",
     "Correction",
@@ -48,6 +50,7 @@ __all__ = [
     "certify",
     "check",
     "compare",
+    "contacts",
     "design",
     "feasible_modes",
     "load_scene",

@@ -271,7 +271,7 @@ class Envelope:
 
     def com_x_held(self, angles: Sequence[tuple[float, float]]) -> tuple[float, float]: ...
 
-    def com_x_all(self, angles: Sequence[tuple[float, float]]) -> tuple[float, float]: ...
+    def com_x_all(self, angles: Sequence[tuple[float, float]], wanted: tuple[float, float]) -> tuple[float, float]: ...
 
     def clearance(self, angles: Sequence[tuple[float, float]]) -> float: ...
 
@@ -284,6 +284,9 @@ def com_band(property: int, shallow: int, width: float, slope: float, friction: 
     """
     The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.
     """
+
+def touching(spec: Spec, angles: Sequence[float], contacts: Sequence[float]) -> str:
+    """What the palms touch besides the contacts: flush, tip or nothing."""
 
 def rise_over(property: int, shallow: int, contacts: Sequence[tuple[float, float]], beyond: float, angles: Sequence[float], offset: Sequence[float]) -> tuple[float, float]:
     """The height differences of the contacts over a property's region."""
@@ -418,3 +421,31 @@ def run(spec: Spec, controller: object, seed: int, precision: str, record: bool)
 
 def run_seeds(spec: Spec, controller: str, first: int, n: int, precision: str) -> dict:
     """n carries with seeds first, first + 1, ...: their metrics as columns."""
+
+touch_tolerance: float = 1e-05
+
+wrench_tolerance: float = 1e-09
+
+def contacts(spec: Spec, angles: tuple[float, float], places: tuple[float, float]) -> tuple:
+    """
+    All contacts as (kind, place, object x, object y, support), how many there are (at most 8 are listed), how deep either palm is in the object [m], and the pivots from the COM [m].
+    """
+
+def palm_velocities(supports: Sequence[tuple[int, float, float, float, float, float]], pivots: tuple[tuple[float, float], tuple[float, float]], palms: tuple[tuple[float, float, float], tuple[float, float, float]]) -> list[tuple[float, float]]:
+    """Of the palms at the supports; a palm moves by (vx, vy, spin)."""
+
+def imbalance(supports: Sequence[tuple[int, float, float, float, float, float]], motions: Sequence[int], slope: float = 0.0) -> float:
+    """
+    What these contacts lack for balance, in weights; 0 but for rounding: they hold. A motion is 0 stick, 1 up, -1 down, 2 leave.
+    """
+
+def twist_exists(supports: Sequence[tuple[int, float, float, float, float, float]], motions: Sequence[int], velocities: Sequence[tuple[float, float]]) -> bool:
+    """Can a rigid body move like this on palms with these velocities?"""
+
+def possible_motions(supports: Sequence[tuple[int, float, float, float, float, float]], velocities: Sequence[tuple[float, float]]) -> list[list[int]]:
+    """
+    Every way in which a rigid body can move on palms with these velocities.
+    """
+
+def outcomes(supports: Sequence[tuple[int, float, float, float, float, float]], velocities: Sequence[tuple[float, float]], slope: float = 0.0) -> list[list[int]]:
+    """Those of them that balance."""

@@ -2,7 +2,7 @@
 
 `modes` answers for one state of a scene; `states` for as many as you like, broadcasting its
 arguments like a NumPy ufunc. The mechanics are the core's. Source: MECHANICS sections 2 and 4;
-paper, section 3.1.
+paper, section 3.1. States with more than the two contact vertices on the palms: `touching`.
 """
 
 import math
@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from palmbots import _core
 from palmbots.columns import columns_of
-from palmbots.errors import PalmbotsError, show
-from palmbots.lowering import lower
-from palmbots.scene import Scene, load_scene
+from palmbots.palm_state import palm_state
+from palmbots.scene import Scene
+from palmbots.touching import Contact, Motions, touching
 
 __all__ = ["MODES", "ContactModes", "Mode", "States", "modes", "states"]
 
@@ -126,10 +126,20 @@ class ContactModes:
     margin_rad: float
     """The angle by which both friction cones may shrink with the object still held; negative: by
     which they would have to grow."""
+    contacts: tuple[Contact, ...]
+    """Every point at which the palms touch the object. All above is about the two contact vertices
+    alone; where there are more contacts, what follows takes over."""
+    held: bool | None = None
+    """With more than two contacts: whether all sticking balances."""
+    motions_closing: tuple[Motions, ...] | None = None
+    """With more than two contacts: what may happen when the palms are driven together, for each
+    contact ST, SL, SR or BR (it leaves the palm). There may be none, or several."""
+    motions_opening: tuple[Motions, ...] | None = None
+    """The same when they are driven apart."""
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots modes --json`` prints."""
-        return {
+        told = {
             "feasible": [list(m) for m in self.feasible],
             "consistent_closing": [list(m) for m in self.consistent_closing],
             "consistent_opening": [list(m) for m in self.consistent_opening],
@@ -146,8 +156,14 @@ class ContactModes:
             "p_right_m": self.p_right_m,
             "theta_left_deg": self.theta_left_deg,
             "theta_right_deg": self.theta_right_deg,
+            "contacts": [contact.summary() for contact in self.contacts],
             "scene": self.scene.model_dump(),
         }
+        if self.motions_closing is not None and self.motions_opening is not None:
+            told["held"] = self.held
+            told["motions_closing"] = [list(m) for m in self.motions_closing]
+            told["motions_opening"] = [list(m) for m in self.motions_opening]
+        return told
 
 
 def modes(
@@ -172,36 +188,11 @@ def modes(
     Raises:
         SceneError: the scene cannot be read or makes no sense.
         PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, or the
-            object cannot span the two contacts.
+            object cannot span the two contacts, or a palm would lie in it.
     """
-    chosen = load_scene(scene, overrides)
-    spec = lower(chosen)
-    steep = [chosen.palm_of(side).steep_deg for side in ("left", "right")]
-    degrees = [
-        float(steep[i] if angle is None else angle)
-        for i, angle in enumerate((theta_left_deg, theta_right_deg))
-    ]
-    p = [float(p_left_m), float(p_right_m)]
-    for i, side in enumerate(("left", "right")):
-        half = 0.5 * spec.palms[i].length
-        if not -half <= p[i] <= half:
-            raise PalmbotsError(
-                f"p_{side}_m: value is {show(p[i])}; allowed: on the palm, {-half:g} to {half:g} m"
-            )
-        if not -80 <= degrees[i] <= 80:
-            raise PalmbotsError(
-                f"theta_{side}_deg: value is {show(degrees[i])}; allowed: -80 to 80 degrees"
-            )
-    angles = [math.radians(d) for d in degrees]
-    height = [
-        p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)
-    ]
-    rise = (height[1] - height[0]) / spec.width
-    if not abs(rise) < 1:
-        raise PalmbotsError(
-            "p_left_m, p_right_m: the contacts differ in height by more than the object is wide "
-            f"({abs(rise) * spec.width:.3g} m); allowed: less than {spec.width:g} m"
-        )
+    state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
+    touched = touching(state)
+    spec = state.spec
     numbers = [
         spec.width,
         spec.com_left,
@@ -212,8 +203,8 @@ def modes(
         spec.palms[1].offset,
         spec.palms[0].friction,
         spec.palms[1].friction,
-        *angles,
-        *p,
+        *state.theta_rad,
+        *state.p_m,
     ]
     columns = [np.array([value]) for value in numbers]
     left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, 1)
@@ -223,12 +214,12 @@ def modes(
         "right": (float(right_low[0]), float(right_high[0])),
     }
     return ContactModes(
-        scene=chosen,
-        p_left_m=p[0],
-        p_right_m=p[1],
-        theta_left_deg=degrees[0],
-        theta_right_deg=degrees[1],
-        object_deg=math.degrees(math.asin(rise)),
+        scene=state.scene,
+        p_left_m=state.p_m[0],
+        p_right_m=state.p_m[1],
+        theta_left_deg=state.theta_deg[0],
+        theta_right_deg=state.theta_deg[1],
+        object_deg=math.degrees(state.object_rad),
         feasible=tuple(m for bit, m in enumerate(MODES) if int(bits[0]) >> bit & 1),
         consistent_closing=_CONSISTENT_CLOSING,
         consistent_opening=_CONSISTENT_OPENING,
@@ -237,4 +228,8 @@ def modes(
         wedged={side: math.isinf(ends[1]) for side, ends in squeeze.items()},
         squeeze=squeeze,
         margin_rad=_core.margin(numbers, *friction_angles),
+        contacts=touched.contacts,
+        held=touched.held if touched.several else None,
+        motions_closing=touched.closing() if touched.several else None,
+        motions_opening=touched.opening() if touched.several else None,
     )

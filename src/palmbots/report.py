@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from palmbots.compare import Comparison
     from palmbots.modes import ContactModes
     from palmbots.replay import Replay
+    from palmbots.touching import Contact, Motions
 
 __all__ = [
     "carry_report",
@@ -148,6 +149,12 @@ def modes_report(found: "ContactModes") -> None:
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
         f"contacts {_mm(found.p_left_m)}, {_mm(found.p_right_m)}   object {found.object_deg:.2f}°"
     )
+    if found.motions_closing is not None and found.motions_opening is not None:
+        _several(console, found.contacts, bool(found.held))
+        _outcomes(console, "closing", found.contacts, found.motions_closing)
+        _outcomes(console, "opening", found.contacts, found.motions_opening)
+        console.print("ST sticks, SL slides left, SR slides right, BR breaks", style=_QUIET)
+        console.print("\nif the two contact vertices alone touched the palms:")
     table = Table()
     table.add_column("left ↓  right →")
     for right in ("ST", "SL", "SR"):
@@ -172,6 +179,36 @@ def modes_report(found: "ContactModes") -> None:
         wedged = "   wedged: no squeeze frees it" if found.wedged[side] else ""
         console.print(f"squeeze {side:5}  {_end(low)} … {_end(high)} of the weight{wedged}")
     console.print(f"friction cone margin  {math.degrees(found.margin_rad):.2f}°")
+
+
+def _several(console: Console, contacts: "Sequence[Contact]", held: bool) -> None:
+    """More than two contacts: where they are, and whether they hold the object."""
+    table = Table()
+    for head in ("contact", "kind"):
+        table.add_column(head)
+    for head in ("on the palm", "object x", "object y"):
+        table.add_column(head, justify="right")
+    for contact in contacts:
+        x, y = contact.point_m
+        table.add_row(contact.side, contact.kind, _mm(contact.place_m), _mm(x), _mm(y))
+    console.print(table)
+    answer = "[bold green]yes[/bold green]" if held else "[bold red]no[/bold red]"
+    console.print(f"held with all {len(contacts)} sticking: {answer}")
+
+
+def _outcomes(
+    console: Console, what: str, contacts: "Sequence[Contact]", motions: "Sequence[Motions]"
+) -> None:
+    """What several contacts may do, one line for each way, grouped by palm."""
+    if not motions:
+        console.print(f"{what}: [bold red]none[/bold red] (no motion is possible and in balance)")
+    for k, motion in enumerate(motions):
+        pairs = list(zip(contacts, motion, strict=True))
+        parts = []
+        for side in _SIDES:
+            names = " ".join(name for contact, name in pairs if contact.side == side)
+            parts.append(f"{side} [bold]{names}[/bold]")
+        console.print(f"{what if k == 0 else '     or'}: {', '.join(parts)}")
 
 
 def _mark(found: "ContactModes", mode: tuple[str, str]) -> Text:

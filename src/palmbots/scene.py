@@ -8,12 +8,13 @@ sets overrides on top, and either returns a `Scene` that makes sense as a whole 
 import math
 import os
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import ValidationError, model_validator
+from pydantic import BeforeValidator, ValidationError, model_validator
 
 from palmbots.complaints import complaint
 from palmbots.errors import SceneError, show
+from palmbots.object_files import by_name, with_named_object
 from palmbots.overrides import merged
 from palmbots.quantities import fault
 from palmbots.scene_files import read_scene
@@ -50,7 +51,8 @@ class Scene(Section):
     takes back. To change something: ``load_scene(scene, {"radio.loss": 0.1})``.
     """
 
-    object: Object = Object()
+    object: Annotated[Object, BeforeValidator(by_name)] = Object()
+    """A table, or the name of an object that comes with the package."""
     palm: Palm = Palm()
     robot: Robot = Robot()
     tactile: Tactile = Tactile()
@@ -172,7 +174,8 @@ def load_scene(
     """The scene of a built-in name, TOML file, table or other scene, with overrides on top.
 
     `overrides` has dotted keys, {"radio.loss": 0.1}, nested tables, or both; None as a value
-    means "not set". What is not given has its default, the value in the scene `paper`.
+    means "not set". What is not given has its default, the value in the scene `paper`. A name of
+    `palmbots.objects` in place of the table `object` stands for that object, in either one.
     Raises `SceneError`, one line that names file, key, value and what is allowed. The
     source has to be valid by itself, so that a complaint blames either it or the overrides, which
     it calls what `called` says.
@@ -193,7 +196,8 @@ def load_scene(
         return scene
     if not isinstance(overrides, Mapping):
         raise SceneError(f"{called} {show(overrides)} is not a table; allowed: {{key: value}}")
-    return _validated(called, merged(data, overrides, called=called))
+    table = merged(with_named_object(data), with_named_object(overrides), called=called)
+    return _validated(called, table)
 
 
 def _validated(called: str, data: dict[str, Any]) -> Scene:

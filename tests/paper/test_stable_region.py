@@ -49,17 +49,19 @@ class PaperGeometry:
 
 
 def closing_is_sl_st(at: Situation, p_left: float, p_right: float) -> bool:
-    found = pb.modes(
-        {
-            "object": {"com_m": list(at.com)},
-            "palm": {"friction": at.friction[0]},
-        },
-        p_left_m=p_left,
-        p_right_m=p_right,
-        theta_left_deg=5,
-        theta_right_deg=15,
+    # The paper's inequalities know nothing of the rest of the outline, so neither may this.
+    found = pb.states(
+        width=W,
+        com_x=at.com[0],
+        com_y=at.com[1],
+        theta_left=SHALLOW,
+        theta_right=STEEP,
+        p_left=p_left,
+        p_right=p_right,
+        friction_left=at.friction[0],
+        friction_right=at.friction[0],
     )
-    return found.closing == ("SL", "ST")
+    return found.closing == pb.MODES.index(("SL", "ST"))
 
 
 def test_equation_1_object_angle() -> None:

@@ -1,0 +1,292 @@
+// Every point at which the palms touch the object, and how far it would sink into a palm.
+//
+// Seen from a contact vertex: a palm is a segment along the x axis of its own frame (inward, normal), as
+// in clearance.hpp. The object touches it with a vertex, with an edge that lies flush on it (whose two
+// ends on the palm hold it like two points), or meets a palm's tip with an edge, whose normal counts
+// there. What is nearer than `touch_tolerance` × w touches. Source: MECHANICS section 5.
+#pragma once
+
+#include <algorithm>
+
+#include "palmbots/ends.hpp"
+#include "palmbots/twist.hpp"
+
+namespace palmbots {
+
+// 2.5 µm for the paper's box: finer than any measured length, coarser than a coordinate that a person
+// writes down.
+template <class Real>
+inline constexpr Real touch_tolerance = Real(1e-5);
+
+enum class Meeting : std::uint8_t { vertex, flush, tip };
+
+template <class Real>
+struct TouchPoint {
+  Meeting meeting;
+  Real place;           // p on the palm [m]
+  PerSide<Real> along;  // in the object's frame, as Vertex
+  Real height;
+  Support<Real> support;
+};
+
+template <class Real>
+struct Touching {
+  std::array<TouchPoint<Real>, max_supports> points{};  // left first; a palm's own vertex first
+  std::size_t count = 0;                                // may exceed what `points` holds
+  PerSide<Real> sunk{};     // how deep a palm lies in the object; 0 where it does not [m]
+  PerSide<Real> pivot_x{};  // of the palms, from the COM [m]
+  PerSide<Real> pivot_y{};
+};
+
+namespace detail {
+
+// One palm and the object in the palm's frame, whose origin is the contact vertex.
+template <class Real>
+class PalmView {
+ public:
+  PalmView(const Rig<Real>& rig, const Stance<Real>& stance, std::size_t side, Span<Real> span)
+      : rig_(rig),
+        side_(side),
+        palm_(stance.palms[side]),
+        own_(stance.contacts[side]),
+        half_(rig.half_length[side]),
+        near_(touch_tolerance<Real> * rig.load.width) {
+    const Reach<Real> r = reach(span, side, palm_);
+    cos_ = r.inward / rig.load.width;
+    sin_ = r.normal / rig.load.width;
+    com_ = seen(side == left ? rig.load.com_left : rig.load.com_right, rig.load.com_height);
+    for (std::size_t i = 0; i < rig.outline.count; ++i) {
+      const Vertex<Real>& v = rig.outline.vertices[i];
+      at_[i] = seen(v.along[side], v.height);
+    }
+  }
+
+  void add_to(Touching<Real>& found) const {
+    const Place pivot = world({own_, -rig_.offset[side_]});
+    found.pivot_x[side_] = pivot.inward;
+    found.pivot_y[side_] = pivot.above;
+    found.sunk[side_] = sunk();
+    Surface surface{};
+    surface.places[surface.count++] = {own_, Meeting::vertex};
+    add_flush(surface);
+    add_vertices(surface);
+    for (std::size_t k = 0; k < surface.count; ++k) {
+      // Between the outermost contacts of one plate others add nothing: their forces and velocities
+      // lie between those of the outer ones.
+      const Real p = surface.places[k].place;
+      if (k == 0 || p == surface.low() || p == surface.high()) {
+        put(found, surface.places[k].meeting, p, {Real(0), Real(1)});
+      }
+    }
+    add_tips(found, surface);
+  }
+
+ private:
+  struct Place {
+    Real inward;
+    Real above;
+  };
+  struct OnPalm {
+    Real place;
+    Meeting meeting;
+  };
+  struct Surface {
+    std::array<OnPalm, 3 * max_outline + 1> places{};
+    std::size_t count = 0;
+
+    Real low() const {
+      Real p = places[0].place;
+      for (std::size_t k = 1; k < count; ++k) p = places[k].place < p ? places[k].place : p;
+      return p;
+    }
+    Real high() const {
+      Real p = places[0].place;
+      for (std::size_t k = 1; k < count; ++k) p = places[k].place > p ? places[k].place : p;
+      return p;
+    }
+  };
+
+  Place seen(Real along, Real height) const {
+    return {along * cos_ - height * sin_, along * sin_ + height * cos_};
+  }
+
+  // A direction, or a point relative to the COM, in the world (as x and y).
+  Place turned(Place v) const {
+    const Real lateral = v.inward * palm_.cos + v.above * palm_.sin;
+    return {mirrored(side_, lateral), v.above * palm_.cos - v.inward * palm_.sin};
+  }
+  Place world(Place v) const { return turned({v.inward - com_.inward, v.above - com_.above}); }
+
+  std::size_t next(std::size_t i) const { return i + 1 == rig_.outline.count ? 0 : i + 1; }
+
+  // Across the edge from vertex i to the next one, into the object; the outline is counter-clockwise,
+  // and from the right clockwise.
+  Place into(std::size_t i) const {
+    const Place& a = at_[i];
+    const Place& b = at_[next(i)];
+    const Real x = mirrored(side_, a.above - b.above);
+    const Real y = mirrored(side_, b.inward - a.inward);
+    const Real length = std::sqrt(x * x + y * y);
+    return {x / length, y / length};
+  }
+
+  static Real absolute(Real x) { return x < Real(0) ? -x : x; }
+  bool on_palm(Real place) const { return absolute(place) <= half_ + near_; }
+
+  // The same place once; an end of a flush edge is that before it is a vertex.
+  void insert(Surface& surface, Real place, Meeting meeting) const {
+    for (std::size_t k = 0; k < surface.count; ++k) {
+      if (absolute(surface.places[k].place - place) <= Real(2) * near_) {
+        if (meeting == Meeting::flush) surface.places[k].meeting = meeting;
+        return;
+      }
+    }
+    surface.places[surface.count++] = {place, meeting};
+  }
+
+  void add_flush(Surface& surface) const {
+    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+      const Place& a = at_[i];
+      const Place& b = at_[next(i)];
+      const Real run = b.inward - a.inward;
+      if (!(mirrored(side_, run) > Real(0))) continue;  // the object is below this edge
+      const Real low = clamp(own_ - (run > Real(0) ? b : a).inward, -half_, half_);
+      const Real high = clamp(own_ - (run > Real(0) ? a : b).inward, -half_, half_);
+      if (!(high - low > Real(100) * near_)) continue;  // too short a stretch to have a direction
+      const Real rise = (b.above - a.above) / run;
+      const Real above_low = a.above + rise * ((own_ - low) - a.inward);
+      const Real above_high = a.above + rise * ((own_ - high) - a.inward);
+      if (absolute(above_low) <= near_ && absolute(above_high) <= near_) {
+        insert(surface, low, Meeting::flush);
+        insert(surface, high, Meeting::flush);
+      }
+    }
+  }
+
+  void add_vertices(Surface& surface) const {
+    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+      const Place& v = at_[i];
+      const Place& before = at_[i == 0 ? rig_.outline.count - 1 : i - 1];
+      const Place& after = at_[next(i)];
+      const Real turn = mirrored(side_, (v.inward - before.inward) * (after.above - v.above) -
+                                            (v.above - before.above) * (after.inward - v.inward));
+      const bool below = before.above < -near_ && after.above < -near_;
+      if (absolute(v.above) <= near_ && on_palm(own_ - v.inward) && turn > Real(0) && !below) {
+        insert(surface, clamp(own_ - v.inward, -half_, half_), Meeting::vertex);
+      }
+    }
+  }
+
+  // Where a palm's tip meets an edge, unless the plate touches there anyway.
+  void add_tips(Touching<Real>& found, const Surface& surface) const {
+    for (const Real end : {-half_, half_}) {
+      bool known = false;
+      for (std::size_t k = 0; k < surface.count; ++k) {
+        known = known || absolute(surface.places[k].place - end) <= Real(100) * near_;
+      }
+      if (known) continue;
+      for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+        if (distance({own_ - end, Real(0)}, i) <= near_) put(found, Meeting::tip, end, into(i));
+      }
+    }
+  }
+
+  void put(Touching<Real>& found, Meeting meeting, Real place, Place normal) const {
+    if (found.count < max_supports) {
+      const Real inward = own_ - place;
+      const Real along = inward * cos_;
+      const Real beyond = rig_.load.width - along;
+      const Place point = world({inward, Real(0)});
+      const Place n = turned(normal);
+      found.points[found.count] = {
+          meeting,
+          place,
+          side_ == left ? PerSide<Real>{along, beyond} : PerSide<Real>{beyond, along},
+          Real(0) - inward * sin_,
+          {side_, point.inward, point.above, n.inward, n.above, rig_.friction[side_]}};
+    }
+    ++found.count;
+  }
+
+  // Distance of a point from the edge from vertex i to the next one.
+  Real distance(Place p, std::size_t i) const {
+    const Place& a = at_[i];
+    const Place& b = at_[next(i)];
+    const Place along{b.inward - a.inward, b.above - a.above};
+    const Real square = along.inward * along.inward + along.above * along.above;
+    const Real share =
+        ((p.inward - a.inward) * along.inward + (p.above - a.above) * along.above) / square;
+    const Real t = clamp(share, Real(0), Real(1));
+    const Real x = p.inward - (a.inward + t * along.inward);
+    const Real y = p.above - (a.above + t * along.above);
+    return std::sqrt(x * x + y * y);
+  }
+
+  // How far inside the object a point of the palm lies.
+  Real depth(Real inward) const {
+    if (!inside(rig_.outline, side_, inward * cos_, -inward * sin_)) return Real(0);
+    Real least = distance({inward, Real(0)}, 0);
+    for (std::size_t i = 1; i < rig_.outline.count; ++i) {
+      const Real other = distance({inward, Real(0)}, i);
+      if (other < least) least = other;
+    }
+    return least;
+  }
+
+  // The deepest of the palm's tips, the places where edges cross it or below or above which vertices
+  // lie, and the places halfway between two of those: no piece of palm in the object escapes.
+  Real sunk() const {
+    std::array<Real, 2 * max_outline + 2> marks{};
+    std::size_t count = 0;
+    const auto mark = [&](Real inward) {
+      if (absolute(own_ - inward) <= half_) marks[count++] = inward;
+    };
+    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+      const Place& a = at_[i];
+      const Place& b = at_[next(i)];
+      mark(a.inward);
+      if ((a.above > Real(0)) != (b.above > Real(0))) {
+        mark(a.inward + (b.inward - a.inward) * (a.above / (a.above - b.above)));
+      }
+    }
+    marks[count++] = own_ - half_;
+    marks[count++] = own_ + half_;
+    std::sort(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(count));
+    Real deepest = depth(marks[0]);
+    for (std::size_t k = 1; k < count; ++k) {
+      for (const Real inward : {marks[k], Real(0.5) * (marks[k - 1] + marks[k])}) {
+        const Real here = depth(inward);
+        if (here > deepest) deepest = here;
+      }
+    }
+    return deepest;
+  }
+
+  const Rig<Real>& rig_;
+  std::size_t side_;
+  PalmAngle<Real> palm_;
+  Real own_;
+  Real half_;
+  Real near_;
+  Real cos_ = Real(1);
+  Real sin_ = Real(0);
+  Place com_{};
+  std::array<Place, max_outline> at_{};
+};
+
+}  // namespace detail
+
+// All contacts of a state; the stance's separation does not count, the contacts and angles give it.
+template <class Real>
+Touching<Real> touching(const Rig<Real>& rig, const Stance<Real>& stance) {
+  const Real width = rig.load.width;
+  const Real dy = span(stance, rig.offset).dy;
+  const Span<Real> between{std::sqrt((width - dy) * (width + dy)), dy};
+  Touching<Real> found{};
+  for (const std::size_t side : {left, right}) {
+    detail::PalmView<Real>(rig, stance, side, between).add_to(found);
+  }
+  return found;
+}
+
+}  // namespace palmbots
