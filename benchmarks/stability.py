@@ -85,7 +85,7 @@ def main() -> None:
     steep = np.radians(np.linspace(20.02, 45, N))  # every pair has steep above shallow
 
     def whole():
-        return envelope.map(shallow, steep, (at.com[0],) * 2, 0, 1.0, np.empty((0, 0)))
+        return envelope.map(shallow, steep, (at.com[0], at.com[0]), 0, 1.0, np.empty((0, 0)))
 
     one_map = least_s(whole, 5) / N**2
     places = [(250, 100), (400, 300), (500, 400), (300, 0)]
