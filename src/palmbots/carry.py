@@ -3,10 +3,9 @@
 import string
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 
 from palmbots import _core
 from palmbots.controllers import Controller, adapted_pair
@@ -15,6 +14,9 @@ from palmbots.errors import PalmbotsError, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "CONTROLLERS",
@@ -107,7 +109,7 @@ class Carry:
     warnings: tuple[str, ...]
     trace_hash: str
     """Equal hashes: equal traces, to the last bit."""
-    trace: xr.Dataset | None
+    trace: "xr.Dataset | None"
     """Every tick (None with ``record=False``); the last entry is the end."""
     letters: tuple[Letter, ...]
 
@@ -269,7 +271,7 @@ def _hanging(run: Any, scene: Scene) -> list[str]:
     ]
 
 
-def trace_dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:
+def trace_dataset(trace: dict[str, np.ndarray]) -> "xr.Dataset":
     """The arrays of a trace, named as the core names them, as a labelled dataset."""
     variables: dict[str, Any] = {}
     for name, (key, unit, meaning) in _VARIABLES.items():
@@ -279,4 +281,6 @@ def trace_dataset(trace: dict[str, np.ndarray]) -> xr.Dataset:
         dims = ("time", "side") if values.ndim == 2 else ("time",)
         variables[name] = (dims, values, {"units": unit, "long_name": meaning})
     time = ("time", trace["time_s"], {"units": "s", "long_name": "time"})
+    import xarray as xr  # here: it takes longer to import than a carry to run
+
     return xr.Dataset(variables, coords={"time": time, "side": list(_SIDES)})

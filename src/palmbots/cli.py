@@ -163,7 +163,7 @@ def modes(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say which of the nine contact modes balance in one state, and which one happens."""
+    """Say which contact modes balance in one state, and what happens, at any contacts."""
     from palmbots.modes import modes as find_modes
     from palmbots.report import modes_report
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -29,6 +28,8 @@ from palmbots.sections import Side
 from palmbots.style import DROP, HATCH, HUE, INK, LINE, QUIET, ZERO, styled
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from palmbots._core import Spec
     from palmbots.carry import Carry
 
@@ -54,7 +55,7 @@ class _View:
 
     carry: "Carry"
     spec: "Spec"
-    trace: xr.Dataset
+    trace: "xr.Dataset"
     start: float  # s
     end: float  # s
     width_in: float  # inches of the time axis

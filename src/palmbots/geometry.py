@@ -9,13 +9,16 @@ robots' bodies serve drawing only: the mechanics knows pivots and palms, nothing
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from palmbots._core import Spec
 from palmbots.sections import Side
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "BODY_GAP",
@@ -102,7 +105,7 @@ def place(
     )
 
 
-def place_rows(spec: Spec, trace: xr.Dataset, rows: slice | NDArray[np.integer]) -> Placement:
+def place_rows(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer]) -> Placement:
     """Positions at some rows of a carry's trace."""
     chosen = trace.isel(time=rows)
     return place(

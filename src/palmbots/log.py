@@ -18,10 +18,9 @@ import struct
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
@@ -36,6 +35,9 @@ from palmbots.geometry import SIDES, place_rows
 from palmbots.log_schema import CorrectionEvent, LetterEvent, PairState, RobotState
 from palmbots.lowering import lower
 from palmbots.solids import contact_balls, solids, urdf
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Log", "read_log", "write_log"]
 
@@ -92,7 +94,7 @@ class Log:
     bumps: int
     warnings: tuple[str, ...]
     trace_hash: str
-    trace: xr.Dataset
+    trace: "xr.Dataset"
     letters: tuple[Letter, ...]
 
 
@@ -149,7 +151,7 @@ class _Channels:
         channel = self._writer.register_channel("/robot_description", "cdr", schema)
         self._writer.add_message(channel, nanoseconds, log_scene.ros_string(text), nanoseconds)
 
-    def write(self, carry: Carry, trace: xr.Dataset) -> None:
+    def write(self, carry: Carry, trace: "xr.Dataset") -> None:
         """Everything in the order of time."""
         spec = lower(carry.scene)
         instants = [round(time * 1e9) for time in trace["time"].to_numpy().tolist()]

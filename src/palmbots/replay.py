@@ -2,15 +2,17 @@
 
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from palmbots.carry import Carry, carry
 from palmbots.errors import PalmbotsError
 from palmbots.geometry import SIDES
 from palmbots.log import Log, read_log
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Replay", "replay"]
 
@@ -79,7 +81,7 @@ def replay(path: str | os.PathLike[str]) -> Replay:
     )
 
 
-def first_difference(logged: xr.Dataset, again: xr.Dataset) -> str | None:
+def first_difference(logged: "xr.Dataset", again: "xr.Dataset") -> str | None:
     """The earliest sample whose bits differ between two traces, in one line, or None."""
     rows = min(logged.sizes["time"], again.sizes["time"])
     earliest: tuple[int, str, Any, Any] | None = None

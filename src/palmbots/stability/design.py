@@ -10,10 +10,9 @@ paper, section 5.1 ("shallow enough that our system would have enough time to re
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from palmbots.errors import PalmbotsError, show
@@ -24,6 +23,9 @@ from palmbots.stability.limits import friction_ranges
 from palmbots.stability.ranges import around
 from palmbots.stability.region import reaction
 from palmbots.stability.situation import Pair, Situation, situation_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["PAPER_DEG", "QUANTITIES", "Design", "Quantity", "design", "with_angles"]
 
@@ -65,7 +67,7 @@ class Design:
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: they do not qualify."""
     certificate: Certificate
-    map: xr.Dataset
+    map: "xr.Dataset"
     """Tolerance and clearance over all pairs of angles."""
 
     def summary(self) -> dict[str, Any]:
@@ -344,9 +346,11 @@ def _dataset(
     clearance: NDArray[np.float64],
     allowed: NDArray[np.bool_],
     quantity: Quantity,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     about = {"units": QUANTITIES[quantity][2], "long_name": f"tolerance of {quantity}"}
     dims = ("shallow", "steep")
+    import xarray as xr  # here: it takes longer to import than a carry to run
+
     return xr.Dataset(
         {
             "tolerance": (dims, tolerance, about),
