@@ -161,7 +161,7 @@ def design(
     if common and frictions[0] != frictions[1]:
         raise PalmbotsError(
             "friction: the scene's palms differ; allowed: an interval for both (friction), or each "
-            "its own (common=False)"
+            "its own (common=False; --each)"
         )
 
     steps = np.arange(math.ceil(low / step), math.floor(high / step) + 1)
