@@ -2,7 +2,6 @@
 
 import ast
 import copy
-import importlib
 import json
 import math
 import random
@@ -16,6 +15,7 @@ from flint import arb, ctx, fmpq
 
 import palmbots as pb
 from palmbots import check as check_function
+from palmbots import exact_forms
 from palmbots.enclosures import cosine_of_degrees, root, sine_of_degrees
 from palmbots.sections import SIDES
 from palmbots.stability.box import exact, text
@@ -24,7 +24,6 @@ from palmbots.stability.situation import situation_of
 from test_stability import happens
 
 SOURCE = Path(pb.__file__).parent
-check_module: Any = importlib.import_module("palmbots.check")  # `pb.check` is the function
 
 UNCERTAIN: list[dict[str, Any]] = [
     {},
@@ -288,7 +287,10 @@ def test_prover_and_checker_share_nothing() -> None:
         return found
 
     own = {m for m in imports(SOURCE / "check.py") if m.startswith("palmbots")}
-    assert own == {"palmbots.enclosures", "palmbots.errors"}
+    assert own == {"palmbots.enclosures", "palmbots.errors", "palmbots.exact_forms"}
+    exact = imports(SOURCE / "exact_forms.py")
+    assert {m for m in exact if m.startswith("palmbots")} == {"palmbots.enclosures"}
+    assert not exact & {"flint", "numpy"}
     assert imports(SOURCE / "enclosures.py") == {"fractions", "math"}
     assert not imports(SOURCE / "check.py") & {"flint", "numpy"}
     for path in (SOURCE / "stability").glob("*.py"):
@@ -325,11 +327,14 @@ def test_the_checker_encloses_the_objects_angle() -> None:
         contacts = np.sort(np.round(rng.uniform(-0.08, 0.08, (2, 2)), 4), axis=1)
         widths = np.sort(np.round(rng.uniform(0.2, 0.4, 2), 3))
         offsets = np.round(rng.choice([0.0, 0.01, -0.02], 2), 3)
-        pairs = [tuple((exact(a), exact(b)) for a, b in v) for v in (angles, contacts)]
+        turned, placed = (
+            ((exact(v[0, 0]), exact(v[0, 1])), (exact(v[1, 0]), exact(v[1, 1])))
+            for v in (angles, contacts)
+        )
         zero = (Fraction(0), Fraction(0))
-        box = check_module._Box(pairs[0], (zero, zero), (exact(widths[0]), exact(widths[1])), False)
-        given = check_module._Given((), zero, (exact(offsets[0]), exact(offsets[1])), ())
-        low, high = check_module._object_tangent(box, given, pairs[1])
+        box = exact_forms.Box(turned, (zero, zero), (exact(widths[0]), exact(widths[1])), False)
+        given = exact_forms.Given((), zero, (exact(offsets[0]), exact(offsets[1])), ())
+        low, high = exact_forms.object_tangent(box, given, placed)
         shape = (500, 2)
         share = rng.random(shape).round(rng.integers(0, 3))  # corners, too
         theta = np.radians(angles[:, 0] + share * np.diff(angles).T)

@@ -1,22 +1,8 @@
 """Verifies a certificate, sharing nothing with what wrote it: exact rational numbers only.
 
-What is verified. Let the palms' angles, the frictions, the COM, the width w, the slope s and the
-contacts p be anything in the certificate's box. With t the tangent of a palm's angle, T that of the
-object's, and the edges of a friction cone
-
-    up:   lateral t + μ, vertical 1 − μ t        down: lateral t − μ, vertical 1 + μ t
-
-the squeeze at the left edge (a, b) is less than that at the right edge (c, d) iff
-
-    (a d + b c) ((1 − s T) x − (T + s) y) > w (a d − s b d + T (a c − s b c))
-
-(MECHANICS section 3, both sides times dx). A property is a few such comparisons, "the object is
-not lifted off" on either side, and "the edge that lets go is not wedged". Each of these forms is
-linear in each of t, μ, x, y, T, w and s alone. So it is positive on a whole box if it is positive
-at all corners of the box; that is the only theorem used. T belongs to the box as an interval that
-holds every T the palms' angles and contacts can give. Where corners do not suffice, the
-certificate says at which value of which quantity to halve the box; the check follows it and
-trusts nothing else in it.
+What has to hold at the corners of a box, and why corners suffice, stands in `exact_forms`. Where
+the corners of the whole box do not suffice, the certificate says at which value of which quantity
+to halve it; the check follows it and trusts nothing else in it.
 """
 
 import json
@@ -24,17 +10,29 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import product
 from pathlib import Path
 from typing import Any
 
-from palmbots.enclosures import Ends, cosine_of_degrees, down, root, sine_of_degrees, up
+from palmbots.enclosures import Ends
 from palmbots.errors import PalmbotsError, show
+from palmbots.exact_forms import (
+    LEFT,
+    NEEDS,
+    RIGHT,
+    Box,
+    Corner,
+    Given,
+    Wrong,
+    comparison,
+    corners,
+    object_tangent,
+    prove_clear,
+    prove_property,
+)
 
 __all__ = ["Checked", "check"]
 
 F = Fraction
-LEFT, RIGHT = 0, 1
 FORMAT = "palmbots certificate 1"
 _MOST_BYTES = 50_000_000
 _NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+|/[0-9]+)?")
@@ -54,214 +52,18 @@ class Checked:
         return {"valid": self.valid, "claim": self.claim, "why": self.why}
 
 
-class _Wrong(Exception):
-    """The certificate does not prove what it claims."""
-
-
-# ---- the box -------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Box:
-    angles: tuple[Ends, Ends]  # degrees
-    friction: tuple[Ends, Ends]
-    width: Ends
-    common: bool
-
-    def halves(self, name: str, at: Fraction) -> tuple["_Box", "_Box"]:
-        """The two parts of the box below and above a value of one quantity."""
-
-        def cut(ends: Ends) -> tuple[Ends, Ends]:
-            if not ends[0] < at < ends[1]:
-                raise _Wrong(f"{name} is to be halved at {at}, which is not inside it")
-            return (ends[0], at), (at, ends[1])
-
-        if name in ("left", "right"):
-            side = LEFT if name == "left" else RIGHT
-            low, high = cut(self.angles[side])
-            keep = self.angles[1 - side]
-            both = [(one, keep) if side == LEFT else (keep, one) for one in (low, high)]
-            return replace(self, angles=both[0]), replace(self, angles=both[1])
-        if name == "width":
-            low, high = cut(self.width)
-            return replace(self, width=low), replace(self, width=high)
-        if name == "friction" and self.common:
-            low, high = cut(self.friction[0])
-            return replace(self, friction=(low, low)), replace(self, friction=(high, high))
-        raise _Wrong(f"{name!r} is nothing that can be halved")
-
-
-@dataclass(frozen=True)
-class _Given:
-    """What every claim shares."""
-
-    com: tuple[tuple[Fraction, Fraction], ...]
-    slope: Ends
-    offset: tuple[Fraction, Fraction]
-    outline: tuple[tuple[Fraction, Fraction, Fraction], ...]
-
-
-def _object_tangent(box: _Box, given: _Given, contacts: tuple[Ends, Ends]) -> Ends:
-    """Every tan ϑ that the angles, the widths and these contacts can give."""
-    heights: list[Ends] = []
-    for side in (LEFT, RIGHT):
-        low, high = box.angles[side]
-        sines = (sine_of_degrees(low)[0], sine_of_degrees(high)[1])
-        cosines = [c for angle in (low, high) for c in cosine_of_degrees(angle)]
-        if low < 0 < high:
-            cosines.append(F(1))
-        along = [p * s for p in contacts[side] for s in sines]
-        across = [given.offset[side] * c for c in cosines]
-        heights.append((min(along) + min(across), max(along) + max(across)))
-    rise = (heights[RIGHT][0] - heights[LEFT][1], heights[RIGHT][1] - heights[LEFT][0])
-    if max(-rise[0], rise[1]) >= box.width[0]:
-        raise _Wrong("the object cannot reach from palm to palm everywhere in the box")
-
-    def tangent(z: Fraction, upward: bool) -> Fraction:
-        outward = (z > 0) == upward
-        w = box.width[0] if outward else box.width[1]
-        run = root(w * w - z * z, upward=not outward)
-        return z / run
-
-    return down(tangent(rise[0], False)), up(tangent(rise[1], True))
-
-
-def _palm_tangents(box: _Box) -> tuple[Ends, Ends]:
-    """tan θ at both ends of each palm's angle."""
-    found: list[Ends] = []
-    for low, high in box.angles:
-        ends: list[Fraction] = []
-        for angle, end in ((low, 0), (high, 1)):
-            sine, cosine = sine_of_degrees(angle), cosine_of_degrees(angle)
-            ends.append([min, max][end](s / c for s in sine for c in cosine))
-        found.append((down(ends[0]), up(ends[1])))
-    return found[0], found[1]
-
-
-# ---- the forms -----------------------------------------------------------------------------------
-
-UP, DOWN = 1, -1
-
-# Per property: (edge of the shallow palm, edge of the steep one, which has the smaller squeeze),
-# and the edge that lets go.
-_NEEDS: dict[int, tuple[tuple[tuple[int, int, str], ...], tuple[str, int] | None]] = {
-    0: (((UP, DOWN, "steep"), (DOWN, UP, "shallow")), None),
-    1: (((UP, UP, "shallow"), (UP, DOWN, "steep")), ("shallow", UP)),
-    2: (((DOWN, DOWN, "shallow"), (UP, DOWN, "steep")), ("steep", DOWN)),
-}
-
-
-@dataclass(frozen=True)
-class _Corner:
-    t: tuple[Fraction, Fraction]
-    mu: tuple[Fraction, Fraction]
-    x: Fraction
-    y: Fraction
-    turn: Fraction  # T
-    w: Fraction
-    s: Fraction
-
-    def edge(self, side: int, slide: int) -> tuple[Fraction, Fraction]:
-        t, mu = self.t[side], slide * self.mu[side]
-        return t + mu, 1 - mu * t
-
-    def bounded(self, side: int, slide: int) -> Fraction:
-        """> 0 where this edge bounds the squeeze (is not wedged)."""
-        lateral, vertical = self.edge(side, slide)
-        return vertical - (lateral if side == LEFT else -lateral) * self.turn
-
-    def left_smaller(self, left: int, right: int) -> Fraction:
-        """> 0 where the squeeze at the left edge is the smaller one."""
-        (a, b), (c, d) = self.edge(LEFT, left), self.edge(RIGHT, right)
-        gravity = (1 - self.s * self.turn) * self.x - (self.turn + self.s) * self.y
-        meeting = a * d - self.s * b * d + self.turn * (a * c - self.s * b * c)
-        return (a * d + b * c) * gravity - self.w * meeting
-
-    def pressed(self, side: int) -> Fraction:
-        """> 0 where the object presses on this palm."""
-        if side == LEFT:
-            right_arm = self.w - self.x
-            return right_arm + self.s * self.y + self.turn * (self.y - self.s * right_arm)
-        return self.x - self.s * self.y - self.turn * (self.s * self.x + self.y)
-
-
-def _corners(box: _Box, given: _Given, turn: Ends) -> Iterator[_Corner]:
-    # Where both palms have the same friction, all pairs from its interval are more than needed.
-    t = _palm_tangents(box)
-    for values in product(
-        set(t[0]),
-        set(t[1]),
-        set(box.friction[0]),
-        set(box.friction[1]),
-        given.com,
-        set(turn),
-        set(box.width),
-        set(given.slope),
-    ):
-        t_left, t_right, mu_left, mu_right, (x, y), tan_turn, w, s = values
-        yield _Corner((t_left, t_right), (mu_left, mu_right), x, y, tan_turn, w, s)
-
-
-def _property(number: int, shallow: int, corners: list[_Corner]) -> None:
-    """Raises where a property is not proved by the corners of a box."""
-    steep = 1 - shallow
-    side_of = {"shallow": shallow, "steep": steep}
-
-    def everywhere(form: Callable[[_Corner], Fraction]) -> bool:
-        return all(form(corner) > 0 for corner in corners)
-
-    needs, lets_go = _NEEDS[number]
-    for side in (LEFT, RIGHT):
-        if not everywhere(lambda c, side=side: c.pressed(side)):
-            raise _Wrong("the object may tip")
-    if lets_go is not None:
-        side, slide = side_of[lets_go[0]], lets_go[1]
-        if not everywhere(lambda c: c.bounded(side, slide)):
-            raise _Wrong("the contact that should slide may be wedged")
-    for shallow_slide, steep_slide, smaller in needs:
-        slides = {shallow: shallow_slide, steep: steep_slide}
-        if everywhere(_comparison(slides, side_of[smaller])):
-            continue
-        wedged = [all(c.bounded(side, slides[side]) < 0 for c in corners) for side in slides]
-        if not any(wedged):  # a squeeze without bound is never the first one
-            raise _Wrong("the wrong contact may slide")
-
-
-def _comparison(slides: dict[int, int], smaller: int) -> Callable[[_Corner], Fraction]:
-    """The form that is > 0 where the squeeze at this side's edge is the smaller one."""
-    sign = 1 if smaller == LEFT else -1
-    return lambda corner: sign * corner.left_smaller(slides[LEFT], slides[RIGHT])
-
-
-def _clear(side: int, given: _Given, corners: list[_Corner]) -> None:
-    """Raises where a vertex of the outline may come down to the (endless) line of a palm."""
-    for from_left, from_right, height in given.outline:
-        for corner in corners:
-            t, turn = corner.t[side], corner.turn
-            if side == LEFT:
-                above = from_left * (t + turn) + height * (1 - t * turn)
-            else:
-                above = from_right * (t - turn) + height * (1 + t * turn)
-            if not above > 0:
-                raise _Wrong("the outline may touch a palm")
-    for corner in corners:  # the other contact vertex, too
-        t, turn = corner.t[side], corner.turn
-        if not (t + turn if side == LEFT else t - turn) > 0:
-            raise _Wrong("the object may lie flat on a palm")
-
-
 def _follow(
-    tree: Any, box: _Box, given: _Given, contacts: tuple[Ends, Ends], prove: Callable[..., None]
+    tree: Any, box: Box, given: Given, contacts: tuple[Ends, Ends], prove: Callable[..., None]
 ) -> None:
     """Walks down the halvings of a proof to boxes whose corners suffice."""
     pending = [(tree, box)]
     while pending:
         node, part = pending.pop()
         if node == "corners":
-            prove(list(_corners(part, given, _object_tangent(part, given, contacts))))
+            prove(list(corners(part, given, object_tangent(part, given, contacts))))
             continue
         if not (isinstance(node, list) and len(node) == 4 and isinstance(node[0], str)):
-            raise _Wrong("a proof is neither 'corners' nor [what, at, below, above]")
+            raise Wrong("a proof is neither 'corners' nor [what, at, below, above]")
         low, high = part.halves(node[0], _number(node[1]))
         pending += [(node[3], high), (node[2], low)]
 
@@ -320,17 +122,17 @@ def _obligations(
 def _number(value: Any) -> Fraction:
     # Plain decimals and quotients only: an exponent could ask for a number as long as the memory.
     if not isinstance(value, str) or len(value) > 200 or not _NUMBER.fullmatch(value):
-        raise _Wrong(f"{show(value)} is no exact number")
+        raise Wrong(f"{show(value)} is no exact number")
     try:
         return F(value)
     except ZeroDivisionError:
-        raise _Wrong(f"{show(value)} is no exact number") from None
+        raise Wrong(f"{show(value)} is no exact number") from None
 
 
 def _ends(value: Any) -> Ends:
     low, high = (_number(v) for v in value)
     if low > high:
-        raise _Wrong(f"{show(value)} has its ends the wrong way round")
+        raise Wrong(f"{show(value)} has its ends the wrong way round")
     return low, high
 
 
@@ -342,10 +144,10 @@ def _sides(box: dict[str, Any], key: str) -> tuple[Ends, Ends]:
     return _ends(box[key]["left"]), _ends(box[key]["right"])
 
 
-def _read(box: dict[str, Any]) -> tuple[_Given, tuple[Ends, Ends], bool, Ends]:
+def _read(box: dict[str, Any]) -> tuple[Given, tuple[Ends, Ends], bool, Ends]:
     com = tuple((_number(x), _number(y)) for x, y in box["com_m"])
     if not com:
-        raise _Wrong("there is no COM")
+        raise Wrong("there is no COM")
     outline = tuple(
         (_number(left), _number(right), _number(height)) for left, right, height in box["outline_m"]
     )
@@ -353,18 +155,18 @@ def _read(box: dict[str, Any]) -> tuple[_Given, tuple[Ends, Ends], bool, Ends]:
     friction, common = _sides(box, "friction"), box["friction"]["common"]
     width = _ends(box["width_m"])
     if common is not True and common is not False:
-        raise _Wrong("friction.common is neither true nor false")
+        raise Wrong("friction.common is neither true nor false")
     if common and friction[0] != friction[1]:
-        raise _Wrong("a common friction has two intervals")
+        raise Wrong("a common friction has two intervals")
     if friction[0][0] < 0 or friction[1][0] < 0 or width[0] <= 0:
-        raise _Wrong("friction or width is negative")
+        raise Wrong("friction or width is negative")
     for key in ("shallow_deg", "steep_deg"):
         if any(abs(end) >= 80 for ends in _sides(box, key) for end in ends):
-            raise _Wrong("a palm angle is not between −80° and 80°")
+            raise Wrong("a palm angle is not between −80° and 80°")
     for low, high in _sides(box, "contacts_m"):
         if not low <= 0 <= high:
-            raise _Wrong("the region of contacts does not hold p = 0")
-    return _Given(com, _ends(box["slope"]), offset, outline), friction, common, width
+            raise Wrong("the region of contacts does not hold p = 0")
+    return Given(com, _ends(box["slope"]), offset, outline), friction, common, width
 
 
 def _check_holds(certificate: dict[str, Any]) -> None:
@@ -372,23 +174,23 @@ def _check_holds(certificate: dict[str, Any]) -> None:
     given, friction, common, width = _read(box)
     unknown = set(claims) - {"property 0", "property 1", "property 2", "clearance"}
     if unknown or not claims:
-        raise _Wrong("claims what is not known here, or nothing")
+        raise Wrong("claims what is not known here, or nothing")
     for name, number, shallow, angles, contacts in _obligations(box, claims):
-        part = _Box(angles, friction, width, common)
+        part = Box(angles, friction, width, common)
 
-        def prove(corners: list[_Corner], number: int = number, shallow: int = shallow) -> None:
+        def prove(corners: list[Corner], number: int = number, shallow: int = shallow) -> None:
             if number or "property 0" in claims:
-                _property(number, shallow, corners)
+                prove_property(number, shallow, corners)
             if number == 0 and "clearance" in claims:
                 for side in (LEFT, RIGHT):
-                    _clear(side, given, corners)
+                    prove_clear(side, given, corners)
 
         try:
             _follow(certificate["proof"][name], part, given, contacts, prove)
         except KeyError:
-            raise _Wrong(f"the proof of {name!r} is missing") from None
-        except _Wrong as wrong:
-            raise _Wrong(f"{name}: {wrong}") from None
+            raise Wrong(f"the proof of {name!r} is missing") from None
+        except Wrong as wrong:
+            raise Wrong(f"{name}: {wrong}") from None
 
 
 def _check_fails(certificate: dict[str, Any]) -> None:
@@ -398,7 +200,7 @@ def _check_fails(certificate: dict[str, Any]) -> None:
     name, what = witness["claim"], witness["fails"]
     found = {o[0]: o for o in _obligations(box, certificate["claims"])}
     if name not in found:
-        raise _Wrong(f"{show(name)} is not claimed")
+        raise Wrong(f"{show(name)} is not claimed")
     _, number, shallow, angles, contacts = found[name]
     at_angles = tuple(_number(witness["angle_deg"][side]) for side in ("left", "right"))
     mu = tuple(_number(witness["friction"][side]) for side in ("left", "right"))
@@ -415,16 +217,16 @@ def _check_fails(certificate: dict[str, Any]) -> None:
         (x, y) in given.com,
     ]
     if not all(inside):
-        raise _Wrong("the witness is not a point of the box")
-    point = _Box(
+        raise Wrong("the witness is not a point of the box")
+    point = Box(
         (_just(at_angles[0]), _just(at_angles[1])), (_just(mu[0]), _just(mu[1])), _just(w), False
     )
-    turn = _object_tangent(point, given, (_just(p[0]), _just(p[1])))
+    turn = object_tangent(point, given, (_just(p[0]), _just(p[1])))
     exact = replace(given, com=((x, y),), slope=_just(s))
-    corners = list(_corners(point, exact, turn))
+    at = list(corners(point, exact, turn))
     steep = 1 - shallow
-    needs, lets_go = _NEEDS[number]
-    forms: dict[str, Callable[[_Corner], Fraction]] = {
+    needs, lets_go = NEEDS[number]
+    forms: dict[str, Callable[[Corner], Fraction]] = {
         "lift_left": lambda c: c.pressed(LEFT),
         "lift_right": lambda c: c.pressed(RIGHT),
     }
@@ -434,14 +236,14 @@ def _check_fails(certificate: dict[str, Any]) -> None:
     slides_of: dict[str, dict[int, int]] = {}
     for word, (shallow_slide, steep_slide, smaller) in zip(("first", "second"), needs, strict=True):
         slides_of[word] = {shallow: shallow_slide, steep: steep_slide}
-        forms[word] = _comparison(slides_of[word], shallow if smaller == "shallow" else steep)
+        forms[word] = comparison(slides_of[word], shallow if smaller == "shallow" else steep)
     if what not in forms:
-        raise _Wrong(f"{show(what)} is no condition of this property")
-    if not all(forms[what](corner) < 0 for corner in corners):
-        raise _Wrong("the property does not certainly fail at the witness")
+        raise Wrong(f"{show(what)} is no condition of this property")
+    if not all(forms[what](corner) < 0 for corner in at):
+        raise Wrong("the property does not certainly fail at the witness")
     for side, slide in slides_of.get(what, {}).items():
-        if not all(corner.bounded(side, slide) > 0 for corner in corners):
-            raise _Wrong("a wedged edge makes the condition needless at the witness")
+        if not all(corner.bounded(side, slide) > 0 for corner in at):
+            raise Wrong("a wedged edge makes the condition needless at the witness")
 
 
 def check(path: Any) -> Checked:
@@ -471,8 +273,8 @@ def check(path: Any) -> Checked:
         elif verdict == "fails":
             _check_fails(certificate)
         else:
-            raise _Wrong("the verdict is neither 'holds' nor 'fails'")
-    except _Wrong as wrong:
+            raise Wrong("the verdict is neither 'holds' nor 'fails'")
+    except Wrong as wrong:
         return Checked(False, claim, str(wrong))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         return Checked(False, claim, f"is incomplete or misshapen: {error!r}")

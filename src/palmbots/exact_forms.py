@@ -1,0 +1,245 @@
+"""What a certificate's check evaluates: forms at the corners of a box, in exact rationals.
+
+What is verified. Let the palms' angles, the frictions, the COM, the width w, the slope s and the
+contacts p be anything in the certificate's box. With t the tangent of a palm's angle, T that of the
+object's, and the edges of a friction cone
+
+    up:   lateral t + μ, vertical 1 − μ t        down: lateral t − μ, vertical 1 + μ t
+
+the squeeze at the left edge (a, b) is less than that at the right edge (c, d) iff
+
+    (a d + b c) ((1 − s T) x − (T + s) y) > w (a d − s b d + T (a c − s b c))
+
+(MECHANICS section 3, both sides times dx). A property is a few such comparisons, "the object is
+not lifted off" on either side, and "the edge that lets go is not wedged". Each of these forms is
+linear in each of t, μ, x, y, T, w and s alone. So it is positive on a whole box if it is positive
+at all corners of the box; that is the only theorem used. T belongs to the box as an interval that
+holds every T the palms' angles and contacts can give.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+
+from palmbots.enclosures import Ends, cosine_of_degrees, down, root, sine_of_degrees, up
+
+__all__ = [
+    "LEFT",
+    "NEEDS",
+    "RIGHT",
+    "Box",
+    "Corner",
+    "Given",
+    "Wrong",
+    "comparison",
+    "corners",
+    "object_tangent",
+    "prove_clear",
+    "prove_property",
+]
+
+F = Fraction
+LEFT, RIGHT = 0, 1
+
+
+class Wrong(Exception):
+    """The certificate does not prove what it claims."""
+
+
+# ---- the box -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Box:
+    """What is halved: palm angles, frictions and width, each between two ends."""
+
+    angles: tuple[Ends, Ends]  # degrees
+    friction: tuple[Ends, Ends]
+    width: Ends
+    common: bool
+
+    def halves(self, name: str, at: Fraction) -> tuple["Box", "Box"]:
+        """The two parts of the box below and above a value of one quantity."""
+
+        def cut(ends: Ends) -> tuple[Ends, Ends]:
+            if not ends[0] < at < ends[1]:
+                raise Wrong(f"{name} is to be halved at {at}, which is not inside it")
+            return (ends[0], at), (at, ends[1])
+
+        if name in ("left", "right"):
+            side = LEFT if name == "left" else RIGHT
+            low, high = cut(self.angles[side])
+            keep = self.angles[1 - side]
+            both = [(one, keep) if side == LEFT else (keep, one) for one in (low, high)]
+            return replace(self, angles=both[0]), replace(self, angles=both[1])
+        if name == "width":
+            low, high = cut(self.width)
+            return replace(self, width=low), replace(self, width=high)
+        if name == "friction" and self.common:
+            low, high = cut(self.friction[0])
+            return replace(self, friction=(low, low)), replace(self, friction=(high, high))
+        raise Wrong(f"{name!r} is nothing that can be halved")
+
+
+@dataclass(frozen=True)
+class Given:
+    """What every claim shares."""
+
+    com: tuple[tuple[Fraction, Fraction], ...]
+    slope: Ends
+    offset: tuple[Fraction, Fraction]
+    outline: tuple[tuple[Fraction, Fraction, Fraction], ...]
+
+
+def object_tangent(box: Box, given: Given, contacts: tuple[Ends, Ends]) -> Ends:
+    """Every tan ϑ that the angles, the widths and these contacts can give."""
+    heights: list[Ends] = []
+    for side in (LEFT, RIGHT):
+        low, high = box.angles[side]
+        sines = (sine_of_degrees(low)[0], sine_of_degrees(high)[1])
+        cosines = [c for angle in (low, high) for c in cosine_of_degrees(angle)]
+        if low < 0 < high:
+            cosines.append(F(1))
+        along = [p * s for p in contacts[side] for s in sines]
+        across = [given.offset[side] * c for c in cosines]
+        heights.append((min(along) + min(across), max(along) + max(across)))
+    rise = (heights[RIGHT][0] - heights[LEFT][1], heights[RIGHT][1] - heights[LEFT][0])
+    if max(-rise[0], rise[1]) >= box.width[0]:
+        raise Wrong("the object cannot reach from palm to palm everywhere in the box")
+
+    def tangent(z: Fraction, upward: bool) -> Fraction:
+        outward = (z > 0) == upward
+        w = box.width[0] if outward else box.width[1]
+        run = root(w * w - z * z, upward=not outward)
+        return z / run
+
+    return down(tangent(rise[0], False)), up(tangent(rise[1], True))
+
+
+def palm_tangents(box: Box) -> tuple[Ends, Ends]:
+    """tan θ at both ends of each palm's angle."""
+    found: list[Ends] = []
+    for low, high in box.angles:
+        ends: list[Fraction] = []
+        for angle, end in ((low, 0), (high, 1)):
+            sine, cosine = sine_of_degrees(angle), cosine_of_degrees(angle)
+            ends.append([min, max][end](s / c for s in sine for c in cosine))
+        found.append((down(ends[0]), up(ends[1])))
+    return found[0], found[1]
+
+
+# ---- the forms -----------------------------------------------------------------------------------
+
+UP, DOWN = 1, -1
+
+# Per property: (edge of the shallow palm, edge of the steep one, which has the smaller squeeze),
+# and the edge that lets go.
+NEEDS: dict[int, tuple[tuple[tuple[int, int, str], ...], tuple[str, int] | None]] = {
+    0: (((UP, DOWN, "steep"), (DOWN, UP, "shallow")), None),
+    1: (((UP, UP, "shallow"), (UP, DOWN, "steep")), ("shallow", UP)),
+    2: (((DOWN, DOWN, "shallow"), (UP, DOWN, "steep")), ("steep", DOWN)),
+}
+
+
+@dataclass(frozen=True)
+class Corner:
+    """One corner of a box, in the symbols above; pairs are (left, right)."""
+
+    t: tuple[Fraction, Fraction]
+    mu: tuple[Fraction, Fraction]
+    x: Fraction
+    y: Fraction
+    turn: Fraction  # T
+    w: Fraction
+    s: Fraction
+
+    def edge(self, side: int, slide: int) -> tuple[Fraction, Fraction]:
+        """(lateral, vertical) of the edge that slides up (1) or down (−1)."""
+        t, mu = self.t[side], slide * self.mu[side]
+        return t + mu, 1 - mu * t
+
+    def bounded(self, side: int, slide: int) -> Fraction:
+        """> 0 where this edge bounds the squeeze (is not wedged)."""
+        lateral, vertical = self.edge(side, slide)
+        return vertical - (lateral if side == LEFT else -lateral) * self.turn
+
+    def left_smaller(self, left: int, right: int) -> Fraction:
+        """> 0 where the squeeze at the left edge is the smaller one."""
+        (a, b), (c, d) = self.edge(LEFT, left), self.edge(RIGHT, right)
+        gravity = (1 - self.s * self.turn) * self.x - (self.turn + self.s) * self.y
+        meeting = a * d - self.s * b * d + self.turn * (a * c - self.s * b * c)
+        return (a * d + b * c) * gravity - self.w * meeting
+
+    def pressed(self, side: int) -> Fraction:
+        """> 0 where the object presses on this palm."""
+        if side == LEFT:
+            right_arm = self.w - self.x
+            return right_arm + self.s * self.y + self.turn * (self.y - self.s * right_arm)
+        return self.x - self.s * self.y - self.turn * (self.s * self.x + self.y)
+
+
+def corners(box: Box, given: Given, turn: Ends) -> Iterator[Corner]:
+    """All corners of a box; `turn` holds every T of it."""
+    # Where both palms have the same friction, all pairs from its interval are more than needed.
+    t = palm_tangents(box)
+    for values in product(
+        set(t[0]),
+        set(t[1]),
+        set(box.friction[0]),
+        set(box.friction[1]),
+        given.com,
+        set(turn),
+        set(box.width),
+        set(given.slope),
+    ):
+        t_left, t_right, mu_left, mu_right, (x, y), tan_turn, w, s = values
+        yield Corner((t_left, t_right), (mu_left, mu_right), x, y, tan_turn, w, s)
+
+
+def prove_property(number: int, shallow: int, at: list[Corner]) -> None:
+    """Raises where a property is not proved by the at of a box."""
+    steep = 1 - shallow
+    side_of = {"shallow": shallow, "steep": steep}
+
+    def everywhere(form: Callable[[Corner], Fraction]) -> bool:
+        return all(form(corner) > 0 for corner in at)
+
+    needs, lets_go = NEEDS[number]
+    for side in (LEFT, RIGHT):
+        if not everywhere(lambda c, side=side: c.pressed(side)):
+            raise Wrong("the object may tip")
+    if lets_go is not None:
+        side, slide = side_of[lets_go[0]], lets_go[1]
+        if not everywhere(lambda c: c.bounded(side, slide)):
+            raise Wrong("the contact that should slide may be wedged")
+    for shallow_slide, steep_slide, smaller in needs:
+        slides = {shallow: shallow_slide, steep: steep_slide}
+        if everywhere(comparison(slides, side_of[smaller])):
+            continue
+        wedged = [all(c.bounded(side, slides[side]) < 0 for c in at) for side in slides]
+        if not any(wedged):  # a squeeze without bound is never the first one
+            raise Wrong("the wrong contact may slide")
+
+
+def comparison(slides: dict[int, int], smaller: int) -> Callable[[Corner], Fraction]:
+    """The form that is > 0 where the squeeze at this side's edge is the smaller one."""
+    sign = 1 if smaller == LEFT else -1
+    return lambda corner: sign * corner.left_smaller(slides[LEFT], slides[RIGHT])
+
+
+def prove_clear(side: int, given: Given, at: list[Corner]) -> None:
+    """Raises where a vertex of the outline may come down to the (endless) line of a palm."""
+    for from_left, from_right, height in given.outline:
+        for corner in at:
+            t, turn = corner.t[side], corner.turn
+            if side == LEFT:
+                above = from_left * (t + turn) + height * (1 - t * turn)
+            else:
+                above = from_right * (t - turn) + height * (1 + t * turn)
+            if not above > 0:
+                raise Wrong("the outline may touch a palm")
+    for corner in at:  # the other contact vertex, too
+        t, turn = corner.t[side], corner.turn
+        if not (t + turn if side == LEFT else t - turn) > 0:
+            raise Wrong("the object may lie flat on a palm")
