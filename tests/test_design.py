@@ -99,8 +99,10 @@ def test_every_quantity_gets_a_certificate(maximize: str, tmp_path: Path) -> Non
 
 
 def test_the_certificate_is_tight() -> None:
-    """A hundredth more tolerance can be refuted."""
+    """A hundredth more tolerance can be refuted, and nothing on the map has more."""
     found = pb.design("paper", friction=(0.3, 0.5), region_m="palm", resolution_deg=0.5)
+    most = float(found.map["tolerance"].where(found.map["allowed"]).max())
+    assert found.tolerance == pytest.approx(most, rel=1e-8)
     x = found.scene.object.com_m[0]
     more = found.tolerance * 1.01
     refuted = pb.certify(
@@ -208,3 +210,13 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert "FAILS" in capsys.readouterr().out
     assert run(["analyze", "--region-m", "0.5", "0.6"]) == 2
     assert "allowed" in capsys.readouterr().err
+
+
+def test_of_equals_the_pair_that_turns_least() -> None:
+    """On the whole palm many pairs reach its end; the quickest of them is taken."""
+    found = pb.design("paper", maximize="region", region_m="palm", resolution_deg=1.0)
+    value = found.map["tolerance"].where(found.map["allowed"])
+    best = value >= float(value.max()) * (1 - 1e-9)
+    assert int(best.sum()) > 3
+    turns = (found.map["steep"] - found.map["shallow"]).where(best)
+    assert found.steep_deg - found.shallow_deg == float(turns.min())

@@ -366,3 +366,60 @@ def test_clearance_against_the_world() -> None:
             ends = _core.World(spec).check()
             assert (ends in ("flush", "tip")) == (found.touch is not None), (shallow, angles, p)
     assert touched == 4
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_slope_and_acceleration_are_those_of_scenes_on_slopes(direction: str) -> None:
+    """Uphill in travel is positive, whichever way the robots go."""
+    base = {"object.com_m": [0.118, 0.04], "task.direction": direction}
+    found = pb.analyze("paper", overrides=base)
+    assert found.slope is not None
+    ends = [math.degrees(math.atan(s)) for s in found.slope]
+    assert abs(ends[0] + ends[1]) > 0.1  # not symmetric, or a sign could hide
+    for end, sign in zip(ends, (-1, 1), strict=True):
+        for more, holds in ((-1e-6, True), (1e-6, False)):
+            scene = load_scene("paper", base | {"task.slope_deg": end + sign * more})
+            assert scan_holds(situation_of(scene)) == holds
+    limit = found.max_acceleration_m_s2
+    assert limit == pytest.approx(9.80665 * min(-found.slope[0], found.slope[1]))
+
+
+def test_sideways_support_of_unlike_palms() -> None:
+    scene = load_scene("paper", {"palm.right.width_m": 0.03, "object.com_m": [0.1, 0.05]})
+    found = pb.analyze(scene).sideways
+    assert {tuple(c) for c in found.support_m} == {
+        (0.0, -0.035), (0.25, -0.015), (0.25, 0.015), (0.0, 0.035)
+    }  # fmt: skip
+    along = np.linspace(0, 0.25, 20001)
+    side = 0.035 + (0.015 - 0.035) * along / 0.25
+    nearest = np.hypot(along - 0.1, side).min()
+    assert found.margin_m == pytest.approx(nearest, rel=1e-6)
+    assert math.tan(found.tilt_rad) == pytest.approx(nearest / 0.05, rel=1e-6)
+    assert found.acceleration_g == pytest.approx(nearest / 0.05, rel=1e-6)
+
+
+def test_wedging_starts_where_a_squeeze_becomes_unbounded() -> None:
+    found = pb.analyze("paper", overrides={"palm.shallow_deg": 12.0, "palm.steep_deg": 30.0})
+    at = found.situation
+    for friction, wedged in (
+        (found.wedging.friction - 1e-6, False),
+        (found.wedging.friction + 1e-6, True),
+    ):
+        infinite = False
+        for number, shallow in STEEP_CASES:
+            angles, p = at.palms(shallow), contacts(at, number, shallow, 2)
+            states = pb.states(
+                width=at.width, com_x=at.com[0], com_y=at.com[1], theta_left=angles[0],
+                theta_right=angles[1], p_left=p[0], p_right=p[1], friction_left=friction,
+                friction_right=friction,
+            )  # fmt: skip
+            infinite |= bool(np.isinf(states.squeeze[..., 1]).any())
+        assert infinite == wedged
+
+
+def test_a_turning_palm_is_asked_for_both_regions() -> None:
+    at = situation_of(load_scene("paper", {"palm.shallow_deg": 7.0}))
+    for pose in list(at.poses(0, "left"))[2:]:
+        rises = [at.rise(number, "left", pose.angles) for number in (1, 2)]
+        assert pose.rise == (min(r[0] for r in rises), max(r[1] for r in rises))
+        assert rises[0] != rises[1]
