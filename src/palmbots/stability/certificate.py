@@ -24,13 +24,12 @@ from palmbots.files import write_whole
 from palmbots.scene import Scene, load_scene
 from palmbots.sections import SIDES
 from palmbots.stability.box import Box, Ends, box_of, text
-from palmbots.stability.forms import NEEDS
+from palmbots.stability.forms import LETS_GO, NEEDS
 
 __all__ = ["CLAIMS", "Certificate", "certify", "prove"]
 
 CLAIMS = ("property 1", "property 2", "property 0", "clearance")
 _FORMAT = "palmbots certificate 1"
-_LETS_GO = {1: ("shallow", 1), 2: ("steep", -1)}
 _MOST_PARTS = 20_000
 _BITS = 128
 
@@ -226,8 +225,8 @@ def _conditions(number: int, shallow: int) -> dict[str, Callable[[_Corner], Any]
         "lift_left": lambda c: c.lift(0),
         "lift_right": lambda c: c.lift(1),
     }
-    if number in _LETS_GO:
-        who, slide = _LETS_GO[number]
+    if number in LETS_GO:
+        who, slide = LETS_GO[number]
         side = shallow if who == "shallow" else steep
         forms["wedged"] = lambda c: c.bounds(side, slide)
     for name, (one, two, shallow_first) in zip(("first", "second"), NEEDS[number], strict=True):

@@ -14,7 +14,7 @@ from typing import Any
 
 from palmbots.sections import SIDES, Side
 
-__all__ = ["NEEDS", "Form", "failing", "forms", "text_of"]
+__all__ = ["LETS_GO", "NEEDS", "Form", "failing", "forms", "text_of"]
 
 UP, DOWN = 1, -1
 
@@ -26,7 +26,8 @@ NEEDS: dict[int, tuple[tuple[int, int, bool], ...]] = {
 }
 """The comparisons of squeezes that a property needs, by property number."""
 
-_LETS_GO = {0: None, 1: ("shallow", UP), 2: ("steep", DOWN)}
+LETS_GO = {1: ("shallow", UP), 2: ("steep", DOWN)}
+"""The edge that slides, and so must not be wedged, by property number."""
 
 _TEXTS = {
     (0, "first"): "the shallow palm could not hold against the steep one: both slide, closing",
@@ -113,7 +114,7 @@ def forms(
         sign = 1.0 if shallow_first != is_left else -1.0
         void = (wedge(left, 0), wedge(right, 1))
         found.append(Form(name, p * sign, q * sign, void))
-    who = _LETS_GO[number]
+    who = LETS_GO.get(number)
     if who is not None:
         side = SIDES.index(shallow) if who[0] == "shallow" else 1 - SIDES.index(shallow)
         found.append(Form("wedged", *wedge(_edge(angles[side], who[1], friction[side]), side)))
