@@ -9,7 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 export PYTHON
 
-EXTENSION := pyproject.toml CMakeLists.txt $(wildcard include/palmbots/*.hpp src/bindings/*)
+EXTENSION := pyproject.toml CMakeLists.txt $(wildcard include/palmbots/*.hpp src/bindings/* src/lanes/*)
 CXX_FILES = $(shell find include src tests benchmarks -name '*.hpp' -o -name '*.cpp')
 PY_FILES = src tests examples benchmarks
 

@@ -20,12 +20,13 @@ from rich.console import Console
 from rich.table import Table
 
 from palmbots import _core
+from palmbots.batch import run_seeds
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "carry.csv"
-CARRIES, REPEATS, SEEDS = 200, 9, 4
+CARRIES, REPEATS, SEEDS = 500, 9, 4
 PEERS = {
     "pymunk": (peer_pymunk.Pymunk, peer_pymunk.version()),
     "Box2D": (peer_box2d.Box2d, peer_box2d.version()),
@@ -39,8 +40,19 @@ def palmbots_us(controller: str, precision: str) -> float:
     times = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        _core.run_seeds(spec, controller, 0, CARRIES, precision)
+        run_seeds(spec, controller, 0, CARRIES, precision)
         times.append((time.perf_counter() - start) / CARRIES)
+    return 1e6 * statistics.median(times)
+
+
+def one_by_one_us() -> float:
+    """Microseconds a carry of the distributed algorithm in double precision, by itself."""
+    spec = lower(Scene())
+    times = []
+    for seed in range(200):
+        start = time.perf_counter()
+        _core.run(spec, "distributed", seed, "double", False)
+        times.append(time.perf_counter() - start)
     return 1e6 * statistics.median(times)
 
 
@@ -54,6 +66,7 @@ def main() -> None:
                 (f"palmbots, {controller}, {precision}", __version__,
                  palmbots_us(controller, precision), "")
             )  # fmt: skip
+    rows.append(("palmbots, distributed, double, one by one", __version__, one_by_one_us(), ""))
     for name, (engine, version) in PEERS.items():
         console.print(f"{name} …", end="\r")
         results = [task.carry(engine(), seed) for seed in range(SEEDS)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots import _core
+from palmbots.batch import run_seeds
 from palmbots.compare import wilson
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.lowering import lower
@@ -72,7 +72,7 @@ def test_seeds_in_bulk_are_the_single_ones() -> None:
     scene = pb.load_scene("paper", {"robot.noise_m_s": 0.02})
     for controller in ("none", "centralized", "distributed"):
         for precision in ("double", "float"):
-            bulk = _core.run_seeds(lower(scene), controller, 3, 6, precision)
+            bulk = run_seeds(lower(scene), controller, 3, 6, precision)
             for i in range(6):
                 one = pb.carry(scene, controller, seed=3 + i, precision=precision, record=False)
                 outcome = ("running", "delivered", "dropped", "stalled")[bulk["outcome"][i]]

@@ -8,6 +8,7 @@ import pytest
 
 import palmbots as pb
 from palmbots import _core
+from palmbots.batch import run_seeds
 from palmbots.lowering import lower
 
 CALM: dict[str, float] = {"robot.noise_m_s": 0.0}
@@ -287,7 +288,7 @@ def test_lost_packets_only_delay_the_station() -> None:
 
     def runs(loss: float, latency_s: float = 0.05) -> dict[str, np.ndarray]:
         keys = {"radio.loss": loss, "radio.latency_s": latency_s}
-        return _core.run_seeds(lower(pb.load_scene("paper", keys)), "centralized", 0, 100, "double")
+        return run_seeds(lower(pb.load_scene("paper", keys)), "centralized", 0, 100, "double")
 
     def rms(result: dict[str, np.ndarray]) -> float:
         return float(np.sqrt(np.mean(result["contact_rms_m"] ** 2)))

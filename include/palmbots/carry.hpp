@@ -8,76 +8,33 @@
 #include <cstdint>
 
 #include "palmbots/metrics.hpp"
-#include "palmbots/robot.hpp"
-#include "palmbots/spec.hpp"
+#include "palmbots/setup.hpp"
 #include "palmbots/team.hpp"
 #include "palmbots/world.hpp"
 
 namespace palmbots {
 
-template <class Real>
-Rig<Real> rig_of(const Spec& spec) {
-  Rig<Real> rig{};
-  rig.load = {Real(spec.width), Real(spec.com_left), Real(spec.com_right), Real(spec.com_height),
-              Real(spec.slope)};
-  rig.moments = Moments<Real>::of(rig.load);
-  rig.outline.count = spec.outline.count;
-  rig.outline.contact = spec.outline.contact;
-  for (std::size_t i = 0; i < spec.outline.count; ++i) {
-    const Vertex<double>& v = spec.outline.vertices[i];
-    rig.outline.vertices[i] = {{Real(v.along[left]), Real(v.along[right])}, Real(v.height)};
-  }
-  for (const std::size_t side : {left, right}) {
-    rig.clear[side] = clear_cone(rig.outline, side);
-    rig.offset[side] = Real(spec.palms[side].offset);
-    rig.half_length[side] = Real(0.5 * spec.palms[side].length);
-    rig.friction[side] = Real(spec.palms[side].friction);
-  }
-  return rig;
-}
-
-// Both palms steep, the contacts where the spec starts them, the robots where the object makes them.
-template <class Real>
-Stance<Real> stance_of(const Spec& spec, const Rig<Real>& rig) {
-  Stance<Real> stance{};
-  for (const std::size_t side : {left, right}) {
-    stance.palms[side] = PalmAngle<Real>::at(Real(spec.palms[side].steep));
-    stance.contacts[side] = Real(spec.start[side]);
-  }
-  stance.separation = closing_separation(stance, rig.offset, rig.load.width);
-  return stance;
-}
-
-template <class Real>
-Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
-  const Real memory = robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
-  const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
-  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
-          drive};
-}
-
-template <class Real>
-Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
-  return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
-}
+// Noise is drawn, and metrics are added up, for so many ticks at once.
+inline constexpr std::uint32_t block_ticks = 64;
 
 template <class Real, class Team, class Recorder>
 class Carry {
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : spec_(spec),
-        seed_(seed),
-        team_(std::move(team)),
-        recorder_(std::move(recorder)),
-        sense_of_travel_(Real(spec.direction)) {
+      : spec_(spec), seed_(seed), team_(std::move(team)), recorder_(std::move(recorder)) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
+    robots_.travel_sense = Real(spec.direction);
+    robots_.period = Real(spec.period);
+    // The object goes with the mean of the two robots; a push is an acceleration in units of g.
+    if (spec.inertia != 0) robots_.inertia = Real(0.5 / (spec.period * standard_gravity));
     for (const std::size_t side : {left, right}) {
-      wheels_[side] = wheels_of<Real>(spec.robots[side], spec.period);
-      wrists_[side] = wrist_of<Real>(spec.palms[side], spec.period);
+      robots_.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
+      robots_.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
       // Noise is under way when the carry starts: its first value has its lasting spread.
       const Words words = draw(seed, ~0U, Stream::noise);
-      wheels_[side].noise = Real(spec.robots[side].noise) * random(words, 0, side);
+      robots_.wheels[side].noise =
+          Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader() ? 0 : 1]);
       full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
@@ -87,8 +44,6 @@ class Carry {
     }
     obey(commands_);
     tactile_ = Tactile<Real>(zones, spec.zone_count, spec.false_rate);
-    // The object goes with the mean of the two robots; a push is an acceleration in units of g.
-    if (spec.inertia != 0) inertia_ = Real(0.5 / (spec.period * standard_gravity));
     metrics_.settle_ticks = settle_ticks();
   }
 
@@ -109,35 +64,24 @@ class Carry {
     if (metrics_.end != End::none) {
       metrics_.outcome = Result::dropped;
       metrics_.time_ticks = double(tick_);
+      collect();
       metrics_.close(tick_);
       return;
     }
     const PerSide<Sensed> sensed = sense();
-    const PerSide<Command> commands =
-        team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
-    if (commands != commands_) [[unlikely]]
-      obey(commands);
-    metrics_.observe(tick_, team_, world_.stance().contacts);
-
-    if (tick_ % noise_block == 0) draw_noise();
-    PerSide<Real> angles{};
-    for (const std::size_t side : {left, right}) {
-      speeds_[side] = sense_of_travel_ *
-                      wheels_[side].step(goal_speed_[side], noise_[side][tick_ % noise_block]);
-      const Real angle = world_.stance().palms[side].angle;
-      angles[side] = wrists_[side].step(angle, goal_angle_[side]);
-    }
-    const auto period = Real(spec_.period);
+    if (sensed != sensed_ || tick_ >= wake_) think(sensed);
+    const std::uint32_t k = tick_ % block_ticks;
+    if (k == 0) next_block();
+    const Stance<Real>& now = world_.stance();
+    tally_.add(now.contacts);
+    const Drive<Real> drive =
+        palmbots::drive(robots_, now.palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);
-    const Real together = speeds_[left] + speeds_[right];
-    const Real push = inertia_ * (together - together_);
-    const Advance<Real>& step =
-        world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
-    together_ = together;
-    const Real travel = Real(0.5) * together * period;
-    midpoint_ = midpoint_ + (step.end == End::none ? travel : travel * step.fraction);
+    const Advance<Real>& step = world_.advance(drive.change, drive.angles, drive.push);
+    robots_.midpoint =
+        robots_.midpoint + (step.end == End::none ? drive.travel : drive.travel * step.fraction);
     recorder_.after(*this);
-    finish_tick(step, travel);
+    finish_tick(step, drive.travel);
   }
 
   std::uint32_t ticks() const { return tick_; }
@@ -147,8 +91,8 @@ class Carry {
   const Metrics& metrics() const { return metrics_; }
   Recorder& recorder() { return recorder_; }
   const Recorder& recorder() const { return recorder_; }
-  Real midpoint() const { return midpoint_; }
-  const PerSide<Real>& speeds() const { return speeds_; }
+  Real midpoint() const { return robots_.midpoint; }
+  const PerSide<Real>& speeds() const { return robots_.speeds; }
   const PerSide<Command>& commands() const { return commands_; }
 
   // The speed a command asks of a robot, in the world's x direction.
@@ -158,32 +102,52 @@ class Carry {
   }
 
  private:
+  template <class, int, class>
+  friend class Lockstep;
+
+  // The team runs, and what it commands is obeyed. Between two calls every tick would be the same: the
+  // robots sense what they sensed, and the team has nothing to do by itself.
+  void think(const PerSide<Sensed>& sensed) {
+    sensed_ = sensed;
+    const PerSide<Command> commands =
+        team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
+    wake_ = wake_of(team_, tick_);
+    if (commands != commands_) [[unlikely]]
+      obey(commands);
+    metrics_.note(tick_, team_);
+  }
+
   // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
   // processor guesses that they did not.
   [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
     commands_ = commands;
     for (const std::size_t side : {left, right}) {
-      goal_angle_[side] = wrists_[side].target(commands[side].palm);
-      goal_speed_[side] =
-          wheels_[side].within_limit(sense_of_travel_ * wanted(side, commands[side].move));
+      robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
+      robots_.goal_speed[side] = robots_.wheels[side].within_limit(
+          robots_.travel_sense * wanted(side, commands[side].move));
     }
   }
 
   // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
   // draws the mirrored numbers.
   std::size_t leader() const { return spec_.direction > 0 ? right : left; }
-  Real random(const Words& words, std::uint32_t tick, std::size_t side) const {
-    return unit_noise<Real>(words[2 * (tick & 1) + (side == leader() ? 0 : 1)]);
+
+  // What is done for many ticks at once.
+  [[gnu::noinline]] void next_block() {
+    collect();
+    draw_noise();
   }
 
-  // The noise of the ticks to come, many at once: four words serve two robots for two ticks, and
-  // draws that do not wait for each other are quick.
-  [[gnu::noinline]] void draw_noise() {
-    for (std::uint32_t k = 0; k < noise_block; k += 2) {
-      const Words words = draw(seed_, tick_ + k, Stream::noise);
-      for (const std::size_t side : {left, right}) {
-        noise_[side][k] = random(words, 0, side);
-        noise_[side][k + 1] = random(words, 1, side);
+  void collect() { metrics_.collect(tally_, tick_ - metrics_.samples); }
+
+  // The noise of a block of ticks: four words serve two robots for two ticks.
+  void draw_noise() {
+    const auto words = draw_every_other<block_ticks / 2>(seed_, tick_, Stream::noise);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t lane = side == leader() ? 0 : 1;
+      for (std::size_t i = 0; i < block_ticks / 2; ++i) {
+        noise_[side][2 * i] = unit_noise<Real>(words[lane][i]);
+        noise_[side][2 * i + 1] = unit_noise<Real>(words[2 + lane][i]);
       }
     }
   }
@@ -199,7 +163,7 @@ class Carry {
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])
                               : tactile_.sign(p);
-      sensed[side].turned = now.palms[side].angle == goal_angle_[side];
+      sensed[side].turned = now.palms[side].angle == robots_.goal_angle[side];
     }
     return sensed;
   }
@@ -209,8 +173,8 @@ class Carry {
     PerSide<Real> by{};
     for (std::size_t i = 0; i < spec_.bump_count; ++i) {
       const BumpSpec& bump = spec_.bumps[i];
-      const double reached =
-          bump.by_time != 0 ? double(tick_) * spec_.period : double(midpoint_) * spec_.direction;
+      const double reached = bump.by_time != 0 ? double(tick_) * spec_.period
+                                               : double(robots_.midpoint) * spec_.direction;
       if ((bumped_ >> i & 1) != 0 || reached < bump.at) continue;
       bumped_ |= std::uint64_t{1} << i;
       by[bump.side] += Real(bump.shift);
@@ -222,7 +186,8 @@ class Carry {
 
   void random_bumps(PerSide<Real>& by) {
     const Words words = draw(seed_, tick_, Stream::bump);
-    const double way = std::abs(double(speeds_[left] + speeds_[right])) * 0.5 * spec_.period;
+    const double way =
+        std::abs(double(robots_.speeds[left] + robots_.speeds[right])) * 0.5 * spec_.period;
     const double chance = spec_.bump_rate * way;
     for (const std::size_t side : {left, right}) {
       const std::size_t lane = side == leader() ? 0 : 2;
@@ -234,7 +199,7 @@ class Carry {
   }
 
   void finish_tick(const Advance<Real>& step, Real travel) {
-    const double gone = double(midpoint_) * spec_.direction;
+    const double gone = double(robots_.midpoint) * spec_.direction;
     if (step.end != End::none) {
       metrics_.end = step.end;
       metrics_.outcome = Result::dropped;
@@ -250,7 +215,10 @@ class Carry {
       metrics_.time_ticks = double(tick_) + 1;
     }
     ++tick_;
-    if (metrics_.outcome != Result::running) metrics_.close(tick_);
+    if (metrics_.outcome != Result::running) {
+      collect();
+      metrics_.close(tick_);
+    }
   }
 
   // A correction that follows the last one within this time belongs to the same run of corrections:
@@ -270,22 +238,16 @@ class Carry {
   std::uint64_t seed_;
   Team team_;
   Recorder recorder_;
-  Real sense_of_travel_;
   World<Real> world_;
-  PerSide<Wheels<Real>> wheels_{};
-  PerSide<Wrist<Real>> wrists_{};
+  Robots<Real> robots_{};
   Tactile<Real> tactile_;
   PerSide<Real> full_move_{};
   PerSide<Real> nominal_{};
-  PerSide<Real> goal_speed_{};  // along the direction of travel
-  PerSide<Real> goal_angle_{};
-  PerSide<Real> speeds_{};   // towards +x
-  Real together_ = Real(0);  // the sum of the speeds in the tick before
-  Real inertia_ = Real(0);   // push per change of that sum [s/m]
+  PerSide<Sensed> sensed_{};
+  std::uint32_t wake_ = 0;  // the next tick at which the team is asked whatever is sensed
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Real midpoint_ = Real(0);
-  static constexpr std::uint32_t noise_block = 32;
-  PerSide<std::array<Real, noise_block>> noise_{};
+  PerSide<std::array<Real, block_ticks>> noise_{};
+  Tally<Real> tally_{};
   std::uint64_t bumped_ = 0;
   std::uint32_t tick_ = 0;
   Metrics metrics_;

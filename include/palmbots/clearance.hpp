@@ -39,7 +39,7 @@ struct ClearCone {
   Real low;
   Real high;
 
-  constexpr bool contains(Reach<Real> r) const {
+  constexpr MaskOf<Real> contains(Reach<Real> r) const {
     return (r.inward > Real(0)) & (r.normal > low * r.inward) & (r.normal < high * r.inward);
   }
 };

@@ -17,16 +17,24 @@ enum class End : std::uint8_t {
   jammed,    // both contacts are wedged, and the robots still drive
 };
 
-// What does not change during a carry.
+// What does not change during a carry, in numbers.
 template <class Real>
-struct Rig {
+struct Fixture {
   Load<Real> load;
   Moments<Real> moments;  // of the load
-  Outline<Real> outline;
   PerSide<ClearCone<Real>> clear;
   PerSide<Real> offset;       // of the palm's surface from its pivot [m]
   PerSide<Real> half_length;  // of the palm [m]
   PerSide<Real> friction;
+  // The object is held while both |p| are at most this [m], whatever angles of theirs the palms have
+  // (safe_reach.hpp); negative where nothing of the kind is known.
+  Real safe_reach;
+};
+
+// The same with the object's outline.
+template <class Real>
+struct Rig : Fixture<Real> {
+  Outline<Real> outline;
 };
 
 // The statics at one pair of palm angles.
@@ -66,18 +74,19 @@ struct Statics {
 // Is the object certainly held? A quick yes without a branch, for almost every tick; `false` leaves it
 // open, since a wedged edge or a palm that passes below an overhang may hold all the same.
 template <class Real>
-[[gnu::always_inline]] inline bool plainly_held(const Rig<Real>& rig, const Statics<Real>& statics,
-                                                const PerSide<PalmAngle<Real>>& palms,
-                                                const PerSide<Real>& contacts, Span<Real> span) {
-  const Real left_up = statics.left_up.at(span);
-  const Real right_up = statics.right_up.at(span);
-  bool held = (left_up >= Real(0)) & (right_up <= Real(0));
+[[gnu::always_inline]] inline MaskOf<Real> plainly_held(const Fixture<Real>& fixture,
+                                                        const PerSide<Cone<Real>>& cones,
+                                                        const PerSide<PalmAngle<Real>>& palms,
+                                                        const PerSide<Real>& contacts,
+                                                        Span<Real> span) {
+  const Real left_up = tie(fixture.moments, cones[left].up, cones[right].down).at(span);
+  const Real right_up = tie(fixture.moments, cones[left].down, cones[right].up).at(span);
+  MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
   for (const std::size_t side : {left, right}) {
-    const Real p = contacts[side];
-    const Real half = rig.half_length[side];
-    const Real arm = rig.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
-    held = held & (p >= -half) & (p <= half) & (arm >= Real(0)) &
-           rig.clear[side].contains(reach(span, side, palms[side]));
+    const MaskOf<Real> on_palm = within(contacts[side], fixture.half_length[side]);
+    const Real arm = fixture.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
+    const MaskOf<Real> clear = fixture.clear[side].contains(reach(span, side, palms[side]));
+    held = held & on_palm & (arm >= Real(0)) & clear;
   }
   return held;
 }

@@ -139,26 +139,32 @@ Interval<Real> com_x_held(const Envelope<Real>& envelope, const PerSide<AnglePai
   return detail::and_mirrored(envelope, permitted, mirror);
 }
 
+// The height differences over all contacts and any pair of angles between shallow and steep. [m]
+template <class Real>
+Interval<Real> rise_at_any_angles(const Envelope<Real>& envelope,
+                                  const PerSide<AnglePair<Real>>& angles) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  Interval<Real> rise{inf, -inf};
+  for (const PalmAngle<Real>& l : {angles[left].shallow, angles[left].steep}) {
+    for (const PalmAngle<Real>& r : {angles[right].shallow, angles[right].steep}) {
+      rise = hull(rise, rise_over(envelope.contacts, {l, r}, envelope.offset));
+    }
+  }
+  return rise;
+}
+
 // The same, no wider and much quicker: the squeeze at an edge grows with the palm's angle, so the
 // shallow palm's edges against the steep one's over all heights that any pair of angles reaches
 // are the worst. Most angles need no closer look.
 template <class Real>
 Interval<Real> com_x_held_surely(const Envelope<Real>& envelope,
                                  const PerSide<AnglePair<Real>>& angles) {
-  const PerSide<PalmAngle<Real>> steep{angles[left].steep, angles[right].steep};
-  const PerSide<PalmAngle<Real>> flat{angles[left].shallow, angles[right].shallow};
-  Interval<Real> rise = hull(rise_over(envelope.contacts, steep, envelope.offset),
-                             rise_over(envelope.contacts, flat, envelope.offset));
+  const Interval<Real> rise = rise_at_any_angles(envelope, angles);
   Interval<Real> permitted{-std::numeric_limits<Real>::infinity(),
                            std::numeric_limits<Real>::infinity()};
   for (const std::size_t shallow : {left, right}) {
-    PerSide<PalmAngle<Real>> palms = steep;
-    palms[shallow] = flat[shallow];
-    rise = hull(rise, rise_over(envelope.contacts, palms, envelope.offset));
-  }
-  for (const std::size_t shallow : {left, right}) {
-    PerSide<PalmAngle<Real>> palms = steep;
-    palms[shallow] = flat[shallow];
+    PerSide<PalmAngle<Real>> palms{angles[left].steep, angles[right].steep};
+    palms[shallow] = angles[shallow].shallow;
     permitted =
         intersect(permitted, detail::com_x_at(envelope, properties[0], shallow, palms, rise));
   }

@@ -162,7 +162,7 @@ constexpr Load<Real> pushed(Load<Real> load, Real push) {
 // True where an edge bounds no squeeze, because its cone contains the line to the other contact:
 // pushing along it only wedges the object (MECHANICS section 2).
 template <class Real>
-constexpr bool wedged(std::size_t side, Edge<Real> edge, Real dx, Real dy) {
+constexpr MaskOf<Real> wedged(std::size_t side, Edge<Real> edge, Real dx, Real dy) {
   const Real rise = mirrored(side, dy);
   return !(edge.vertical * dx - edge.lateral * rise > Real(0));
 }

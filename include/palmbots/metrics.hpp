@@ -30,6 +30,23 @@ inline constexpr std::size_t max_corrections = 512;
 // narrow for latency and speed sends (a) into (d) and back for ever (PROTOCOL, "Dead band").
 inline constexpr std::uint32_t limit_cycle_length = 8;
 
+// What is measured every tick. Squares are added up in Real for a block of ticks, and the blocks in
+// double.
+template <class Real>
+struct Tally {
+  PerSide<Real> square_sum;  // of the contact coordinates [m²]
+  PerSide<Real> peak;        // largest |p| [m]
+
+  constexpr void add(const PerSide<Real>& contacts) {
+    for (const std::size_t side : {left, right}) {
+      const Real p = contacts[side];
+      const Real size = select(p < Real(0), -p, p);
+      square_sum[side] = square_sum[side] + p * p;
+      peak[side] = select(size > peak[side], size, peak[side]);
+    }
+  }
+};
+
 class Metrics {
  public:
   Result outcome = Result::running;
@@ -47,29 +64,49 @@ class Metrics {
   std::array<Correction, max_corrections> rows;  // the first `corrections` of them; not cleared
   std::uint32_t settle_ticks = 0;
 
-  // Once a tick, after the controllers have run.
-  template <class Real, class Team>
-  void observe(std::uint32_t tick, const Team& team, const PerSide<Real>& contacts) {
-    ++samples;
+  // Root mean square of a contact coordinate [m].
+  double rms(std::size_t side) const {
+    return samples == 0 ? 0 : std::sqrt(square_sum[side] / samples);
+  }
+
+  // The tally of `ticks` more ticks; it begins anew.
+  template <class Real>
+  void collect(Tally<Real>& tally, std::uint32_t ticks) {
+    samples += ticks;
     for (const std::size_t side : {left, right}) {
-      const auto p = double(contacts[side]);
-      square_sum[side] += p * p;
-      const double size = p < 0 ? -p : p;
-      if (size > peak[side]) peak[side] = size;
+      square_sum[side] += double(tally.square_sum[side]);
+      peak[side] = double(tally.peak[side]);
+      tally.square_sum[side] = Real(0);
     }
+  }
+
+  // After the controllers have run; in ticks without a note they do what they did before.
+  template <class Team>
+  void note(std::uint32_t tick, const Team& team) {
     const PerSide<char> names{team.name(left), team.name(right)};
+    const PerSide<char> before = names_;
     if (names != names_) [[unlikely]]
       take_note(tick, team, names);
     for (const std::size_t side : {left, right}) {
       const bool waits = team.waits(side);
-      waiting_ticks[side] += waits ? 1 : 0;
-      waits_since[side] = waits ? waits_since[side] : tick + 1;
+      if (waits_[side]) waiting_ticks[side] += tick - noted_;
+      if (waits && (!waits_[side] || names[side] != before[side])) waits_since[side] = tick;
+      waits_[side] = waits;
     }
+    noted_ = tick;
   }
 
   // The carry is over: corrections still open end here.
   void close(std::uint32_t tick) {
-    for (const std::size_t track : {left, right}) follow(tick, track, {});
+    for (const std::size_t side : {left, right}) {
+      follow(tick, side, {});
+      if (waits_[side]) {
+        waiting_ticks[side] += tick - noted_;
+      } else {
+        waits_since[side] = tick;
+      }
+    }
+    noted_ = tick;
   }
 
  private:
@@ -86,10 +123,7 @@ class Metrics {
   // A robot has come into another case than it was in the tick before.
   template <class Team>
   void take_note(std::uint32_t tick, const Team& team, const PerSide<char>& names) {
-    for (const std::size_t side : {left, right}) {
-      follow(tick, side, team.activity(side));
-      if (names[side] != names_[side]) waits_since[side] = tick;
-    }
+    for (const std::size_t side : {left, right}) follow(tick, side, team.activity(side));
     for (const std::size_t side : {left, right}) {
       // Still in (c) from a correction before is no answer to this one.
       const bool answers = names[side] == 'c' && names_[side] != 'c';
@@ -142,6 +176,8 @@ class Metrics {
   }
 
   PerSide<Track> open_{};
+  PerSide<bool> waits_{};
+  std::uint32_t noted_ = 0;  // the tick of the last note
   PerSide<char> names_{' ', ' '};
   PerSide<Alternation> last_{};
 };

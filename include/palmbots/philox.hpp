@@ -36,6 +36,37 @@ constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream,
   return philox({tick, static_cast<std::uint32_t>(stream), lane, 0}, seed);
 }
 
+// The words of n ticks, two apart: draw(seed, tick + 2 i, stream) for i < n, word by word. Draws do not
+// wait for each other, and the compiler makes vectors of them.
+template <std::size_t n>
+using WordRows = std::array<std::array<std::uint32_t, n>, 4>;
+
+template <std::size_t n>
+constexpr WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stream stream) {
+  WordRows<n> c{};
+  for (std::size_t i = 0; i < n; ++i) {
+    c[0][i] = tick + 2 * static_cast<std::uint32_t>(i);
+    c[1][i] = static_cast<std::uint32_t>(stream);
+  }
+  auto k0 = static_cast<std::uint32_t>(seed);
+  auto k1 = static_cast<std::uint32_t>(seed >> 32);
+  for (int round = 0; round < 10; ++round) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint64_t a = std::uint64_t{0xD2511F53} * c[0][i];
+      const std::uint64_t b = std::uint64_t{0xCD9E8D57} * c[2][i];
+      const std::uint32_t first = static_cast<std::uint32_t>(b >> 32) ^ c[1][i] ^ k0;
+      const std::uint32_t third = static_cast<std::uint32_t>(a >> 32) ^ c[3][i] ^ k1;
+      c[0][i] = first;
+      c[1][i] = static_cast<std::uint32_t>(b);
+      c[2][i] = third;
+      c[3][i] = static_cast<std::uint32_t>(a);
+    }
+    k0 += 0x9E3779B9;
+    k1 += 0xBB67AE85;
+  }
+  return c;
+}
+
 // Uniform in [0, 1), exact in float too (24 bits).
 template <class Real>
 constexpr Real unit_uniform(std::uint32_t word) {

@@ -127,6 +127,8 @@ class Distributed {
     return {doing[static_cast<int>(state_)].command, entry.send, entry.read};
   }
 
+  constexpr bool operator==(const Distributed&) const = default;
+
   State state() const { return state_; }
   const Doing& now() const { return doing[static_cast<int>(state_)]; }
 

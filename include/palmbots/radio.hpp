@@ -59,6 +59,14 @@ class Link {
 
   void pop() { ++head_; }
 
+  // When the oldest message that is still on its way arrives; never, if none is.
+  std::uint32_t next_arrival(std::uint32_t now) const {
+    constexpr std::uint32_t never = ~0U;
+    if (head_ == tail_) return never;
+    const std::uint32_t due = line_[head_ % capacity].due;
+    return due > now ? due : never;
+  }
+
   // For periodic state packets: takes all that have arrived and copies the newest to `state`.
   // Returns whether there was one.
   bool newest(std::uint32_t now, Payload& state) {

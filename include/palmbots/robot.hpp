@@ -2,7 +2,7 @@
 #pragma once
 
 #include "palmbots/message.hpp"
-#include "palmbots/scalar.hpp"
+#include "palmbots/stance.hpp"
 
 namespace palmbots {
 
@@ -25,7 +25,7 @@ struct Wheels {
   // The speed over the next tick towards a target within the limit; `random` has mean 0 and
   // variance 1.
   constexpr Real step(Real target, Real random) {
-    if (speed != target) speed = clamp(target, speed - gain, speed + gain);
+    speed = clamp(target, speed - gain, speed + gain);
     noise = memory * noise + drive * random;
     return speed + (bias + noise);
   }
@@ -44,10 +44,53 @@ struct Wrist {
   // a thousandth) is rounding of the sum, not a distance left to go.
   constexpr Real step(Real angle, Real to) const {
     const Real left_to_go = to - angle;
-    const Real reach = gain * (sizeof(Real) == 8 ? Real(1.000000001) : Real(1.001));
-    if (left_to_go <= reach && left_to_go >= -reach) return to;
-    return left_to_go > Real(0) ? angle + gain : angle - gain;
+    constexpr bool is_double = sizeof(typename ScalarOf<Real>::type) == 8;
+    const Real reach = gain * Real(is_double ? 1.000000001 : 1.001);
+    return select((left_to_go <= reach) & (left_to_go >= -reach), to,
+                  select(left_to_go > Real(0), angle + gain, angle - gain));
   }
 };
+
+// Both robots: how they drive, and how far the pair has come.
+template <class Real>
+struct Robots {
+  PerSide<Wheels<Real>> wheels;
+  PerSide<Wrist<Real>> wrists;
+  PerSide<Real> goal_speed;  // within the limit, along the direction of travel [m/s]
+  PerSide<Real> goal_angle;  // [rad]
+  Real travel_sense;         // ±1: the direction of travel along x
+  Real period;               // of control [s]
+  Real inertia;              // push per change of the sum of the speeds [s/m]
+  PerSide<Real> speeds;      // over the last tick, towards +x [m/s]
+  Real together;             // their sum [m/s]
+  Real midpoint;             // of the pivots, from where it started, towards +x [m]
+};
+
+// What the robots do to the world in one tick.
+template <class Real>
+struct Drive {
+  Real change;           // of the separation [m]
+  PerSide<Real> angles;  // of the palms at the end of the tick [rad]
+  Real push;             // sideways specific force of their acceleration [1]
+  Real travel;           // of the midpoint [m]
+};
+
+template <class Real>
+[[gnu::always_inline]] inline Drive<Real> drive(Robots<Real>& robots,
+                                                const PerSide<PalmAngle<Real>>& palms,
+                                                const PerSide<Real>& random) {
+  Drive<Real> done{};
+  for (const std::size_t side : {left, right}) {
+    robots.speeds[side] =
+        robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);
+    done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
+  }
+  const Real together = robots.speeds[left] + robots.speeds[right];
+  done.change = (robots.speeds[right] - robots.speeds[left]) * robots.period;
+  done.push = robots.inertia * (together - robots.together);
+  done.travel = Real(0.5) * together * robots.period;
+  robots.together = together;
+  return done;
+}
 
 }  // namespace palmbots

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 namespace palmbots {
 
@@ -17,6 +18,27 @@ inline constexpr Real pi = Real(3.14159265358979323846264338327950288);
 
 template <class Real>
 inline constexpr Real radians_per_degree = pi<Real> / Real(180);
+
+// The kind of number that V is made of: V itself, or that of each lane (lanes.hpp).
+template <class V>
+struct ScalarOf {
+  using type = V;
+};
+
+// What lanes.hpp does in each lane, for a single number.
+template <class V>
+using MaskOf = decltype(V{} < V{});
+
+constexpr bool any(bool mask) { return mask; }
+constexpr bool all(bool mask) { return mask; }
+
+template <class V>
+constexpr V select(bool mask, V yes, V no) {
+  return mask ? yes : no;
+}
+
+inline double square_root(double x) { return std::sqrt(x); }
+inline float square_root(float x) { return std::sqrt(x); }
 
 template <class Real>
 struct SinCos {
@@ -27,17 +49,18 @@ struct SinCos {
 namespace detail {
 
 // c[0] + c[1] y + … + c[7] y⁷ by Estrin's scheme: a third of the waiting of Horner's.
-template <class Real>
-constexpr Real polynomial(Real y, const Real (&c)[8]) {
-  const Real y2 = y * y;
-  const Real low = (c[0] + c[1] * y) + (c[2] + c[3] * y) * y2;
-  const Real high = (c[4] + c[5] * y) + (c[6] + c[7] * y) * y2;
+template <class V, class Real = typename ScalarOf<V>::type>
+constexpr V polynomial(V y, const Real (&c)[8]) {
+  const V y2 = y * y;
+  const V low = (V(c[0]) + V(c[1]) * y) + (V(c[2]) + V(c[3]) * y) * y2;
+  const V high = (V(c[4]) + V(c[5]) * y) + (V(c[6]) + V(c[7]) * y) * y2;
   return low + high * (y2 * y2);
 }
 
 // Taylor series on |x| ≤ π/4; the first term left out is below 1e-18 there.
-template <class Real>
-constexpr Real sin_kernel(Real x) {
+template <class V>
+constexpr V sin_kernel(V x) {
+  using Real = typename ScalarOf<V>::type;
   constexpr Real c[8] = {Real(-1) / Real(6),
                          Real(1) / Real(120),
                          Real(-1) / Real(5040),
@@ -46,18 +69,19 @@ constexpr Real sin_kernel(Real x) {
                          Real(1) / Real(6227020800),
                          Real(-1) / Real(1307674368000),
                          Real(1) / Real(355687428096000)};
-  const Real y = x * x;
+  const V y = x * x;
   return x + (x * y) * polynomial(y, c);
 }
 
-template <class Real>
-constexpr Real cos_kernel(Real x) {
+template <class V>
+constexpr V cos_kernel(V x) {
+  using Real = typename ScalarOf<V>::type;
   constexpr Real c[8] = {Real(-1) / Real(2),           Real(1) / Real(24),
                          Real(-1) / Real(720),         Real(1) / Real(40320),
                          Real(-1) / Real(3628800),     Real(1) / Real(479001600),
                          Real(-1) / Real(87178291200), Real(1) / Real(20922789888000)};
-  const Real y = x * x;
-  return Real(1) + y * polynomial(y, c);
+  const V y = x * x;
+  return V(1) + y * polynomial(y, c);
 }
 
 }  // namespace detail
@@ -124,10 +148,16 @@ constexpr Real exp_minus(Real x) {
   return sum;
 }
 
-template <class Real>
-constexpr Real clamp(Real x, Real low, Real high) {
-  const Real raised = low > x ? low : x;
-  return high < raised ? high : raised;
+// Is |x| ≤ most?
+template <class V>
+constexpr MaskOf<V> within(V x, V most) {
+  return (x >= -most) & (x <= most);
+}
+
+template <class V>
+constexpr V clamp(V x, V low, V high) {
+  const V raised = select(low > x, low, x);
+  return select(high < raised, high, raised);
 }
 
 }  // namespace palmbots

@@ -65,8 +65,9 @@ struct Spec {
   double start[2]{};
   std::array<BumpSpec, max_bumps> bumps{};
   std::size_t bump_count = 0;
-  double bump_rate = 0;  // random bumps per metre and robot
-  double bump_max = 0;   // largest random shift
+  double bump_rate = 0;    // random bumps per metre and robot
+  double bump_max = 0;     // largest random shift
+  double safe_reach = -1;  // see Fixture; whoever fills in a spec may leave it out
 };
 
 }  // namespace palmbots

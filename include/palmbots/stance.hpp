@@ -67,24 +67,33 @@ struct Slid {
   Span<Real> span;
 };
 
-// Closes the loop by sliding one contact while the other one keeps its coordinate, `held`. Seen from
-// the foot of the sliding contact's palm the other contact is `from_foot`; its normal part does not
-// change while sliding, and the inward part must become √(w² − normal²). Not a number when the
-// object cannot reach.
+// Closes the loop by sliding one contact, on the palm `own`, while the other one keeps its coordinate,
+// `held`. `base` is the span between the feet seen from the sliding contact's side, and so is the one
+// returned. Seen from the foot of the sliding contact's palm the other contact's normal part does not
+// change while sliding, and the inward part must become √(w² − normal²). Not a number when the object
+// cannot reach.
+template <class Real>
+[[gnu::always_inline]] inline Slid<Real> slid(Span<Real> base, const PalmAngle<Real>& own,
+                                              const PalmAngle<Real>& partner, Real held,
+                                              Real width) {
+  const Real dx = base.dx + held * partner.cos;
+  const Real rise = base.dy + held * partner.sin;
+  const Real inward = dx * own.cos - rise * own.sin;
+  const Real normal = dx * own.sin + rise * own.cos;
+  const Real contact = square_root((width - normal) * (width + normal)) - inward;
+  return {contact, {dx + contact * own.cos, rise - contact * own.sin}};
+}
+
+// The same for the contact of a side, with the span as everywhere.
 template <class Real>
 [[gnu::always_inline]] inline Slid<Real> slid(Real separation,
                                               const PerSide<PalmAngle<Real>>& palms,
                                               std::size_t side, Real held,
                                               const PerSide<Real>& offset, Real width) {
-  const PalmAngle<Real>& palm = palms[side];
-  const PalmAngle<Real>& partner = palms[other(side)];
-  const Span<Real> base = feet(separation, palms, offset);
-  const Real dx = base.dx + held * partner.cos;
-  const Real rise = mirrored(side, base.dy) + held * partner.sin;
-  const Real inward = dx * palm.cos - rise * palm.sin;
-  const Real normal = dx * palm.sin + rise * palm.cos;
-  const Real contact = std::sqrt((width - normal) * (width + normal)) - inward;
-  return {contact, {dx + contact * palm.cos, mirrored(side, rise - contact * palm.sin)}};
+  Span<Real> base = feet(separation, palms, offset);
+  base.dy = mirrored(side, base.dy);
+  const Slid<Real> seen = slid(base, palms[side], palms[other(side)], held, width);
+  return {seen.contact, {seen.span.dx, mirrored(side, seen.span.dy)}};
 }
 
 // Closes the loop by sliding both contacts such that the object takes the direction dy / dx = slope:

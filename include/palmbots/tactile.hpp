@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include "palmbots/message.hpp"
 #include "palmbots/philox.hpp"
@@ -50,6 +51,10 @@ class Tactile {
     for (std::size_t i = 0; i < change_count_; ++i) passed += p >= changes_[i] ? 1U : 0U;
     return readings_[passed];
   }
+
+  // From changes()[i] on the reading is readings()[i + 1]; below all of them it is readings()[0].
+  constexpr std::span<const Real> changes() const { return {changes_.data(), change_count_}; }
+  constexpr std::span<const Sign> readings() const { return {readings_.data(), change_count_ + 1}; }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }
 

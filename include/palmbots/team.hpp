@@ -2,6 +2,7 @@
 // a station. A carry gives a team the signs and the state of the palms every tick and gets commands.
 #pragma once
 
+#include <concepts>
 #include <utility>
 
 #include "palmbots/policy.hpp"
@@ -15,6 +16,8 @@ namespace palmbots {
 struct Sensed {
   Sign sign;
   bool turned;  // the palm has reached the angle last commanded
+
+  constexpr bool operator==(const Sensed&) const = default;
 };
 
 // A correction as far as it shows from outside: its case, and who takes part. Where the robots agree
@@ -57,7 +60,19 @@ struct Unattended {
   bool waits(std::size_t) const { return false; }
   Letter awaits(std::size_t) const { return Letter::none; }
   Activity activity(std::size_t) const { return {}; }
+  std::uint32_t wake(std::uint32_t) const { return ~0U; }
 };
+
+// The next tick at which a team has something to do even if the robots sense what they sense now. A
+// team that does not say is asked every tick.
+template <class Team>
+std::uint32_t wake_of(const Team& team, std::uint32_t tick) {
+  if constexpr (requires { team.wake(tick); }) {
+    return team.wake(tick);
+  } else {
+    return tick + 1;
+  }
+}
 
 // Two robots with one controller each, and a link each way. Controller is anything with
 // step(Distributed::Input) → Distributed::Output and now() → Distributed::Doing.
@@ -74,11 +89,15 @@ class Pair {
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<Command> commands{};
     PerSide<Letter> letters{};
+    settled_ = true;
     for (const std::size_t side : {left, right}) {
       const Letter* letter = inbox_[side].oldest(tick);
+      const Controller before = controllers_[side];
       const auto out = controllers_[side].step(
           {sensed[side].sign, letter != nullptr ? *letter : Letter::none, sensed[side].turned});
       if (out.read && letter != nullptr) inbox_[side].pop();
+      settled_ =
+          settled_ && !out.read && out.send == Letter::none && same(before, controllers_[side]);
       commands[side] = out.command;
       letters[side] = out.send;
     }
@@ -91,6 +110,15 @@ class Pair {
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
   Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }
+
+  // A controller whose step depends on its state and input alone, and changed neither, will not until
+  // a letter comes.
+  std::uint32_t wake(std::uint32_t tick) const {
+    if (!settled_) return tick + 1;
+    const std::uint32_t l = inbox_[left].next_arrival(tick);
+    const std::uint32_t r = inbox_[right].next_arrival(tick);
+    return l < r ? l : r;
+  }
 
   // (c) assists and is no correction of its own.
   Activity activity(std::size_t side) const {
@@ -105,6 +133,14 @@ class Pair {
   }
 
  private:
+  static bool same(const Controller& before, const Controller& now) {
+    if constexpr (std::equality_comparable<Controller>) {
+      return before == now;
+    } else {
+      return false;  // it may know more than it shows
+    }
+  }
+
   static constexpr PerSide<std::int8_t> only(std::size_t side, std::int8_t sense) {
     PerSide<std::int8_t> senses{};
     senses[side] = sense;
@@ -124,6 +160,7 @@ class Pair {
   }
 
   PerSide<Controller> controllers_;
+  bool settled_ = false;         // the last step changed nothing
   PerSide<Link<Letter>> inbox_;  // of each robot
   Channel channel_;
   std::uint64_t seed_;

@@ -26,9 +26,8 @@
 // Source: MECHANICS sections 1, 2, 4, 5, 6.
 #pragma once
 
-#include "palmbots/ends.hpp"
 #include "palmbots/locate.hpp"
-#include "palmbots/slip.hpp"
+#include "palmbots/stride.hpp"
 
 namespace palmbots {
 
@@ -46,130 +45,56 @@ class World {
  public:
   World() = default;
   World(const Rig<Real>& rig, const Stance<Real>& stance)
-      : rig_(rig),
-        stance_(stance),
-        statics_(Statics<Real>::at(rig, stance.palms)),
-        pushed_(rig.moments) {
-    span_ = palmbots::span(stance_, rig_.offset);
-  }
+      : rig_(rig), pose_{stance, palmbots::span(stance, rig.offset), Real(0), Real(0)} {}
 
-  const Stance<Real>& stance() const { return stance_; }
+  const Stance<Real>& stance() const { return pose_.stance; }
   const Rig<Real>& rig() const { return rig_; }
-  Span<Real> span() const { return span_; }
+  Span<Real> span() const { return pose_.span; }
   const Advance<Real>& last() const { return last_; }
 
+  // What is moving, to be taken out and put back by whoever moves several worlds in lockstep.
+  const Pose<Real>& pose() const { return pose_; }
+  void place(const Pose<Real>& pose) { pose_ = pose; }
+
   // Why the object is not held where it is now (none: it is).
-  End check() const { return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_); }
+  End check() const {
+    const Stance<Real>& now = pose_.stance;
+    return first_end(rig_, Statics<Real>::at(rig_, now.palms), now.palms, now.contacts, pose_.span);
+  }
 
   // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
   End shift(const PerSide<Real>& by) {
-    for (const std::size_t side : {left, right}) stance_.contacts[side] += by[side];
-    stance_.separation = closing_separation(stance_, rig_.offset, rig_.load.width);
-    span_ = palmbots::span(stance_, rig_.offset);
-    tied_ = Slide::stick;
+    Stance<Real>& now = pose_.stance;
+    for (const std::size_t side : {left, right}) now.contacts[side] += by[side];
+    now.separation = closing_separation(now, rig_.offset, rig_.load.width);
+    pose_.span = palmbots::span(now, rig_.offset);
+    pose_.tied = Real(0);
     return check();
   }
 
   // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
   // Returns what happened, valid until the next step.
   const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
-    const bool turning =
-        angles[left] != stance_.palms[left].angle || angles[right] != stance_.palms[right].angle;
-    if (push != push_) {
-      push_ = push;
-      pushed_ = Moments<Real>::of(pushed(rig_.load, push));
-      tied_ = Slide::stick;  // a tie lies elsewhere under another push
+    const Fixture<Real>& fixture = rig_;
+    const Stride<Real> step = stride(fixture, pose_, change, angles, push);
+    if (step.done) {
+      const std::size_t side = step.on_left ? left : right;
+      last_.end = End::none;
+      last_.fraction = Real(1);
+      last_.motion[side] = step.closing ? Slide::up : Slide::down;
+      last_.motion[other(side)] = Slide::stick;
+      last_.pieces = 1;
+    } else {
+      last_ = Pieces{*this, change, angles}.run();
     }
-    const bool done = turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
-    if (!done) last_ = Pieces{*this, change, angles, turning}.run();
     return last_;
   }
 
  private:
-  // How far a palm turns between two looks for events.
-  static constexpr Real longest_turn = radians_per_degree<Real>;
-
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
 
-  Real drive(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts, Span<Real> span,
-             Real change, const PerSide<Real>& turn) const {
-    return drive_rate(palms, contacts, rig_.offset, span, change, turn);
-  }
-
-  Tie<Real> let_go(const Statics<Real>& statics, Slide direction) const {
-    return statics.let_go(pushed_, direction);
-  }
-
-  // The common case, without ceremony: one contact slides through the whole step. Returns false, and
-  // changes nothing, if anything else is going on. Written so that everything stays in registers
-  // until the step is known to be good: copying a struct just written stalls the processor.
-  template <bool turning>
-  [[gnu::noinline]] bool slide_one(Real change, const PerSide<Real>& angles) {
-    PerSide<Real> turn{};
-    Slide direction = direction_of(change);
-    if constexpr (turning) {
-      for (const std::size_t side : {left, right}) {
-        turn[side] = angles[side] - stance_.palms[side].angle;
-        if (!(turn[side] < longest_turn && turn[side] > -longest_turn)) return false;
-      }
-      direction = direction_of(drive(stance_.palms, stance_.contacts, span_, change, turn));
-    }
-    const bool left_wedged = statics_.wedged_in(left, direction, span_);
-    const bool right_wedged = statics_.wedged_in(right, direction, span_);
-    const bool plain = (direction != Slide::stick) & (tied_ != direction);
-    const bool free = !left_wedged & !right_wedged;
-    if (!(plain & free)) return false;
-    const Tie<Real> tie_before = let_go(statics_, direction);
-    const Real ahead = left_first(tie_before, direction, span_);
-    if (ahead == Real(0)) return false;
-    return ahead > Real(0)
-               ? slide_side<turning, left>(change, angles, turn, direction, tie_before)
-               : slide_side<turning, right>(change, angles, turn, direction, tie_before);
-  }
-
-  template <bool turning, std::size_t side>
-  [[gnu::always_inline]] bool slide_side(Real change, const PerSide<Real>& angles,
-                                         const PerSide<Real>& turn, Slide direction,
-                                         const Tie<Real>& tie_before) {
-    PerSide<PalmAngle<Real>> palms = stance_.palms;
-    Statics<Real> statics = statics_;
-    if constexpr (turning) {
-      for (const std::size_t i : {left, right}) {
-        if (turn[i] != Real(0)) palms[i] = PalmAngle<Real>::at(angles[i]);
-      }
-      statics = Statics<Real>::at(rig_, palms);
-    }
-    const Real separation = stance_.separation + change;
-    const Slid<Real> next =
-        slid(separation, palms, side, stance_.contacts[other(side)], rig_.offset, rig_.load.width);
-    PerSide<Real> contacts{};
-    contacts[side] = next.contact;
-    contacts[other(side)] = stance_.contacts[other(side)];
-    Tie<Real> tie_after = tie_before;
-    if constexpr (turning) {
-      if (direction_of(drive(palms, contacts, next.span, change, turn)) != direction) return false;
-      tie_after = let_go(statics, direction);
-    }
-    if (!(mirrored(side, left_first(tie_after, direction, next.span)) > Real(0)) ||
-        !plainly_held(rig_, statics, palms, contacts, next.span)) {
-      return false;
-    }
-    if constexpr (turning) {
-      stance_.palms = palms;
-      statics_ = statics;
-    }
-    stance_.separation = separation;
-    stance_.contacts[side] = next.contact;
-    span_ = next.span;
-    tied_ = Slide::stick;
-    last_.end = End::none;
-    last_.fraction = Real(1);
-    last_.motion[side] = direction;
-    last_.motion[other(side)] = Slide::stick;
-    last_.pieces = 1;
-    return true;
-  }
+  static constexpr Real sense_of(Slide direction) { return Real(static_cast<int>(direction)); }
 
   struct State {
     Stance<Real> stance;
@@ -182,14 +107,16 @@ class World {
     World& world;
     Real change;
     PerSide<Real> angles;
-    bool turning;
-    Real separation = world.stance_.separation;
-    PerSide<Real> from{world.stance_.palms[left].angle, world.stance_.palms[right].angle};
+    Real separation = world.pose_.stance.separation;
+    PerSide<Real> from{world.pose_.stance.palms[left].angle, world.pose_.stance.palms[right].angle};
     PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
+    bool turning = turn[left] != Real(0) || turn[right] != Real(0);
+    Moments<Real> pushed = moments_under<Real>(world.rig_, world.pose_.push);
 
     [[gnu::noinline]] Advance<Real> run() {
       Advance<Real> result;
-      State now{world.stance_, world.span_, world.statics_};
+      State now{world.pose_.stance, world.pose_.span,
+                Statics<Real>::at(world.rig_, world.pose_.stance.palms)};
       Real done = Real(0);
       Real look = longest_look();
       Slide direction = Slide::stick;
@@ -216,7 +143,7 @@ class World {
         const auto [event, when] = first_event(done, goal, then, slider, direction, give_up, at);
         switch (event) {
           case Event::none:
-            if (slider != Slider::both) world.tied_ = Slide::stick;
+            if (slider != Slider::both) world.pose_.tied = Real(0);
             if (goal >= Real(1)) return finish(result, then, Real(1), slider, direction);
             now = then;
             done = goal;
@@ -231,13 +158,13 @@ class World {
             now = at(when);
             done = when;
             direction = direction == Slide::up ? Slide::down : Slide::up;
-            world.tied_ = Slide::stick;
+            world.pose_.tied = Real(0);
             known = true;
             break;
           case Event::tie:
             now = at(when);
             done = when;
-            world.tied_ = direction;
+            world.pose_.tied = sense_of(direction);
             known = true;
             break;
         }
@@ -284,7 +211,7 @@ class World {
         const Real size = t < Real(0) ? -t : t;
         if (size > most) most = size;
       }
-      return most > longest_turn ? longest_turn / most : Real(1);
+      return most > longest_turn<Real> ? longest_turn<Real> / most : Real(1);
     }
 
     // The state at a fraction t of the step, if `slider` slides from `now` on.
@@ -302,7 +229,7 @@ class World {
       const auto& offset = world.rig_.offset;
       const Real width = world.rig_.load.width;
       if (slider == Slider::both) {
-        const Tie<Real> equal = world.let_go(then.statics, direction);
+        const Tie<Real> equal = then.statics.let_go(pushed, direction);
         const Real slope =
             equal.tilt != Real(0) ? -equal.level / equal.tilt : now.span.dy / now.span.dx;
         then.stance.contacts = slid_along(then.stance, slope, offset, width);
@@ -323,7 +250,7 @@ class World {
     }
 
     Real drive(const State& s) const {
-      return world.drive(s.stance.palms, s.stance.contacts, s.span, change, turn);
+      return drive_rate(s.stance.palms, s.stance.contacts, world.rig_.offset, s.span, change, turn);
     }
 
     Slide direction_at(const State& now, Real goal) const {
@@ -341,7 +268,7 @@ class World {
           s.statics.wedged_in(right, direction, s.span)) {
         return Real(0);
       }
-      const Real ahead = left_first(world.let_go(s.statics, direction), direction, s.span);
+      const Real ahead = left_first(s.statics.let_go(pushed, direction), direction, s.span);
       return slider == Slider::on_left ? ahead : -ahead;
     }
 
@@ -349,9 +276,9 @@ class World {
       if (direction == Slide::stick) return Slider::none;
       if (now.statics.wedged_in(left, direction, now.span)) return Slider::on_right;
       if (now.statics.wedged_in(right, direction, now.span)) return Slider::on_left;
-      const bool on_tie = world.tied_ == direction;
+      const bool on_tie = world.pose_.tied == sense_of(direction);
       if (on_tie && !turning) return settle(now, direction, goal);
-      const Real ahead = left_first(world.let_go(now.statics, direction), direction, now.span);
+      const Real ahead = left_first(now.statics.let_go(pushed, direction), direction, now.span);
       if (!on_tie && ahead != Real(0)) return ahead > Real(0) ? Slider::on_left : Slider::on_right;
       return settle(now, direction, goal);
     }
@@ -364,7 +291,7 @@ class World {
       const bool left_goes_on = goes_on(Slider::on_left);
       const bool right_goes_on = goes_on(Slider::on_right);
       if (left_goes_on != right_goes_on) return left_goes_on ? Slider::on_left : Slider::on_right;
-      world.tied_ = direction;
+      world.pose_.tied = sense_of(direction);
       return Slider::both;
     }
 
@@ -379,9 +306,8 @@ class World {
 
     Advance<Real> finish(Advance<Real> result, const State& s, Real done, Slider slider,
                          Slide direction) const {
-      world.stance_ = s.stance;
-      world.span_ = s.span;
-      world.statics_ = s.statics;
+      world.pose_.stance = s.stance;
+      world.pose_.span = s.span;
       result.fraction = done;
       if (slider == Slider::on_left || slider == Slider::both) result.motion[left] = direction;
       if (slider == Slider::on_right || slider == Slider::both) result.motion[right] = direction;
@@ -390,13 +316,8 @@ class World {
   };
 
   Rig<Real> rig_{};
-  Stance<Real> stance_{};
-  Span<Real> span_{};
-  Statics<Real> statics_{};
+  Pose<Real> pose_{};
   Advance<Real> last_{};
-  Real push_ = Real(0);
-  Moments<Real> pushed_{};     // of the load under this push
-  Slide tied_ = Slide::stick;  // the direction in which both contacts slide along their tie
 };
 
 }  // namespace palmbots

@@ -47,10 +47,6 @@ struct Run {
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<Posted> posted;
-
-  double rms(std::size_t side) const {
-    return metrics.samples == 0 ? 0 : std::sqrt(metrics.square_sum[side] / metrics.samples);
-  }
 };
 
 template <class Real, class Recorder, class Team>
@@ -203,37 +199,6 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-// Many carries with seeds first … first + n − 1: a column of each metric.
-nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t first, std::size_t n,
-                   const std::string& precision) {
-  const bool single = is_single(precision);
-  auto* outcome = new std::vector<std::uint8_t>(n);
-  auto* time = new std::vector<double>(n);
-  auto* rms = new std::vector<double>(2 * n);
-  auto* peak = new std::vector<double>(2 * n);
-  auto* count = new std::vector<std::uint32_t>(n);
-  nb::dict d;
-  d["outcome"] = nb::ndarray<nb::numpy, std::uint8_t>(outcome->data(), {n}, owner_of(outcome));
-  d["time_s"] = nb::ndarray<nb::numpy, double>(time->data(), {n}, owner_of(time));
-  d["contact_rms_m"] = nb::ndarray<nb::numpy, double>(rms->data(), {n, 2}, owner_of(rms));
-  d["contact_peak_m"] = nb::ndarray<nb::numpy, double>(peak->data(), {n, 2}, owner_of(peak));
-  d["corrections"] = nb::ndarray<nb::numpy, std::uint32_t>(count->data(), {n}, owner_of(count));
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i % 64 == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
-    const nb::gil_scoped_release release;
-    const Run one = single ? run_named<float, NoRecorder>(spec, name, first + i)
-                           : run_named<double, NoRecorder>(spec, name, first + i);
-    (*outcome)[i] = static_cast<std::uint8_t>(one.metrics.outcome);
-    (*time)[i] = one.metrics.time_ticks * one.period;
-    for (const std::size_t side : {left, right}) {
-      (*rms)[2 * i + side] = one.rms(side);
-      (*peak)[2 * i + side] = one.metrics.peak[side];
-    }
-    (*count)[i] = one.metrics.corrections;
-  }
-  return d;
-}
-
 }  // namespace
 
 void bind_run(nb::module_& m) {
@@ -247,8 +212,9 @@ void bind_run(nb::module_& m) {
                    })
       .def_prop_ro("time_s", [](const Run& r) { return r.metrics.time_ticks * r.period; })
       .def_prop_ro("distance_m", [](const Run& r) { return r.distance; })
-      .def_prop_ro("contact_rms_m",
-                   [](const Run& r) { return std::tuple(r.rms(left), r.rms(right)); })
+      .def_prop_ro(
+          "contact_rms_m",
+          [](const Run& r) { return std::tuple(r.metrics.rms(left), r.metrics.rms(right)); })
       .def_prop_ro(
           "contact_peak_m",
           [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
@@ -274,9 +240,6 @@ void bind_run(nb::module_& m) {
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
         nb::arg("record"), "One carry. controller: a name, or a pair of Python step functions.");
-  m.def("run_seeds", &run_seeds, nb::arg("spec"), nb::arg("controller"), nb::arg("first"),
-        nb::arg("n"), nb::arg("precision"),
-        "n carries with seeds first, first + 1, ...: their metrics as columns.");
 }
 
 }  // namespace palmbots::bindings

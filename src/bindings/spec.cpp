@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bindings.hpp"
+#include "palmbots/safe_reach.hpp"
 
 namespace palmbots::bindings {
 
@@ -140,10 +141,16 @@ void bind_spec(nb::module_& m) {
           })
       .def_rw("bump_rate", &Spec::bump_rate)
       .def_rw("bump_max", &Spec::bump_max)
+      .def_rw("safe_reach", &Spec::safe_reach)
       .def(
           "to_bytes",
           [](const Spec& s) { return nb::bytes(reinterpret_cast<const char*>(&s), sizeof s); },
           "The spec as it lies in memory, for C++ programs on the same machine.");
+
+  m.def("safe_reach", &safe_reach, nb::arg("spec"),
+        "How far from the middle of their palms both contacts are certain to be held at any angles "
+        "[m]; "
+        "-1: unknown.");
 }
 
 }  // namespace palmbots::bindings

@@ -20,7 +20,8 @@ void bind_world(nb::module_& m) {
       .def(
           "__init__",
           [](W* self, const Spec& spec) {
-            const Rig<double> rig = rig_of<double>(spec);
+            Rig<double> rig = rig_of<double>(spec);
+            rig.safe_reach = -1;  // the palms may be turned to any angles
             new (self) W(rig, stance_of(spec, rig));
           },
           nb::arg("spec"))

@@ -12,6 +12,9 @@ def tangent(angle: float) -> float:
     Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.
     """
 
+def has_v3() -> bool:
+    """Has this processor the instructions of level x86-64-v3?"""
+
 class PalmSpec:
     """One palm, in SI units and radians."""
 
@@ -246,8 +249,19 @@ class Spec:
     @bump_max.setter
     def bump_max(self, arg: float, /) -> None: ...
 
+    @property
+    def safe_reach(self) -> float: ...
+
+    @safe_reach.setter
+    def safe_reach(self, arg: float, /) -> None: ...
+
     def to_bytes(self) -> bytes:
         """The spec as it lies in memory, for C++ programs on the same machine."""
+
+def safe_reach(spec: Spec) -> float:
+    """
+    How far from the middle of their palms both contacts are certain to be held at any angles [m]; -1: unknown.
+    """
 
 def modes(columns: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]], n: int) -> tuple:
     """
@@ -418,9 +432,6 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """One carry. controller: a name, or a pair of Python step functions."""
-
-def run_seeds(spec: Spec, controller: str, first: int, n: int, precision: str) -> dict:
-    """n carries with seeds first, first + 1, ...: their metrics as columns."""
 
 touch_tolerance: float = 1e-05
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from palmbots import _core
+from palmbots.batch import DELIVERED, DROPPED, cores, run_seeds
 from palmbots.carry import CONTROLLERS, PRECISIONS, one_of
 from palmbots.errors import PalmbotsError, show
 from palmbots.lowering import lower
@@ -18,7 +18,6 @@ __all__ = ["Comparison", "Row", "compare", "wilson"]
 DEFAULT_SWEEP = "radio.latency_s"
 DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 
-_DELIVERED, _DROPPED = 1, 2
 _Z95 = 1.959963984540054  # 97.5 % quantile of the normal distribution
 
 
@@ -119,9 +118,9 @@ def _each_once(what: str, given: Sequence[object]) -> None:
 def _cell(
     controller: str, key: str, value: float, scene: Scene, n: int, seed: int, precision: str
 ) -> Row:
-    run = _core.run_seeds(lower(scene), controller, seed, n, precision)
-    dropped = int(np.count_nonzero(run["outcome"] == _DROPPED))
-    delivered = int(np.count_nonzero(run["outcome"] == _DELIVERED))
+    run = run_seeds(lower(scene), controller, seed, n, precision, threads=cores())
+    dropped = int(np.count_nonzero(run["outcome"] == DROPPED))
+    delivered = int(np.count_nonzero(run["outcome"] == DELIVERED))
     return Row(
         controller=controller,
         key=key,

@@ -61,6 +61,7 @@ def lower(scene: Scene) -> _core.Spec:
     spec.slope = spec.direction * _core.tangent(_radians(task.slope_deg)) + 0.0
     spec.inertia = 1.0 if task.inertia else 0.0
     spec.timeout_ticks = scene.timeout_ticks
+    spec.safe_reach = _core.safe_reach(spec)
     return spec
 
 

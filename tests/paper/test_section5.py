@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots import _core
+from palmbots.batch import run_seeds
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 
@@ -15,7 +15,7 @@ DROPPED = 2
 
 def many(controller: str, precision: str = "double", **overrides: object) -> dict[str, np.ndarray]:
     keys = {key.replace("__", "."): value for key, value in overrides.items()}
-    return _core.run_seeds(lower(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision)
+    return run_seeds(lower(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision)
 
 
 def rms(runs: dict[str, np.ndarray]) -> float:

@@ -1,0 +1,289 @@
+// Many carries in lockstep: several side by side in the lanes of one number (lanes.hpp).
+//
+// Every lane does what Carry::tick does, with the same bits. What all carries do in every tick is done
+// in lanes: sensing, driving, the common step of the world, measuring. What few do is done by the
+// lane's own Carry, to which its numbers are handed for the purpose: controllers that have something
+// to decide, steps in which more happens than one contact sliding, ends. A lane whose carry is over
+// takes the next one at the next block of ticks.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+#include "palmbots/lanes.hpp"
+#include "palmbots/recorder.hpp"
+
+namespace palmbots {
+
+// The tactile sensor in lanes: the coordinates from which on another sign is read (Tactile).
+template <class V>
+struct SignReader {
+  static constexpr std::size_t max_changes = 8;
+  std::array<V, max_changes> from;       // padded with +∞
+  std::array<V, max_changes + 1> signs;  // −1, 0, +1
+};
+
+// Lanes<Real, n> numbers; Team as in Carry.
+template <class Real, int n, class Team>
+class Lockstep {
+ public:
+  using V = Lanes<Real, n>;
+  using One = Carry<Real, Team, NoRecorder>;
+
+  // Runs carries until there are no more of them: next(slot, index) puts one into an optional<One> and
+  // gives it a number, or returns false; done(index, carry) gets each finished one, in no particular
+  // order. Gives up where it stands when stop() is true.
+  template <class Next, class Done, class Stop>
+  void run(Next&& next, Done&& done, Stop&& stop) {
+    bool more = true;
+    std::uint32_t busy = 1;
+    for (std::uint64_t tick = 0; busy != 0 || more; ++tick) {
+      if (tick % block_ticks == 0) {
+        if (stop()) return;
+        for (Pack& pack : packs_) more = refill(pack, tick, more, next, done);
+      }
+      busy = 0;
+      for (Pack& pack : packs_) {
+        if (pack.busy != 0) step(pack, tick, done);
+        busy |= pack.busy;
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t pack_count = 4;
+  static constexpr std::uint64_t never = ~std::uint64_t{0};
+
+  struct Lane {
+    std::optional<One> carry;
+    std::size_t index = 0;
+    std::uint64_t start = 0;  // the tick at which it began
+  };
+
+  struct Pack {
+    Fixture<V> fixture;
+    Pose<V> pose;
+    Robots<V> robots;
+    Tally<V> tally;
+    SignReader<V> reader;
+    std::size_t changes = 0;  // of any reader, at most
+    V goal;                   // midpoint × travel sense at which the carry is delivered
+    V sensed;                 // what each lane's team was last told, as one number
+    PerSide<std::array<V, block_ticks>> noise;
+    std::array<std::uint64_t, n> wake{};
+    std::array<std::uint64_t, n> timeout{};
+    std::uint64_t first_wake = never;
+    std::uint64_t first_timeout = never;
+    std::uint32_t busy = 0;
+    std::array<Lane, n> lanes;
+  };
+
+  // Calls visit(lane) for every bit set.
+  template <class Visit>
+  static void each(std::uint32_t bits, Visit&& visit) {
+    for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
+  }
+
+  template <class Next, class Done>
+  bool refill(Pack& pack, std::uint64_t tick, bool more, Next& next, Done& done) {
+    for (int l = 0; l < n; ++l) {
+      Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+      while ((pack.busy >> l & 1) == 0 && more) {
+        more = next(lane.carry, lane.index);
+        if (!more) break;
+        One& one = *lane.carry;
+        one.metrics_.end = one.world_.check();
+        if (!in_lanes(one)) {
+          while (one.metrics_.outcome == Result::running) one.tick();
+          done(lane.index, one);
+          continue;
+        }
+        lane.start = tick;
+        load(pack, l, one);
+        pack.busy |= 1U << l;
+      }
+      if ((pack.busy >> l & 1) != 0) draw_block(pack, l, tick);
+    }
+    plan(pack);
+    return more;
+  }
+
+  // Can lanes carry it? What few scenes have is left to Carry alone.
+  static bool in_lanes(const One& one) {
+    return one.metrics_.end == End::none && one.spec_.bump_count == 0 &&
+           !(one.spec_.bump_rate > 0) && !one.tactile_.has_false_readings() &&
+           one.tactile_.changes().size() <= SignReader<V>::max_changes;
+  }
+
+  void load(Pack& pack, int l, const One& one) {
+    put_lane(pack.fixture, l, static_cast<const Fixture<Real>&>(one.world_.rig()));
+    put_lane(pack.pose, l, one.world_.pose());
+    put_lane(pack.robots, l, one.robots_);
+    put_lane(pack.tally, l, one.tally_);
+    SignReader<Real> reader{};
+    const auto changes = one.tactile_.changes();
+    const auto signs = one.tactile_.readings();
+    for (std::size_t i = 0; i < SignReader<Real>::max_changes; ++i) {
+      const bool used = i < changes.size();
+      reader.from[i] = used ? changes[i] : std::numeric_limits<Real>::infinity();
+      reader.signs[i + 1] = used ? Real(static_cast<int>(signs[i + 1])) : Real(0);
+    }
+    reader.signs[0] = Real(static_cast<int>(signs[0]));
+    put_lane(pack.reader, l, reader);
+    pack.changes = std::max(pack.changes, changes.size());
+    // The least number that is no less than the distance.
+    auto goal = Real(one.spec_.distance);
+    if (double(goal) < one.spec_.distance) {
+      goal = std::nextafter(goal, std::numeric_limits<Real>::infinity());
+    }
+    pack.goal.raw[l] = goal;
+    pack.sensed.raw[l] = Real(-1);  // nothing yet
+    const auto i = static_cast<std::size_t>(l);
+    const std::uint64_t start = pack.lanes[i].start;
+    pack.wake[i] = start;
+    pack.timeout[i] = start + one.spec_.timeout_ticks - 1;
+  }
+
+  void draw_block(Pack& pack, int l, std::uint64_t tick) {
+    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    One& one = *lane.carry;
+    take(pack, l, tick);
+    one.next_block();
+    for (const std::size_t side : {left, right}) {
+      for (std::uint32_t k = 0; k < block_ticks; ++k) {
+        pack.noise[side][k].raw[l] = one.noise_[side][k];
+      }
+    }
+    put_lane(pack.tally, l, one.tally_);
+  }
+
+  // When any lane next needs its team or runs out of time.
+  void plan(Pack& pack) {
+    pack.first_wake = never;
+    pack.first_timeout = never;
+    each(pack.busy, [&](int l) {
+      const auto i = static_cast<std::size_t>(l);
+      pack.first_wake = std::min(pack.first_wake, pack.wake[i]);
+      pack.first_timeout = std::min(pack.first_timeout, pack.timeout[i]);
+    });
+  }
+
+  // Hands a lane's numbers to its carry.
+  void take(Pack& pack, int l, std::uint64_t tick) {
+    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    One& one = *lane.carry;
+    one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
+    one.world_.place(take_lane(pack.pose, l));
+    one.robots_ = take_lane(pack.robots, l);
+    one.tally_ = take_lane(pack.tally, l);
+  }
+
+  template <class Done>
+  [[gnu::always_inline]] void step(Pack& pack, std::uint64_t tick, Done& done) {
+    think(pack, tick);
+    pack.tally.add(pack.pose.stance.contacts);
+    const std::size_t k = tick % block_ticks;
+    const V before = pack.robots.midpoint;
+    const Drive<V> drive = palmbots::drive(pack.robots, pack.pose.stance.palms,
+                                           {pack.noise[left][k], pack.noise[right][k]});
+    pack.robots.midpoint = before + drive.travel;
+    const Stride<V> went = stride(pack.fixture, pack.pose, drive.change, drive.angles, drive.push);
+    const std::uint32_t rest = ~went.done.bits() & pack.busy;
+    const V gone = pack.robots.midpoint * pack.robots.travel_sense;
+    std::uint32_t over = (gone >= pack.goal).bits() & pack.busy;
+    if ((rest | over) == 0 && tick < pack.first_timeout) [[likely]]
+      return;
+    each(rest | over | timed_out(pack, tick), [&](int l) {
+      finish(pack, l, tick, (rest >> l & 1) != 0, drive, Real(before.raw[l]), done);
+    });
+  }
+
+  // The end of a tick that is not like the others.
+  template <class Done>
+  [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, bool unusual,
+                                const Drive<V>& drive, Real before, Done& done) {
+    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    One& one = *lane.carry;
+    take(pack, l, tick);
+    const Drive<Real> own = take_lane(drive, l);
+    Advance<Real> step;
+    if (unusual) {
+      step = one.world_.advance(own.change, own.angles, own.push);
+      if (step.end != End::none) one.robots_.midpoint = before + own.travel * step.fraction;
+      put_lane(pack.pose, l, one.world_.pose());
+    }
+    one.finish_tick(step, own.travel);
+    if (one.metrics_.outcome == Result::running) return;
+    pack.busy &= ~(1U << l);
+    plan(pack);
+    done(lane.index, one);
+  }
+
+  static std::uint32_t timed_out(const Pack& pack, std::uint64_t tick) {
+    std::uint32_t bits = 0;
+    each(pack.busy, [&](int l) {
+      bits |= (tick >= pack.timeout[static_cast<std::size_t>(l)] ? 1U : 0U) << l;
+    });
+    return bits;
+  }
+
+  // What the robots sense, and the teams for which that is news or who have something to do.
+  [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick) {
+    const auto& stance = pack.pose.stance;
+    PerSide<V> signs{pack.reader.signs[0], pack.reader.signs[0]};
+    for (std::size_t i = 0; i < pack.changes; ++i) {
+      for (const std::size_t side : {left, right}) {
+        signs[side] = select(stance.contacts[side] >= pack.reader.from[i], pack.reader.signs[i + 1],
+                             signs[side]);
+      }
+    }
+    PerSide<LaneMask<Real, n>> turned;
+    for (const std::size_t side : {left, right}) {
+      turned[side] = stance.palms[side].angle == pack.robots.goal_angle[side];
+    }
+    const V sensed = (signs[left] + V(3) * signs[right]) +
+                     (select(turned[left], V(9), V(0)) + select(turned[right], V(18), V(0)));
+    std::uint32_t asked = (sensed != pack.sensed).bits() & pack.busy;
+    pack.sensed = sensed;
+    if (tick >= pack.first_wake) {
+      each(pack.busy, [&](int l) {
+        asked |= (tick >= pack.wake[static_cast<std::size_t>(l)] ? 1U : 0U) << l;
+      });
+    }
+    if (asked == 0) return;
+    const PerSide<std::uint32_t> bits{turned[left].bits(), turned[right].bits()};
+    each(asked, [&](int l) {
+      ask(pack, l, tick,
+          {Sensed{static_cast<Sign>(int(signs[left].raw[l])), (bits[left] >> l & 1) != 0},
+           Sensed{static_cast<Sign>(int(signs[right].raw[l])), (bits[right] >> l & 1) != 0}});
+    });
+    plan(pack);
+  }
+
+  [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick, const PerSide<Sensed>& sensed) {
+    const auto i = static_cast<std::size_t>(l);
+    Lane& lane = pack.lanes[i];
+    One& one = *lane.carry;
+    one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
+    one.think(sensed);
+    pack.wake[i] = one.wake_ == ~0U ? never : one.wake_ + lane.start;
+    for (const std::size_t side : {left, right}) {
+      pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
+      pack.robots.goal_speed[side].raw[l] = one.robots_.goal_speed[side];
+    }
+  }
+
+  std::array<Pack, pack_count> packs_{};
+};
+
+// As many lanes as the instructions that this is compiled for have.
+#if defined(__AVX__)
+inline constexpr int lane_bytes = 32;
+#else
+inline constexpr int lane_bytes = 16;
+#endif
+template <class Real>
+inline constexpr int lanes_of = lane_bytes / static_cast<int>(sizeof(Real));
+
+}  // namespace palmbots

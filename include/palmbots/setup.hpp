@@ -1,0 +1,57 @@
+// What a spec becomes: the parts of a carry in its own precision.
+#pragma once
+
+#include "palmbots/ends.hpp"
+#include "palmbots/robot.hpp"
+#include "palmbots/spec.hpp"
+
+namespace palmbots {
+
+template <class Real>
+Rig<Real> rig_of(const Spec& spec) {
+  Rig<Real> rig{};
+  rig.load = {Real(spec.width), Real(spec.com_left), Real(spec.com_right), Real(spec.com_height),
+              Real(spec.slope)};
+  rig.moments = Moments<Real>::of(rig.load);
+  rig.outline.count = spec.outline.count;
+  rig.outline.contact = spec.outline.contact;
+  for (std::size_t i = 0; i < spec.outline.count; ++i) {
+    const Vertex<double>& v = spec.outline.vertices[i];
+    rig.outline.vertices[i] = {{Real(v.along[left]), Real(v.along[right])}, Real(v.height)};
+  }
+  for (const std::size_t side : {left, right}) {
+    rig.clear[side] = clear_cone(rig.outline, side);
+    rig.offset[side] = Real(spec.palms[side].offset);
+    rig.half_length[side] = Real(0.5 * spec.palms[side].length);
+    rig.friction[side] = Real(spec.palms[side].friction);
+  }
+  rig.safe_reach = Real(spec.safe_reach);
+  return rig;
+}
+
+// Both palms steep, the contacts where the spec starts them, the robots where the object makes them.
+template <class Real>
+Stance<Real> stance_of(const Spec& spec, const Rig<Real>& rig) {
+  Stance<Real> stance{};
+  for (const std::size_t side : {left, right}) {
+    stance.palms[side] = PalmAngle<Real>::at(Real(spec.palms[side].steep));
+    stance.contacts[side] = Real(spec.start[side]);
+  }
+  stance.separation = closing_separation(stance, rig.offset, rig.load.width);
+  return stance;
+}
+
+template <class Real>
+Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
+  const Real memory = robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
+  const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
+  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
+          drive};
+}
+
+template <class Real>
+Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
+  return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
+}
+
+}  // namespace palmbots

@@ -1,0 +1,161 @@
+// The common step of the world, without ceremony: one contact slides through the whole step.
+//
+// Written for one carry or for several side by side (lanes.hpp), without a branch that lanes could
+// not share. Where anything else goes on (a tie, a reversal, an end, both edges wedged), nothing is
+// changed, and the world takes the step apart (world.hpp).
+//
+// Source: MECHANICS sections 1, 2, 6.
+#pragma once
+
+#include "palmbots/ends.hpp"
+#include "palmbots/slip.hpp"
+
+namespace palmbots {
+
+// How far a palm turns between two looks for events.
+template <class Real>
+inline constexpr Real longest_turn = radians_per_degree<Real>;
+
+// Everything in the world that moves.
+template <class V>
+struct Pose {
+  Stance<V> stance;
+  Span<V> span;
+  V push;  // sideways specific force of the pair's acceleration
+  V tied;  // ±1: the direction in which both contacts slide along their tie; 0: they do not
+};
+
+// The load as it counts for which contact lets go first: with the push.
+template <class V>
+constexpr Moments<V> moments_under(const Fixture<V>& fixture, V push) {
+  return Moments<V>::of(pushed(fixture.load, push));
+}
+
+// What a step did, where it is done.
+template <class V>
+struct Stride {
+  MaskOf<V> done;
+  MaskOf<V> closing;  // the contact slid up, otherwise down
+  MaskOf<V> on_left;  // it was the left contact, otherwise the right one
+};
+
+namespace detail {
+
+template <class V>
+constexpr Edge<V> leading_edge(const Cone<V>& cone, MaskOf<V> closing) {
+  return {select(closing, cone.up.lateral, cone.down.lateral),
+          select(closing, cone.up.vertical, cone.down.vertical)};
+}
+
+template <class V>
+constexpr PerSide<Cone<V>> cones_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms) {
+  PerSide<Cone<V>> cones{};
+  for (const std::size_t side : {left, right}) {
+    cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, fixture.friction[side]);
+  }
+  return cones;
+}
+
+template <class V>
+constexpr PalmAngle<V> select(MaskOf<V> mask, const PalmAngle<V>& yes, const PalmAngle<V>& no) {
+  return {palmbots::select(mask, yes.angle, no.angle), palmbots::select(mask, yes.sin, no.sin),
+          palmbots::select(mask, yes.cos, no.cos)};
+}
+
+}  // namespace detail
+
+// Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly, under a
+// push.
+template <class V>
+[[gnu::always_inline]] inline Stride<V> stride(const Fixture<V>& fixture, Pose<V>& pose, V change,
+                                               const PerSide<V>& angles, V push) {
+  using Mask = MaskOf<V>;
+  const PerSide<PalmAngle<V>>& palms = pose.stance.palms;
+  const PerSide<V>& contacts = pose.stance.contacts;
+  pose.tied = select(push != pose.push, V(0), pose.tied);  // ties lie elsewhere under another push
+  pose.push = push;
+  const Moments<V> pushed = moments_under(fixture, push);
+  const V longest(longest_turn<typename ScalarOf<V>::type>);
+  const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
+  const Mask left_turns = turn[left] != V(0);
+  const Mask right_turns = turn[right] != V(0);
+  const Mask turning = left_turns | right_turns;
+  const bool some_turn = any(turning);
+
+  V rate = change;
+  if (some_turn) {
+    rate = select(turning, drive_rate(palms, contacts, fixture.offset, pose.span, change, turn),
+                  change);
+  }
+  const Mask closing = rate < V(0);
+  const Mask opening = rate > V(0);
+  const PerSide<Cone<V>> cones = detail::cones_at(fixture, palms);
+  const PerSide<Edge<V>> edges{detail::leading_edge(cones[left], closing),
+                               detail::leading_edge(cones[right], closing)};
+  const Tie<V> before = tie(pushed, edges[left], edges[right]);
+  const V left_higher = before.at(pose.span);
+  const V left_sooner = select(closing, -left_higher, left_higher);
+  const Mask on_left = left_sooner > V(0);
+  Mask good = (closing & (pose.tied <= V(0))) | (opening & (pose.tied >= V(0)));
+  good = good & (on_left | (left_sooner < V(0)));
+  for (const std::size_t side : {left, right}) {
+    good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
+    good = good & within(turn[side], longest);
+  }
+  if (!any(good)) return {good, closing, on_left};
+
+  PerSide<PalmAngle<V>> turned = palms;
+  PerSide<Cone<V>> turned_cones = cones;
+  if (some_turn) {
+    for (const std::size_t side : {left, right}) {
+      const Mask turns = side == left ? left_turns : right_turns;
+      if (any(turns)) {
+        turned[side] = detail::select<V>(turns, PalmAngle<V>::at(angles[side]), palms[side]);
+      }
+    }
+    turned_cones = detail::cones_at(fixture, turned);
+  }
+  // Seen from the side of the contact that slides.
+  const V separation = pose.stance.separation + change;
+  Span<V> base = feet(separation, turned, fixture.offset);
+  base.dy = select(on_left, base.dy, -base.dy);
+  const PalmAngle<V> own = detail::select<V>(on_left, turned[left], turned[right]);
+  const PalmAngle<V> partner = detail::select<V>(on_left, turned[right], turned[left]);
+  const Slid<V> next = slid(base, own, partner, select(on_left, contacts[right], contacts[left]),
+                            fixture.load.width);
+  const PerSide<V> after{select(on_left, next.contact, contacts[left]),
+                         select(on_left, contacts[right], next.contact)};
+  const Span<V> span{next.span.dx, select(on_left, next.span.dy, -next.span.dy)};
+
+  Tie<V> tie_after = before;
+  if (some_turn) {
+    const V rate_after = drive_rate(turned, after, fixture.offset, span, change, turn);
+    good = good & ((!turning) | (closing & (rate_after < V(0))) | (opening & (rate_after > V(0))));
+    tie_after = tie(pushed, detail::leading_edge(turned_cones[left], closing),
+                    detail::leading_edge(turned_cones[right], closing));
+  }
+  const V higher_after = tie_after.at(span);
+  const Mask left_ahead = select(closing, -higher_after, higher_after) > V(0);
+  const Mask right_ahead = select(closing, -higher_after, higher_after) < V(0);
+  good = good & ((on_left & left_ahead) | ((!on_left) & right_ahead));
+  Mask held(good);
+  for (const std::size_t side : {left, right}) {
+    held = held & within(after[side], fixture.safe_reach);
+  }
+  // Few contacts are ever out of the safe reach; only then all conditions are looked at.
+  if (any(good & (!held))) {
+    held = held | plainly_held(fixture, turned_cones, turned, after, span);
+  }
+  good = good & held;
+
+  pose.stance.separation = select(good, separation, pose.stance.separation);
+  for (const std::size_t side : {left, right}) {
+    pose.stance.palms[side] = detail::select<V>(good, turned[side], pose.stance.palms[side]);
+    pose.stance.contacts[side] = select(good, after[side], pose.stance.contacts[side]);
+  }
+  pose.span = {select(good, span.dx, pose.span.dx), select(good, span.dy, pose.span.dy)};
+  pose.tied = select(good, V(0), pose.tied);
+  return {good, closing, on_left};
+}
+
+}  // namespace palmbots

@@ -1,0 +1,184 @@
+// Lanes do in each lane what a single number does, and carries in lockstep what single carries do.
+#include "palmbots/lanes.hpp"
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "check.hpp"
+#include "palmbots/lockstep.hpp"
+#include "paper_spec.hpp"
+
+namespace {
+
+using namespace palmbots;
+
+template <class Real>
+bool same_bits(Real a, Real b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+template <class Real, int n>
+void test_every_operation() {
+  using V = Lanes<Real, n>;
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  const Real numbers[] = {0, -Real(0), 1, -1, Real(0.1), Real(-3.7), inf, -inf, Real(1e-30), 6};
+  for (const Real x : numbers) CHECK(same_bits(V(x).raw[n - 1], x));
+  for (const Real x : numbers) {
+    for (const Real y : numbers) {
+      V a(Real(2));
+      V b(Real(3));
+      a.raw[n - 1] = x;
+      b.raw[n - 1] = y;
+      const auto last = [](V v) { return Real(v.raw[n - 1]); };
+      const auto bit = [](LaneMask<Real, n> m) { return (m.bits() >> (n - 1) & 1) != 0; };
+      const auto equal = [](Real p, Real q) { return same_bits(p, q) || (p != p && q != q); };
+      CHECK(equal(last(a + b), x + y) && equal(last(a - b), x - y));
+      CHECK(equal(last(a * b), x * y) && equal(last(a / b), x / y) && equal(last(-a), -x));
+      CHECK(bit(a < b) == (x < y) && bit(a <= b) == (x <= y) && bit(a == b) == (x == y));
+      CHECK(bit(a > b) == (x > y) && bit(a >= b) == (x >= y) && bit(a != b) == (x != y));
+      CHECK(same_bits(last(select(a < b, a, b)), x < y ? x : y));
+      CHECK(bit((a < b) & (a == a)) == (x < y) && bit((a < b) | (a > b)) == (x < y || x > y));
+      CHECK(bit(!(a < b)) == !(x < y));
+      CHECK(any(a < b) && all(a < b) == (x < y));
+      CHECK(any(a > b) == (x > y) && !all(a > b));
+    }
+  }
+}
+
+template <class Real, int n>
+void test_functions() {
+  using V = Lanes<Real, n>;
+  for (int i = 0; i <= 400; ++i) {
+    V x(Real(0.3));
+    const Real angle = Real(i - 200) * Real(0.0314159);
+    x.raw[n - 1] = angle;
+    const SinCos<V> at = sin_cos(x);
+    const SinCos<Real> alone = sin_cos(angle);
+    CHECK(same_bits(Real(at.sin.raw[n - 1]), alone.sin));
+    CHECK(same_bits(Real(at.cos.raw[n - 1]), alone.cos));
+    CHECK(same_bits(Real(at.sin.raw[0]), sin_cos(Real(0.3)).sin));
+    x.raw[n - 1] = Real(i);
+    CHECK(same_bits(Real(square_root(x).raw[n - 1]), std::sqrt(Real(i))));
+  }
+}
+
+// A lane comes back as it was put in, and its neighbours are left alone.
+void test_lanes_of_structs() {
+  using V = Lanes<double, lanes_of<double>>;
+  Span<V> spans{V(1.0), V(2.0)};
+  put_lane(spans, 1, Span<double>{5.0, -0.0});
+  const Span<double> back = take_lane(spans, 1);
+  CHECK(same_bits(back.dx, 5.0) && same_bits(back.dy, -0.0));
+  for (int l = 0; l < V::count; ++l) {
+    if (l != 1) CHECK(take_lane(spans, l).dx == 1 && take_lane(spans, l).dy == 2);
+  }
+}
+
+template <class Team>
+Team team_of(const Spec& spec, std::uint64_t seed) {
+  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+  const std::size_t leader = spec.direction > 0 ? right : left;
+  if constexpr (std::is_same_v<Team, Unattended>) {
+    return {};
+  } else if constexpr (std::is_same_v<Team, Station>) {
+    return Station(channel, seed, leader);
+  } else {
+    return Team({}, channel, seed, leader);
+  }
+}
+
+bool same(const Metrics& a, const Metrics& b) {
+  return a.outcome == b.outcome && a.end == b.end && a.time_ticks == b.time_ticks &&
+         a.square_sum == b.square_sum && a.peak == b.peak && a.samples == b.samples &&
+         a.waiting_ticks == b.waiting_ticks && a.waits_since == b.waits_since &&
+         a.corrections == b.corrections && a.longest_correction == b.longest_correction &&
+         a.limit_cycle == b.limit_cycle && a.bumps == b.bumps;
+}
+
+// Every carry of a mixed lot ends, once, as it does alone.
+template <class Real, int n, class Team>
+void test_lockstep(const std::vector<Spec>& specs, std::size_t count) {
+  auto lockstep = std::make_unique<Lockstep<Real, n, Team>>();
+  std::size_t given = 0;
+  std::size_t finished = 0;
+  bool outcomes[4] = {};
+  lockstep->run(
+      [&](auto& slot, std::size_t& index) {
+        if (given == count) return false;
+        index = given++;
+        const Spec& spec = specs[index % specs.size()];
+        slot.emplace(spec, index, team_of<Team>(spec, index), NoRecorder{});
+        return true;
+      },
+      [&](std::size_t index, const auto& carry) {
+        ++finished;
+        const Spec& spec = specs[index % specs.size()];
+        Carry<Real, Team, NoRecorder> alone(spec, index, team_of<Team>(spec, index), NoRecorder{});
+        alone.run();
+        CHECK(same(carry.metrics(), alone.metrics()));
+        CHECK(same_bits(carry.midpoint(), alone.midpoint()));
+        CHECK(carry.team().traffic.sent == alone.team().traffic.sent);
+        outcomes[static_cast<int>(alone.metrics().outcome)] = true;
+      },
+      [] { return false; });
+  CHECK(finished == count);
+  CHECK(outcomes[1] && outcomes[2] &&
+        outcomes[3]);  // delivered, dropped and stalled were among them
+}
+
+std::vector<Spec> mixed_specs() {
+  std::vector<Spec> specs;
+  for (int i = 0; i < 9; ++i) {
+    Spec spec = paper_spec();
+    spec.distance = 0.3 + 0.05 * i;
+    spec.safe_reach = i % 2 == 0 ? -1 : 0.037;
+    if (i == 1) spec.robots[left].bias = 0.01;
+    if (i == 2) spec.timeout_ticks = 77;
+    if (i == 3) spec.palms[left].offset = 0.01;
+    if (i == 4) spec.direction = -1;
+    if (i == 5) spec.start[right] = 0.075;
+    if (i == 6) spec.bump_rate = 5;
+    if (i == 6) spec.bump_max = 0.004;
+    if (i == 7) spec.palms[right].friction = 0.12;
+    if (i == 7) spec.start[left] = 0.07;
+    if (i == 8) spec.false_rate = 0.01;
+    specs.push_back(spec);
+  }
+  return specs;
+}
+
+// Told to stop, it does, within a block of ticks.
+void test_stop() {
+  const Spec spec = paper_spec();
+  auto lockstep = std::make_unique<Lockstep<double, lanes_of<double>, Unattended>>();
+  int asked = 0;
+  lockstep->run(
+      [&](auto& slot, std::size_t& index) {
+        slot.emplace(spec, index = 0, Unattended{}, NoRecorder{});
+        return true;
+      },
+      [](std::size_t, const auto&) {}, [&] { return ++asked == 3; });
+  CHECK(asked == 3);
+}
+
+}  // namespace
+
+int main() {
+  constexpr int doubles = lanes_of<double>;
+  constexpr int floats = lanes_of<float>;
+  test_every_operation<double, doubles>();
+  test_every_operation<float, floats>();
+  test_functions<double, doubles>();
+  test_functions<float, floats>();
+  test_lanes_of_structs();
+  const std::vector<Spec> specs = mixed_specs();
+  test_lockstep<double, doubles, Pair<Distributed>>(specs, 40);
+  test_lockstep<double, doubles, Station>(specs, 40);
+  test_lockstep<float, floats, Pair<Distributed>>(specs, 40);
+  test_lockstep<float, floats, Unattended>(specs, 80);
+  test_stop();
+}
