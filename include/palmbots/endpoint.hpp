@@ -1,0 +1,85 @@
+// One end of the wire, what a robot or the station keeps between packets: who it is, how far its own
+// numbers are, what it has heard of the others, and how many packets it took or turned away.
+//
+// A window starts empty at every boot, so a stranger could play back what was sent before it. So each
+// packet says in which epoch its sender last heard the receiver, and a receiver acts only on packets
+// that name its present one: these were sent after this boot. Others, if new, are `unanswered`: all
+// they do is tell in which epoch their sender is. After a boot the first packet of each end is such
+// a one; whoever gets it sends something back, hello if there is nothing else to say, and the two
+// are on speaking terms after one round trip.
+//
+// So what an end accepts was sent by the partner, to this end, after this end's boot, and is accepted
+// once and in the order of sending. How long it was on its way nobody can tell from a packet.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "palmbots/window.hpp"
+#include "palmbots/wire.hpp"
+
+namespace palmbots::wire {
+
+struct Identity {
+  Key key;
+  std::uint16_t pair;
+  Role role;
+};
+
+class Endpoint {
+ public:
+  // At a boot: the epoch counts the boots, this one included, and is already in permanent memory.
+  constexpr Endpoint(const Identity& identity, const Numbering& numbering)
+      : identity_(identity), numbering_(numbering) {}
+
+  // Writes the next packet. False, and nothing written, if it makes no sense (`well_formed`) or if
+  // the numbers of this epoch are used up.
+  constexpr bool send(Role receiver, Kind kind, std::uint8_t payload, Bytes& bytes) {
+    if (numbering_.exhausted() || receiver > Role::station) return false;
+    Numbering after = numbering_;
+    const Stamp stamp = after.take();
+    const Packet packet{kind,        identity_.role,        receiver,       identity_.pair,
+                        stamp.epoch, heard_epoch(receiver), stamp.sequence, payload};
+    if (!encode(packet, identity_.key, bytes)) return false;
+    numbering_ = after;
+    return true;
+  }
+
+  // What a packet says, if it is to be acted upon; counts it in any case.
+  constexpr Decoded receive(std::span<const std::uint8_t> bytes) {
+    Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
+    if (decoded.verdict == Verdict::accepted) {
+      const Verdict verdict = judge(decoded.packet);
+      if (verdict != Verdict::accepted) decoded = {verdict, {}};
+    }
+    ++counts_[static_cast<std::size_t>(decoded.verdict)];
+    return decoded;
+  }
+
+  constexpr std::uint32_t count(Verdict verdict) const {
+    return counts_[static_cast<std::size_t>(verdict)];
+  }
+
+  // The newest epoch in which this end has heard another, 0: not since its own boot.
+  constexpr std::uint32_t heard_epoch(Role other) const {
+    return windows_[static_cast<std::size_t>(other)].newest().epoch;
+  }
+
+ private:
+  constexpr Verdict judge(const Packet& packet) {
+    Window& window = windows_[static_cast<std::size_t>(packet.sender)];
+    if (!window.take({packet.epoch, packet.sequence})) return Verdict::stale;
+    // Epoch 0 is no boot: whoever has not counted it must not act on what was said to nobody.
+    const bool answers = packet.heard == numbering_.epoch && packet.heard != 0;
+    return answers ? Verdict::accepted : Verdict::unanswered;
+  }
+
+  Identity identity_;
+  Numbering numbering_;
+  std::array<Window, role_count> windows_{};
+  std::array<std::uint32_t, verdict_count> counts_{};
+};
+
+}  // namespace palmbots::wire
