@@ -1,8 +1,8 @@
 """The wire from Python: the packets that robots and station send each other, by the shipped core.
 
-A packet has 24 bytes (docs/wire.md says what each of them is). ``encode`` and ``decode`` turn one into
-bytes and back; an ``Endpoint`` is what a robot or the station keeps between packets, and tells new
-packets from old ones.
+A packet has 24 bytes (docs/wire.md says what each of them is). ``encode`` and ``decode`` turn one
+into bytes and back; an ``Endpoint`` is what a robot or the station keeps between packets, and tells
+new packets from old ones.
 
 >>> from palmbots import wire
 >>> left = wire.Endpoint(key=bytes(16), pair=7, role="left", epoch=1)
@@ -95,8 +95,8 @@ class Command:
 
 
 Body = Letter | Beacon | Report | Command | None
-"""What a packet says: a letter of the distributed algorithm, a beacon of the resilient one, a report
-or a command of the centralized one, or nothing but hello."""
+"""What a packet says: a letter of the distributed algorithm, a beacon of the resilient one, a
+report or a command of the centralized one, or nothing but hello."""
 
 
 @dataclass(frozen=True, slots=True)
