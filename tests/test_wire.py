@@ -3,6 +3,8 @@
 import random
 import re
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import get_args
 
 import pytest
 
@@ -84,7 +86,7 @@ def test_any_sixteen_tagged_bytes_as_the_oracle_judges_them() -> None:
         data = bytes(head) + oracle.siphash24(KEY, bytes(head)).to_bytes(8, "little")
         # The receiver that the packet names; what names none is for nobody.
         named = head[2] >> 4
-        receiver = wire._ROLES[named] if named < 3 else "left"
+        receiver = get_args(wire.Role)[named] if named < 3 else "left"
         verdict = wire.decode(data, KEY, PAIR, receiver).verdict
         legal = bytes(head[:3]) + bytes(head[15:16]) in known
         wanted = "misdirected" if named >= 3 else "accepted" if legal else "malformed"
@@ -125,6 +127,14 @@ def test_epochs_of_boots() -> None:
     assert right.receive(wire.Endpoint(KEY, PAIR, "left", 4).send("right")).verdict == "unanswered"
     assert right.receive(before).verdict == "stale"
     assert right.receive(wire.Endpoint(KEY, PAIR, "left", 4).send("right")).verdict == "stale"
+
+
+def test_an_end_that_has_used_up_its_numbers_says_what_to_do() -> None:
+    """In C++ they are used up in no time (tests/core/endpoint_test.cpp); here the core refuses."""
+    left = wire.Endpoint(KEY, PAIR, "left", 3)
+    left._core = SimpleNamespace(send=lambda *_: None)  # type: ignore[assignment]
+    with pytest.raises(pb.PalmbotsError, match=r"^sequence: all 4294967295 are used up; needed: "):
+        left.send("right")
 
 
 GOOD = wire.Packet("left", "right", PAIR, epoch=1, sequence=1)

@@ -1,11 +1,14 @@
 // The wire: packets, and one end of it.
 #include "palmbots/wire.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <optional>
+#include <span>
 
 #include "bindings.hpp"
 #include "palmbots/endpoint.hpp"
@@ -35,8 +38,8 @@ std::span<const std::uint8_t> span_of(const nb::bytes& bytes) {
   return {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }
 
-nb::object bytes_or_none(bool written, const wire::Bytes& bytes) {
-  if (!written) return nb::none();
+std::optional<nb::bytes> bytes_or_none(bool written, const wire::Bytes& bytes) {
+  if (!written) return std::nullopt;
   return nb::bytes(bytes.data(), bytes.size());
 }
 

@@ -425,7 +425,7 @@ def run_seeds(spec: Spec, controller: str, first: int, n: int, precision: str) -
 def wire_layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""
 
-def wire_encode(key: bytes, kind: int, sender: int, receiver: int, pair: int, epoch: int, heard: int, sequence: int, payload: int) -> object:
+def wire_encode(key: bytes, kind: int, sender: int, receiver: int, pair: int, epoch: int, heard: int, sequence: int, payload: int) -> bytes | None:
     """The bytes of a packet, or None if it is not well formed."""
 
 def wire_decode(bytes: bytes, key: bytes, pair: int, receiver: int) -> tuple[str, tuple[int, int, int, int, int, int, int, int]]:
@@ -450,7 +450,7 @@ class WireEndpoint:
 
     def __init__(self, key: bytes, pair: int, role: int, epoch: int) -> None: ...
 
-    def send(self, receiver: int, kind: int, payload: int) -> object:
+    def send(self, receiver: int, kind: int, payload: int) -> bytes | None:
         """The next packet, or None if it is not well formed."""
 
     def receive(self, bytes: bytes) -> tuple[str, tuple[int, int, int, int, int, int, int, int]]:
