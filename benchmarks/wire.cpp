@@ -17,8 +17,8 @@ Verdict verdict;
 namespace {
 
 constexpr int calls = 100;
-Endpoint sender({key, pair, Role::left}, {5});
-Endpoint receiver({key, pair, Role::right}, {7});
+Endpoint sender({key, pair, Role::left}, 5);
+Endpoint receiver({key, pair, Role::right}, 7);
 
 void judge() { verdict = decode(given, key, pair, Role::right).verdict; }
 

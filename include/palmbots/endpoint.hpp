@@ -31,19 +31,17 @@ struct Identity {
 class Endpoint {
  public:
   // At a boot: the epoch counts the boots, this one included, and is already in permanent memory.
-  constexpr Endpoint(const Identity& identity, const Numbering& numbering)
-      : identity_(identity), numbering_(numbering) {}
+  constexpr Endpoint(const Identity& identity, std::uint32_t epoch, std::uint32_t first = 1)
+      : identity_(identity), next_{epoch, first} {}
 
-  // Writes the next packet. False, and nothing written, if it makes no sense (`well_formed`) or if
-  // the numbers of this epoch are used up.
+  // Writes the next packet. False, and nothing written, if it is not well formed, as every packet
+  // is when the numbers of this epoch are used up.
   constexpr bool send(Role receiver, Kind kind, std::uint8_t payload, Bytes& bytes) {
-    if (numbering_.exhausted() || receiver > Role::station) return false;
-    Numbering after = numbering_;
-    const Stamp stamp = after.take();
+    if (receiver > Role::station) return false;
     const Packet packet{kind,        identity_.role,        receiver,       identity_.pair,
-                        stamp.epoch, heard_epoch(receiver), stamp.sequence, payload};
+                        next_.epoch, heard_epoch(receiver), next_.sequence, payload};
     if (!encode(packet, identity_.key, bytes)) return false;
-    numbering_ = after;
+    ++next_.sequence;
     return true;
   }
 
@@ -72,12 +70,12 @@ class Endpoint {
     Window& window = windows_[static_cast<std::size_t>(packet.sender)];
     if (!window.take({packet.epoch, packet.sequence})) return Verdict::stale;
     // Epoch 0 is no boot: whoever has not counted it must not act on what was said to nobody.
-    const bool answers = packet.heard == numbering_.epoch && packet.heard != 0;
+    const bool answers = packet.heard == next_.epoch && packet.heard != 0;
     return answers ? Verdict::accepted : Verdict::unanswered;
   }
 
   Identity identity_;
-  Numbering numbering_;
+  Stamp next_;
   std::array<Window, role_count> windows_{};
   std::array<std::uint32_t, verdict_count> counts_{};
 };

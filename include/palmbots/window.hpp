@@ -3,9 +3,9 @@
 // A packet's stamp is (epoch, sequence), compared in this order. The epoch counts the sender's boots
 // and outlives them: a sender keeps the last one in permanent memory and writes the next one there
 // *before* its first packet, so no stamp is ever used twice under a key. The sequence starts at 1
-// in every epoch and never wraps: after 2³² − 1 packets (497 days at 100 a second) the sender falls
-// silent until it enters the next epoch, as at a boot. After 2²⁴ − 1 epochs, or when the counter is
-// lost, the pair needs a new key.
+// in every epoch and ends where it would wrap: after 2³² − 1 packets (497 days at 100 a second) the
+// next number is 0, which no packet may bear, and the sender is silent until it enters the next epoch,
+// as at a boot. After 2²⁴ − 1 epochs, or when the counter is lost, the pair needs a new key.
 #pragma once
 
 #include <compare>
@@ -18,15 +18,6 @@ struct Stamp {
   std::uint32_t sequence = 0;
 
   constexpr auto operator<=>(const Stamp&) const = default;
-};
-
-// A sender's numbers in one epoch.
-struct Numbering {
-  std::uint32_t epoch;
-  std::uint32_t next = 1;  // 0: all are used up
-
-  constexpr bool exhausted() const { return next == 0; }
-  constexpr Stamp take() { return {epoch, next++}; }  // only while not exhausted
 };
 
 // What a receiver remembers of one sender: the newest stamp it took. The first one is newer than

@@ -125,7 +125,7 @@ void bind_wire(nb::module_& m) {
           "__init__",
           [](wire::Endpoint* self, const nb::bytes& key, std::uint16_t pair, std::uint8_t role,
              std::uint32_t epoch) {
-            new (self) wire::Endpoint({key_of(key), pair, static_cast<wire::Role>(role)}, {epoch});
+            new (self) wire::Endpoint({key_of(key), pair, static_cast<wire::Role>(role)}, epoch);
           },
           nb::arg("key"), nb::arg("pair"), nb::arg("role"), nb::arg("epoch"))
       .def(

@@ -1,11 +1,10 @@
-// What is new: the order of stamps, their end, and what a window takes.
+// What is new: the order of stamps, and what a window takes.
 #include "palmbots/window.hpp"
 
 #include <cstdint>
 
 #include "check.hpp"
 
-using palmbots::wire::Numbering;
 using palmbots::wire::Stamp;
 using palmbots::wire::Window;
 
@@ -45,20 +44,9 @@ void test_a_window_against_one_number() {
   }
 }
 
-void test_numbers_end_instead_of_wrapping() {
-  Numbering numbering{7};
-  CHECK((numbering.take() == Stamp{7, 1}));
-  CHECK((numbering.take() == Stamp{7, 2}));
-  numbering.next = 0xFFFFFFFF;
-  CHECK(!numbering.exhausted());
-  CHECK((numbering.take() == Stamp{7, 0xFFFFFFFF}));
-  CHECK(numbering.exhausted());
-}
-
 }  // namespace
 
 int main() {
   test_a_window_takes_each_stamp_once_and_only_upwards();
   test_a_window_against_one_number();
-  test_numbers_end_instead_of_wrapping();
 }

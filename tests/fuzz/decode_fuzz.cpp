@@ -130,7 +130,7 @@ void script(Input steps) {
   };
   constexpr Role role[2] = {Role::left, Role::right};
   const auto boot = [&](std::size_t end, std::uint32_t epoch) {
-    return Endpoint({test_key, test_pair, role[end]}, {epoch});
+    return Endpoint({test_key, test_pair, role[end]}, epoch);
   };
   Endpoint ends[2] = {boot(0, 1), boot(1, 1)};
   Memory memories[2];
