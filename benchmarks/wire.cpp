@@ -9,7 +9,7 @@ using namespace palmbots::wire;
 // For all to see, so that no compiler takes them for constants.
 Key key{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
 std::uint16_t pair = 0xC0DE;
-Packet packet{Kind::beacon, Role::left, Role::right, pair, 5, 7, 1000, 'R'};
+Packet packet{Kind::beacon, Role::left, Role::right, pair, {5, 1000}, {7, 900}, 'R'};
 Bytes written;
 Bytes given;
 Verdict verdict;

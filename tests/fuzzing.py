@@ -29,11 +29,11 @@ def seeds() -> Iterator[bytes]:
     """Where to start from: each law's way with the golden packets, and talks of two ends."""
     for line in wire_oracle.GOLDEN.read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
-            packet = bytes.fromhex(line.split(" | ")[2])
+            packet = bytes.fromhex(line.split(" | ")[3])
             yield b"\x00" + packet
-            yield b"\x01" + packet[:16]
-            kind, roles, payload = packet[1], packet[2], packet[15]
-            numbers = packet[5:8] + b"\x00" + packet[8:11] + b"\x00" + packet[11:15]
+            yield b"\x01" + packet[:20]
+            kind, roles, payload = packet[1], packet[2], packet[19]
+            numbers = packet[5:8] + b"\x00" + packet[8:15] + b"\x00" + packet[15:19]
             yield bytes([2, kind, roles]) + packet[3:5] + numbers + bytes([payload])
     # Steps: 0, 1 boot; 2, 3 send; 4, 5 deliver to the left, the right; 6, 7 the same with a flip.
     greet = bytes([2, 5, 3, 4])

@@ -44,7 +44,7 @@ DEFECTS = {
     "the newest packet counts twice": ("window.hpp", "stamp <= newest_", "stamp < newest_"),
     "what was sent before the boot counts": (
         "endpoint.hpp",
-        "packet.heard == next_.epoch",
+        "packet.heard.epoch == next_.epoch",
         "true",
     ),
 }

@@ -47,6 +47,8 @@ LETTERS = {"TiltUp": 1, "TiltDown": 2, "Ack": 3}
 PALMS = {"steep": 0, "shallow": 1}
 MOVES = {"hold": 0, "away": 1, "closer": 2}
 
+Stamp = tuple[int, int]
+"""Epoch and sequence."""
 Saying = tuple[str, str, str, str]
 """Sender, receiver, kind and what is said, in words."""
 
@@ -56,7 +58,11 @@ def sayings() -> list[Saying]:
     all_of: list[Saying] = [(a, b, "hello", "") for a in ROLES for b in ROLES if a != b]
     for sender, receiver in (("left", "right"), ("right", "left")):
         all_of += [(sender, receiver, "letter", letter) for letter in LETTERS]
-        all_of += [(sender, receiver, "beacon", beacon) for beacon in "IRGDW"]
+        all_of += [
+            (sender, receiver, "beacon", f"{letter} {travel}")
+            for letter in "IRGDW"
+            for travel in ("travels", "rests")
+        ]
     for robot in ("left", "right"):
         for palm in PALMS:
             all_of += [
@@ -77,7 +83,7 @@ def payload(kind: str, said: str) -> tuple[int, int]:
         case "letter":
             return 1, LETTERS[said]
         case "beacon":
-            return 2, ord(said)
+            return 2, ord(said[0]) + 128 * (said[2:] == "rests")
         case "report":
             sign, palm, turned = words
             return 3, int(sign) + 1 + 4 * PALMS[palm] + 8 * (turned == "turned")
@@ -86,19 +92,17 @@ def payload(kind: str, said: str) -> tuple[int, int]:
             return 4, PALMS[palm] + 2 * MOVES[move]
 
 
-def packet(
-    saying: Saying, epoch: int, heard: int, sequence: int, key: bytes = KEY, pair: int = PAIR
-) -> bytes:
-    """The packet's 24 bytes."""
+def packet(saying: Saying, sent: Stamp, heard: Stamp, key: bytes = KEY, pair: int = PAIR) -> bytes:
+    """The packet's 28 bytes."""
     sender, receiver, kind, said = saying
-    head = bytearray(16)
+    head = bytearray(20)
     head[0] = 1
-    head[1], head[15] = payload(kind, said)
+    head[1], head[19] = payload(kind, said)
     head[2] = ROLES[sender] + 16 * ROLES[receiver]
     head[3:5] = pair % 256, pair // 256
-    head[5:8] = (epoch >> shift & 255 for shift in (0, 8, 16))
-    head[8:11] = (heard >> shift & 255 for shift in (0, 8, 16))
-    head[11:15] = (sequence >> shift & 255 for shift in (0, 8, 16, 24))
+    for place, (epoch, sequence) in ((5, sent), (12, heard)):
+        head[place : place + 3] = (epoch >> shift & 255 for shift in (0, 8, 16))
+        head[place + 3 : place + 7] = (sequence >> shift & 255 for shift in (0, 8, 16, 24))
     tag = siphash24(key, bytes(head))
     return bytes(head) + bytes(tag >> shift & 255 for shift in range(0, 64, 8))
 
@@ -108,15 +112,18 @@ def golden() -> str:
     lines = [
         "# Every packet that can be said, key 0f1e2d3c4b5a69788796a5b4c3d2e1f0, pair c0de.",
         "# Written by tests/wire_oracle.py, which shares no code with what it tests:",
-        "# sender > receiver kind what | epoch heard sequence | bytes",
+        "# sender > receiver kind what | sent | heard | bytes",
     ]
     for i, saying in enumerate(sayings()):
-        numbers = ((1, 0, 1), (0x010203, 0x0A0B0C, 0x0D0E0F10), (2**24 - 1, 2**24 - 1, 2**32 - 1))
-        epoch, heard, sequence = numbers[i % 3]
+        last = (2**24 - 1, 2**32 - 1)
+        between = ((0x010203, 0x04050607), (0x08090A, 0x0B0C0D0E))
+        sent, heard = (((1, 1), (0, 0)), between, (last, last))[i % 3]
         sender, receiver, *what = saying
         words = " ".join(word for word in what if word)
-        told = packet(saying, epoch, heard, sequence).hex(" ")
-        lines.append(f"{sender} > {receiver} {words} | {epoch} {heard} {sequence} | {told}")
+        told = packet(saying, sent, heard).hex(" ")
+        lines.append(
+            f"{sender} > {receiver} {words} | {sent[0]} {sent[1]} | {heard[0]} {heard[1]} | {told}"
+        )
     return "\n".join(lines) + "\n"
 
 

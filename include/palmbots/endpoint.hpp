@@ -2,14 +2,15 @@
 // numbers are, what it has heard of the others, and how many packets it took or turned away.
 //
 // A window starts empty at every boot, so a stranger could play back what was sent before it. So each
-// packet says in which epoch its sender last heard the receiver, and a receiver acts only on packets
-// that name its present one: these were sent after this boot. Others, if new, are `unanswered`: all
-// they do is tell in which epoch their sender is. After a boot the first packet of each end is such
-// a one; whoever gets it sends something back, hello if there is nothing else to say, and the two
-// are on speaking terms after one round trip.
+// packet names the newest that its sender had heard from the receiver, and a receiver acts only on
+// packets that name one of its present epoch: these were sent after this boot. Others, if new, are
+// `unanswered`: all they do is make their sender heard. After a boot the first packet of each end is
+// such a one; whoever gets it sends something back, hello if there is nothing else to say, and the
+// two are on speaking terms after one round trip.
 //
 // So what an end accepts was sent by the partner, to this end, after this end's boot, and is accepted
-// once and in the order of sending. How long it was on its way nobody can tell from a packet.
+// once and in the order of sending. It was sent after `heard`, so that a receiver who remembers when
+// it sent that knows how old the packet can be at most.
 #pragma once
 
 #include <array>
@@ -38,8 +39,8 @@ class Endpoint {
   // is when the numbers of this epoch are used up.
   constexpr bool send(Role receiver, Kind kind, std::uint8_t payload, Bytes& bytes) {
     if (receiver > Role::station) return false;
-    const Packet packet{kind,        identity_.role,        receiver,       identity_.pair,
-                        next_.epoch, heard_epoch(receiver), next_.sequence, payload};
+    const Packet packet{kind,  identity_.role,  receiver, identity_.pair,
+                        next_, heard(receiver), payload};
     if (!encode(packet, identity_.key, bytes)) return false;
     ++next_.sequence;
     return true;
@@ -60,17 +61,17 @@ class Endpoint {
     return counts_[static_cast<std::size_t>(verdict)];
   }
 
-  // The newest epoch in which this end has heard another, 0: not since its own boot.
-  constexpr std::uint32_t heard_epoch(Role other) const {
-    return windows_[static_cast<std::size_t>(other)].newest().epoch;
+  // The newest that this end has heard of another since its own boot.
+  constexpr const Stamp& heard(Role other) const {
+    return windows_[static_cast<std::size_t>(other)].newest();
   }
 
  private:
   constexpr Verdict judge(const Packet& packet) {
     Window& window = windows_[static_cast<std::size_t>(packet.sender)];
-    if (!window.take({packet.epoch, packet.sequence})) return Verdict::stale;
+    if (!window.take(packet.sent)) return Verdict::stale;
     // Epoch 0 is no boot: whoever has not counted it must not act on what was said to nobody.
-    const bool answers = packet.heard == next_.epoch && packet.heard != 0;
+    const bool answers = packet.heard.epoch == next_.epoch && packet.heard != Stamp{};
     return answers ? Verdict::accepted : Verdict::unanswered;
   }
 

@@ -1,10 +1,10 @@
-// The packet of every controller, byte by byte: 24 bytes, little-endian, tagged (docs/wire.md).
+// The packet of every controller, byte by byte: 28 bytes, little-endian, tagged (docs/wire.md).
 //
 // One packet says one thing: a letter of the distributed algorithm, a beacon of the resilient one, a
 // report or a command of the centralized one, or hello, "I am up". What it says is one byte. Around
-// it stand who says it to whom, when in the sender's life (epoch, sequence), in which boot of the
-// receiver (heard), and a SipHash-2-4 tag over all of this under the key of the pair. `decode` takes
-// nothing but exactly what `encode` makes; whether it is new is another matter (window.hpp).
+// it stand who says it to whom, its own stamp (window.hpp), the newest stamp that the sender had heard
+// from the receiver, and a SipHash-2-4 tag over all of this under the key of the pair. `decode` takes
+// nothing but exactly what `encode` makes; whether it is new is another matter (endpoint.hpp).
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@
 #include "palmbots/message.hpp"
 #include "palmbots/policy.hpp"
 #include "palmbots/siphash.hpp"
+#include "palmbots/window.hpp"
 
 namespace palmbots::wire {
 
@@ -30,13 +31,14 @@ inline constexpr Field kind_field{"kind", 1, 1};
 inline constexpr Field roles_field{"roles", 2, 1};  // sender, and 16 × receiver
 inline constexpr Field pair_field{"pair", 3, 2};
 inline constexpr Field epoch_field{"epoch", 5, 3};
-inline constexpr Field heard_field{"heard", 8, 3};
-inline constexpr Field sequence_field{"sequence", 11, 4};
-inline constexpr Field payload_field{"payload", 15, 1};
-inline constexpr Field tag_field{"tag", 16, 8};
-inline constexpr Field layout[] = {version_field,  kind_field,    roles_field,
-                                   pair_field,     epoch_field,   heard_field,
-                                   sequence_field, payload_field, tag_field};
+inline constexpr Field sequence_field{"sequence", 8, 4};
+inline constexpr Field heard_epoch_field{"heard epoch", 12, 3};
+inline constexpr Field heard_sequence_field{"heard sequence", 15, 4};
+inline constexpr Field payload_field{"payload", 19, 1};
+inline constexpr Field tag_field{"tag", 20, 8};
+inline constexpr Field layout[] = {
+    version_field,  kind_field,        roles_field,          pair_field,    epoch_field,
+    sequence_field, heard_epoch_field, heard_sequence_field, payload_field, tag_field};
 
 inline constexpr std::uint8_t version = 1;
 inline constexpr std::size_t tagged_size = tag_field.offset;
@@ -50,7 +52,7 @@ inline constexpr std::size_t role_count = 3;
 
 enum class Kind : std::uint8_t { hello, letter, beacon, report, command };
 
-// Epochs count boots from 1, sequence numbers the packets of an epoch from 1; 0 stands for none.
+// The last epoch that fits.
 inline constexpr std::uint32_t max_epoch = 0xFFFFFF;
 
 struct Packet {
@@ -58,10 +60,9 @@ struct Packet {
   Role sender;
   Role receiver;
   std::uint16_t pair;
-  std::uint32_t epoch;     // the sender's boots so far
-  std::uint32_t heard;     // the receiver's epoch as the sender knows it, 0: not yet
-  std::uint32_t sequence;  // the packets the sender has sent in this epoch, this one included
-  std::uint8_t payload;    // what it says, by kind (below)
+  Stamp sent;
+  Stamp heard;           // the newest of the receiver's that the sender had heard since its boot
+  std::uint8_t payload;  // what it says, by kind (below)
 
   constexpr bool operator==(const Packet&) const = default;
 };
@@ -86,8 +87,16 @@ inline constexpr std::size_t verdict_count = 10;
 
 constexpr std::uint8_t payload(Letter letter) { return static_cast<std::uint8_t>(letter); }
 
-// A beacon is its letter of the alphabet (ASCII): I, R, G, D or W.
-constexpr std::uint8_t payload(char beacon) { return static_cast<std::uint8_t>(beacon); }
+// A beacon: its letter of the alphabet (ASCII), I, R, G, D or W, and in bit 7 whether the robot rests.
+struct Beacon {
+  char letter;
+  bool rests;
+};
+
+constexpr std::uint8_t payload(const Beacon& beacon) {
+  return static_cast<std::uint8_t>(static_cast<unsigned>(beacon.letter) | unsigned{beacon.rests}
+                                                                              << 7);
+}
 
 // Bits 0–1: sign + 1; bit 2: palm; bit 3: turned.
 constexpr std::uint8_t payload(const Centralized::Report& report) {
@@ -104,7 +113,9 @@ constexpr std::uint8_t payload(const Command& command) {
 
 constexpr Letter letter_of(std::uint8_t payload) { return static_cast<Letter>(payload); }
 
-constexpr char beacon_of(std::uint8_t payload) { return static_cast<char>(payload); }
+constexpr Beacon beacon_of(std::uint8_t payload) {
+  return {static_cast<char>(payload & 0x7f), (payload >> 7) != 0};
+}
 
 constexpr Centralized::Report report_of(std::uint8_t payload) {
   return {static_cast<Sign>((payload & 3) - 1), static_cast<Palm>(payload >> 2 & 1),
@@ -120,8 +131,10 @@ constexpr bool means(Kind kind, std::uint8_t payload) {
   switch (kind) {
     case Kind::hello: return payload == 0;
     case Kind::letter: return payload >= 1 && payload <= 3;
-    case Kind::beacon:
-      return payload == 'I' || payload == 'R' || payload == 'G' || payload == 'D' || payload == 'W';
+    case Kind::beacon: {
+      const char letter = beacon_of(payload).letter;
+      return letter == 'I' || letter == 'R' || letter == 'G' || letter == 'D' || letter == 'W';
+    }
     case Kind::report: return payload < 16 && (payload & 3) != 3;
     case Kind::command: return payload < 6;
   }
@@ -141,10 +154,15 @@ constexpr bool on_speaking_terms(Kind kind, Role sender, Role receiver) {
   return false;
 }
 
+// Whether something can bear this stamp: neither part of it is 0, which stands for never.
+constexpr bool dated(const Stamp& stamp) {
+  return stamp.epoch >= 1 && stamp.epoch <= max_epoch && stamp.sequence >= 1;
+}
+
 constexpr bool well_formed(const Packet& packet) {
   return on_speaking_terms(packet.kind, packet.sender, packet.receiver) &&
-         means(packet.kind, packet.payload) && packet.epoch >= 1 && packet.epoch <= max_epoch &&
-         packet.heard <= max_epoch && packet.sequence >= 1;
+         means(packet.kind, packet.payload) && dated(packet.sent) &&
+         (dated(packet.heard) || packet.heard == Stamp{});
 }
 
 // --- The packet.
@@ -170,9 +188,10 @@ constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   put(bytes, kind_field, static_cast<std::uint8_t>(packet.kind));
   put(bytes, roles_field, sender | receiver << 4);
   put(bytes, pair_field, packet.pair);
-  put(bytes, epoch_field, packet.epoch);
-  put(bytes, heard_field, packet.heard);
-  put(bytes, sequence_field, packet.sequence);
+  put(bytes, epoch_field, packet.sent.epoch);
+  put(bytes, sequence_field, packet.sent.sequence);
+  put(bytes, heard_epoch_field, packet.heard.epoch);
+  put(bytes, heard_sequence_field, packet.heard.sequence);
   put(bytes, payload_field, packet.payload);
   const std::span<const std::uint8_t> written = bytes;
   put(bytes, tag_field, siphash24(key, written.first(tagged_size)));
@@ -200,14 +219,15 @@ constexpr Decoded decode(std::span<const std::uint8_t> bytes, const Key& key, st
   if (bytes.size() < packet_size) return {Verdict::too_short, {}};
   if (bytes.size() > packet_size) return {Verdict::too_long, {}};
   const auto roles = get<std::uint8_t>(bytes, roles_field);
-  const Packet packet{get<Kind>(bytes, kind_field),
-                      static_cast<Role>(roles & 15),
-                      static_cast<Role>(roles >> 4),
-                      get<std::uint16_t>(bytes, pair_field),
-                      get<std::uint32_t>(bytes, epoch_field),
-                      get<std::uint32_t>(bytes, heard_field),
-                      get<std::uint32_t>(bytes, sequence_field),
-                      get<std::uint8_t>(bytes, payload_field)};
+  const Packet packet{
+      get<Kind>(bytes, kind_field),
+      static_cast<Role>(roles & 15),
+      static_cast<Role>(roles >> 4),
+      get<std::uint16_t>(bytes, pair_field),
+      {get<std::uint32_t>(bytes, epoch_field), get<std::uint32_t>(bytes, sequence_field)},
+      {get<std::uint32_t>(bytes, heard_epoch_field),
+       get<std::uint32_t>(bytes, heard_sequence_field)},
+      get<std::uint8_t>(bytes, payload_field)};
   if (packet.pair != pair) return {Verdict::stranger, {}};
   if (packet.receiver != receiver) return {Verdict::misdirected, {}};
   const std::uint64_t tag = siphash24(key, bytes.first(tagged_size));

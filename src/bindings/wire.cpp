@@ -17,8 +17,9 @@ namespace palmbots::bindings {
 
 namespace {
 
-// Kind, sender, receiver, pair, epoch, heard, sequence, payload.
-using Fields = std::tuple<int, int, int, int, std::uint32_t, std::uint32_t, std::uint32_t, int>;
+using Stamp = std::tuple<std::uint32_t, std::uint32_t>;
+// Kind, sender, receiver, pair, stamp, stamp heard, payload.
+using Fields = std::tuple<int, int, int, int, Stamp, Stamp, int>;
 
 constexpr const char* verdicts[] = {"accepted", "other_version", "too_short", "too_long",
                                     "stranger", "misdirected",   "forged",    "malformed",
@@ -46,8 +47,13 @@ std::optional<nb::bytes> bytes_or_none(bool written, const wire::Bytes& bytes) {
 std::tuple<std::string, Fields> told(const wire::Decoded& decoded) {
   const wire::Packet& p = decoded.packet;
   return {verdicts[number(decoded.verdict)],
-          {number(p.kind), number(p.sender), number(p.receiver), p.pair, p.epoch, p.heard,
-           p.sequence, p.payload}};
+          {number(p.kind),
+           number(p.sender),
+           number(p.receiver),
+           p.pair,
+           {p.sent.epoch, p.sent.sequence},
+           {p.heard.epoch, p.heard.sequence},
+           p.payload}};
 }
 
 }  // namespace
@@ -66,22 +72,20 @@ void bind_wire(nb::module_& m) {
   m.def(
       "wire_encode",
       [](const nb::bytes& key, std::uint8_t kind, std::uint8_t sender, std::uint8_t receiver,
-         std::uint16_t pair, std::uint32_t epoch, std::uint32_t heard, std::uint32_t sequence,
-         std::uint8_t payload) {
+         std::uint16_t pair, const Stamp& sent, const Stamp& heard, std::uint8_t payload) {
         const wire::Packet packet{static_cast<wire::Kind>(kind),
                                   static_cast<wire::Role>(sender),
                                   static_cast<wire::Role>(receiver),
                                   pair,
-                                  epoch,
-                                  heard,
-                                  sequence,
+                                  {std::get<0>(sent), std::get<1>(sent)},
+                                  {std::get<0>(heard), std::get<1>(heard)},
                                   payload};
         wire::Bytes bytes{};
         const bool written = wire::encode(packet, key_of(key), bytes);
         return bytes_or_none(written, bytes);
       },
       nb::arg("key"), nb::arg("kind"), nb::arg("sender"), nb::arg("receiver"), nb::arg("pair"),
-      nb::arg("epoch"), nb::arg("heard"), nb::arg("sequence"), nb::arg("payload"),
+      nb::arg("sent"), nb::arg("heard"), nb::arg("payload"),
       "The bytes of a packet, or None if it is not well formed.");
   m.def(
       "wire_decode",
@@ -91,7 +95,7 @@ void bind_wire(nb::module_& m) {
       },
       nb::arg("bytes"), nb::arg("key"), nb::arg("pair"), nb::arg("receiver"),
       "The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, "
-      "pair, epoch, heard, sequence, payload.");
+      "pair, (epoch, sequence) sent and heard, payload.");
   m.def(
       "wire_report",
       [](int sign, std::uint8_t palm, bool turned) {
@@ -106,6 +110,17 @@ void bind_wire(nb::module_& m) {
         return std::tuple(number(report.sign), number(report.palm), report.turned);
       },
       nb::arg("payload"), "A report: sign, palm, turned.");
+  m.def(
+      "wire_beacon",
+      [](char letter, bool rests) { return wire::payload(wire::Beacon{letter, rests}); },
+      nb::arg("letter"), nb::arg("rests"), "The payload of a beacon.");
+  m.def(
+      "wire_beacon_of",
+      [](std::uint8_t payload) {
+        const auto beacon = wire::beacon_of(payload);
+        return std::tuple(std::string(1, beacon.letter), beacon.rests);
+      },
+      nb::arg("payload"), "A beacon: letter, rests.");
   m.def(
       "wire_command",
       [](std::uint8_t palm, std::uint8_t move) {

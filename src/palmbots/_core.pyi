@@ -425,12 +425,12 @@ def run_seeds(spec: Spec, controller: str, first: int, n: int, precision: str) -
 def wire_layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""
 
-def wire_encode(key: bytes, kind: int, sender: int, receiver: int, pair: int, epoch: int, heard: int, sequence: int, payload: int) -> bytes | None:
+def wire_encode(key: bytes, kind: int, sender: int, receiver: int, pair: int, sent: tuple[int, int], heard: tuple[int, int], payload: int) -> bytes | None:
     """The bytes of a packet, or None if it is not well formed."""
 
-def wire_decode(bytes: bytes, key: bytes, pair: int, receiver: int) -> tuple[str, tuple[int, int, int, int, int, int, int, int]]:
+def wire_decode(bytes: bytes, key: bytes, pair: int, receiver: int) -> tuple[str, tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]]:
     """
-    The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, pair, epoch, heard, sequence, payload.
+    The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, pair, (epoch, sequence) sent and heard, payload.
     """
 
 def wire_report(sign: int, palm: int, turned: bool) -> int:
@@ -438,6 +438,12 @@ def wire_report(sign: int, palm: int, turned: bool) -> int:
 
 def wire_report_of(payload: int) -> tuple[int, int, bool]:
     """A report: sign, palm, turned."""
+
+def wire_beacon(letter: str, rests: bool) -> int:
+    """The payload of a beacon."""
+
+def wire_beacon_of(payload: int) -> tuple[str, bool]:
+    """A beacon: letter, rests."""
 
 def wire_command(palm: int, move: int) -> int:
     """The payload of a command."""
@@ -453,7 +459,7 @@ class WireEndpoint:
     def send(self, receiver: int, kind: int, payload: int) -> bytes | None:
         """The next packet, or None if it is not well formed."""
 
-    def receive(self, bytes: bytes) -> tuple[str, tuple[int, int, int, int, int, int, int, int]]:
+    def receive(self, bytes: bytes) -> tuple[str, tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]]:
         """The verdict and the fields, as wire_decode."""
 
     @property

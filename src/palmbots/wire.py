@@ -1,6 +1,6 @@
 """The wire from Python: the packets that robots and station send each other, by the shipped core.
 
-A packet has 24 bytes (docs/wire.md says what each of them is). ``encode`` and ``decode`` turn one
+A packet has 28 bytes (docs/wire.md says what each of them is). ``encode`` and ``decode`` turn one
 into bytes and back; an ``Endpoint`` is what a robot or the station keeps between packets, and tells
 new packets from old ones.
 
@@ -50,7 +50,6 @@ MAX_SEQUENCE = 2**32 - 1
 
 Role = Literal["left", "right", "station"]
 Kind = Literal["hello", "letter", "beacon", "report", "command"]
-Beacon = Literal["I", "R", "G", "D", "W"]
 Verdict = Literal[
     "accepted",
     "other_version",
@@ -68,10 +67,20 @@ _ROLES: tuple[Role, ...] = get_args(Role)
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 _VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 _LETTERS: tuple[Letter, ...] = get_args(Letter)  # as payload: 1, 2, 3
-_BEACONS: tuple[Beacon, ...] = get_args(Beacon)
+_BEACONS = ("I", "R", "G", "D", "W")
 _PALMS: tuple[Palm, ...] = get_args(Palm)
 _MOVES: tuple[Move, ...] = get_args(Move)
+_Fields = tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Beacon:
+    """What a robot says all the time in the resilient algorithm."""
+
+    letter: Literal["I", "R", "G", "D", "W"]
+    rests: bool = False
+    """The robot does not travel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +120,9 @@ class Packet:
     """The sender's boots so far, 1 to ``MAX_EPOCH``."""
     sequence: int
     """The packets it has sent in this epoch, this one included, 1 to ``MAX_SEQUENCE``."""
-    heard: int = 0
-    """The receiver's epoch as the sender knows it; 0: not heard since its boot."""
+    heard: tuple[int, int] = (0, 0)
+    """Epoch and sequence of the newest packet from the receiver that the sender had heard since its
+    boot; (0, 0): none."""
     body: Body = None
 
     @property
@@ -146,9 +156,8 @@ def encode(packet: Packet, key: bytes) -> bytes:
         _ROLES.index(packet.sender),
         _ROLES.index(packet.receiver),
         _whole("pair", packet.pair, 0, 0xFFFF),
-        _whole("epoch", packet.epoch, 1, MAX_EPOCH),
-        _whole("heard", packet.heard, 0, MAX_EPOCH),
-        _whole("sequence", packet.sequence, 1, MAX_SEQUENCE),
+        _stamp("", (packet.epoch, packet.sequence)),
+        packet.heard if packet.heard == (0, 0) else _stamp("heard ", packet.heard),
         payload,
     )
     assert encoded is not None  # all that the core refuses has been refused with a reason
@@ -171,8 +180,8 @@ class Endpoint:
     """One end of the wire: numbers what it sends, and accepts from the others only what is new.
 
     A packet is accepted if it decodes, is newer than all before it from the same sender, and was
-    sent after the sender had heard of this end's present epoch. `epoch` counts this end's boots and
-    must be higher at each of them.
+    sent after the sender had heard this end in its present epoch. `epoch` counts this end's boots
+    and must be higher at each of them.
     """
 
     def __init__(self, key: bytes, pair: int, role: Role, epoch: int) -> None:
@@ -222,10 +231,13 @@ def _payload(body: Body) -> tuple[int, int]:
         case Command():
             palm, move = _index("palm", _PALMS, body.palm), _index("move", _MOVES, body.move)
             return 4, _core.wire_command(palm, move)
-        case str() if body in _BEACONS:
-            return 2, ord(body)
+        case Beacon():
+            _index("letter of a beacon", _BEACONS, body.letter)
+            return 2, _core.wire_beacon(body.letter, bool(body.rests))
         case _:
-            return 1, 1 + _index("body", _LETTERS, body, also=", a beacon, Report, Command or None")
+            return 1, 1 + _index(
+                "body", _LETTERS, body, also=", or a Beacon, Report, Command or None"
+            )
 
 
 def _body(kind: int, payload: int) -> Body:
@@ -236,7 +248,8 @@ def _body(kind: int, payload: int) -> Body:
         case "letter":
             return _LETTERS[payload - 1]
         case "beacon":
-            return _BEACONS[_BEACONS.index(chr(payload))]
+            letter, rests = _core.wire_beacon_of(payload)
+            return Beacon(letter, rests)  # type: ignore[arg-type]
         case "report":
             sign, palm, turned = _core.wire_report_of(payload)
             return Report(_SIGNS[sign + 1], _PALMS[palm], turned)
@@ -245,11 +258,11 @@ def _body(kind: int, payload: int) -> Body:
             return Command(_PALMS[palm], _MOVES[move])
 
 
-def _decoded(verdict: str, fields: tuple[int, int, int, int, int, int, int, int]) -> Decoded:
+def _decoded(verdict: str, fields: _Fields) -> Decoded:
     known = _VERDICTS[_VERDICTS.index(verdict)]
     if known != "accepted":
         return Decoded(known, None)
-    kind, sender, receiver, pair, epoch, heard, sequence, payload = fields
+    kind, sender, receiver, pair, (epoch, sequence), heard, payload = fields
     packet = Packet(
         _ROLES[sender], _ROLES[receiver], pair, epoch, sequence, heard, _body(kind, payload)
     )
@@ -290,6 +303,14 @@ def _whole(what: str, value: int, least: int, most: int) -> int:
     if type(value) is int and least <= value <= most:
         return value
     raise PalmbotsError(f"{what}: value is {_shown(value)}; allowed: {least} to {most}")
+
+
+def _stamp(what: str, stamp: tuple[int, int]) -> tuple[int, int]:
+    epoch, sequence = stamp
+    return (
+        _whole(what + "epoch", epoch, 1, MAX_EPOCH),
+        _whole(what + "sequence", sequence, 1, MAX_SEQUENCE),
+    )
 
 
 def _shown(value: object) -> str:

@@ -33,7 +33,7 @@ struct Acquainted {
   Acquainted() {
     CHECK(right.receive(sent(left, Role::right, Kind::hello, 0)).verdict == Verdict::unanswered);
     CHECK(left.receive(sent(right, Role::left, Kind::hello, 0)).verdict == Verdict::accepted);
-    CHECK(left.heard_epoch(Role::right) == 9 && right.heard_epoch(Role::left) == 4);
+    CHECK((left.heard(Role::right) == Stamp{9, 1} && right.heard(Role::left) == Stamp{4, 1}));
   }
 };
 
@@ -42,7 +42,8 @@ void test_one_round_trip_makes_acquainted() {
   const Decoded got = ends.right.receive(
       sent(ends.left, Role::right, Kind::letter, payload(palmbots::Letter::ack)));
   CHECK(got.verdict == Verdict::accepted);
-  CHECK((got.packet == Packet{Kind::letter, Role::left, Role::right, test_pair, 4, 9, 2, 3}));
+  CHECK(
+      (got.packet == Packet{Kind::letter, Role::left, Role::right, test_pair, {4, 2}, {9, 1}, 3}));
   CHECK(ends.right.count(Verdict::accepted) == 1 && ends.right.count(Verdict::unanswered) == 1);
 }
 
@@ -106,7 +107,7 @@ void test_what_is_not_sent() {
   CHECK(bytes == Bytes{});
   // Nothing of this has used up a number.
   CHECK(left.send(Role::right, Kind::beacon, 'I', bytes));
-  CHECK(decode(bytes, test_key, test_pair, Role::right).packet.sequence == 1);
+  CHECK(decode(bytes, test_key, test_pair, Role::right).packet.sent.sequence == 1);
 }
 
 // Nor to anybody unheard of. At compile time, where reading past the windows would be an error.
@@ -128,7 +129,7 @@ void test_numbers_used_up() {
   ends.left = Endpoint(left_end, 5);
   CHECK(ends.right.receive(sent(ends.left, Role::right, Kind::hello, 0)).verdict ==
         Verdict::unanswered);
-  CHECK(ends.right.heard_epoch(Role::left) == 5);
+  CHECK((ends.right.heard(Role::left) == Stamp{5, 1}));
 }
 
 // An end that has not counted its boot neither sends nor acts on what was said to nobody.

@@ -20,7 +20,12 @@ inline std::vector<Packet> all_sayings() {
   std::vector<Packet> packets;
   const auto say = [&](Kind kind, Role from, Role to, std::vector<int> payloads) {
     for (const int payload : payloads) {
-      packets.push_back({kind, from, to, test_pair, 0x010203, 0x0a0b0c, 0xfedcba98,
+      packets.push_back({kind,
+                         from,
+                         to,
+                         test_pair,
+                         {0x010203, 0xfedcba98},
+                         {0x0a0b0c, 0x12345678},
                          static_cast<std::uint8_t>(payload)});
     }
   };
@@ -31,7 +36,7 @@ inline std::vector<Packet> all_sayings() {
   }
   for (const auto& [from, to] : {std::pair{l, r}, std::pair{r, l}}) {
     say(Kind::letter, from, to, {1, 2, 3});
-    say(Kind::beacon, from, to, {'I', 'R', 'G', 'D', 'W'});
+    say(Kind::beacon, from, to, {'I', 'R', 'G', 'D', 'W', 0xC9, 0xD2, 0xC7, 0xC4, 0xD7});
   }
   for (const Role robot : {l, r}) {
     say(Kind::report, robot, s, {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14});

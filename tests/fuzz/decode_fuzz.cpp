@@ -1,7 +1,7 @@
 // Fuzz target of the wire (libFuzzer). The first byte of an input says which law the rest is put to:
 //   0  any bytes: `decode` accepts them if and only if they are what somebody with the key can say,
 //      and then `encode` gives the same bytes again;
-//   1  the same with a right tag put under the first 16 bytes, which no fuzzer would find by itself;
+//   1  the same with a right tag put under the first 20 bytes, which no fuzzer would find by itself;
 //   2  any packet: `encode` takes it if and only if it can be said, and `decode` gives it back;
 //   3  a script of sending, delivering in any order, flipping a bit and booting: what an end accepts
 //      was sent by the partner after this end's boot, as it is, once and in the order of sending;
@@ -46,20 +46,25 @@ bool can_be_said(const Saying& saying) {
   return known.contains(saying);
 }
 
-// Whether 24 bytes bear the tag of the first 16, byte by byte.
+// Whether 28 bytes bear the tag of the first 20, byte by byte.
 bool tag_is_right(Input bytes) {
-  const std::uint64_t tag = palmbots::siphash24(test_key, bytes.first(16));
+  const std::uint64_t tag = palmbots::siphash24(test_key, bytes.first(20));
   for (std::size_t i = 0; i < 8; ++i) {
-    if (bytes[16 + i] != (tag >> 8 * i & 0xff)) return false;
+    if (bytes[20 + i] != (tag >> 8 * i & 0xff)) return false;
   }
   return true;
 }
 
 // By the bytes alone, as docs/wire.md numbers them.
 bool ought_to_be_accepted(Input b) {
-  return b.size() == 24 && b[0] == 1 && (b[3] | b[4] << 8) == test_pair && tag_is_right(b) &&
-         can_be_said({b[1], b[2], b[15]}) && (b[5] | b[6] | b[7]) != 0 &&
-         (b[11] | b[12] | b[13] | b[14]) != 0;
+  if (b.size() != 28 || b[0] != 1 || (b[3] | b[4] << 8) != test_pair || !tag_is_right(b)) {
+    return false;
+  }
+  const bool epoch = (b[5] | b[6] | b[7]) != 0;
+  const bool sequence = (b[8] | b[9] | b[10] | b[11]) != 0;
+  const bool heard_epoch = (b[12] | b[13] | b[14]) != 0;
+  const bool heard_sequence = (b[15] | b[16] | b[17] | b[18]) != 0;
+  return can_be_said({b[1], b[2], b[19]}) && epoch && sequence && heard_epoch == heard_sequence;
 }
 
 void any_bytes(Input bytes) {
@@ -79,16 +84,16 @@ void any_bytes(Input bytes) {
 }
 
 void any_tagged_bytes(Input bytes) {
-  if (bytes.size() < 16) return;
+  if (bytes.size() < 20) return;
   Bytes tagged{};
-  std::copy_n(bytes.begin(), 16, tagged.begin());
-  const std::uint64_t tag = palmbots::siphash24(test_key, bytes.first(16));
-  for (std::size_t i = 0; i < 8; ++i) tagged[16 + i] = static_cast<std::uint8_t>(tag >> 8 * i);
+  std::copy_n(bytes.begin(), 20, tagged.begin());
+  const std::uint64_t tag = palmbots::siphash24(test_key, bytes.first(20));
+  for (std::size_t i = 0; i < 8; ++i) tagged[20 + i] = static_cast<std::uint8_t>(tag >> 8 * i);
   any_bytes(tagged);
 }
 
 void any_packet(Input b) {
-  if (b.size() < 17) return;
+  if (b.size() < 21) return;
   const auto word = [&](std::size_t at) {
     return static_cast<std::uint32_t>(palmbots::little_endian(b.subspan(at, 4)));
   };
@@ -96,12 +101,13 @@ void any_packet(Input b) {
                       static_cast<Role>(b[1] & 15),
                       static_cast<Role>(b[1] >> 4),
                       static_cast<std::uint16_t>(b[2] | b[3] << 8),
-                      word(4),
-                      word(8),
-                      word(12),
-                      b[16]};
-  const bool sane = can_be_said({b[0], b[1], b[16]}) && packet.epoch > 0 &&
-                    packet.epoch < 1 << 24 && packet.heard < 1 << 24 && packet.sequence > 0;
+                      {word(4), word(8)},
+                      {word(12), word(16)},
+                      b[20]};
+  const bool sane = can_be_said({b[0], b[1], b[20]}) && packet.sent.epoch > 0 &&
+                    packet.sent.epoch < 1 << 24 && packet.sent.sequence > 0 &&
+                    packet.heard.epoch < 1 << 24 &&
+                    (packet.heard.epoch > 0) == (packet.heard.sequence > 0);
   Bytes bytes{};
   LAW(encode(packet, test_key, bytes) == sane);
   if (!sane) {
@@ -150,7 +156,7 @@ void script(Input steps) {
     } else if (!coming.empty()) {
       Sent packet = coming[coming.size() - 1 - (step >> 3) % coming.size()];
       const bool flipped = (step & 6) == 6;
-      if (flipped) packet.bytes[steps[now] % 24] ^= static_cast<std::uint8_t>(1 << steps[now] / 32);
+      if (flipped) packet.bytes[steps[now] % 28] ^= static_cast<std::uint8_t>(1 << steps[now] / 32);
       const bool taken = !flipped && packet.at > memory.newest;
       if (taken) {
         memory.newest = packet.at;
