@@ -151,7 +151,7 @@ LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command or N
         ({"heard": (0, 1)}, "heard epoch: value is 0; allowed: 1 to 16777215"),
         ({"heard": (1, 0)}, "heard sequence: value is 0; allowed: 1 to 4294967295"),
         (
-            {"body": wire.Beacon("X")},
+            {"body": wire.Beacon("X")},  # type: ignore[arg-type]
             'letter of a beacon: value is "X"; allowed: "I", "R", "G", "D", "W"',
         ),
         ({"sequence": 0}, "sequence: value is 0; allowed: 1 to 4294967295"),
