@@ -42,10 +42,14 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
+fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600
+	$(BIN)/python tests/fuzzing.py $(or $(FUZZ_SECONDS),600)
+
 bench: $(VENV)/bench.done $(VENV)/extension.done  ## speed against named peers; CSV in benchmarks/results/
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/modes.py
 	$(BIN)/python benchmarks/stability.py
+	$(BIN)/python benchmarks/wire.py
 
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -m palmbots._core -o src/palmbots/_core.pyi
@@ -77,4 +81,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help carry test lint format bench stubs lock clean
+.PHONY: help carry test lint format fuzz bench stubs lock clean

@@ -27,7 +27,7 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in slugs, f"{page.name}: {target}"
 
 
-@pytest.mark.parametrize("name", ["docs_keys", "docs_tables"])
+@pytest.mark.parametrize("name", ["docs_keys", "docs_tables", "docs_wire"])
 def test_what_is_drawn_from_the_code_is_up_to_date(name: str) -> None:
     script = ROOT / "scripts" / name
     assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0

@@ -5,6 +5,7 @@
 'delivered'
 """
 
+from palmbots import wire
 from palmbots.carry import Carry, Correction, Letter, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
@@ -59,5 +60,6 @@ __all__ = [
     "read_log",
     "replay",
     "states",
+    "wire",
     "write_log",
 ]

@@ -433,6 +433,49 @@ class Run:
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """One carry. controller: a name, or a pair of Python step functions."""
 
+def wire_layout() -> list[tuple[str, int, int]]:
+    """The fields of a packet: name, offset and size [bytes]."""
+
+def wire_encode(key: bytes, kind: int, sender: int, receiver: int, pair: int, sent: tuple[int, int], heard: tuple[int, int], payload: int) -> bytes | None:
+    """The bytes of a packet, or None if it is not well formed."""
+
+def wire_decode(bytes: bytes, key: bytes, pair: int, receiver: int) -> tuple[str, tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]]:
+    """
+    The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, pair, (epoch, sequence) sent and heard, payload.
+    """
+
+def wire_report(sign: int, palm: int, turned: bool) -> int:
+    """The payload of a report."""
+
+def wire_report_of(payload: int) -> tuple[int, int, bool]:
+    """A report: sign, palm, turned."""
+
+def wire_beacon(letter: str, rests: bool) -> int:
+    """The payload of a beacon."""
+
+def wire_beacon_of(payload: int) -> tuple[str, bool]:
+    """A beacon: letter, rests."""
+
+def wire_command(palm: int, move: int) -> int:
+    """The payload of a command."""
+
+def wire_command_of(payload: int) -> tuple[int, int]:
+    """A command: palm, move."""
+
+class WireEndpoint:
+    """One end of the wire."""
+
+    def __init__(self, key: bytes, pair: int, role: int, epoch: int) -> None: ...
+
+    def send(self, receiver: int, kind: int, payload: int) -> bytes | None:
+        """The next packet, or None if it is not well formed."""
+
+    def receive(self, bytes: bytes) -> tuple[str, tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]]:
+        """The verdict and the fields, as wire_decode."""
+
+    @property
+    def counts(self) -> list[tuple[str, int]]: ...
+
 touch_tolerance: float = 1e-05
 
 wrench_tolerance: float = 1e-09

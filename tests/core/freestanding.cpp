@@ -1,5 +1,6 @@
-// What a robot and a station run, as firmware would call it: two functions without a system below.
+// What a robot and a station run, as firmware would call it: functions without a system below.
 // Compiled by tests/test_core.py, never run.
+#include "palmbots/endpoint.hpp"
 #include "palmbots/policy.hpp"
 #include "palmbots/protocol.hpp"
 
@@ -17,4 +18,20 @@ palmbots::Centralized::Output station_step(palmbots::Centralized& station,
 palmbots::Centralized::Output station_step(palmbots::Centralized& station,
                                            const palmbots::Centralized::Report (&reports)[2]) {
   return station.step(reports);
+}
+
+bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to, palmbots::wire::Kind kind,
+                std::uint8_t payload, palmbots::wire::Bytes& bytes);
+
+bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to, palmbots::wire::Kind kind,
+                std::uint8_t payload, palmbots::wire::Bytes& bytes) {
+  return end.send(to, kind, payload, bytes);
+}
+
+palmbots::wire::Decoded radio_receive(palmbots::wire::Endpoint& end, const std::uint8_t* bytes,
+                                      std::size_t size);
+
+palmbots::wire::Decoded radio_receive(palmbots::wire::Endpoint& end, const std::uint8_t* bytes,
+                                      std::size_t size) {
+  return end.receive({bytes, size});
 }
