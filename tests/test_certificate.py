@@ -287,11 +287,13 @@ def test_prover_and_checker_share_nothing() -> None:
         return found
 
     own = {m for m in imports(SOURCE / "check.py") if m.startswith("palmbots")}
-    assert own == {"palmbots.enclosures", "palmbots.errors", "palmbots.exact_forms"}
-    exact = imports(SOURCE / "exact_forms.py")
-    assert {m for m in exact if m.startswith("palmbots")} == {"palmbots.enclosures"}
-    assert not exact & {"flint", "numpy"}
-    assert imports(SOURCE / "enclosures.py") == {"fractions", "math"}
+    forms = {"palmbots.enclosures", "palmbots.exact_forms"}
+    assert own == forms | {"palmbots.errors", "palmbots.exact_clearance"}
+    for name, needs in (("exact_forms", {"palmbots.enclosures"}), ("exact_clearance", forms)):
+        exact = imports(SOURCE / f"{name}.py")
+        assert {m for m in exact if m.startswith("palmbots")} == needs
+        assert not exact & {"flint", "numpy"}
+    assert imports(SOURCE / "enclosures.py") == {"fractions", "functools", "math"}
     assert not imports(SOURCE / "check.py") & {"flint", "numpy"}
     for path in (SOURCE / "stability").glob("*.py"):
         if path.name not in ("cli.py", "report.py"):
@@ -332,9 +334,12 @@ def test_the_checker_encloses_the_objects_angle() -> None:
             for v in (angles, contacts)
         )
         zero = (Fraction(0), Fraction(0))
-        box = exact_forms.Box(turned, (zero, zero), (exact(widths[0]), exact(widths[1])), False)
-        given = exact_forms.Given((), zero, (exact(offsets[0]), exact(offsets[1])), ())
-        low, high = exact_forms.object_tangent(box, given, placed)
+        box = exact_forms.Box(
+            turned, (zero, zero), (exact(widths[0]), exact(widths[1])), placed, False
+        )
+        above = (exact(offsets[0]), exact(offsets[0])), (exact(offsets[1]), exact(offsets[1]))
+        given = exact_forms.Given((), zero, above)
+        low, high = exact_forms.object_tangent(box, given)
         shape = (500, 2)
         share = rng.random(shape).round(rng.integers(0, 3))  # corners, too
         theta = np.radians(angles[:, 0] + share * np.diff(angles).T)
