@@ -20,6 +20,7 @@ holds every T the palms' angles and contacts can give.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 
 from palmbots.enclosures import Ends, cosine_of_degrees, down, root, sine_of_degrees, up
@@ -120,16 +121,20 @@ def object_tangent(box: Box, given: Given) -> Ends:
     return down(tangent(rise[0], False)), up(tangent(rise[1], True))
 
 
+@lru_cache(maxsize=4096)  # a part of a box has most of its ends in common with others
+def _tangent_of_degrees(degrees: Fraction) -> Ends:
+    """Encloses tan of −80° to 80°."""
+    sine, cosine = sine_of_degrees(degrees), cosine_of_degrees(degrees)
+    quotients = [s / c for s in sine for c in cosine]
+    return down(min(quotients)), up(max(quotients))
+
+
 def palm_tangents(box: Box) -> tuple[Ends, Ends]:
     """tan θ at both ends of each palm's angle."""
-    found: list[Ends] = []
-    for low, high in box.angles:
-        ends: list[Fraction] = []
-        for angle, end in ((low, 0), (high, 1)):
-            sine, cosine = sine_of_degrees(angle), cosine_of_degrees(angle)
-            ends.append([min, max][end](s / c for s in sine for c in cosine))
-        found.append((down(ends[0]), up(ends[1])))
-    return found[0], found[1]
+    left, right = (
+        (_tangent_of_degrees(low)[0], _tangent_of_degrees(high)[1]) for low, high in box.angles
+    )
+    return left, right
 
 
 # ---- the forms -----------------------------------------------------------------------------------

@@ -14,11 +14,8 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Literal
 
-from flint import ctx
-
 from palmbots.files import write_whole
 from palmbots.scene import Scene, load_scene
-from palmbots.stability import clearance_proof, property_proof
 from palmbots.stability.box import Box, box_of, text
 from palmbots.stability.parts import CLAIMS, Obligation, Part, halved, obligations
 
@@ -51,25 +48,23 @@ def prove(
     box: Box, claims: tuple[str, ...] = CLAIMS, *, most_parts: int = _MOST_PARTS
 ) -> Certificate:
     """Prove or refute the claims for a whole box, with at most so many parts looked at."""
+    from flint import ctx  # here, as in `_way`: whoever proves nothing need not wait for it
+
     with ctx.workprec(_BITS):
         return _prove(box, claims, most_parts)
 
 
-def _proved(box: Box, obligation: Obligation, part: Part) -> bool:
-    way = clearance_proof if obligation.claim == "clearance" else property_proof
-    return way.proved(box, obligation, part)
+def _way(obligation: Obligation) -> Any:
+    from palmbots.stability import clearance_proof, property_proof
 
-
-def _refuted(box: Box, obligation: Obligation, part: Part) -> dict[str, Any] | None:
-    way = clearance_proof if obligation.claim == "clearance" else property_proof
-    return way.refuted(box, obligation, part)
+    return clearance_proof if obligation.claim == "clearance" else property_proof
 
 
 def _halved(box: Box, obligation: Obligation, part: Part) -> Any:
     if obligation.claim != "clearance":
         return halved(box, part)
     # Where palms of any length clear, it does not matter which place on them the contact has.
-    contacts = not clearance_proof.endless(box, obligation, part)
+    contacts = not _way(obligation).endless(box, obligation, part)
     return halved(box, part, obligation.side, contacts=contacts)
 
 
@@ -83,7 +78,7 @@ def _prove(box: Box, claims: tuple[str, ...], most_parts: int) -> Certificate:
     proof: dict[str, Any] = {}
     needed = list(obligations(box, claims))
     for obligation in needed:
-        witness = _refuted(box, obligation, obligation.part)
+        witness = _way(obligation).refuted(box, obligation, obligation.part)
         if witness is not None:
             return fails(witness, parts)
     for obligation in needed:
@@ -92,14 +87,14 @@ def _prove(box: Box, claims: tuple[str, ...], most_parts: int) -> Certificate:
         while pending:
             part, into, index = pending.pop()
             parts += 1
-            if _proved(box, obligation, part):
+            if _way(obligation).proved(box, obligation, part):
                 into[index] = "corners"
                 continue
             halves = _halved(box, obligation, part)
             last = halves is None or parts > most_parts
             # A point that fails may lie inside the box; a palm may touch between its corners.
             if last or obligation.claim == "clearance":
-                witness = _refuted(box, obligation, part)
+                witness = _way(obligation).refuted(box, obligation, part)
                 if witness is not None:
                     return fails(witness, parts)
             if halves is None or last:
