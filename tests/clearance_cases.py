@@ -49,7 +49,7 @@ def _scene(vertices: list[tuple[float, float]], right: int) -> dict[str, Any]:
     return {"object": thing}
 
 
-def touches(outline: Array, alpha: Array, inward: Array, outward: Array) -> Array:
+def touches(outline: Array, alpha: Array, inward: Array, outward: Array) -> NDArray[np.bool_]:
     """Whether palms that reach so far touch an outline beside its contact vertex, the origin.
 
     Args:

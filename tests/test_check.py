@@ -27,6 +27,8 @@ TAMPERED: list[tuple[str, Any]] = [
     ("box.shallow_deg.right.0", "1"),
     ("box.shallow_deg.left", ["6", "5"]),
     ("box.steep_deg.left.0", "85"),
+    ("box.shallow_deg.left", ["16", "17"]),
+    ("box.beyond_m", "-0.07"),
     ("box.contacts_m.left.0", "-0.5"),
     ("box.contacts_m.left", ["0.01", "0.02"]),
     ("box.width_m.1", "0.9"),

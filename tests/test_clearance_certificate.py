@@ -39,7 +39,7 @@ def numbers(pair: Any) -> list[float]:
     return [float(Fraction(value)) for value in pair]
 
 
-def sampled(box: dict[str, Any], rng: np.random.Generator, n: int) -> Array:
+def sampled(box: dict[str, Any], rng: np.random.Generator, n: int) -> NDArray[np.bool_]:
     """Whether each of many random points of a box touches, many of them at its corners."""
 
     def anything(low: Any, high: Any) -> Array:

@@ -166,6 +166,11 @@ def _read(box: dict[str, Any]) -> _Read:
     for key in ("shallow_deg", "steep_deg"):
         if any(abs(end) >= 80 for ends in _sides(box, key) for end in ends):
             raise Wrong("a palm angle is not between −80° and 80°")
+    for flat, steep in zip(_sides(box, "shallow_deg"), _sides(box, "steep_deg"), strict=True):
+        if not flat[1] < steep[0]:
+            raise Wrong("a shallow angle is not below the steep one")
+    if _number(box["beyond_m"]) < 0:
+        raise Wrong("a correction ends before p = 0")
     for low, high in _sides(box, "contacts_m"):
         if not low <= 0 <= high:
             raise Wrong("the region of contacts does not hold p = 0")
