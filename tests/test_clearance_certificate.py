@@ -237,6 +237,13 @@ def _only_left(data: dict[str, Any]) -> None:
     data["proof"] = {k: tree for k, tree in data["proof"].items() if "clear left" in k}
 
 
+def _narrower_above(data: dict[str, Any]) -> None:
+    """A corner far above the palms is elsewhere as seen from the left palm; nothing touches."""
+    for vertex in data["box"]["outline_m"]:
+        if vertex[2] == "0.07" and float(Fraction(vertex[0])) > 0:
+            vertex[0] = "0.36"
+
+
 FORGED: dict[str, Callable[[dict[str, Any]], None]] = {
     "longer palm": put("box.half_length_m.left.1", "0.084"),
     "longer right palm": put("box.half_length_m.right.1", "0.084"),
@@ -252,6 +259,7 @@ FORGED: dict[str, Callable[[dict[str, Any]], None]] = {
     "width": put("box.width_m.0", "0.2"),
     "lip lower": _lower_lip,
     "lip elsewhere": _one_sided,
+    "two outlines": _narrower_above,
     "clockwise": _clockwise,
     "other contact": put("box.right_contact", 2),
     "no contact": put("box.right_contact", 99),
