@@ -88,26 +88,6 @@ nb::tuple design_map(const Envelope<double>& envelope, const Angles& shallow, co
                         grid(std::move(clearances), rows, columns));
 }
 
-// What the palms, as long as they are, touch besides the contacts: "flush", "tip" or nothing.
-const char* touching(const Spec& spec, std::array<double, 2> angles,
-                     std::array<double, 2> contacts) {
-  const Rig<double> rig = rig_of<double>(spec);
-  Stance<double> stance{};
-  for (const std::size_t side : {left, right}) {
-    stance.palms[side] = PalmAngle<double>::at(angles[side]);
-    stance.contacts[side] = contacts[side];
-  }
-  const Span<double> at = span_at(span(stance, rig.offset).dy, rig.load.width);
-  const char* found = "";
-  for (const std::size_t side : {left, right}) {
-    const Touch touched = touch(rig.outline, side, reach(at, side, stance.palms[side]),
-                                rig.load.width, contacts[side], rig.half_length[side]);
-    if (touched == Touch::flush) return "flush";
-    if (touched == Touch::tip) found = "tip";
-  }
-  return found;
-}
-
 }  // namespace
 
 void bind_stability(nb::module_& m) {
@@ -171,8 +151,6 @@ void bind_stability(nb::module_& m) {
       nb::arg("property"), nb::arg("shallow"), nb::arg("width"), nb::arg("slope"),
       nb::arg("friction"), nb::arg("common"), nb::arg("angles"), nb::arg("rise"),
       "The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.");
-  m.def("touching", &touching, nb::arg("spec"), nb::arg("angles"), nb::arg("contacts"),
-        "What the palms touch besides the contacts: flush, tip or nothing.");
   m.def(
       "rise_over",
       [](int property, std::size_t shallow, const Sides& contacts, double beyond,

@@ -299,9 +299,6 @@ def com_band(property: int, shallow: int, width: float, slope: float, friction: 
     The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.
     """
 
-def touching(spec: Spec, angles: Sequence[float], contacts: Sequence[float]) -> str:
-    """What the palms touch besides the contacts: flush, tip or nothing."""
-
 def rise_over(property: int, shallow: int, contacts: Sequence[tuple[float, float]], beyond: float, angles: Sequence[float], offset: Sequence[float]) -> tuple[float, float]:
     """The height differences of the contacts over a property's region."""
 

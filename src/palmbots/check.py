@@ -1,13 +1,14 @@
 """Verifies a certificate, sharing nothing with what wrote it: exact rational numbers only.
 
-What has to hold at the corners of a box, and why corners suffice, stands in `exact_forms`. Where
+What has to hold at the corners of a box, and why corners suffice, stands in `exact_forms` for the
+properties and in `exact_clearance` for the clearance of the outline. Where
 the corners of the whole box do not suffice, the certificate says at which value of which quantity
 to halve it; the check follows it and trusts nothing else in it.
 """
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,25 +16,22 @@ from typing import Any
 
 from palmbots.enclosures import Ends
 from palmbots.errors import PalmbotsError, show
+from palmbots.exact_clearance import Thing, prove_clear, prove_touching
 from palmbots.exact_forms import (
     LEFT,
-    NEEDS,
     RIGHT,
     Box,
-    Corner,
     Given,
     Wrong,
-    comparison,
     corners,
-    object_tangent,
-    prove_clear,
     prove_property,
+    refute_property,
 )
 
 __all__ = ["Checked", "check"]
 
 F = Fraction
-FORMAT = "palmbots certificate 1"
+FORMAT = "palmbots certificate 2"
 _MOST_BYTES = 50_000_000
 _NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+|/[0-9]+)?")
 
@@ -52,15 +50,13 @@ class Checked:
         return {"valid": self.valid, "claim": self.claim, "why": self.why}
 
 
-def _follow(
-    tree: Any, box: Box, given: Given, contacts: tuple[Ends, Ends], prove: Callable[..., None]
-) -> None:
+def _follow(tree: Any, box: Box, prove: Callable[[Box], None]) -> None:
     """Walks down the halvings of a proof to boxes whose corners suffice."""
     pending = [(tree, box)]
     while pending:
         node, part = pending.pop()
         if node == "corners":
-            prove(list(corners(part, given, object_tangent(part, given, contacts))))
+            prove(part)
             continue
         if not (isinstance(node, list) and len(node) == 4 and isinstance(node[0], str)):
             raise Wrong("a proof is neither 'corners' nor [what, at, below, above]")
@@ -83,40 +79,44 @@ def _clip(
     return (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])
 
 
-def _obligations(
-    box: dict[str, Any], claims: list[str]
-) -> Iterator[tuple[str, int, int, Any, Any]]:
-    """Every (name, property, shallow side, palm angles, contacts) that the claims consist of."""
+@dataclass(frozen=True)
+class _Obligation:
+    """Something that has to hold all over a box."""
+
+    claim: str
+    number: int  # of the property
+    side: int  # the shallow palm; for clearance the palm that is not to be touched
+    angles: tuple[Ends, Ends]
+    contacts: tuple[Ends, Ends]
+
+
+def _obligations(box: dict[str, Any], claims: list[str]) -> dict[str, _Obligation]:
+    """Everything that the claims consist of, by name."""
     shallow, steep = (_sides(box, key) for key in ("shallow_deg", "steep_deg"))
     contacts, beyond = _sides(box, "contacts_m"), _number(box["beyond_m"])
     names = ("left", "right")
+    found: dict[str, _Obligation] = {}
     for number in (1, 2):
-        if f"property {number}" not in claims:
-            continue
-        for side in (LEFT, RIGHT):
+        claim = f"property {number}"
+        for side in (LEFT, RIGHT) if claim in claims else ():
             angles = (shallow[0], steep[1]) if side == LEFT else (steep[0], shallow[1])
-            yield (
-                f"{number} {names[side]}",
-                number,
-                side,
-                angles,
-                _clip(contacts, number, side, beyond),
-            )
-    if "property 0" not in claims and "clearance" not in claims:
-        return
-    yield "0 steep", 0, LEFT, steep, contacts
-    yield "0 shallow", 0, LEFT, shallow, contacts
+            region = _clip(contacts, number, side, beyond)
+            found[f"{number} {names[side]}"] = _Obligation(claim, number, side, angles, region)
+
+    poses = [("steep", LEFT, steep, contacts), ("shallow", LEFT, shallow, contacts)]
     for side in (LEFT, RIGHT):
         turning = (shallow[side][0], steep[side][1])  # from shallow to steep, all in between
         angles = (turning, steep[1]) if side == LEFT else (steep[0], turning)
         for number in (1, 2):
-            yield (
-                f"0 {names[side]} {number}",
-                0,
-                side,
-                angles,
-                _clip(contacts, number, side, beyond),
-            )
+            region = _clip(contacts, number, side, beyond)
+            poses.append((f"{names[side]} {number}", side, angles, region))
+    for pose, turns, angles, region in poses:
+        if "property 0" in claims:
+            found[f"0 {pose}"] = _Obligation("property 0", 0, turns, angles, region)
+        for side in (LEFT, RIGHT) if "clearance" in claims else ():
+            name = f"clear {names[side]} {pose}"
+            found[name] = _Obligation("clearance", 0, side, angles, region)
+    return found
 
 
 def _number(value: Any) -> Fraction:
@@ -136,22 +136,25 @@ def _ends(value: Any) -> Ends:
     return low, high
 
 
-def _just(value: Fraction) -> Ends:
-    return value, value
-
-
 def _sides(box: dict[str, Any], key: str) -> tuple[Ends, Ends]:
     return _ends(box[key]["left"]), _ends(box[key]["right"])
 
 
-def _read(box: dict[str, Any]) -> tuple[Given, tuple[Ends, Ends], bool, Ends]:
+@dataclass(frozen=True)
+class _Read:
+    """A certificate's box, but for what differs between obligations."""
+
+    given: Given
+    thing: Thing
+    friction: tuple[Ends, Ends]
+    width: Ends
+    common: bool
+
+
+def _read(box: dict[str, Any]) -> _Read:
     com = tuple((_number(x), _number(y)) for x, y in box["com_m"])
     if not com:
         raise Wrong("there is no COM")
-    outline = tuple(
-        (_number(left), _number(right), _number(height)) for left, right, height in box["outline_m"]
-    )
-    offset = (_number(box["offset_m"]["left"]), _number(box["offset_m"]["right"]))
     friction, common = _sides(box, "friction"), box["friction"]["common"]
     width = _ends(box["width_m"])
     if common is not True and common is not False:
@@ -163,30 +166,53 @@ def _read(box: dict[str, Any]) -> tuple[Given, tuple[Ends, Ends], bool, Ends]:
     for key in ("shallow_deg", "steep_deg"):
         if any(abs(end) >= 80 for ends in _sides(box, key) for end in ends):
             raise Wrong("a palm angle is not between −80° and 80°")
+    for flat, steep in zip(_sides(box, "shallow_deg"), _sides(box, "steep_deg"), strict=True):
+        if not flat[1] < steep[0]:
+            raise Wrong("a shallow angle is not below the steep one")
+    if _number(box["beyond_m"]) < 0:
+        raise Wrong("a correction ends before p = 0")
     for low, high in _sides(box, "contacts_m"):
         if not low <= 0 <= high:
             raise Wrong("the region of contacts does not hold p = 0")
-    return Given(com, _ends(box["slope"]), offset, outline), friction, common, width
+    given = Given(com, _ends(box["slope"]), _sides(box, "offset_m"))
+    return _Read(given, _thing(box), friction, width, common)
+
+
+def _thing(box: dict[str, Any]) -> Thing:
+    outline = tuple(
+        (_number(left), _number(right), _number(height)) for left, right, height in box["outline_m"]
+    )
+    contact, half = box["right_contact"], _sides(box, "half_length_m")
+    if type(contact) is not int or not 0 < contact < len(outline) or len(outline) < 3:
+        raise Wrong("the outline has no right contact, or no three vertices")
+    if any(low <= 0 for low, _ in half):
+        raise Wrong("a palm has no length")
+    start, end = outline[0], outline[contact]
+    if start[0] or start[2] or end[1] or end[2]:
+        raise Wrong("a contact is not where the outline is measured from")
+    # The two are written rounded; but they are to be of one and the same object.
+    if any(abs(left + right - start[1]) > start[1] / 10**9 for left, right, _ in outline):
+        raise Wrong("seen from the two contacts the outline is not the same")
+    return Thing(outline, contact, half)
 
 
 def _check_holds(certificate: dict[str, Any]) -> None:
     box, claims = certificate["box"], certificate["claims"]
-    given, friction, common, width = _read(box)
+    read = _read(box)
     unknown = set(claims) - {"property 0", "property 1", "property 2", "clearance"}
     if unknown or not claims:
         raise Wrong("claims what is not known here, or nothing")
-    for name, number, shallow, angles, contacts in _obligations(box, claims):
-        part = Box(angles, friction, width, common)
+    for name, needed in _obligations(box, claims).items():
+        part = Box(needed.angles, read.friction, read.width, needed.contacts, read.common)
 
-        def prove(corners: list[Corner], number: int = number, shallow: int = shallow) -> None:
-            if number or "property 0" in claims:
-                prove_property(number, shallow, corners)
-            if number == 0 and "clearance" in claims:
-                for side in (LEFT, RIGHT):
-                    prove_clear(side, given, corners)
+        def prove(part: Box, needed: _Obligation = needed) -> None:
+            if needed.claim == "clearance":
+                prove_clear(needed.side, part, read.given, read.thing)
+            else:
+                prove_property(needed.number, needed.side, list(corners(part, read.given)))
 
         try:
-            _follow(certificate["proof"][name], part, given, contacts, prove)
+            _follow(certificate["proof"][name], part, prove)
         except KeyError:
             raise Wrong(f"the proof of {name!r} is missing") from None
         except Wrong as wrong:
@@ -194,56 +220,46 @@ def _check_holds(certificate: dict[str, Any]) -> None:
 
 
 def _check_fails(certificate: dict[str, Any]) -> None:
-    """One point of the box at which a property fails for certain."""
-    box, witness = certificate["box"], certificate["witness"]
-    given, friction, common, width = _read(box)
-    name, what = witness["claim"], witness["fails"]
-    found = {o[0]: o for o in _obligations(box, certificate["claims"])}
-    if name not in found:
-        raise Wrong(f"{show(name)} is not claimed")
-    _, number, shallow, angles, contacts = found[name]
-    at_angles = tuple(_number(witness["angle_deg"][side]) for side in ("left", "right"))
-    mu = tuple(_number(witness["friction"][side]) for side in ("left", "right"))
-    p = tuple(_number(witness["contacts_m"][side]) for side in ("left", "right"))
-    x, y = (_number(v) for v in witness["com_m"])
-    w, s = _number(witness["width_m"]), _number(witness["slope"])
-    inside = [
-        all(angles[i][0] <= at_angles[i] <= angles[i][1] for i in (0, 1)),
-        all(friction[i][0] <= mu[i] <= friction[i][1] for i in (0, 1)),
-        all(contacts[i][0] <= p[i] <= contacts[i][1] for i in (0, 1)),
-        not common or mu[0] == mu[1],
-        width[0] <= w <= width[1],
-        given.slope[0] <= s <= given.slope[1],
-        (x, y) in given.com,
-    ]
-    if not all(inside):
+    """One point of the box at which a claim fails for certain."""
+    witness = certificate["witness"]
+    read = _read(certificate["box"])
+    found = _obligations(certificate["box"], certificate["claims"])
+    if witness["claim"] not in found:
+        raise Wrong(f"{show(witness['claim'])} is not claimed")
+    needed = found[witness["claim"]]
+
+    def both(key: str, within: tuple[Ends, Ends]) -> tuple[Ends, Ends]:
+        values = [_number(witness[key][side]) for side in ("left", "right")]
+        return _inside(values[0], within[0]), _inside(values[1], within[1])
+
+    angles, contacts = both("angle_deg", needed.angles), both("contacts_m", needed.contacts)
+    offset = both("offset_m", read.given.offset)
+    w = _inside(_number(witness["width_m"]), read.width)
+    if needed.claim == "clearance":
+        nothing = (F(0), F(0))
+        point = Box(angles, (nothing, nothing), w, contacts, False)
+        thing = replace(read.thing, half_length=both("half_length_m", read.thing.half_length))
+        edge = witness["edge"]
+        if type(edge) is not int or not 0 <= edge < len(thing.outline):
+            raise Wrong(f"{show(edge)} is no edge of the outline")
+        prove_touching(needed.side, edge, point, replace(read.given, offset=offset), thing)
+        return
+    mu = both("friction", read.friction)
+    if read.common and mu[0] != mu[1]:
         raise Wrong("the witness is not a point of the box")
-    point = Box(
-        (_just(at_angles[0]), _just(at_angles[1])), (_just(mu[0]), _just(mu[1])), _just(w), False
-    )
-    turn = object_tangent(point, given, (_just(p[0]), _just(p[1])))
-    exact = replace(given, com=((x, y),), slope=_just(s))
-    at = list(corners(point, exact, turn))
-    steep = 1 - shallow
-    needs, lets_go = NEEDS[number]
-    forms: dict[str, Callable[[Corner], Fraction]] = {
-        "lift_left": lambda c: c.pressed(LEFT),
-        "lift_right": lambda c: c.pressed(RIGHT),
-    }
-    if lets_go is not None:
-        side = shallow if lets_go[0] == "shallow" else steep
-        forms["wedged"] = lambda c: c.bounded(side, lets_go[1])
-    slides_of: dict[str, dict[int, int]] = {}
-    for word, (shallow_slide, steep_slide, smaller) in zip(("first", "second"), needs, strict=True):
-        slides_of[word] = {shallow: shallow_slide, steep: steep_slide}
-        forms[word] = comparison(slides_of[word], shallow if smaller == "shallow" else steep)
-    if what not in forms:
-        raise Wrong(f"{show(what)} is no condition of this property")
-    if not all(forms[what](corner) < 0 for corner in at):
-        raise Wrong("the property does not certainly fail at the witness")
-    for side, slide in slides_of.get(what, {}).items():
-        if not all(corner.bounded(side, slide) > 0 for corner in at):
-            raise Wrong("a wedged edge makes the condition needless at the witness")
+    x, y = (_number(v) for v in witness["com_m"])
+    if (x, y) not in read.given.com:
+        raise Wrong("the witness is not a point of the box")
+    slope = _inside(_number(witness["slope"]), read.given.slope)
+    exact = Given(((x, y),), slope, offset)
+    point = Box(angles, mu, w, contacts, False)
+    refute_property(needed.number, needed.side, witness["fails"], list(corners(point, exact)))
+
+
+def _inside(value: Fraction, ends: Ends) -> Ends:
+    if not ends[0] <= value <= ends[1]:
+        raise Wrong("the witness is not a point of the box")
+    return value, value
 
 
 def check(path: Any) -> Checked:

@@ -5,6 +5,7 @@ asked for), made of + − × ÷ on fractions alone. They are kept short by round
 """
 
 from fractions import Fraction
+from functools import lru_cache
 from math import isqrt
 
 __all__ = ["Ends", "cosine_of_degrees", "down", "root", "sine_of_degrees", "up"]
@@ -54,6 +55,7 @@ def _sine(x: Fraction) -> Ends:
     return down(total - slack), up(total + slack)
 
 
+@lru_cache(maxsize=4096)  # a part of a box has most of its ends in common with others
 def sine_of_degrees(degrees: Fraction) -> Ends:
     """Encloses sin of −90° to 90°."""
     size = abs(degrees)

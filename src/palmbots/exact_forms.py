@@ -20,23 +20,23 @@ holds every T the palms' angles and contacts can give.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 
 from palmbots.enclosures import Ends, cosine_of_degrees, down, root, sine_of_degrees, up
 
 __all__ = [
     "LEFT",
-    "NEEDS",
     "RIGHT",
     "Box",
     "Corner",
     "Given",
     "Wrong",
-    "comparison",
     "corners",
     "object_tangent",
-    "prove_clear",
+    "palm_tangents",
     "prove_property",
+    "refute_property",
 ]
 
 F = Fraction
@@ -52,11 +52,12 @@ class Wrong(Exception):
 
 @dataclass(frozen=True)
 class Box:
-    """What is halved: palm angles, frictions and width, each between two ends."""
+    """What is halved: palm angles, frictions, width and contacts, each between two ends."""
 
     angles: tuple[Ends, Ends]  # degrees
     friction: tuple[Ends, Ends]
     width: Ends
+    contacts: tuple[Ends, Ends]
     common: bool
 
     def halves(self, name: str, at: Fraction) -> tuple["Box", "Box"]:
@@ -67,12 +68,16 @@ class Box:
                 raise Wrong(f"{name} is to be halved at {at}, which is not inside it")
             return (ends[0], at), (at, ends[1])
 
+        def cut_one(pair: tuple[Ends, Ends], side: int) -> list[tuple[Ends, Ends]]:
+            keep = pair[1 - side]
+            return [(one, keep) if side == LEFT else (keep, one) for one in cut(pair[side])]
+
         if name in ("left", "right"):
-            side = LEFT if name == "left" else RIGHT
-            low, high = cut(self.angles[side])
-            keep = self.angles[1 - side]
-            both = [(one, keep) if side == LEFT else (keep, one) for one in (low, high)]
+            both = cut_one(self.angles, LEFT if name == "left" else RIGHT)
             return replace(self, angles=both[0]), replace(self, angles=both[1])
+        if name in ("p left", "p right"):
+            both = cut_one(self.contacts, LEFT if name == "p left" else RIGHT)
+            return replace(self, contacts=both[0]), replace(self, contacts=both[1])
         if name == "width":
             low, high = cut(self.width)
             return replace(self, width=low), replace(self, width=high)
@@ -88,12 +93,11 @@ class Given:
 
     com: tuple[tuple[Fraction, Fraction], ...]
     slope: Ends
-    offset: tuple[Fraction, Fraction]
-    outline: tuple[tuple[Fraction, Fraction, Fraction], ...]
+    offset: tuple[Ends, Ends]
 
 
-def object_tangent(box: Box, given: Given, contacts: tuple[Ends, Ends]) -> Ends:
-    """Every tan ϑ that the angles, the widths and these contacts can give."""
+def object_tangent(box: Box, given: Given) -> Ends:
+    """Every tan ϑ that the angles, the widths and the contacts of a box can give."""
     heights: list[Ends] = []
     for side in (LEFT, RIGHT):
         low, high = box.angles[side]
@@ -101,8 +105,8 @@ def object_tangent(box: Box, given: Given, contacts: tuple[Ends, Ends]) -> Ends:
         cosines = [c for angle in (low, high) for c in cosine_of_degrees(angle)]
         if low < 0 < high:
             cosines.append(F(1))
-        along = [p * s for p in contacts[side] for s in sines]
-        across = [given.offset[side] * c for c in cosines]
+        along = [p * s for p in box.contacts[side] for s in sines]
+        across = [o * c for o in given.offset[side] for c in cosines]
         heights.append((min(along) + min(across), max(along) + max(across)))
     rise = (heights[RIGHT][0] - heights[LEFT][1], heights[RIGHT][1] - heights[LEFT][0])
     if max(-rise[0], rise[1]) >= box.width[0]:
@@ -117,16 +121,20 @@ def object_tangent(box: Box, given: Given, contacts: tuple[Ends, Ends]) -> Ends:
     return down(tangent(rise[0], False)), up(tangent(rise[1], True))
 
 
+@lru_cache(maxsize=4096)  # a part of a box has most of its ends in common with others
+def _tangent_of_degrees(degrees: Fraction) -> Ends:
+    """Encloses tan of −80° to 80°."""
+    sine, cosine = sine_of_degrees(degrees), cosine_of_degrees(degrees)
+    quotients = [s / c for s in sine for c in cosine]
+    return down(min(quotients)), up(max(quotients))
+
+
 def palm_tangents(box: Box) -> tuple[Ends, Ends]:
     """tan θ at both ends of each palm's angle."""
-    found: list[Ends] = []
-    for low, high in box.angles:
-        ends: list[Fraction] = []
-        for angle, end in ((low, 0), (high, 1)):
-            sine, cosine = sine_of_degrees(angle), cosine_of_degrees(angle)
-            ends.append([min, max][end](s / c for s in sine for c in cosine))
-        found.append((down(ends[0]), up(ends[1])))
-    return found[0], found[1]
+    left, right = (
+        (_tangent_of_degrees(low)[0], _tangent_of_degrees(high)[1]) for low, high in box.angles
+    )
+    return left, right
 
 
 # ---- the forms -----------------------------------------------------------------------------------
@@ -179,10 +187,10 @@ class Corner:
         return self.x - self.s * self.y - self.turn * (self.s * self.x + self.y)
 
 
-def corners(box: Box, given: Given, turn: Ends) -> Iterator[Corner]:
-    """All corners of a box; `turn` holds every T of it."""
+def corners(box: Box, given: Given) -> Iterator[Corner]:
+    """All corners of a box."""
     # Where both palms have the same friction, all pairs from its interval are more than needed.
-    t = palm_tangents(box)
+    t, turn = palm_tangents(box), object_tangent(box, given)
     for values in product(
         set(t[0]),
         set(t[1]),
@@ -228,18 +236,25 @@ def comparison(slides: dict[int, int], smaller: int) -> Callable[[Corner], Fract
     return lambda corner: sign * corner.left_smaller(slides[LEFT], slides[RIGHT])
 
 
-def prove_clear(side: int, given: Given, at: list[Corner]) -> None:
-    """Raises where a vertex of the outline may come down to the (endless) line of a palm."""
-    for from_left, from_right, height in given.outline:
-        for corner in at:
-            t, turn = corner.t[side], corner.turn
-            if side == LEFT:
-                above = from_left * (t + turn) + height * (1 - t * turn)
-            else:
-                above = from_right * (t - turn) + height * (1 + t * turn)
-            if not above > 0:
-                raise Wrong("the outline may touch a palm")
-    for corner in at:  # the other contact vertex, too
-        t, turn = corner.t[side], corner.turn
-        if not (t + turn if side == LEFT else t - turn) > 0:
-            raise Wrong("the object may lie flat on a palm")
+def refute_property(number: int, shallow: int, what: str, at: list[Corner]) -> None:
+    """Raises unless a property's condition `what` fails at all corners around a point."""
+    steep = 1 - shallow
+    needs, lets_go = NEEDS[number]
+    forms: dict[str, Callable[[Corner], Fraction]] = {
+        "lift_left": lambda c: c.pressed(LEFT),
+        "lift_right": lambda c: c.pressed(RIGHT),
+    }
+    if lets_go is not None:
+        side = shallow if lets_go[0] == "shallow" else steep
+        forms["wedged"] = lambda c: c.bounded(side, lets_go[1])
+    slides_of: dict[str, dict[int, int]] = {}
+    for word, (shallow_slide, steep_slide, smaller) in zip(("first", "second"), needs, strict=True):
+        slides_of[word] = {shallow: shallow_slide, steep: steep_slide}
+        forms[word] = comparison(slides_of[word], shallow if smaller == "shallow" else steep)
+    if what not in forms:
+        raise Wrong(f"{what!r} is no condition of this property")
+    if not all(forms[what](corner) < 0 for corner in at):
+        raise Wrong("the property does not certainly fail at the witness")
+    for side, slide in slides_of.get(what, {}).items():
+        if not all(corner.bounded(side, slide) > 0 for corner in at):
+            raise Wrong("a wedged edge makes the condition needless at the witness")

@@ -12,7 +12,7 @@ from typing import Any
 
 from palmbots.scene import Scene, load_scene
 from palmbots.sections import SIDES, Side
-from palmbots.stability.clearance import Touch, clearance, touching
+from palmbots.stability.clearance import Clearance, clearance
 from palmbots.stability.forms import failing, text_of
 from palmbots.stability.limits import (
     Wedging,
@@ -94,10 +94,8 @@ class Analysis:
     slope: Interval | None
     """Tangents of the floor's slope, uphill in travel positive."""
     angle_error_rad: float | None
-    clearance_rad: float
-    """How far object or palm may turn until an edge lies on the line of a palm."""
-    touch: Touch | None
-    """A state in which the outline touches a palm; None: none found."""
+    clearance: Clearance
+    """How far the outline stays from both palms, and where that is least."""
     wedging: Wedging
     sideways: Sideways
 
@@ -144,8 +142,8 @@ class Analysis:
             "angle_error_deg": None
             if self.angle_error_rad is None
             else math.degrees(self.angle_error_rad),
-            "clearance_deg": math.degrees(self.clearance_rad),
-            "touch": None if self.touch is None else asdict(self.touch),
+            "clearance_deg": math.degrees(self.clearance.turn.margin),
+            "clearance": asdict(self.clearance) | {"touches": self.clearance.touches},
             "wedging": asdict(self.wedging),
             "sideways": asdict(self.sideways),
             "region_m": {
@@ -192,8 +190,7 @@ def analyze(
         half_length_m=half_length_range(at),
         slope=slope_range(at),
         angle_error_rad=angle_error(at),
-        clearance_rad=clearance(at),
-        touch=touching(at) if clearance(at) <= 0 else None,
+        clearance=clearance(at),
         wedging=wedging(at),
         sideways=sideways_of(chosen),
     )

@@ -5,7 +5,7 @@ states 0.3, not the binary number next to it. Angles are in degrees here, as in 
 whole number of degrees has no exact value in radians.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -59,11 +59,21 @@ class Box:
     steep_deg: tuple[Ends, Ends]
     contacts: tuple[Ends, Ends]
     beyond: Fraction
-    offset: tuple[Fraction, Fraction]
+    half_length: tuple[Ends, Ends]
+    offset: tuple[Ends, Ends]
     slope: Ends
     """s, towards -x on the object."""
-    outline: tuple[tuple[Fraction, Fraction, Fraction], ...] = field(default=())
-    """Vertices (from left, from right, height) other than the two contacts."""
+    outline: tuple[tuple[Fraction, Fraction, Fraction], ...]
+    """All vertices (from left, from right, height), counter-clockwise, the left contact first. Each
+    palm sees them from its own contact, however wide the object is; the other contact is at w."""
+    right_contact: int
+    """Which of them is the right contact."""
+
+    def seen(self, side: int, w: Fraction) -> list[tuple[Fraction, Fraction]]:
+        """The outline from one contact, the origin: (along the line of contacts, height)."""
+        found = [(vertex[side], vertex[2]) for vertex in self.outline]
+        found[self.right_contact if side == 0 else 0] = (w, Fraction(0))
+        return found
 
     def as_dict(self) -> dict[str, Any]:
         """The box as it stands in a certificate."""
@@ -82,9 +92,11 @@ class Box:
             "steep_deg": sides(self.steep_deg),
             "contacts_m": sides(self.contacts),
             "beyond_m": text(self.beyond),
-            "offset_m": dict(zip(SIDES, map(text, self.offset), strict=True)),
+            "half_length_m": sides(self.half_length),
+            "offset_m": sides(self.offset),
             "slope": ends(self.slope),
             "outline_m": [[text(v) for v in vertex] for vertex in self.outline],
+            "right_contact": self.right_contact,
         }
 
 
@@ -113,6 +125,7 @@ def box_of(
     steep_deg: Any = None,
     width_m: Any = None,
     length_m: Any = None,
+    offset_m: Any = None,
     slope: Any = None,
     region_m: Any = None,
     beyond_m: float = 0.0,
@@ -160,10 +173,10 @@ def box_of(
                 f"below steep_deg, {float(high[0]):g}"
             )
     spans: list[Ends] = []
+    halves: list[Ends] = []
     for palm in palms:
-        longest = exact(palm.length_m)
-        if length_m is not None:
-            longest = _ends("length_m", length_m, None, 0.001, 10)[1]
+        shortest, longest = _ends("length_m", length_m, palm.length_m, 0.001, 10)
+        halves.append((shortest / 2, longest / 2))
         low, high = -longest / 2, longest / 2
         if region_m is not None:
             low, high = _ends("region_m", region_m, None, float(low), float(high))
@@ -177,7 +190,7 @@ def box_of(
         from palmbots.lowering import lower
 
         at_slope = lower(scene).slope
-    contacts = {0, frame.contact_right}
+    offset = tuple(_ends("offset_m", offset_m, palm.pivot_offset_m, -1, 1) for palm in palms)
     return Box(
         com=com,
         width=_ends("width_m", width_m, w, 0.001, 10),
@@ -187,11 +200,11 @@ def box_of(
         steep_deg=steep,
         contacts=(spans[0], spans[1]),
         beyond=exact(beyond_m),
-        offset=(exact(palms[0].pivot_offset_m), exact(palms[1].pivot_offset_m)),
+        half_length=(halves[0], halves[1]),
+        offset=(offset[0], offset[1]),
         slope=_ends("slope", slope, at_slope, -1, 1),
         outline=tuple(
-            (exact(c.from_left), exact(c.from_right), exact(c.height))
-            for i, c in enumerate(frame.outline)
-            if i not in contacts
+            (exact(c.from_left), exact(c.from_right), exact(c.height)) for c in frame.outline
         ),
+        right_contact=frame.contact_right,
     )

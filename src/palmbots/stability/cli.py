@@ -68,6 +68,7 @@ def certify(
     steep_deg: Annotated[Interval, _interval("--steep-deg", "Steep angle")] = None,
     width_m: Annotated[Interval, _interval("--width-m", "Distance of the contact vertices")] = None,
     length_m: Annotated[Interval, _interval("--length-m", "Length of the palms")] = None,
+    offset_m: Annotated[Interval, _interval("--offset-m", "Pivot offset of the palms")] = None,
     slope: Annotated[Interval, _interval("--slope", "Tangent of the floor's slope")] = None,
     region_m: Annotated[Interval, _interval("--region-m", "Contacts, within the palms")] = None,
     out: Annotated[
@@ -91,6 +92,7 @@ def certify(
         steep_deg=steep_deg,
         width_m=width_m,
         length_m=length_m,
+        offset_m=offset_m,
         slope=slope,
         region_m=region_m,
     )

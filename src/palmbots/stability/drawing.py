@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
@@ -196,7 +197,10 @@ _TURNS = (0, 20, -20, 45, -45, 70, -70, 100, -100, 135, -135, 180)
 
 def sheet(width: float, height: float) -> Figure:
     """A figure of so many inches, at the resolution it is saved with: texts are laid out once."""
-    return Figure(figsize=(width, height), dpi=200)
+    figure = Figure(figsize=(width, height), dpi=200)
+    # A canvas that keeps its renderer: another one would be made for every text that is measured.
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def headline(axes: Axes, title: str, text: str = "") -> None:

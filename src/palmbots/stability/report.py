@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from palmbots.check import Checked
     from palmbots.stability.analysis import Analysis
     from palmbots.stability.certificate import Certificate
+    from palmbots.stability.clearance import Clearance
     from palmbots.stability.design import Design
 
 __all__ = ["analysis_report", "certificate_report", "check_report", "design_report"]
@@ -78,9 +79,8 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
     ranges.add_row("  acceleration", "none" if limit is None else f"up to {limit:.2f} m/s²")
     console.print(ranges)
 
-    clear = math.degrees(found.clearance_rad)
     wedging, sideways = found.wedging, found.sideways
-    console.print(f"clearance {clear:.2f}°" + _touch(found))
+    _clearance(console, found.clearance)
     start = (
         f"wedging starts at friction {wedging.friction:.2f} ({wedging.side} palm, {wedging.palm})"
         if math.isfinite(wedging.friction)
@@ -94,22 +94,30 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
     files_written(console, written)
 
 
-def _touch(found: "Analysis") -> str:
-    if found.clearance_rad > 0:
-        return ""
-    touch = found.touch
-    if touch is None:
-        return "  of the palms' lines; the palms end before they touch (looked at on a grid)"
-    what = "an edge lies on a palm" if touch.kind == "flush" else "a palm's end meets an edge"
-    left, right = (math.degrees(angle) for angle in touch.angles_rad)
-    return (
-        f"  {what}: palms {left:.1f}°, {right:.1f}°, contacts {_mm(touch.contacts_m[0])}, "
-        f"{_mm(touch.contacts_m[1])}"
-    )
+_TOUCH = {"flush": "flush with the outline", "tip": "tip", "back end": "back end"}
+
+
+def _clearance(console: Console, found: "Clearance") -> None:
+    """How far the palms stay clear, and what touches first where."""
+    turn = f"{abs(math.degrees(found.turn.margin)):.2f}°"
+    ends = found.longer
+    if ends is None:
+        head = Text(f"clearance {turn}, however long the palms")
+    elif not found.touches:
+        head = Text(f"clearance {turn}, or palms {_mm(ends.margin)} longer at their ends")
+    else:
+        head = Text("the outline TOUCHES a palm", "bold red").append(f", by {turn}", "default")
+        if ends.kind != "flush":
+            head.append(f", {_mm(-ends.margin)} from a palm's end", "default")
+    console.print(head)
+    at = found.turn
+    angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in at.angles_rad)
+    places = ", ".join(map(_mm, at.contacts_m))
+    console.print(f"  first: {at.side} palm, {_TOUCH[at.kind]}, at {angles}, p {places}")
 
 
 def _mm(metres: float) -> str:
-    return f"{1e3 * metres:.1f} mm"
+    return f"{round(1e3 * metres, 1) + 0.0:.1f} mm"
 
 
 def _signed(value: float | None, scale: float, unit: str, sign: str = "") -> str:
@@ -145,22 +153,35 @@ def certificate_report(found: "Certificate", written: Sequence[Path]) -> None:
     if found.verdict == "holds":
         console.print(f"{found.parts} parts of the box proved at their corners", style="dim")
     elif found.verdict == "fails":
-        witness = found.data["witness"]
-        number, side = int(witness["claim"][0]), witness["claim"].split()[1]
-        console.print(f"{_NAMES[number]}, {side}: {text_of(number, witness['fails'])}")
-        table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
-        for name, key, unit in (
-            ("palm angles", "angle_deg", "°"),
-            ("friction", "friction", ""),
-            ("contacts", "contacts_m", " m"),
-        ):
-            pair = witness[key]
-            table.add_row(f"  {name}", f"left {pair['left']}{unit}", f"right {pair['right']}{unit}")
-        table.add_row("  COM", f"x {witness['com_m'][0]} m", f"y {witness['com_m'][1]} m")
-        console.print(table)
+        _witness(console, found.data["witness"])
     else:
         console.print(f"neither proved nor refuted: {found.undecided} (a smaller box may decide)")
     files_written(console, written)
+
+
+def _witness(console: Console, witness: dict[str, Any]) -> None:
+    """The point at which a claim fails, and how."""
+    name = witness["claim"]
+    if witness["fails"] == "clearance":
+        edge = f"edge {witness['edge']} of the outline (counter-clockwise from the left contact, 0)"
+        console.print(f"the {name.split()[1]} palm touches {edge}")
+    else:
+        number, side = int(name[0]), name.split()[1]
+        console.print(f"{_NAMES[number]}, {side}: {text_of(number, witness['fails'])}")
+    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
+    for told, key, unit in (
+        ("palm angles", "angle_deg", "°"),
+        ("friction", "friction", ""),
+        ("contacts", "contacts_m", " m"),
+        ("palm half-length", "half_length_m", " m"),
+        ("pivot offset", "offset_m", " m"),
+    ):
+        if key in witness:
+            pair = witness[key]
+            table.add_row(f"  {told}", f"left {pair['left']}{unit}", f"right {pair['right']}{unit}")
+    if "com_m" in witness:
+        table.add_row("  COM", f"x {witness['com_m'][0]} m", f"y {witness['com_m'][1]} m")
+    console.print(table)
 
 
 def check_report(found: "Checked", path: Path) -> None:
