@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "palmbots/clearance.hpp"
+#include "palmbots/radio.hpp"
 #include "palmbots/tactile.hpp"
 
 namespace palmbots {
@@ -66,7 +67,6 @@ struct OutageSpec {
 };
 
 inline constexpr std::size_t max_faults = 32;
-inline constexpr std::size_t max_outage_specs = 16;
 inline constexpr std::size_t max_bumps = 64;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 
@@ -92,7 +92,7 @@ struct Spec {
   double airtime = 0;  // 0: no collisions
   double beacon = 0.05;
   double lease = 0.5;
-  std::array<OutageSpec, max_outage_specs> outages{};
+  std::array<OutageSpec, max_outages> outages{};
   std::size_t outage_count = 0;
   double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots
   std::array<FaultSpec, max_faults> faults{};
