@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
+    from palmbots.bounds import Bounds
     from palmbots.carry import Carry
     from palmbots.compare import Comparison
     from palmbots.modes import ContactModes
@@ -142,8 +143,7 @@ def _bounds(console: Console, b: "Bounds") -> None:
         style=_QUIET,
     )
     console.print(
-        f"no robot travels alone for more than {b.alone_s:g} s, {_mm(b.skew_m)} of "
-        f"{_mm(b.room_m)}",
+        f"no robot travels alone for more than {b.alone_s:g} s, {_mm(b.skew_m)} of {_mm(b.room_m)}",
         style=_QUIET,
     )
 
