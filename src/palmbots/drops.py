@@ -20,8 +20,8 @@ def response_s(scene: Scene) -> float:
     """The time after which an answer to a contact that is off must have begun [s].
 
     The partner may have to give up somebody it no longer hears (a lease), lower its palm (a hold
-    and a turn), turn it up again for its own contact and down once more, and two letters must each make
-    a round trip.
+    and a turn), turn it up again for its own contact and down once more, and two letters must each
+    make a round trip.
     """
     bounds = bounds_of(scene)
     palms = [scene.palm_of(side) for side in SIDES]

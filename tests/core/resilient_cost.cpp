@@ -8,7 +8,8 @@
 
 using namespace palmbots;
 
-[[gnu::noinline, gnu::flatten]] Resilient::Output resilient_step(Resilient& robot, const Resilient::Input& in);
+[[gnu::noinline, gnu::flatten]] Resilient::Output resilient_step(Resilient& robot,
+                                                                 const Resilient::Input& in);
 
 Resilient::Output resilient_step(Resilient& robot, const Resilient::Input& in) {
   return robot.step(in);
