@@ -21,7 +21,7 @@ from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from strategies import scenes
 
-CONTROLLERS = ("none", "centralized", "distributed")
+CONTROLLERS = ("none", "centralized", "distributed", "resilient")
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
 

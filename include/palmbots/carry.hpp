@@ -21,7 +21,11 @@ template <class Real, class Team, class Recorder>
 class Carry {
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : spec_(spec), seed_(seed), team_(std::move(team)), recorder_(std::move(recorder)) {
+      : spec_(spec),
+        seed_(seed),
+        faults_(Faults::of(spec, seed)),
+        team_(std::move(team)),
+        recorder_(std::move(recorder)) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
     robots_.travel_sense = Real(spec.direction);
@@ -96,9 +100,11 @@ class Carry {
   const PerSide<Command>& commands() const { return commands_; }
 
   // The speed a command asks of a robot, in the world's x direction.
-  Real wanted(std::size_t side, Move move) const {
+  Real wanted(std::size_t side, Command command) const {
     const Real away = outward<Real>(side) * full_move_[side];
-    return nominal_[side] + (move == Move::away ? away : (move == Move::closer ? -away : Real(0)));
+    const Real move =
+        command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
+    return (command.rest ? Real(0) : nominal_[side]) + move;
   }
 
  private:
@@ -123,14 +129,16 @@ class Carry {
     commands_ = commands;
     for (const std::size_t side : {left, right}) {
       robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
-      robots_.goal_speed[side] = robots_.wheels[side].within_limit(
-          robots_.travel_sense * wanted(side, commands[side].move));
+      robots_.goal_speed[side] =
+          robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, commands[side]));
+      const bool rests = commands[side].rest && robots_.goal_speed[side] == Real(0);
+      robots_.brakes[side] = Real(rests ? 1 : 0);
     }
   }
 
   // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
   // draws the mirrored numbers.
-  std::size_t leader() const { return spec_.direction > 0 ? right : left; }
+  std::size_t leader() const { return leader_of(spec_); }
 
   // What is done for many ticks at once.
   [[gnu::noinline]] void next_block() {
@@ -163,6 +171,8 @@ class Carry {
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])
                               : tactile_.sign(p);
+      if (faults_.any()) [[unlikely]]
+        sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
       sensed[side].turned = now.palms[side].angle == robots_.goal_angle[side];
     }
     return sensed;
@@ -236,6 +246,7 @@ class Carry {
 
   Spec spec_;
   std::uint64_t seed_;
+  Faults faults_;
   Team team_;
   Recorder recorder_;
   World<Real> world_;

@@ -111,7 +111,7 @@ class Lockstep {
 
   // Can lanes carry it? What few scenes have is left to Carry alone.
   static bool in_lanes(const One& one) {
-    return one.metrics_.end == End::none && one.spec_.bump_count == 0 &&
+    return one.metrics_.end == End::none && !one.faults_.any() && one.spec_.bump_count == 0 &&
            !(one.spec_.bump_rate > 0) && !one.tactile_.has_false_readings() &&
            one.tactile_.changes().size() <= SignReader<V>::max_changes;
   }
@@ -271,6 +271,7 @@ class Lockstep {
     for (const std::size_t side : {left, right}) {
       pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
       pack.robots.goal_speed[side].raw[l] = one.robots_.goal_speed[side];
+      pack.robots.brakes[side].raw[l] = one.robots_.brakes[side];
     }
   }
 

@@ -58,6 +58,7 @@ struct Robots {
   PerSide<Wrist<Real>> wrists;
   PerSide<Real> goal_speed;  // within the limit, along the direction of travel [m/s]
   PerSide<Real> goal_angle;  // [rad]
+  PerSide<Real> brakes;      // 1: told to rest; wheels that stand are held
   Real travel_sense;         // ±1: the direction of travel along x
   Real period;               // of control [s]
   Real inertia;              // push per change of the sum of the speeds [s/m]
@@ -83,6 +84,10 @@ template <class Real>
   for (const std::size_t side : {left, right}) {
     robots.speeds[side] =
         robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);
+    // A robot that stands does not wander.
+    const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
+    const MaskOf<Real> held = stands & (robots.brakes[side] != Real(0));
+    if (any(held)) robots.speeds[side] = select(held, Real(0), robots.speeds[side]);
     done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
   }
   const Real together = robots.speeds[left] + robots.speeds[right];

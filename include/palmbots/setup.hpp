@@ -54,4 +54,22 @@ Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
 }
 
+inline Channel channel_of(const Spec& spec) {
+  Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+  channel.duplicate_words = Channel::words_of(spec.duplicate);
+  channel.reorders = spec.reorders != 0;
+  channel.burst_share = spec.burst_share;
+  channel.burst_rate = spec.period / ((1 - spec.burst_share) * spec.burst_mean);
+  channel.airtime_ticks = spec.airtime / spec.period;
+  channel.outage_count = spec.outage_count;
+  for (std::size_t i = 0; i < spec.outage_count; ++i) {
+    const OutageSpec& outage = spec.outages[i];
+    const auto tick = [&](double s) { return static_cast<std::uint32_t>(s / spec.period + 0.5); };
+    channel.outages[i] = {outage.sender, tick(outage.from), tick(outage.to)};
+  }
+  return channel;
+}
+
+inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
+
 }  // namespace palmbots

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "palmbots/resilient_bounds.hpp"
 
 namespace palmbots::bindings {
 
@@ -14,7 +15,7 @@ namespace {
 // Names for what the tables hold, in the order of the enumerations.
 constexpr const char* palms[] = {"steep", "shallow"};
 constexpr const char* moves[] = {"hold", "away", "closer"};
-constexpr const char* letters[] = {"none", "tilt_up", "tilt_down", "ack"};
+constexpr const char* letters[] = {"none", "tilt_up", "tilt_down", "ack", "closing", "raised"};
 constexpr const char* who[] = {"left", "right", "either", "none"};
 constexpr const char* until[] = {"le_zero", "ge_zero"};
 constexpr const char* contact[] = {"any", "positive", "not_positive", "negative", "not_negative"};
@@ -25,6 +26,13 @@ constexpr const char* states[] = {"idle",      "a_or_b_request", "a_move",      
                                   "c_tilt_up", "c_wait_down",    "c_tilt_down", "d_tilt_up",
                                   "d_move",    "d_tilt_down"};
 static_assert(std::size(states) == Distributed::states);
+constexpr const char* resilient_states[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
+                                            "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
+                                            "d_tilt_up", "d_move",    "d_tilt_down"};
+static_assert(std::size(resilient_states) == Resilient::states);
+constexpr const char* heard[] = {"any",   "tilt_up", "not_tilt_up", "ack",    "not_ack",
+                                 "other", "steep",   "not_steep",   "silence"};
+constexpr const char* conditions[] = {"any", "turned", "released", "yields", "held"};
 
 template <class Enum, std::size_t n>
 std::string named(const char* const (&names)[n], Enum value) {
@@ -73,6 +81,50 @@ void bind_controllers(nb::module_& m) {
       "Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, "
       "contact, "
       "letter, palm turned, next state, letter sent).");
+
+  m.def(
+      "resilient_table",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string, std::string>>
+            doing;
+        for (int i = 0; i < Resilient::states; ++i) {
+          const auto& d = Resilient::doing[i];
+          doing.push_back({resilient_states[i], std::string(1, d.name),
+                           named(palms, d.command.palm), named(moves, d.command.move),
+                           named(letters, d.letter)});
+        }
+        std::vector<std::array<std::string, 5>> rows;
+        for (const auto& row : Resilient::table) {
+          rows.push_back({named(resilient_states, row.state), named(contact, row.p),
+                          named(heard, row.heard), named(conditions, row.when),
+                          named(resilient_states, row.next)});
+        }
+        return std::pair(doing, rows);
+      },
+      "The resilient algorithm as it runs: per state (name, case, palm, move, letter), and the "
+      "rows "
+      "(state, contact, letter heard, condition, next state).");
+  m.def(
+      "resilient_bounds",
+      [](const Spec& spec) {
+        const Bounds b = Bounds::of(spec);
+        const double tick = spec.period;
+        nb::dict d;
+        d["beacon_s"] = b.times.beacon * tick;
+        d["delay_s"] = b.delay * tick;
+        d["lease_s"] = b.times.lease * tick;
+        d["shortest_lease_s"] = b.shortest_lease * tick;
+        d["longest_lease_s"] = b.longest_lease * tick;
+        d["losses"] = static_cast<int>(b.losses);
+        d["hold_s"] = b.times.hold * tick;
+        d["alone_s"] = b.alone * tick;
+        d["skew_m"] = b.skew;
+        d["room_m"] = b.room;
+        constexpr const char* problems[] = {"", "beacon", "short", "long"};
+        d["problem"] = problems[static_cast<int>(b.problem)];
+        return d;
+      },
+      nb::arg("spec"), "The time bounds of the resilient algorithm (resilient_bounds.hpp).");
 
   nb::class_<Distributed>(m, "Distributed", "Table 2 of the paper, one robot.")
       .def(nb::init<>())

@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/recorder.hpp"
+#include "palmbots/teams.hpp"
 
 namespace palmbots::bindings {
 
@@ -44,6 +45,7 @@ struct Run {
   double distance = 0;
   Traffic traffic;
   PerSide<Letter> awaits{};
+  PerSide<bool> rests{};  // at the end
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<Posted> posted;
@@ -58,7 +60,10 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
   run.period = spec.period;
   run.distance = double(carry.midpoint()) * spec.direction;
   run.traffic = carry.team().traffic;
-  for (const std::size_t side : {left, right}) run.awaits[side] = carry.team().awaits(side);
+  for (const std::size_t side : {left, right}) {
+    run.awaits[side] = carry.team().awaits(side);
+    run.rests[side] = carry.commands()[side].rest;
+  }
   if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
   if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
     run.rows = carry.recorder().take_rows();
@@ -70,16 +75,11 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
 // A built-in controller by its name.
 template <class Real, class Recorder>
 Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed) {
-  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  const std::size_t leader = spec.direction > 0 ? right : left;
-  if (name == "none") return run_team<Real, Recorder>(spec, seed, Unattended{});
-  if (name == "centralized") {
-    return run_team<Real, Recorder>(spec, seed, Station(channel, seed, leader));
+  if (!is_controller(name)) {
+    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
   }
-  if (name == "distributed") {
-    return run_team<Real, Recorder>(spec, seed, Pair<Distributed>({}, channel, seed, leader));
-  }
-  throw std::invalid_argument("controller: none, centralized or distributed");
+  return with_team(
+      name, [&](auto make) { return run_team<Real, Recorder>(spec, seed, make(spec, seed)); });
 }
 
 bool is_single(const std::string& precision) {
@@ -103,9 +103,8 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   }
   const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
   Pair<PythonController> team(
-      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))},
-      Channel::of(spec.latency, spec.jitter, spec.loss, spec.period), seed,
-      spec.direction > 0 ? right : left);
+      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
+      seed, leader_of(spec), Faults::of(spec, seed));
   return single ? run_team<float, TraceRecorder>(spec, seed, std::move(team))
                 : run_team<double, TraceRecorder>(spec, seed, std::move(team));
 }
@@ -179,6 +178,16 @@ nb::list hanging(const Run& run) {
   return list;
 }
 
+// Of each link (sent, lost, duplicated, late, rejected): from the left robot, from the right one, from
+// the station to the left and to the right one.
+nb::list links(const Run& run) {
+  nb::list list;
+  for (const LinkCounts& c : run.traffic.links) {
+    list.append(nb::make_tuple(c.sent, c.lost, c.duplicated, c.late, c.rejected));
+  }
+  return list;
+}
+
 nb::list letters(const Run& run) {
   nb::list list;
   for (const Posted& p : run.posted) {
@@ -219,6 +228,8 @@ void bind_run(nb::module_& m) {
           "contact_peak_m",
           [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
       .def_prop_ro("messages", [](const Run& r) { return r.traffic.sent; })
+      .def_prop_ro("links", &links)
+      .def_prop_ro("rests", [](const Run& r) { return std::tuple(r.rests[left], r.rests[right]); })
       .def_prop_ro("messages_lost", [](const Run& r) { return r.traffic.lost; })
       .def_prop_ro("waiting_s",
                    [](const Run& r) {

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "palmbots/lockstep.hpp"
+#include "palmbots/teams.hpp"
 
 namespace palmbots {
 
@@ -70,6 +71,7 @@ struct Results {
         contact_rms_m(n, 2),
         contact_peak_m(n, 2),
         waiting_s(n, 2),
+        waits_since_s(n, 2),
         corrections(n),
         messages(n),
         messages_lost(n) {}
@@ -86,6 +88,7 @@ struct Results {
       contact_rms_m(i, side) = m.rms(side);
       contact_peak_m(i, side) = m.peak[side];
       waiting_s(i, side) = m.waiting_ticks[side] * spec.period;
+      waits_since_s(i, side) = m.waits_since[side] * spec.period;
     }
     corrections(i) = m.corrections;
     messages(i) = carry.team().traffic.sent;
@@ -101,6 +104,7 @@ struct Results {
   Column<double> contact_rms_m;
   Column<double> contact_peak_m;
   Column<double> waiting_s;
+  Column<double> waits_since_s;
   Column<std::uint32_t> corrections;
   Column<std::uint32_t> messages;
   Column<std::uint32_t> messages_lost;
@@ -140,26 +144,6 @@ void work(const Task& task, Progress& progress, Results& results, Make make) {
       [&] { return progress.stop.load(std::memory_order_relaxed); });
 }
 
-template <class Real>
-void work_named(const std::string& controller, const Task& task, Progress& progress,
-                Results& results) {
-  const auto channel = [](const Spec& s) {
-    return Channel::of(s.latency, s.jitter, s.loss, s.period);
-  };
-  const auto leader = [](const Spec& s) { return s.direction > 0 ? right : left; };
-  if (controller == "none") {
-    work<Real>(task, progress, results, [](const Spec&, std::uint64_t) { return Unattended{}; });
-  } else if (controller == "centralized") {
-    work<Real>(task, progress, results, [&](const Spec& s, std::uint64_t seed) {
-      return Station(channel(s), seed, leader(s));
-    });
-  } else {
-    work<Real>(task, progress, results, [&](const Spec& s, std::uint64_t seed) {
-      return Pair<Distributed>({}, channel(s), seed, leader(s));
-    });
-  }
-}
-
 Task task_of(const nb::bytes& specs, const Input<std::uint32_t>& which,
              const Input<std::uint64_t>& seeds) {
   if (specs.size() == 0 || specs.size() % sizeof(Spec) != 0) {
@@ -180,8 +164,8 @@ Task task_of(const nb::bytes& specs, const Input<std::uint32_t>& which,
 nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
                   const Input<std::uint64_t>& seeds, const std::string& controller,
                   const std::string& precision, std::size_t threads, const nb::object& watch) {
-  if (controller != "none" && controller != "centralized" && controller != "distributed") {
-    throw std::invalid_argument("controller: none, centralized or distributed");
+  if (!is_controller(controller)) {
+    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
   }
   if (precision != "double" && precision != "float") {
     throw std::invalid_argument("precision: double or float");
@@ -200,11 +184,13 @@ nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
       pool.emplace_back([&] {
         std::string failure;
         try {
-          if (precision == "float") {
-            work_named<float>(controller, task, progress, results);
-          } else {
-            work_named<double>(controller, task, progress, results);
-          }
+          with_team(controller, [&](auto make) {
+            if (precision == "float") {
+              work<float>(task, progress, results, make);
+            } else {
+              work<double>(task, progress, results, make);
+            }
+          });
         } catch (const std::exception& error) {
           failure = error.what();
           progress.stop = true;
@@ -251,6 +237,7 @@ nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
   d["contact_rms_m"] = results.contact_rms_m.give();
   d["contact_peak_m"] = results.contact_peak_m.give();
   d["waiting_s"] = results.waiting_s.give();
+  d["waits_since_s"] = results.waits_since_s.give();
   d["corrections"] = results.corrections.give();
   d["messages"] = results.messages.give();
   d["messages_lost"] = results.messages_lost.give();

@@ -24,7 +24,7 @@ DELIVERED, DROPPED, STALLED = 1, 2, 3
 Columns = dict[str, NDArray[Any]]
 """One entry a carry: finished, outcome, reason (`_core.end_names`), time_s, distance_m, corrections,
 messages, messages_lost; and with a column each for left and right: contact_rms_m, contact_peak_m,
-waiting_s."""
+waiting_s, waits_since_s."""
 
 
 def cores() -> int:
@@ -53,7 +53,7 @@ def run_many(
         specs: what scenes become (`palmbots.lowering.lower`).
         which: one index into `specs` a carry.
         seeds: one a carry.
-        controller: ``none``, ``centralized`` or ``distributed``.
+        controller: ``none``, ``centralized``, ``distributed`` or ``resilient``.
         precision: ``double`` or ``float``.
         threads: how many carry side by side; results do not depend on it.
         watch: called now and then with the number of carries that are done.

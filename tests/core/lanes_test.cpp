@@ -10,6 +10,7 @@
 
 #include "check.hpp"
 #include "palmbots/lockstep.hpp"
+#include "palmbots/teams.hpp"
 #include "paper_spec.hpp"
 
 namespace {
@@ -78,19 +79,6 @@ void test_lanes_of_structs() {
   }
 }
 
-template <class Team>
-Team team_of(const Spec& spec, std::uint64_t seed) {
-  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  const std::size_t leader = spec.direction > 0 ? right : left;
-  if constexpr (std::is_same_v<Team, Unattended>) {
-    return {};
-  } else if constexpr (std::is_same_v<Team, Station>) {
-    return Station(channel, seed, leader);
-  } else {
-    return Team({}, channel, seed, leader);
-  }
-}
-
 bool same(const Metrics& a, const Metrics& b) {
   return a.outcome == b.outcome && a.end == b.end && a.time_ticks == b.time_ticks &&
          a.square_sum == b.square_sum && a.peak == b.peak && a.samples == b.samples &&
@@ -100,9 +88,10 @@ bool same(const Metrics& a, const Metrics& b) {
 }
 
 // Every carry of a mixed lot ends, once, as it does alone.
-template <class Real, int n, class Team>
-void test_lockstep(const std::vector<Spec>& specs, std::size_t count) {
-  auto lockstep = std::make_unique<Lockstep<Real, n, Team>>();
+template <class Real, class Make>
+void test_lockstep(Make make, const std::vector<Spec>& specs, std::size_t count) {
+  using Team = decltype(make(specs[0], 0));
+  auto lockstep = std::make_unique<Lockstep<Real, lanes_of<Real>, Team>>();
   std::size_t given = 0;
   std::size_t finished = 0;
   bool outcomes[4] = {};
@@ -111,13 +100,13 @@ void test_lockstep(const std::vector<Spec>& specs, std::size_t count) {
         if (given == count) return false;
         index = given++;
         const Spec& spec = specs[index % specs.size()];
-        slot.emplace(spec, index, team_of<Team>(spec, index), NoRecorder{});
+        slot.emplace(spec, index, make(spec, index), NoRecorder{});
         return true;
       },
       [&](std::size_t index, const auto& carry) {
         ++finished;
         const Spec& spec = specs[index % specs.size()];
-        Carry<Real, Team, NoRecorder> alone(spec, index, team_of<Team>(spec, index), NoRecorder{});
+        Carry<Real, Team, NoRecorder> alone(spec, index, make(spec, index), NoRecorder{});
         alone.run();
         CHECK(same(carry.metrics(), alone.metrics()));
         CHECK(same_bits(carry.midpoint(), alone.midpoint()));
@@ -176,9 +165,11 @@ int main() {
   test_functions<float, floats>();
   test_lanes_of_structs();
   const std::vector<Spec> specs = mixed_specs();
-  test_lockstep<double, doubles, Pair<Distributed>>(specs, 40);
-  test_lockstep<double, doubles, Station>(specs, 40);
-  test_lockstep<float, floats, Pair<Distributed>>(specs, 40);
-  test_lockstep<float, floats, Unattended>(specs, 80);
+  for (const std::string_view controller : controller_names) {
+    with_team(controller, [&](auto make) {
+      test_lockstep<double>(make, specs, 40);
+      test_lockstep<float>(make, specs, 40);
+    });
+  }
   test_stop();
 }

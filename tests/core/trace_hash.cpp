@@ -1,5 +1,5 @@
 // The trace hash of one carry, from a Spec as bytes on standard input:
-//   trace_hash none|centralized|distributed SEED double|float < spec
+//   trace_hash none|centralized|distributed|resilient SEED double|float < spec
 // tests/test_determinism.py compiles it in several ways and compares what it prints.
 #include <cinttypes>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "palmbots/recorder.hpp"
+#include "palmbots/teams.hpp"
 
 namespace {
 
@@ -23,11 +24,8 @@ std::uint64_t hash_of(const Spec& spec, std::uint64_t seed, Team team) {
 
 template <class Real>
 std::uint64_t hash_named(const Spec& spec, std::uint64_t seed, std::string_view controller) {
-  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  const std::size_t leader = spec.direction > 0 ? right : left;
-  if (controller == "none") return hash_of<Real>(spec, seed, Unattended{});
-  if (controller == "centralized") return hash_of<Real>(spec, seed, Station(channel, seed, leader));
-  return hash_of<Real>(spec, seed, Pair<Distributed>({}, channel, seed, leader));
+  return with_team(controller,
+                   [&](auto make) { return hash_of<Real>(spec, seed, make(spec, seed)); });
 }
 
 }  // namespace
