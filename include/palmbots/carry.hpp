@@ -117,7 +117,7 @@ class Carry {
         team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
     if (commands != commands_) [[unlikely]]
       obey(commands);
-    metrics_.observe(tick_, team_, world_.stance().contacts);
+    metrics_.observe(tick_, team_, PerSide<Real>{world_.touched(left), world_.touched(right)});
 
     if (tick_ % noise_block == 0) draw_noise();
     PerSide<Real> angles{};
@@ -133,6 +133,7 @@ class Carry {
     const Real push = inertia_ * (together - together_);
     const Advance<Real>& step =
         world_.advance((speeds_[right] - speeds_[left]) * period, angles, push);
+    metrics_.observe(tick_, world_.touches(), !world_.grip().none());
     together_ = together;
     const Real travel = Real(0.5) * together * period;
     midpoint_ = midpoint_ + (step.end == End::none ? travel : travel * step.fraction);
@@ -194,7 +195,7 @@ class Carry {
     Words words{};
     if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
     for (const std::size_t side : {left, right}) {
-      const Real p = now.contacts[side];
+      const Real p = world_.touched(side);
       const std::size_t lane = side == leader() ? 0 : 2;
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])

@@ -11,6 +11,7 @@
 //              towards the other's region both slide from there on and keep them equal; where one
 //              drives on into its own region it alone slides; where either would (a symmetric object
 //              closed on by equal palms), both slide and stay equal, by rule;
+//   touch      a further contact closes: resting.hpp takes over until it opens again;
 //   end        the carry is over.
 //
 // At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
@@ -26,20 +27,9 @@
 // Source: MECHANICS sections 1, 2, 4, 5, 6.
 #pragma once
 
-#include "palmbots/ends.hpp"
-#include "palmbots/locate.hpp"
-#include "palmbots/slip.hpp"
+#include "palmbots/resting.hpp"
 
 namespace palmbots {
-
-// What a step did.
-template <class Real>
-struct Advance {
-  End end = End::none;
-  Real fraction = Real(1);  // of the step that was done
-  Mode motion{};            // of its last piece
-  std::int32_t pieces = 1;  // regimes passed through
-};
 
 template <class Real>
 class World {
@@ -56,17 +46,33 @@ class World {
   const Stance<Real>& stance() const { return stance_; }
   const Rig<Real>& rig() const { return rig_; }
   Span<Real> span() const { return span_; }
+  // Where the palm is touched: p of its contact vertex as long as that is on it.
+  Real touched(std::size_t side) const {
+    return grip_.none() ? stance_.contacts[side] : felt(rig_, grip_, stance_, side);
+  }
   const Advance<Real>& last() const { return last_; }
 
+  // What the object rests on; none: its two contact vertices.
+  const Grip<Real>& grip() const { return grip_; }
+  const Touches<Real>& touches() const { return touches_; }
+
   // Why the object is not held where it is now (none: it is).
-  End check() const { return first_end(rig_, statics_, stance_.palms, stance_.contacts, span_); }
+  End check() const {
+    if (!grip_.none()) return Instant<Real>(rig_, stance_, {}).check();
+    const End end = first_end(rig_, statics_, stance_.palms, stance_.contacts, span_);
+    if (!is_touch(end)) return end;
+    const Instant<Real> now(rig_, stance_, {});
+    return now.kind() == Touch::none ? end : now.check();
+  }
 
   // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
   End shift(const PerSide<Real>& by) {
     for (const std::size_t side : {left, right}) stance_.contacts[side] += by[side];
+    stance_.lift = {};
     stance_.separation = closing_separation(stance_, rig_.offset, rig_.load.width);
     span_ = palmbots::span(stance_, rig_.offset);
     tied_ = Slide::stick;
+    grip_ = {};
     return check();
   }
 
@@ -80,12 +86,15 @@ class World {
       pushed_ = Moments<Real>::of(pushed(rig_.load, push));
       tied_ = Slide::stick;  // a tie lies elsewhere under another push
     }
-    const bool done = turning ? slide_one<true>(change, angles) : slide_one<false>(change, angles);
-    if (!done) last_ = Pieces{*this, change, angles, turning}.run();
+    const bool done = grip_.none() && (turning ? slide_one<true>(change, angles)
+                                               : slide_one<false>(change, angles));
+    if (!done) last_ = go(change, angles);
     return last_;
   }
 
  private:
+  static constexpr int most_changes = 20;  // of grip in a step: a bound on work
+
   // How far a palm turns between two looks for events.
   static constexpr Real longest_turn = radians_per_degree<Real>;
 
@@ -169,6 +178,53 @@ class World {
     last_.motion[other(side)] = Slide::stick;
     last_.pieces = 1;
     return true;
+  }
+
+  // A whole step, by turns upon the two vertices alone and in another grip.
+  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& angles) {
+    const Real goal = stance_.separation + change;
+    Drive<Real> drive{change, {}};
+    Advance<Real> total{End::none, Real(0), {}, 0};
+    Real released = Real(-1);  // when the object came back upon its two vertices
+    bool by_force = false;
+    for (int changes = 0;; ++changes) {
+      for (const std::size_t side : {left, right}) {
+        drive.turn[side] = angles[side] - stance_.palms[side].angle;
+      }
+      const bool rests = !grip_.none();
+      const bool turning = drive.turn[left] != Real(0) || drive.turn[right] != Real(0);
+      const Advance<Real> part =
+          rests ? Rest<Real>{rig_, drive, angles, push_}.run(stance_, grip_, by_force)
+                : Pieces{*this, drive.change, angles, turning}.run();
+      total = {part.end, total.fraction + (Real(1) - total.fraction) * part.fraction, part.motion,
+               total.pieces + part.pieces};
+      if (rests) {
+        statics_ = Statics<Real>::at(rig_, stance_.palms);
+        tied_ = Slide::stick;
+        if (grip_.none()) {
+          stance_.lift = {};
+          released = touches_.ended = total.fraction;
+        }
+        span_ = palmbots::span(stance_, vertex_offset(rig_, stance_));
+      } else if (is_touch(part.end)) {
+        const Instant<Real> now(rig_, stance_, drive);
+        if (now.kind() == Touch::none) return total;  // at the very end of a palm
+        const auto fate = now.fate(push_);
+        const bool again = released == total.fraction;
+        if (!again) {
+          touches_ = {touches_.count + 1, now.kind(), now.side(), total.fraction, total.fraction};
+        }
+        total.end = fate.end;
+        grip_ = fate.grip;
+        // What balance opens and the vertices' motion closes all the same (by rounding, or because
+        // they slide by turns) stays for the rest of the step.
+        by_force = fate.end == End::none && grip_.none() && (again || changes > most_changes);
+        if (by_force) grip_ = now.all();
+        released = total.fraction;
+      }
+      if (total.end != End::none || total.fraction >= Real(1)) return total;
+      drive.change = goal - stance_.separation;
+    }
   }
 
   struct State {
@@ -397,6 +453,8 @@ class World {
   Real push_ = Real(0);
   Moments<Real> pushed_{};     // of the load under this push
   Slide tied_ = Slide::stick;  // the direction in which both contacts slide along their tie
+  Grip<Real> grip_{};
+  Touches<Real> touches_{};
 };
 
 }  // namespace palmbots
