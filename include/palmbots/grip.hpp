@@ -14,6 +14,10 @@
 
 namespace palmbots {
 
+// What is nearer than this, times w, touches while the world moves: states are exact there.
+template <class Real>
+inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
+
 // A contact that stays: a vertex of the outline on a palm's plate, or a palm's tip on an edge.
 template <class Real>
 struct Hold {
@@ -60,7 +64,7 @@ class Echelon {
       row[pivots_[k]] = Real(0);
       value -= factor * values_[k];
     }
-    if (count_ == 4 || !(largest(row) > Real(1e-6) * scale)) return false;
+    if (count_ == 4 || !(largest(row) > dependent * scale)) return false;
     std::size_t pivot = 0;
     for (std::size_t c = 1; c < 4; ++c) pivot = size(row[c]) > size(row[pivot]) ? c : pivot;
     rows_[count_] = row;
@@ -81,6 +85,8 @@ class Echelon {
     }
     return x;
   }
+
+  static constexpr Real dependent = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-5);
 
   static constexpr Real size(Real x) { return x < Real(0) ? -x : x; }
   static constexpr Real largest(const Row& row) {
@@ -137,7 +143,7 @@ class Equations {
     }
     const Edge e = edge(h);
     const Tip t = tip(h);
-    return {(along * width_ - t.along) * e.nx + (v.height * width_ - t.height) * e.ny,
+    return {(e.along * width_ - t.along) * e.nx + (e.height * width_ - t.height) * e.ny,
             sum(t.along_by, -e.nx, t.height_by, -e.ny)};
   }
 
@@ -173,8 +179,10 @@ class Equations {
     Row along_by;
     Row height_by;
   };
-  // The unit normal of an edge, into the object.
+  // A point of an edge, and its unit normal into the object.
   struct Edge {
+    Real along;
+    Real height;
     Real nx;
     Real ny;
   };
@@ -206,7 +214,9 @@ class Equations {
     const Real x = mirrored(h.side, a.height - b.height);
     const Real y = mirrored(h.side, b.along[h.side] - a.along[h.side]);
     const Real length = std::sqrt(x * x + y * y);
-    return {x / length, y / length};
+    // In the mirror the edge's other end comes first.
+    const Vertex<Real>& from = h.side == left ? a : b;
+    return {from.along[h.side], from.height, x / length, y / length};
   }
 
   Tip tip(const Hold<Real>& h) const {

@@ -55,21 +55,28 @@ struct Touches {
 template <class Real>
 class Instant {
  public:
-  Instant(const Rig<Real>& rig, const Stance<Real>& stance, const Drive<Real>& drive)
-      : rig_(rig), stance_(stance), found_(touching(rig, stance)) {
-    const std::size_t kept = found_.count < max_supports ? found_.count : max_supports;
+  // Contacts of `grip` count as they are, others only once they have closed.
+  Instant(const Rig<Real>& rig, const Stance<Real>& stance, const Drive<Real>& drive,
+          const Grip<Real>& grip)
+      : rig_(rig), stance_(stance), found_(touching(rig, stance, closed_tolerance<Real>)) {
+    const detail::Equations<Real> equations(rig, stance, left);
+    const Real closed = Real(64) * std::numeric_limits<Real>::epsilon() * rig.load.width;
+    std::array<bool, max_supports> counts{};
     PerSide<std::size_t> further{};
+    const std::size_t kept = found_.count < max_supports ? found_.count : max_supports;
     for (std::size_t i = 0; i < kept; ++i) {
       const TouchPoint<Real>& p = found_.points[i];
-      further[p.support.side] += own(p) ? 0 : 1;
+      for (std::size_t k = 0; k < grip.count; ++k) counts[i] = counts[i] || grip.holds[k].is(p);
+      counts[i] = counts[i] || equations.gap(hold(p)).value <= closed * rig.load.width;
+      if (counts[i]) further[p.support.side] += own(p) ? 0 : 1;
     }
-    first_ = further[right] > further[left] ? right : left;
+    first_ = leading(further);
     for (const std::size_t side : {first_, other(first_)}) {
       const PalmMotion<Real> palm{outward<Real>(side) * Real(0.5) * drive.change, Real(0),
                                   outward<Real>(side) * drive.turn[side]};
       for (std::size_t i = 0; i < kept; ++i) {
         const Support<Real>& s = found_.points[i].support;
-        if (s.side != side) continue;
+        if (s.side != side || !counts[i]) continue;
         velocities_[supports_.count] =
             velocity_at(palm, s.x - found_.pivot_x[side], s.y - found_.pivot_y[side]);
         point_[supports_.count] = i;
@@ -89,7 +96,8 @@ class Instant {
       if (own(p) && !(at >= -half && at <= half)) return End::off_palm;
     }
     if (!touched[left] || !touched[right]) return End::lifting;
-    const Real near = touch_tolerance<Real> * rig_.load.width;
+    // Less than what touches: a corner goes deeper into a palm than the palm goes into the corner.
+    const Real near = closed_tolerance<Real> * rig_.load.width / Real(64);
     if (found_.sunk[left] > near || found_.sunk[right] > near) return End::flush;
     const Real slope = rig_.load.slope;
     if (balances(supports_, Motions{}, slope)) return End::none;
@@ -126,6 +134,15 @@ class Instant {
       motion = motion_in(m);
     });
     return same;
+  }
+
+  // Is the grip all that touches?
+  bool is_all(const Grip<Real>& grip) const {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      for (std::size_t k = 0; k < grip.count; ++k) found += grip.holds[k].is(point(i)) ? 1 : 0;
+    }
+    return found == grip.count && supports_.count == grip.count;
   }
 
   struct Fate {
@@ -177,12 +194,27 @@ class Instant {
     if (i == max_supports) return Touch::none;
     return point(i).meeting == Meeting::tip ? Touch::tip : Touch::flush;
   }
-  std::size_t side() const { return first_; }
+  std::size_t side() const {
+    const std::size_t i = further();
+    return i == max_supports ? first_ : supports_.at[i].side;
+  }
 
  private:
   const TouchPoint<Real>& point(std::size_t i) const { return found_.points[point_[i]]; }
   bool own(const TouchPoint<Real>& p) const {
     return !p.palm_end && p.feature == rig_.outline.contact[p.support.side];
+  }
+  // The palm with more contacts besides its vertex; the mirror must not matter, and left comes first
+  // only where all is alike.
+  std::size_t leading(const PerSide<std::size_t>& beside) const {
+    if (beside[left] != beside[right]) return beside[left] > beside[right] ? left : right;
+    const Real steeper = stance_.palms[left].angle - stance_.palms[right].angle;
+    if (steeper != Real(0)) return steeper > Real(0) ? left : right;
+    return stance_.contacts[right] > stance_.contacts[left] ? right : left;
+  }
+
+  static Hold<Real> hold(const TouchPoint<Real>& p) {
+    return {p.support.side, p.palm_end, p.feature, p.place, false, Real(0)};
   }
   std::size_t further() const {
     for (std::size_t i = 0; i < supports_.count; ++i) {
@@ -206,13 +238,15 @@ class Instant {
 
   Grip<Real> grip_in(const Motions& m) const {
     Grip<Real> grip{};
-    grip.first = first_;
+    PerSide<std::size_t> beside{};
     for (std::size_t i = 0; i < supports_.count; ++i) {
       if (m[i] == Motion::leave) continue;
       const TouchPoint<Real>& p = point(i);
+      beside[p.support.side] += own(p) ? 0 : 1;
       grip.holds[grip.count++] = {p.support.side,        p.palm_end, p.feature, p.place,
                                   m[i] == Motion::stick, Real(0)};
     }
+    grip.first = leading(beside);
     remember(rig_, stance_, grip);
     return grip;
   }
@@ -265,21 +299,28 @@ struct Rest {
       const auto stays = [&](Real t) {
         Stance<Real> there{};
         if (!at(t, there)) return false;
-        const Instant<Real> instant(rig, there, drive);
+        const Instant<Real> instant(rig, there, drive, grip);
         if (instant.check() != End::none) return false;
-        return by_force || instant.goes_on(grip, push, result.motion);
+        return by_force ? instant.is_all(grip) : instant.goes_on(grip, push, result.motion);
       };
       const bool through = stays(goal);
       const Real when = through ? goal : last_holding(done, goal, stays);
-      const Real over = std::nextafter(when, Real(2));
-      Stance<Real> past{};
-      if (!through && !at(over < goal ? over : goal, past)) result.end = End::jammed;
       Stance<Real> now = stance;
       if (when > done && at(when, now)) stance = now;
       idle = when > done ? 0 : idle + 1;
       done = result.fraction = when;
       if (through) continue;
-      if (result.end != End::none || !decide(past, grip, result)) return result;
+      // The reason is read where it first applies. Where what slides has only just come to rest or
+      // begun to move, its rate is still nothing: then a little later.
+      Real over = std::nextafter(when, Real(2));
+      for (Real later = (goal - when) * Real(1e-12);; later *= Real(8)) {
+        Stance<Real> past{};
+        result.end = End::jammed;
+        if (at(over < goal ? over : goal, past)) decide(past, grip, result);
+        if (result.end != End::jammed || !(later < Real(0.02) * (goal - when))) break;
+        over = when + later;
+      }
+      if (result.end != End::none || grip.none()) return result;
       by_force = idle > 3 || result.pieces > most_pieces;
     }
     return result;
@@ -290,11 +331,12 @@ struct Rest {
 
   // What happens from here on; false where it is nothing for a grip.
   bool decide(const Stance<Real>& stance, Grip<Real>& grip, Advance<Real>& result) const {
-    const auto fate = Instant<Real>(rig, stance, drive).fate(push);
+    const auto fate = Instant<Real>(rig, stance, drive, grip).fate(push);
     result.end = fate.end;
+    if (fate.end != End::none) return false;
     result.motion = fate.motion;
     grip = fate.grip;
-    return fate.end == End::none && !grip.none();
+    return !grip.none();
   }
 
   // Newton's method starts from the look before: 1°, or a hundredth of the object, away.

@@ -3,7 +3,7 @@
 // Seen from a contact vertex: a palm is a segment along the x axis of its own frame (inward, normal), as
 // in clearance.hpp. The object touches it with a vertex, with an edge that lies flush on it (whose two
 // ends on the palm hold it like two points), or meets a palm's tip with an edge, whose normal counts
-// there. What is nearer than `touch_tolerance` × w touches. Source: MECHANICS section 5.
+// there. What is nearer than a tolerance touches. Source: MECHANICS section 5.
 #pragma once
 
 #include <algorithm>
@@ -47,14 +47,15 @@ namespace detail {
 template <class Real>
 class PalmView {
  public:
-  PalmView(const Rig<Real>& rig, const Stance<Real>& stance, std::size_t side, Span<Real> span)
+  PalmView(const Rig<Real>& rig, const Stance<Real>& stance, std::size_t side, Span<Real> span,
+           Real near)
       : rig_(rig),
         side_(side),
         palm_(stance.palms[side]),
         own_(stance.contacts[side]),
         lift_(stance.lift[side]),
         half_(rig.half_length[side]),
-        near_(touch_tolerance<Real> * rig.load.width) {
+        near_(near) {
     const Reach<Real> r = reach(span, side, palm_);
     cos_ = r.inward / rig.load.width;
     sin_ = r.normal / rig.load.width;
@@ -301,15 +302,17 @@ constexpr PerSide<Real> vertex_offset(const Rig<Real>& rig, const Stance<Real>& 
   return {rig.offset[left] + stance.lift[left], rig.offset[right] + stance.lift[right]};
 }
 
-// All contacts of a state; the stance's separation does not count, the contacts and angles give it.
+// All contacts of a state, nearer than `tolerance` × w; the stance's separation does not count, the
+// contacts and angles give it.
 template <class Real>
-Touching<Real> touching(const Rig<Real>& rig, const Stance<Real>& stance) {
+Touching<Real> touching(const Rig<Real>& rig, const Stance<Real>& stance,
+                        Real tolerance = touch_tolerance<Real>) {
   const Real width = rig.load.width;
   const Real dy = span(stance, vertex_offset(rig, stance)).dy;
   const Span<Real> between{std::sqrt((width - dy) * (width + dy)), dy};
   Touching<Real> found{};
   for (const std::size_t side : {left, right}) {
-    detail::PalmView<Real>(rig, stance, side, between).add_to(found);
+    detail::PalmView<Real>(rig, stance, side, between, tolerance * width).add_to(found);
   }
   return found;
 }

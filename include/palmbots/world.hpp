@@ -58,10 +58,10 @@ class World {
 
   // Why the object is not held where it is now (none: it is).
   End check() const {
-    if (!grip_.none()) return Instant<Real>(rig_, stance_, {}).check();
+    if (!grip_.none()) return Instant<Real>(rig_, stance_, {}, grip_).check();
     const End end = first_end(rig_, statics_, stance_.palms, stance_.contacts, span_);
     if (!is_touch(end)) return end;
-    const Instant<Real> now(rig_, stance_, {});
+    const Instant<Real> now(rig_, stance_, {}, grip_);
     return now.kind() == Touch::none ? end : now.check();
   }
 
@@ -207,7 +207,7 @@ class World {
         }
         span_ = palmbots::span(stance_, vertex_offset(rig_, stance_));
       } else if (is_touch(part.end)) {
-        const Instant<Real> now(rig_, stance_, drive);
+        const Instant<Real> now(rig_, stance_, drive, grip_);
         if (now.kind() == Touch::none) return total;  // at the very end of a palm
         const auto fate = now.fate(push_);
         const bool again = released == total.fraction;

@@ -5,7 +5,7 @@
 'delivered'
 """
 
-from palmbots.carry import Carry, Correction, Letter, carry
+from palmbots.carry import Carry, Correction, Letter, Touch, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput

@@ -16,7 +16,7 @@ import math
 import os
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import register_schema
 
 from palmbots import log_scene
-from palmbots.carry import Carry, Correction, Letter
+from palmbots.carry import Carry, Correction, Letter, Touch
 from palmbots.carry import trace_dataset as trace_dataset
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["Log", "read_log", "write_log"]
 
 _RECORD = "palmbots"  # the name of the metadata record
-_FORMAT = "1"
+_FORMAT = "2"
 _SCENE_INTERVAL_S = 0.04  # between two pictures of the three-dimensional scene
 
 # Facts of a carry that are no time series: as they are, and as JSON (which keeps every bit too).
@@ -55,6 +55,7 @@ _VALUES = (
 # Variable of the trace, field of the message.
 _ROBOT_FIELDS = (
     ("contact", "contact_m"),
+    ("lift", "lift_m"),
     ("palm", "palm_rad"),
     ("speed", "speed_m_s"),
     ("commanded", "commanded_m_s"),
@@ -88,6 +89,7 @@ class Log:
     contact_rms_m: dict[str, float]
     contact_peak_m: dict[str, float]
     corrections: tuple[Correction, ...]
+    touches: tuple[Touch, ...]
     messages: int
     messages_lost: int
     waiting_s: dict[str, float]
@@ -120,6 +122,7 @@ def _facts(carry: Carry, samples: int) -> dict[str, str]:
     """All that is no time series, as text."""
     values = {"scene": carry.scene.model_dump(mode="json"), "samples": samples}
     values |= {name: getattr(carry, name) for name in _VALUES}
+    values["touches"] = [asdict(touch) for touch in carry.touches]
     return (
         {"format": _FORMAT}
         | {name: getattr(carry, name) for name in _TEXTS}
@@ -309,6 +312,7 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
     told |= {name: json.loads(facts[name]) for name in ("scene", *_VALUES)}
+    told["touches"] = tuple(Touch(**touch) for touch in json.loads(facts["touches"]))
     told["warnings"] = tuple(told["warnings"])
     return Log(
         **told,
