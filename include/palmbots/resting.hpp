@@ -289,7 +289,7 @@ struct Rest {
     Real done = Real(0);
     result.fraction = done;
     if (!by_force && !decide(stance, grip, result)) return result;
-    int idle = 0;
+    int decisions = 0;
     for (result.pieces = 1; done < Real(1); ++result.pieces) {
       const Real goal = done + look() < Real(1) ? done + look() : Real(1);
       const auto at = [&](Real t, Stance<Real>& there) {
@@ -307,7 +307,6 @@ struct Rest {
       const Real when = through ? goal : last_holding(done, goal, stays);
       Stance<Real> now = stance;
       if (when > done && at(when, now)) stance = now;
-      idle = when > done ? 0 : idle + 1;
       done = result.fraction = when;
       if (through) continue;
       // The reason is read where it first applies. Where what slides has only just come to rest or
@@ -321,13 +320,14 @@ struct Rest {
         over = when + later;
       }
       if (result.end != End::none || grip.none()) return result;
-      by_force = idle > 3 || result.pieces > most_pieces;
+      by_force = ++decisions > most_decisions;
     }
     return result;
   }
 
  private:
-  static constexpr std::int32_t most_pieces = 100;
+  // In a step: contacts that slide by turns would do so for ever.
+  static constexpr int most_decisions = 6;
 
   // What happens from here on; false where it is nothing for a grip.
   bool decide(const Stance<Real>& stance, Grip<Real>& grip, Advance<Real>& result) const {

@@ -62,7 +62,8 @@ class World {
     const End end = first_end(rig_, statics_, stance_.palms, stance_.contacts, span_);
     if (!is_touch(end)) return end;
     const Instant<Real> now(rig_, stance_, {}, grip_);
-    return now.kind() == Touch::none ? end : now.check();
+    const End found = now.check();
+    return now.kind() == Touch::none || is_touch(found) ? end : found;
   }
 
   // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
@@ -93,7 +94,7 @@ class World {
   }
 
  private:
-  static constexpr int most_changes = 20;  // of grip in a step: a bound on work
+  static constexpr int most_changes = 6;  // of grip in a step: a bound on work
 
   // How far a palm turns between two looks for events.
   static constexpr Real longest_turn = radians_per_degree<Real>;

@@ -44,6 +44,7 @@ __all__ = [
     "States",
     "StepInput",
     "StepOutput",
+    "Touch",
     "__version__",
     "analyze",
     "carry",
