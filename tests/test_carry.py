@@ -18,7 +18,7 @@ from strategies import scenes
 from table2 import Deed, Robot, tick
 
 CONTROLLERS = ("none", "centralized", "distributed")
-REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed"}
+REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting"}
 IMAGE = dict(zip("12345678", "21435687", strict=True))
 LETTERS = (None, "TiltUp", "TiltDown", "Ack")
 

@@ -243,29 +243,6 @@ class TestEnds:
         angle = STEEP + fraction * (SHALLOW - STEEP)
         assert STEEP - angle == pytest.approx(2 * math.atan(0.06), abs=1e-9)
 
-    def test_flush(self) -> None:
-        """A shallow palm and an object that tilts towards it."""
-        _, w = world(start__right_m=-0.07, palm__friction=0.5)
-        end, *_ = w.advance(0.0, (math.radians(0.5), STEEP))
-        assert end == "flush"
-        dx, dy = w.span
-        tilt = math.atan2(dy, dx)
-        assert tilt == pytest.approx(-w.palms[0], abs=1e-9)
-
-    def test_tip(self) -> None:
-        """A keel hangs down between the palms; closing drives the tip of a palm against it."""
-        keel = [[0, 0], [0.1, 0], [0.1, -0.1], [0.15, -0.1], [0.15, 0], [0.25, 0]]
-        keys = {"object__vertices_m": [*keel, [0.25, 0.16], [0, 0.16]], "object__contacts": [0, 5]}
-        _, w = world(**keys, palm__length_m=0.2)
-        end, *_ = w.advance(-0.2, (STEEP, STEEP), 0.01)
-        assert end == "tip"
-        # The inner end of a palm is at the keel's side, 0.1 m from the contact above it.
-        reach = max(w.contacts) + 0.1
-        dx, dy = w.span
-        side = int(np.argmax(w.contacts))
-        lean = w.palms[side] + (math.atan2(dy, dx) if side == 0 else -math.atan2(dy, dx))
-        assert reach * math.cos(lean) == pytest.approx(0.1, abs=1e-9)
-
     def test_jammed(self) -> None:
         """Both friction cones contain the line between the contacts: no squeeze frees a contact.
 

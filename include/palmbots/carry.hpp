@@ -76,16 +76,16 @@ class Carry {
     if (sensed != sensed_ || tick_ >= wake_) think(sensed);
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
-    const Stance<Real>& now = world_.stance();
-    tally_.add(now.contacts);
-    const Drive<Real> drive =
-        palmbots::drive(robots_, now.palms, {noise_[left][k], noise_[right][k]});
+    tally_.add(world_.touched());
+    const Actuation<Real> act =
+        actuate(robots_, world_.stance().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);
-    const Advance<Real>& step = world_.advance(drive.change, drive.angles, drive.push);
+    const Advance<Real>& step = world_.advance(act.change, act.angles, act.push);
+    metrics_.observe(tick_, world_.touches(), !world_.grip().none());
     robots_.midpoint =
-        robots_.midpoint + (step.end == End::none ? drive.travel : drive.travel * step.fraction);
+        robots_.midpoint + (step.end == End::none ? act.travel : act.travel * step.fraction);
     recorder_.after(*this);
-    finish_tick(step, drive.travel);
+    finish_tick(step, act.travel);
   }
 
   std::uint32_t ticks() const { return tick_; }
@@ -163,10 +163,11 @@ class Carry {
   PerSide<Sensed> sense() const {
     PerSide<Sensed> sensed{};
     const Stance<Real>& now = world_.stance();
+    const PerSide<Real> at = world_.touched();
     Words words{};
     if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
     for (const std::size_t side : {left, right}) {
-      const Real p = now.contacts[side];
+      const Real p = at[side];
       const std::size_t lane = side == leader() ? 0 : 2;
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])

@@ -14,8 +14,12 @@ enum class End : std::uint8_t {
   flush,     // an edge of the object came to lie on a palm
   tip,       // a palm's end met an edge of the object
   tipping,   // the COM went past a contact
-  jammed,    // both contacts are wedged, and the robots still drive
+  jammed,    // no motion is possible in balance, and the robots still drive
+  lifting,   // the object lifted off a palm, and rests on the other one alone
 };
+
+// A further contact closed: what comes of it is not said here.
+constexpr bool is_touch(End end) { return end == End::flush || end == End::tip; }
 
 // What does not change during a carry, in numbers.
 template <class Real>

@@ -181,43 +181,56 @@ class Lockstep {
 
   template <class Done>
   [[gnu::always_inline]] void step(Pack& pack, std::uint64_t tick, Done& done) {
-    think(pack, tick);
-    pack.tally.add(pack.pose.stance.contacts);
+    const PerSide<V> touched = where_touched(pack);
+    think(pack, tick, touched);
+    pack.tally.add(touched);
     const std::size_t k = tick % block_ticks;
     const V before = pack.robots.midpoint;
-    const Drive<V> drive = palmbots::drive(pack.robots, pack.pose.stance.palms,
-                                           {pack.noise[left][k], pack.noise[right][k]});
-    pack.robots.midpoint = before + drive.travel;
-    const Stride<V> went = stride(pack.fixture, pack.pose, drive.change, drive.angles, drive.push);
+    const Actuation<V> act =
+        actuate(pack.robots, pack.pose.stance.palms, {pack.noise[left][k], pack.noise[right][k]});
+    pack.robots.midpoint = before + act.travel;
+    const Stride<V> went = stride(pack.fixture, pack.pose, act.change, act.angles, act.push);
     const std::uint32_t rest = ~went.done.bits() & pack.busy;
     const V gone = pack.robots.midpoint * pack.robots.travel_sense;
     std::uint32_t over = (gone >= pack.goal).bits() & pack.busy;
     if ((rest | over) == 0 && tick < pack.first_timeout) [[likely]]
       return;
     each(rest | over | timed_out(pack, tick), [&](int l) {
-      finish(pack, l, tick, (rest >> l & 1) != 0, drive, Real(before.raw[l]), done);
+      finish(pack, l, tick, (rest >> l & 1) != 0, act, Real(before.raw[l]), done);
     });
   }
 
   // The end of a tick that is not like the others.
   template <class Done>
   [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, bool unusual,
-                                const Drive<V>& drive, Real before, Done& done) {
+                                const Actuation<V>& act, Real before, Done& done) {
     Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
     One& one = *lane.carry;
     take(pack, l, tick);
-    const Drive<Real> own = take_lane(drive, l);
+    const Actuation<Real> own = take_lane(act, l);
     Advance<Real> step;
     if (unusual) {
       step = one.world_.advance(own.change, own.angles, own.push);
       if (step.end != End::none) one.robots_.midpoint = before + own.travel * step.fraction;
       put_lane(pack.pose, l, one.world_.pose());
+      one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
     }
     one.finish_tick(step, own.travel);
     if (one.metrics_.outcome == Result::running) return;
     pack.busy &= ~(1U << l);
     plan(pack);
     done(lane.index, one);
+  }
+
+  // Where the palms are touched: as World::touched().
+  [[gnu::always_inline]] PerSide<V> where_touched(const Pack& pack) const {
+    PerSide<V> touched = pack.pose.stance.contacts;
+    const std::uint32_t rest = (pack.pose.rests != V(0)).bits() & pack.busy;
+    each(rest, [&](int l) {
+      const PerSide<Real> at = pack.lanes[static_cast<std::size_t>(l)].carry->world_.touched();
+      for (const std::size_t side : {left, right}) touched[side].raw[l] = at[side];
+    });
+    return touched;
   }
 
   static std::uint32_t timed_out(const Pack& pack, std::uint64_t tick) {
@@ -229,13 +242,13 @@ class Lockstep {
   }
 
   // What the robots sense, and the teams for which that is news or who have something to do.
-  [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick) {
+  [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
     const auto& stance = pack.pose.stance;
     PerSide<V> signs{pack.reader.signs[0], pack.reader.signs[0]};
     for (std::size_t i = 0; i < pack.changes; ++i) {
       for (const std::size_t side : {left, right}) {
-        signs[side] = select(stance.contacts[side] >= pack.reader.from[i], pack.reader.signs[i + 1],
-                             signs[side]);
+        signs[side] =
+            select(touched[side] >= pack.reader.from[i], pack.reader.signs[i + 1], signs[side]);
       }
     }
     PerSide<LaneMask<Real, n>> turned;

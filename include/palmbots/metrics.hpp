@@ -26,6 +26,18 @@ struct Correction {
 // As many corrections as are kept one by one; more are counted only.
 inline constexpr std::size_t max_corrections = 512;
 
+// A time during which the object rested on more, or on something else, than its two contact vertices:
+// how it began, and in ticks when.
+struct TouchRow {
+  Touch kind;
+  std::size_t side;
+  double start;
+  double end;
+};
+
+// As many of them as are kept one by one; more are counted only.
+inline constexpr std::size_t max_touches = 128;
+
 // Corrections of one robot that alternate in sign and follow each other at once: a dead band too
 // narrow for latency and speed sends (a) into (d) and back for ever (PROTOCOL, "Dead band").
 inline constexpr std::uint32_t limit_cycle_length = 8;
@@ -63,6 +75,8 @@ class Metrics {
   std::uint32_t longest_correction = 0;          // [ticks]
   std::array<Correction, max_corrections> rows;  // the first `corrections` of them; not cleared
   std::uint32_t settle_ticks = 0;
+  std::uint32_t touches = 0;
+  std::array<TouchRow, max_touches> touch_rows;  // the first `touches` of them; not cleared
 
   // Root mean square of a contact coordinate [m].
   double rms(std::size_t side) const {
@@ -96,8 +110,24 @@ class Metrics {
     noted_ = tick;
   }
 
-  // The carry is over: corrections still open end here.
+  // After the world has moved. Of several times within one tick the last is told.
+  template <class Real>
+  void observe(std::uint32_t tick, const Touches<Real>& now, bool lasts) {
+    if (now.count == seen_ && !touching_) return;
+    if (now.count != seen_) {
+      if (touching_) end_touch(double(tick) + double(now.began));
+      seen_ = now.count;
+      touching_ = true;
+      const double start = double(tick) + double(now.began);
+      if (touches < max_touches) touch_rows[touches] = {now.kind, now.side, start, start};
+      ++touches;
+    }
+    if (!lasts) end_touch(double(tick) + double(now.ended));
+  }
+
+  // The carry is over: what is still open ends here.
   void close(std::uint32_t tick) {
+    if (touching_) end_touch(time_ticks);
     for (const std::size_t side : {left, right}) {
       follow(tick, side, {});
       if (waits_[side]) {
@@ -110,6 +140,11 @@ class Metrics {
   }
 
  private:
+  void end_touch(double when) {
+    if (touches <= max_touches) touch_rows[touches - 1].end = when;
+    touching_ = false;
+  }
+
   struct Track {
     char name = ' ';
     std::uint32_t row = 0;
@@ -175,6 +210,8 @@ class Metrics {
     if (last.length >= limit_cycle_length) limit_cycle[side] = true;
   }
 
+  bool touching_ = false;
+  std::uint32_t seen_ = 0;  // of the world's touches
   PerSide<Track> open_{};
   PerSide<bool> waits_{};
   std::uint32_t noted_ = 0;  // the tick of the last note

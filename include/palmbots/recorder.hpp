@@ -54,6 +54,7 @@ struct Row {
   PerSide<std::int8_t> sign;
   PerSide<char> name;  // case
   PerSide<std::int8_t> motion;
+  PerSide<double> lift;  // of the contact vertices above their palms
 
   template <class Visit>
   void numbers(Visit visit) const {
@@ -72,6 +73,7 @@ Row row_of(const Carry& carry, const PerSide<Sensed>& sensed) {
   const auto& stance = carry.world().stance();
   for (const std::size_t side : {left, right}) {
     row.contact[side] = double(stance.contacts[side]);
+    row.lift[side] = double(stance.lift[side]);
     row.palm[side] = double(stance.palms[side].angle);
     row.speed[side] = double(carry.speeds()[side]);
     row.commanded[side] = double(carry.wanted(side, carry.commands()[side]));

@@ -69,7 +69,7 @@ struct Robots {
 
 // What the robots do to the world in one tick.
 template <class Real>
-struct Drive {
+struct Actuation {
   Real change;           // of the separation [m]
   PerSide<Real> angles;  // of the palms at the end of the tick [rad]
   Real push;             // sideways specific force of their acceleration [1]
@@ -77,10 +77,10 @@ struct Drive {
 };
 
 template <class Real>
-[[gnu::always_inline]] inline Drive<Real> drive(Robots<Real>& robots,
-                                                const PerSide<PalmAngle<Real>>& palms,
-                                                const PerSide<Real>& random) {
-  Drive<Real> done{};
+[[gnu::always_inline]] inline Actuation<Real> actuate(Robots<Real>& robots,
+                                                      const PerSide<PalmAngle<Real>>& palms,
+                                                      const PerSide<Real>& random) {
+  Actuation<Real> done{};
   for (const std::size_t side : {left, right}) {
     robots.speeds[side] =
         robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);

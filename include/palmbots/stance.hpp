@@ -28,6 +28,7 @@ struct Stance {
   Real separation;                 // of the pivots [m]
   PerSide<PalmAngle<Real>> palms;  // [rad]
   PerSide<Real> contacts;          // p, from the foot of the pivot, outward [m]
+  PerSide<Real> lift{};            // of the contact vertices above their palms (resting.hpp) [m]
 };
 
 // Distance and height difference of the palms' feet: the span at p = 0.

@@ -21,8 +21,9 @@ template <class V>
 struct Pose {
   Stance<V> stance;
   Span<V> span;
-  V push;  // sideways specific force of the pair's acceleration
-  V tied;  // ±1: the direction in which both contacts slide along their tie; 0: they do not
+  V push;   // sideways specific force of the pair's acceleration
+  V tied;   // ±1: the direction in which both contacts slide along their tie; 0: they do not
+  V rests;  // 1: the object rests on more, or on something else, than its two vertices
 };
 
 // The load as it counts for which contact lets go first: with the push.
@@ -98,6 +99,7 @@ template <class V>
   const Mask on_left = left_sooner > V(0);
   Mask good = (closing & (pose.tied <= V(0))) | (opening & (pose.tied >= V(0)));
   good = good & (on_left | (left_sooner < V(0)));
+  good = good & (pose.rests == V(0));
   for (const std::size_t side : {left, right}) {
     good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
     good = good & within(turn[side], longest);

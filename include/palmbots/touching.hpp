@@ -3,7 +3,7 @@
 // Seen from a contact vertex: a palm is a segment along the x axis of its own frame (inward, normal), as
 // in clearance.hpp. The object touches it with a vertex, with an edge that lies flush on it (whose two
 // ends on the palm hold it like two points), or meets a palm's tip with an edge, whose normal counts
-// there. What is nearer than `touch_tolerance` × w touches. Source: MECHANICS section 5.
+// there. What is nearer than a tolerance touches. Source: MECHANICS section 5.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +23,9 @@ enum class Meeting : std::uint8_t { vertex, flush, tip };
 template <class Real>
 struct TouchPoint {
   Meeting meeting;
+  // What touches: an end of the palm and the edge that starts at this vertex, or this vertex.
+  bool palm_end;
+  std::size_t feature;
   Real place;           // p on the palm [m]
   PerSide<Real> along;  // in the object's frame, as Vertex
   Real height;
@@ -40,17 +43,19 @@ struct Touching {
 
 namespace detail {
 
-// One palm and the object in the palm's frame, whose origin is the contact vertex.
+// One palm and the object in the palm's frame, whose origin is the contact vertex's foot on the palm.
 template <class Real>
 class PalmView {
  public:
-  PalmView(const Rig<Real>& rig, const Stance<Real>& stance, std::size_t side, Span<Real> span)
+  PalmView(const Rig<Real>& rig, const Stance<Real>& stance, std::size_t side, Span<Real> span,
+           Real near)
       : rig_(rig),
         side_(side),
         palm_(stance.palms[side]),
         own_(stance.contacts[side]),
+        lift_(stance.lift[side]),
         half_(rig.half_length[side]),
-        near_(touch_tolerance<Real> * rig.load.width) {
+        near_(near) {
     const Reach<Real> r = reach(span, side, palm_);
     cos_ = r.inward / rig.load.width;
     sin_ = r.normal / rig.load.width;
@@ -67,15 +72,18 @@ class PalmView {
     found.pivot_y[side_] = pivot.above;
     found.sunk[side_] = sunk();
     Surface surface{};
-    surface.places[surface.count++] = {own_, Meeting::vertex};
+    const bool stands = lift_ <= near_;
+    if (stands) {
+      surface.places[surface.count++] = {own_, Meeting::vertex, false, rig_.outline.contact[side_]};
+    }
     add_flush(surface);
     add_vertices(surface);
     for (std::size_t k = 0; k < surface.count; ++k) {
       // Between the outermost contacts of one plate others add nothing: their forces and velocities
       // lie between those of the outer ones.
       const Real p = surface.places[k].place;
-      if (k == 0 || p == surface.low() || p == surface.high()) {
-        put(found, surface.places[k].meeting, p, {Real(0), Real(1)});
+      if ((k == 0 && stands) || p == surface.low() || p == surface.high()) {
+        put(found, surface.places[k], {Real(0), Real(1)});
       }
     }
     add_tips(found, surface);
@@ -89,6 +97,8 @@ class PalmView {
   struct OnPalm {
     Real place;
     Meeting meeting;
+    bool palm_end;
+    std::size_t feature;
   };
   struct Surface {
     std::array<OnPalm, 3 * max_outline + 1> places{};
@@ -107,7 +117,7 @@ class PalmView {
   };
 
   Place seen(Real along, Real height) const {
-    return {along * cos_ - height * sin_, along * sin_ + height * cos_};
+    return {along * cos_ - height * sin_, along * sin_ + height * cos_ + lift_};
   }
 
   // A direction, or a point relative to the COM, in the world (as x and y).
@@ -134,14 +144,14 @@ class PalmView {
   bool on_palm(Real place) const { return absolute(place) <= half_ + near_; }
 
   // The same place once; an end of a flush edge is that before it is a vertex.
-  void insert(Surface& surface, Real place, Meeting meeting) const {
+  void insert(Surface& surface, const OnPalm& point) const {
     for (std::size_t k = 0; k < surface.count; ++k) {
-      if (absolute(surface.places[k].place - place) <= Real(2) * near_) {
-        if (meeting == Meeting::flush) surface.places[k].meeting = meeting;
+      if (absolute(surface.places[k].place - point.place) <= Real(2) * near_) {
+        if (point.meeting == Meeting::flush) surface.places[k].meeting = point.meeting;
         return;
       }
     }
-    surface.places[surface.count++] = {place, meeting};
+    surface.places[surface.count++] = point;
   }
 
   void add_flush(Surface& surface) const {
@@ -150,15 +160,19 @@ class PalmView {
       const Place& b = at_[next(i)];
       const Real run = b.inward - a.inward;
       if (!(mirrored(side_, run) > Real(0))) continue;  // the object is below this edge
-      const Real low = clamp(own_ - (run > Real(0) ? b : a).inward, -half_, half_);
-      const Real high = clamp(own_ - (run > Real(0) ? a : b).inward, -half_, half_);
+      const std::size_t inner = run > Real(0) ? next(i) : i;
+      const std::size_t outer = run > Real(0) ? i : next(i);
+      const Real low = clamp(own_ - at_[inner].inward, -half_, half_);
+      const Real high = clamp(own_ - at_[outer].inward, -half_, half_);
       if (!(high - low > Real(100) * near_)) continue;  // too short a stretch to have a direction
       const Real rise = (b.above - a.above) / run;
       const Real above_low = a.above + rise * ((own_ - low) - a.inward);
       const Real above_high = a.above + rise * ((own_ - high) - a.inward);
       if (absolute(above_low) <= near_ && absolute(above_high) <= near_) {
-        insert(surface, low, Meeting::flush);
-        insert(surface, high, Meeting::flush);
+        const bool ends_low = own_ - at_[inner].inward < -half_ - near_;
+        const bool ends_high = own_ - at_[outer].inward > half_ + near_;
+        insert(surface, {low, Meeting::flush, ends_low, ends_low ? i : inner});
+        insert(surface, {high, Meeting::flush, ends_high, ends_high ? i : outer});
       }
     }
   }
@@ -172,7 +186,7 @@ class PalmView {
                                             (v.above - before.above) * (after.inward - v.inward));
       const bool below = before.above < -near_ && after.above < -near_;
       if (absolute(v.above) <= near_ && on_palm(own_ - v.inward) && turn > Real(0) && !below) {
-        insert(surface, clamp(own_ - v.inward, -half_, half_), Meeting::vertex);
+        insert(surface, {clamp(own_ - v.inward, -half_, half_), Meeting::vertex, false, i});
       }
     }
   }
@@ -186,23 +200,27 @@ class PalmView {
       }
       if (known) continue;
       for (std::size_t i = 0; i < rig_.outline.count; ++i) {
-        if (distance({own_ - end, Real(0)}, i) <= near_) put(found, Meeting::tip, end, into(i));
+        if (distance({own_ - end, Real(0)}, i) <= near_) {
+          put(found, {end, Meeting::tip, true, i}, into(i));
+        }
       }
     }
   }
 
-  void put(Touching<Real>& found, Meeting meeting, Real place, Place normal) const {
+  void put(Touching<Real>& found, const OnPalm& at, Place normal) const {
     if (found.count < max_supports) {
-      const Real inward = own_ - place;
-      const Real along = inward * cos_;
+      const Real inward = own_ - at.place;
+      const Real along = inward * cos_ - lift_ * sin_;
       const Real beyond = rig_.load.width - along;
       const Place point = world({inward, Real(0)});
       const Place n = turned(normal);
       found.points[found.count] = {
-          meeting,
-          place,
+          at.meeting,
+          at.palm_end,
+          at.feature,
+          at.place,
           side_ == left ? PerSide<Real>{along, beyond} : PerSide<Real>{beyond, along},
-          Real(0) - inward * sin_,
+          Real(0) - inward * sin_ - lift_ * cos_,
           {side_, point.inward, point.above, n.inward, n.above, rig_.friction[side_]}};
     }
     ++found.count;
@@ -224,7 +242,8 @@ class PalmView {
 
   // How far inside the object a point of the palm lies.
   Real depth(Real inward) const {
-    if (!inside(rig_.outline, side_, inward * cos_, -inward * sin_)) return Real(0);
+    const Real along = inward * cos_ - lift_ * sin_;
+    if (!inside(rig_.outline, side_, along, -inward * sin_ - lift_ * cos_)) return Real(0);
     Real least = distance({inward, Real(0)}, 0);
     for (std::size_t i = 1; i < rig_.outline.count; ++i) {
       const Real other = distance({inward, Real(0)}, i);
@@ -266,6 +285,7 @@ class PalmView {
   std::size_t side_;
   PalmAngle<Real> palm_;
   Real own_;
+  Real lift_;
   Real half_;
   Real near_;
   Real cos_ = Real(1);
@@ -276,15 +296,23 @@ class PalmView {
 
 }  // namespace detail
 
-// All contacts of a state; the stance's separation does not count, the contacts and angles give it.
+// How far the contact vertices are from the pivots, along the palms' normals.
 template <class Real>
-Touching<Real> touching(const Rig<Real>& rig, const Stance<Real>& stance) {
+constexpr PerSide<Real> vertex_offset(const Rig<Real>& rig, const Stance<Real>& stance) {
+  return {rig.offset[left] + stance.lift[left], rig.offset[right] + stance.lift[right]};
+}
+
+// All contacts of a state, nearer than `tolerance` × w; the stance's separation does not count, the
+// contacts and angles give it.
+template <class Real>
+Touching<Real> touching(const Rig<Real>& rig, const Stance<Real>& stance,
+                        Real tolerance = touch_tolerance<Real>) {
   const Real width = rig.load.width;
-  const Real dy = span(stance, rig.offset).dy;
+  const Real dy = span(stance, vertex_offset(rig, stance)).dy;
   const Span<Real> between{std::sqrt((width - dy) * (width + dy)), dy};
   Touching<Real> found{};
   for (const std::size_t side : {left, right}) {
-    detail::PalmView<Real>(rig, stance, side, between).add_to(found);
+    detail::PalmView<Real>(rig, stance, side, between, tolerance * width).add_to(found);
   }
   return found;
 }

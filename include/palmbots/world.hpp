@@ -11,6 +11,7 @@
 //              towards the other's region both slide from there on and keep them equal; where one
 //              drives on into its own region it alone slides; where either would (a symmetric object
 //              closed on by equal palms), both slide and stay equal, by rule;
+//   touch      a further contact closes: resting.hpp takes over until it opens again;
 //   end        the carry is over.
 //
 // At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
@@ -26,49 +27,58 @@
 // Source: MECHANICS sections 1, 2, 4, 5, 6.
 #pragma once
 
-#include "palmbots/locate.hpp"
+#include "palmbots/resting.hpp"
 #include "palmbots/stride.hpp"
 
 namespace palmbots {
-
-// What a step did.
-template <class Real>
-struct Advance {
-  End end = End::none;
-  Real fraction = Real(1);  // of the step that was done
-  Mode motion{};            // of its last piece
-  std::int32_t pieces = 1;  // regimes passed through
-};
 
 template <class Real>
 class World {
  public:
   World() = default;
   World(const Rig<Real>& rig, const Stance<Real>& stance)
-      : rig_(rig), pose_{stance, palmbots::span(stance, rig.offset), Real(0), Real(0)} {}
+      : rig_(rig), pose_{stance, palmbots::span(stance, rig.offset), Real(0), Real(0), Real(0)} {}
 
   const Stance<Real>& stance() const { return pose_.stance; }
   const Rig<Real>& rig() const { return rig_; }
   Span<Real> span() const { return pose_.span; }
+  // Where the palms are touched: p of the contact vertex as long as that is on the palm.
+  PerSide<Real> touched() const {
+    if (grip_.none()) return pose_.stance.contacts;
+    return {felt(rig_, grip_, pose_.stance, left), felt(rig_, grip_, pose_.stance, right)};
+  }
   const Advance<Real>& last() const { return last_; }
 
   // What is moving, to be taken out and put back by whoever moves several worlds in lockstep.
   const Pose<Real>& pose() const { return pose_; }
   void place(const Pose<Real>& pose) { pose_ = pose; }
 
+  // What the object rests on; none: its two contact vertices.
+  const Grip<Real>& grip() const { return grip_; }
+  const Touches<Real>& touches() const { return touches_; }
+
   // Why the object is not held where it is now (none: it is).
   End check() const {
-    const Stance<Real>& now = pose_.stance;
-    return first_end(rig_, Statics<Real>::at(rig_, now.palms), now.palms, now.contacts, pose_.span);
+    const Stance<Real>& here = pose_.stance;
+    if (!grip_.none()) return Instant<Real>(rig_, here, {}, grip_).check();
+    const Statics<Real> statics = Statics<Real>::at(rig_, here.palms);
+    const End end = first_end(rig_, statics, here.palms, here.contacts, pose_.span);
+    if (!is_touch(end)) return end;
+    const Instant<Real> now(rig_, here, {}, grip_);
+    const End found = now.check();
+    return now.kind() == Touch::none || is_touch(found) ? end : found;
   }
 
   // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
   End shift(const PerSide<Real>& by) {
     Stance<Real>& now = pose_.stance;
     for (const std::size_t side : {left, right}) now.contacts[side] += by[side];
+    now.lift = {};
     now.separation = closing_separation(now, rig_.offset, rig_.load.width);
     pose_.span = palmbots::span(now, rig_.offset);
     pose_.tied = Real(0);
+    grip_ = {};
+    pose_.rests = Real(0);
     return check();
   }
 
@@ -85,16 +95,65 @@ class World {
       last_.motion[other(side)] = Slide::stick;
       last_.pieces = 1;
     } else {
-      last_ = Pieces{*this, change, angles}.run();
+      last_ = go(change, angles);
+      pose_.rests = Real(grip_.none() ? 0 : 1);
     }
     return last_;
   }
 
  private:
+  static constexpr int most_changes = 6;  // of grip in a step: a bound on work
+
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
 
   static constexpr Real sense_of(Slide direction) { return Real(static_cast<int>(direction)); }
+
+  // A whole step, by turns upon the two vertices alone and in another grip.
+  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& angles) {
+    Stance<Real>& stance = pose_.stance;
+    const Real goal = stance.separation + change;
+    Drive<Real> drive{change, {}};
+    Advance<Real> total{End::none, Real(0), {}, 0};
+    Real released = Real(-1);  // when the object came back upon its two vertices
+    bool by_force = false;
+    for (int changes = 0;; ++changes) {
+      for (const std::size_t side : {left, right}) {
+        drive.turn[side] = angles[side] - stance.palms[side].angle;
+      }
+      const bool rests = !grip_.none();
+      const Advance<Real> part =
+          rests ? Rest<Real>{rig_, drive, angles, pose_.push}.run(stance, grip_, by_force)
+                : Pieces{*this, drive.change, angles}.run();
+      total = {part.end, total.fraction + (Real(1) - total.fraction) * part.fraction, part.motion,
+               total.pieces + part.pieces};
+      if (rests) {
+        pose_.tied = Real(0);
+        if (grip_.none()) {
+          stance.lift = {};
+          released = touches_.ended = total.fraction;
+        }
+        pose_.span = palmbots::span(stance, vertex_offset(rig_, stance));
+      } else if (is_touch(part.end)) {
+        const Instant<Real> now(rig_, stance, drive, grip_);
+        if (now.kind() == Touch::none) return total;  // at the very end of a palm
+        const auto fate = now.fate(pose_.push);
+        const bool again = released == total.fraction;
+        if (!again) {
+          touches_ = {touches_.count + 1, now.kind(), now.side(), total.fraction, total.fraction};
+        }
+        total.end = fate.end;
+        grip_ = fate.grip;
+        // What balance opens and the vertices' motion closes all the same (by rounding, or because
+        // they slide by turns) stays for the rest of the step.
+        by_force = fate.end == End::none && grip_.none() && (again || changes > most_changes);
+        if (by_force) grip_ = now.all();
+        released = total.fraction;
+      }
+      if (total.end != End::none || total.fraction >= Real(1)) return total;
+      drive.change = goal - stance.separation;
+    }
+  }
 
   struct State {
     Stance<Real> stance;
@@ -318,6 +377,8 @@ class World {
   Rig<Real> rig_{};
   Pose<Real> pose_{};
   Advance<Real> last_{};
+  Grip<Real> grip_{};
+  Touches<Real> touches_{};
 };
 
 }  // namespace palmbots

@@ -12,8 +12,9 @@ namespace palmbots::bindings {
 namespace nb = nanobind;
 
 inline constexpr const char* result_names[] = {"running", "delivered", "dropped", "stalled"};
+inline constexpr const char* touch_names[] = {"", "flush", "tip"};
 inline constexpr const char* end_names[] = {"",    "off-palm", "sliding", "flush",
-                                            "tip", "tipping",  "jammed"};
+                                            "tip", "tipping",  "jammed",  "lifting"};
 inline constexpr const char* letter_names[] = {"",    "TiltUp",  "TiltDown",
                                                "Ack", "Closing", "Raised"};
 

@@ -137,6 +137,7 @@ nb::object trace(const Run& run) {
   time->push_back(run.metrics.time_ticks * run.period);
   d["time_s"] = nb::ndarray<nb::numpy, double>(time->data(), {time->size()}, owner_of(time));
   d["contact_m"] = columns<double>(rows, [](const Row& r) { return r.contact; });
+  d["lift_m"] = columns<double>(rows, [](const Row& r) { return r.lift; });
   d["palm_rad"] = columns<double>(rows, [](const Row& r) { return r.palm; });
   d["speed_m_s"] = columns<double>(rows, [](const Row& r) { return r.speed; });
   d["commanded_m_s"] = columns<double>(rows, [](const Row& r) { return r.commanded; });
@@ -162,6 +163,17 @@ nb::list corrections(const Run& run) {
     list.append(nb::make_tuple(static_cast<int>(c.robot), nb::str(&c.name, 1),
                                static_cast<int>(c.assistant), double(c.start) * run.period,
                                end * run.period));
+  }
+  return list;
+}
+
+nb::list touches(const Run& run) {
+  nb::list list;
+  const std::size_t kept = run.metrics.touches < max_touches ? run.metrics.touches : max_touches;
+  for (std::size_t i = 0; i < kept; ++i) {
+    const TouchRow& t = run.metrics.touch_rows[i];
+    list.append(nb::make_tuple(t.side, touch_names[static_cast<int>(t.kind)], t.start * run.period,
+                               t.end * run.period));
   }
   return list;
 }
@@ -245,6 +257,8 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)
+      .def_prop_ro("touch_count", [](const Run& r) { return r.metrics.touches; })
+      .def_prop_ro("touches", &touches)
       .def_prop_ro("letters", &letters)
       .def_prop_ro("trace", &trace)
       .def_prop_ro("trace_hash", [](const Run& r) { return hex(r.hash); });

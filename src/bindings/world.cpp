@@ -3,6 +3,7 @@
 
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
 
@@ -32,6 +33,19 @@ void bind_world(nb::module_& m) {
                      return std::pair(w.stance().palms[left].angle, w.stance().palms[right].angle);
                    })
       .def_prop_ro("span", [](const W& w) { return std::pair(w.span().dx, w.span().dy); })
+      .def_prop_ro("lift", [](const W& w) { return pair_of(w.stance().lift); })
+      .def_prop_ro(
+          "grip",
+          [](const W& w) {
+            std::vector<std::tuple<std::size_t, bool, std::size_t, double>> holds;
+            for (std::size_t i = 0; i < w.grip().count; ++i) {
+              const Hold<double>& h = w.grip().holds[i];
+              holds.emplace_back(h.side, h.tip, h.feature, h.end);
+            }
+            return holds;
+          },
+          "Contacts as (side, tip, vertex or edge, p of the tip); empty: the two vertices alone.")
+      .def_prop_ro("touches", [](const W& w) { return w.touches().count; })
       .def(
           "check", [](const W& w) { return end_names[static_cast<int>(w.check())]; },
           "Why the object is not held here; empty if it is.")

@@ -6,7 +6,7 @@
 """
 
 from palmbots import wire
-from palmbots.carry import Carry, Correction, Letter, carry
+from palmbots.carry import Carry, Correction, Letter, Touch, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
@@ -45,6 +45,7 @@ __all__ = [
     "States",
     "StepInput",
     "StepOutput",
+    "Touch",
     "__version__",
     "analyze",
     "carry",

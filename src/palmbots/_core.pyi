@@ -399,6 +399,18 @@ class World:
     @property
     def span(self) -> tuple[float, float]: ...
 
+    @property
+    def lift(self) -> tuple[float, float]: ...
+
+    @property
+    def grip(self) -> list[tuple[int, bool, int, float]]:
+        """
+        Contacts as (side, tip, vertex or edge, p of the tip); empty: the two vertices alone.
+        """
+
+    @property
+    def touches(self) -> int: ...
+
     def check(self) -> str:
         """Why the object is not held here; empty if it is."""
 
@@ -511,6 +523,12 @@ class Run:
 
     @property
     def corrections(self) -> list: ...
+
+    @property
+    def touch_count(self) -> int: ...
+
+    @property
+    def touches(self) -> list: ...
 
     @property
     def letters(self) -> list: ...

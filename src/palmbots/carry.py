@@ -27,6 +27,7 @@ __all__ = [
     "Correction",
     "Letter",
     "LinkCounts",
+    "Touch",
     "carry",
     "trace_dataset",
 ]
@@ -43,6 +44,7 @@ _PATIENCE_S = 2.0  # what a partner may take over an answer, besides the radio's
 # Name in the dataset: (name in the core, unit, meaning)
 _VARIABLES = {
     "contact": ("contact_m", "m", "contact coordinate p, outward from the pivot"),
+    "lift": ("lift_m", "m", "height of the contact vertex above its palm"),
     "palm": ("palm_rad", "rad", "palm angle"),
     "speed": ("speed_m_s", "m/s", "speed over the following tick"),
     "commanded": ("commanded_m_s", "m/s", "commanded speed"),
@@ -67,6 +69,19 @@ class Correction:
     """``a``, ``b``, ``d`` of Table 2, or ``1`` to ``8`` of Table 1."""
     assistant: Literal["left", "right"] | None
     """Who came to assist; None also where a robot asked and nobody answered."""
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """A time during which the object rested on more, or on something else, than its two contact
+    vertices."""
+
+    robot: Literal["left", "right"]
+    """Whose palm touched more of it."""
+    kind: Literal["flush", "tip"]
+    """How it began: an edge or a further vertex came to lie on the palm, or its tip met an edge."""
     start_s: float
     end_s: float
 
@@ -117,6 +132,8 @@ class Carry:
     contact_peak_m: dict[str, float]
     """The largest absolute contact coordinate."""
     corrections: tuple[Correction, ...]
+    touches: tuple[Touch, ...]
+    """When the object rested on more, or on something else, than its two contact vertices."""
     messages: int
     """Messages sent: letters, or state packets where a station decides."""
     messages_lost: int
@@ -146,6 +163,9 @@ class Carry:
             "corrections": [
                 {field: getattr(c, field) for field in Correction.__slots__}
                 for c in self.corrections
+            ],
+            "touches": [
+                {field: getattr(t, field) for field in Touch.__slots__} for t in self.touches
             ],
             "messages": self.messages,
             "messages_lost": self.messages_lost,
@@ -222,6 +242,9 @@ def carry(
         contact_rms_m=_by_side(run.contact_rms_m),
         contact_peak_m=_by_side(run.contact_peak_m),
         corrections=_corrections(run.corrections),
+        touches=tuple(
+            Touch(_SIDES[side], kind, start, end) for side, kind, start, end in run.touches
+        ),
         messages=run.messages,
         messages_lost=run.messages_lost,
         links=_links(run.links, name),
@@ -294,6 +317,8 @@ def _warnings_after(run: Any, scene: Scene, controller: str) -> tuple[str, ...]:
     ]
     if run.correction_count > len(run.corrections):
         told.append(f"{run.correction_count} corrections; only the first are listed")
+    if run.touch_count > len(run.touches):
+        told.append(f"{run.touch_count} touches; only the first are listed")
     return tuple(told)
 
 

@@ -54,7 +54,7 @@ class Placement:
     palm_inner: Array  #: (n, 2 sides, 2) inward end of each palm's surface
     palm_outer: Array  #: (n, 2 sides, 2) outward end of each palm's surface
     palm_turn: Array  #: (n, 2 sides) anticlockwise turn of each palm from level, radians
-    contact: Array  #: (n, 2 sides, 2) contact points on the palms
+    contact: Array  #: (n, 2 sides, 2) contact points on the palms: the feet of the contact vertices
     outline: Array  #: (n, m, 2) corners of the object, in the order of `Spec.outline`
     com: Array  #: (n, 2) centre of mass of the object
     turn: Array  #: (n,) anticlockwise turn of the object, radians
@@ -68,8 +68,10 @@ def place(
     palm: ArrayLike,
     contact: ArrayLike,
     turn: ArrayLike,
+    lift: ArrayLike = 0.0,
 ) -> Placement:
-    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n).
+    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n) and
+    heights of the contact vertices above the palms (n, 2).
 
     The object hangs on its left contact; that its right contact vertex then lies on the right palm
     is the loop constraint, which the world keeps.
@@ -86,12 +88,13 @@ def place(
     foot = pivot + offset[:, None] * normal
 
     touched = foot + p[..., None] * along
+    vertex = touched + np.broadcast_to(lift, p.shape)[..., None] * normal
     cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
 
     def carried(points: ArrayLike) -> Array:
         x, y = np.asarray(points, float).T
         turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
-        return turned + touched[:, :1, :]
+        return turned + vertex[:, :1, :]
 
     return Placement(
         pivot=pivot,
@@ -115,6 +118,7 @@ def place_rows(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer
         palm=chosen["palm"].transpose("time", "side"),
         contact=chosen["contact"].transpose("time", "side"),
         turn=chosen["object"],
+        lift=chosen["lift"].transpose("time", "side"),
     )
 
 

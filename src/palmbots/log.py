@@ -16,7 +16,7 @@ import math
 import os
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,7 @@ from mcap_protobuf.schema import register_schema
 
 from palmbots import log_scene
 from palmbots.bounds import Bounds
-from palmbots.carry import Carry, Correction, Letter, LinkCounts
+from palmbots.carry import Carry, Correction, Letter, LinkCounts, Touch
 from palmbots.carry import trace_dataset as trace_dataset
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
@@ -56,6 +56,7 @@ _VALUES = (
 # Variable of the trace, field of the message.
 _ROBOT_FIELDS = (
     ("contact", "contact_m"),
+    ("lift", "lift_m"),
     ("palm", "palm_rad"),
     ("speed", "speed_m_s"),
     ("commanded", "commanded_m_s"),
@@ -89,6 +90,7 @@ class Log:
     contact_rms_m: dict[str, float]
     contact_peak_m: dict[str, float]
     corrections: tuple[Correction, ...]
+    touches: tuple[Touch, ...]
     messages: int
     messages_lost: int
     links: dict[str, LinkCounts]
@@ -123,6 +125,7 @@ def _facts(carry: Carry, samples: int) -> dict[str, str]:
     """All that is no time series, as text."""
     values = {"scene": carry.scene.model_dump(mode="json"), "samples": samples}
     values |= {name: carry.summary()[name] for name in _VALUES}
+    values["touches"] = [asdict(touch) for touch in carry.touches]
     return (
         {"format": _FORMAT}
         | {name: getattr(carry, name) for name in _TEXTS}
@@ -312,6 +315,7 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
     told |= {name: json.loads(facts[name]) for name in ("scene", *_VALUES)}
+    told["touches"] = tuple(Touch(**touch) for touch in json.loads(facts["touches"]))
     told["warnings"] = tuple(told["warnings"])
     told["links"] = {name: LinkCounts(**counts) for name, counts in told["links"].items()}
     told["bounds"] = None if told["bounds"] is None else Bounds(**told["bounds"])

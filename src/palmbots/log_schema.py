@@ -19,10 +19,12 @@ _KINDS = {
 }
 
 _MESSAGES = {
-    # One robot at one tick. contact_m > 0 is outward, palm_rad > 0 rises outward; speeds are along
-    # the world's x. sign: the sensor's reading. motion: −1 slides inward, 0 sticks, +1 outward.
+    # One robot at one tick. contact_m > 0 is outward, lift_m is the height of the contact vertex
+    # above the palm, palm_rad > 0 rises outward; speeds are along the world's x. sign: the sensor's
+    # reading. motion: −1 slides inward, 0 sticks, +1 outward.
     "RobotState": (
         ("contact_m", "double"),
+        ("lift_m", "double"),
         ("palm_rad", "double"),
         ("speed_m_s", "double"),
         ("commanded_m_s", "double"),

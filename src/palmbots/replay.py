@@ -18,7 +18,7 @@ __all__ = ["Replay", "replay"]
 
 _FACTS = (
     "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
-    "messages_lost", "waiting_s", "bumps", "warnings", "corrections", "letters",
+    "messages_lost", "waiting_s", "bumps", "warnings", "corrections", "touches", "letters",
 )  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def _other_difference(log: Log, again: Carry) -> str | None:
     for name in _FACTS:
         before, now = getattr(log, name), getattr(again, name)
         if before != now:
-            if name in ("corrections", "letters"):
+            if name in ("corrections", "touches", "letters"):
                 pairs = enumerate(zip(before, now, strict=False), start=1)
                 first = next((k for k, (a, b) in pairs if a != b), min(len(before), len(now)) + 1)
                 return f"{name}: number {first} differs"

@@ -35,10 +35,11 @@ _ANY_WIDTH = 10_000  # columns: a pipe or a file has no edge at which to break o
 _REASONS = {
     "off-palm": "a contact ran past the end of its palm",
     "sliding": "no squeeze balances the object: it slides on both palms",
-    "flush": "an edge of the object came to lie on a palm",
-    "tip": "the end of a palm met an edge of the object",
+    "flush": "a palm and an edge of the object are in the same place",
+    "tip": "the end of a palm is in the object",
     "tipping": "the centre of mass went past a contact",
-    "jammed": "both contacts are wedged",
+    "jammed": "no motion that the palms allow is in balance",
+    "lifting": "the object lifted off a palm",
 }
 
 _CASES = {
@@ -124,6 +125,13 @@ def carry_report(
         console.print(cases)
     if done.bounds is not None:
         _bounds(console, done.bounds)
+    if done.touches:
+        first = done.touches[0]
+        console.print(
+            f"{counted(len(done.touches), 'time')} upon more than two vertices, first {first.kind} "
+            f"{first.robot} at {first.start_s:.2f} s, "
+            f"{sum(t.end_s - t.start_s for t in done.touches):.2f} s in all"
+        )
     lost = f", {done.messages_lost} lost" if done.messages_lost else ""
     bumps = f"   {counted(done.bumps, 'bump')}" if done.bumps else ""
     messages = counted(done.messages, "message")
