@@ -1,0 +1,74 @@
+// What two robots say over a radio that loses, doubles, delays and reorders, and which of it counts.
+//
+// A beacon carries a letter, who sent it when (boot epoch, and the sender's own count of ticks since
+// boot, which serves as sequence number), and an *echo*: the newest such pair that the sender had
+// heard from its partner. The echo does three things at once:
+//   * "I hear you": where the way out is dead, the partner's echo stands still, so both robots know;
+//   * an age: a beacon that echoes what I sent at my tick s was sent after s. So it is at most
+//     now − s old, by my own clock alone: no delay bound is trusted and no clocks are compared;
+//   * an answer: it tells which of my letters the partner knew when it wrote.
+// Only the newest beacon counts. An older one that comes later, or twice, is rejected; a reboot has
+// a higher epoch and outdates all that was sent before. Time is in control ticks.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/message.hpp"
+
+namespace palmbots {
+
+// When something was sent: in which life of the sender, and at which tick of it.
+struct Stamp {
+  std::uint16_t epoch = 0;  // 0: never
+  std::uint32_t tick = 0;
+
+  constexpr bool after(const Stamp& that) const {
+    return epoch > that.epoch || (epoch == that.epoch && tick > that.tick);
+  }
+};
+
+struct Beacon {
+  Letter letter = Letter::none;
+  bool rests = false;  // the sender does not travel
+  Stamp sent;
+  Stamp heard;  // the newest of the partner's that the sender had heard
+};
+
+// "Older than anything": an age that no lease reaches.
+inline constexpr std::uint16_t ageless = 0xFFFF;
+
+// The ear of one robot.
+class Ear {
+ public:
+  // A robot in its `epoch`-th life, from 1: the number must outlive a reboot.
+  constexpr explicit Ear(std::uint16_t epoch) : now_{epoch, 0} {}
+
+  constexpr void tick(std::uint16_t elapsed) { now_.tick += elapsed; }
+
+  // Takes a beacon if it is newer than all before it, and says whether it was.
+  constexpr bool take(const Beacon& beacon) {
+    if (!beacon.sent.after(newest_.sent)) return false;
+    newest_ = beacon;
+    return true;
+  }
+
+  constexpr const Beacon& newest() const { return newest_; }
+
+  // For how long at most the newest beacon has been under way or here [ticks].
+  constexpr std::uint16_t age() const {
+    if (newest_.heard.epoch != now_.epoch || newest_.heard.tick > now_.tick) return ageless;
+    const std::uint32_t age = now_.tick - newest_.heard.tick;
+    return age < ageless ? static_cast<std::uint16_t>(age) : ageless;
+  }
+
+  // The beacon to send now.
+  constexpr Beacon beacon(Letter letter, bool rests) const {
+    return {letter, rests, now_, newest_.sent};
+  }
+
+ private:
+  Stamp now_;
+  Beacon newest_;
+};
+
+}  // namespace palmbots
