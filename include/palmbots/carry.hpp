@@ -61,12 +61,31 @@ Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
 }
 
+inline Channel channel_of(const Spec& spec) {
+  Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+  channel.duplicate_words = Channel::words_of(spec.duplicate);
+  channel.reorders = spec.reorders != 0;
+  channel.burst_share = spec.burst_share;
+  channel.burst_rate = spec.period / ((1 - spec.burst_share) * spec.burst_mean);
+  channel.airtime_ticks = spec.airtime / spec.period;
+  channel.outage_count = spec.outage_count;
+  for (std::size_t i = 0; i < spec.outage_count; ++i) {
+    const OutageSpec& outage = spec.outages[i];
+    const auto tick = [&](double s) { return static_cast<std::uint32_t>(s / spec.period + 0.5); };
+    channel.outages[i] = {outage.sender, tick(outage.from), tick(outage.to)};
+  }
+  return channel;
+}
+
+inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
+
 template <class Real, class Team, class Recorder>
 class Carry {
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
       : spec_(spec),
         seed_(seed),
+        faults_(Faults::of(spec, seed)),
         team_(std::move(team)),
         recorder_(std::move(recorder)),
         sense_of_travel_(Real(spec.direction)) {
@@ -152,9 +171,11 @@ class Carry {
   const PerSide<Command>& commands() const { return commands_; }
 
   // The speed a command asks of a robot, in the world's x direction.
-  Real wanted(std::size_t side, Move move) const {
+  Real wanted(std::size_t side, Command command) const {
     const Real away = outward<Real>(side) * full_move_[side];
-    return nominal_[side] + (move == Move::away ? away : (move == Move::closer ? -away : Real(0)));
+    const Real move =
+        command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
+    return (command.rest ? Real(0) : nominal_[side]) + move;
   }
 
  private:
@@ -165,13 +186,13 @@ class Carry {
     for (const std::size_t side : {left, right}) {
       goal_angle_[side] = wrists_[side].target(commands[side].palm);
       goal_speed_[side] =
-          wheels_[side].within_limit(sense_of_travel_ * wanted(side, commands[side].move));
+          wheels_[side].within_limit(sense_of_travel_ * wanted(side, commands[side]));
     }
   }
 
   // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
   // draws the mirrored numbers.
-  std::size_t leader() const { return spec_.direction > 0 ? right : left; }
+  std::size_t leader() const { return leader_of(spec_); }
   Real random(const Words& words, std::uint32_t tick, std::size_t side) const {
     return unit_noise<Real>(words[2 * (tick & 1) + (side == leader() ? 0 : 1)]);
   }
@@ -199,6 +220,8 @@ class Carry {
       sensed[side].sign = tactile_.has_false_readings()
                               ? tactile_.sign(p, words[lane], words[lane + 1])
                               : tactile_.sign(p);
+      if (faults_.any()) [[unlikely]]
+        sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
       sensed[side].turned = now.palms[side].angle == goal_angle_[side];
     }
     return sensed;
@@ -268,6 +291,7 @@ class Carry {
 
   Spec spec_;
   std::uint64_t seed_;
+  Faults faults_;
   Team team_;
   Recorder recorder_;
   Real sense_of_travel_;

@@ -28,7 +28,14 @@ constexpr Words philox(Words counter, std::uint64_t key) {
 }
 
 // What a draw is for. The number is part of every published trace: append, never renumber.
-enum class Stream : std::uint32_t { noise = 0, tactile = 1, bump = 2, radio = 3 };
+enum class Stream : std::uint32_t {
+  noise = 0,
+  tactile = 1,
+  bump = 2,
+  radio = 3,
+  collision = 4,
+  fault = 5,
+};
 
 // The random words of one tick. `lane` separates equal uses of one stream (which robot, which link).
 constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream,

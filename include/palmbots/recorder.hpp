@@ -74,7 +74,7 @@ Row row_of(const Carry& carry, const PerSide<Sensed>& sensed) {
     row.contact[side] = double(stance.contacts[side]);
     row.palm[side] = double(stance.palms[side].angle);
     row.speed[side] = double(carry.speeds()[side]);
-    row.commanded[side] = double(carry.wanted(side, carry.commands()[side].move));
+    row.commanded[side] = double(carry.wanted(side, carry.commands()[side]));
     row.sign[side] = static_cast<std::int8_t>(sensed[side].sign);
     row.name[side] = carry.team().name(side);
   }

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "palmbots/clearance.hpp"
+#include "palmbots/radio.hpp"
 #include "palmbots/tactile.hpp"
 
 namespace palmbots {
@@ -29,6 +30,7 @@ struct RobotSpec {
   double noise = 0.01;  // stationary standard deviation
   double noise_tau = 0.5;
   double bias = 0;
+  double clock_drift = 0;  // share by which its clock runs fast
 };
 
 // A sudden shift of one contact, when the pair has come `at` far, or at time `at`.
@@ -39,6 +41,32 @@ struct BumpSpec {
   double shift = 0;  // [m], outward
 };
 
+// How a robot, a sensor or the station fails. The number is part of the spec: append.
+enum class FaultKind : std::uint32_t {
+  reboot = 0,
+  freeze = 1,
+  stuck = 2,
+  flicker = 3,
+  station = 4
+};
+
+struct FaultSpec {
+  FaultKind kind = FaultKind::reboot;
+  std::uint32_t side = 0;
+  double at = 0;           // [s]
+  double lasts = 0;        // [s]
+  std::int32_t reads = 0;  // stuck: the sign that the sensor reads
+  double rate = 0;         // flicker: the probability that a reading is random
+};
+
+// Nothing that the sender sends arrives.
+struct OutageSpec {
+  std::uint32_t sender = 0;  // 0: left, 1: right, 2: the station
+  double from = 0;           // [s]
+  double to = 0;             // [s]
+};
+
+inline constexpr std::size_t max_faults = 32;
 inline constexpr std::size_t max_bumps = 64;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 
@@ -57,6 +85,20 @@ struct Spec {
   double latency = 0.05;
   double jitter = 0;
   double loss = 0;
+  double duplicate = 0;
+  std::uint32_t reorders = 0;
+  double burst_share = 0;  // of the time in which a link is dead
+  double burst_mean = 0.1;
+  double airtime = 0;  // 0: no collisions
+  double beacon = 0.05;
+  double lease = 0.5;
+  std::array<OutageSpec, max_outages> outages{};
+  std::size_t outage_count = 0;
+  double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots
+  std::array<FaultSpec, max_faults> faults{};
+  std::size_t fault_count = 0;
+  std::uint32_t random_reboots = 0;  // in each carry
+  double reboot = 0.5;               // what one of them takes
   double distance = 1.5;
   double slope = 0;      // specific force towards −x
   double inertia = 1;    // 0: accelerations do not count, as the paper assumes

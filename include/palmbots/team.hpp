@@ -1,12 +1,16 @@
-// How controllers and radio are wired together: two robots that exchange letters, or two robots and
-// a station. A carry gives a team the signs and the state of the palms every tick and gets commands.
+// How controllers and radio are wired together: two robots that exchange letters, two that broadcast
+// beacons, or two and a station. A carry gives a team the signs and the state of the palms every tick
+// and gets commands.
 #pragma once
 
 #include <utility>
 
+#include "palmbots/beacon.hpp"
+#include "palmbots/faults.hpp"
 #include "palmbots/policy.hpp"
 #include "palmbots/protocol.hpp"
 #include "palmbots/radio.hpp"
+#include "palmbots/resilient.hpp"
 #include "palmbots/side.hpp"
 
 namespace palmbots {
@@ -38,10 +42,68 @@ struct Posted {
   Letter letter;
 };
 
-// Counts of messages.
+// Counts of messages. What was not lost is delivered, and so is each copy.
+struct LinkCounts {
+  std::uint32_t sent = 0;
+  std::uint32_t lost = 0;
+  std::uint32_t duplicated = 0;
+  std::uint32_t late = 0;      // heard, but too old to count
+  std::uint32_t rejected = 0;  // a copy, or older than one heard before
+};
+
 struct Traffic {
   std::uint32_t sent = 0;
   std::uint32_t lost = 0;
+  // From the left robot, from the right one, from the station to the left and to the right one.
+  std::array<LinkCounts, 4> links{};
+};
+
+// What a team knows of the radio: posts messages on links and counts them. Of two that send in one
+// tick, each does so at a random instant of it; if they overlap neither is heard.
+class Radio {
+ public:
+  Radio(const Channel& channel, std::uint64_t seed, std::size_t leader)
+      : channel_(channel), seed_(seed), leader_(leader) {}
+
+  std::size_t leader() const { return leader_; }
+
+  // Before a tick's messages: whether those of two stations that both send in it collide.
+  bool collide(std::uint32_t tick) const {
+    if (channel_.airtime_ticks <= 0) return false;
+    const Words words = draw(seed_, tick, Stream::collision);
+    const double apart = unit_uniform<double>(words[0]) - unit_uniform<double>(words[1]);
+    return (apart < 0 ? -apart : apart) < channel_.airtime_ticks;
+  }
+
+  // Sends from `sender` (0, 1: robots, 2: station) to a robot, or to the station; returns the tick of
+  // arrival, 0 if it is lost.
+  template <class Payload>
+  std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
+                     std::size_t sender, std::size_t robot, bool collides, Traffic& traffic) const {
+    // The robot that leads has the first lane, so that the mirrored carry draws the mirrored numbers.
+    const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
+    const Words words =
+        channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
+    LinkCounts& counts = traffic.links[robot + (sender == 2 ? 2 : 0)];
+    ++traffic.sent;
+    ++counts.sent;
+    std::uint32_t received = 0;
+    if (!collides && !channel_.is_dead(static_cast<std::uint32_t>(sender), tick)) {
+      received = link.send(tick, payload, channel_, words);
+    }
+    if (received == 0) {
+      ++traffic.lost;
+      ++counts.lost;
+    } else if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
+      ++counts.duplicated;
+    }
+    return received;
+  }
+
+ private:
+  Channel channel_;
+  std::uint64_t seed_;
+  std::size_t leader_;
 };
 
 // No controller: the palms stay steep and the robots keep their nominal speed.
@@ -59,6 +121,21 @@ struct Unattended {
   Activity activity(std::size_t) const { return {}; }
 };
 
+// What a robot in a case of Table 2 corrects. (c) assists and is no correction of its own.
+inline Activity activity_of(char name, std::size_t side) {
+  PerSide<std::int8_t> sense{};
+  const auto self = static_cast<std::int8_t>(side);
+  switch (name) {
+    case 'a':
+    case 'b': sense[side] = 1; return {name, self, Activity::nobody, sense};
+    case 'd': sense[side] = -1; return {name, self, Activity::nobody, sense};
+    default: return {};
+  }
+}
+
+// What a robot does while its program does not run: its wheels stop, its palm stays.
+inline Command switched_off(const Command& before) { return {before.palm, Move::hold, true}; }
+
 // Two robots with one controller each, and a link each way. Controller is anything with
 // step(Distributed::Input) → Distributed::Output and now() → Distributed::Doing.
 template <class Controller>
@@ -67,67 +144,162 @@ class Pair {
   static constexpr bool half_moves = false;
   Traffic traffic{};
 
-  Pair(PerSide<Controller> controllers, Channel channel, std::uint64_t seed, std::size_t leader)
-      : controllers_(std::move(controllers)), channel_(channel), seed_(seed), leader_(leader) {}
+  Pair(PerSide<Controller> controllers, const Channel& channel, std::uint64_t seed,
+       std::size_t leader, const Faults& faults = {})
+      : controllers_(std::move(controllers)),
+        asleep_(controllers_),
+        radio_(channel, seed, leader),
+        faults_(faults) {}
 
   template <class Log>
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
-    PerSide<Command> commands{};
     PerSide<Letter> letters{};
     for (const std::size_t side : {left, right}) {
+      if (faults_.any() && !runs(tick, side)) continue;
       const Letter* letter = inbox_[side].oldest(tick);
       const auto out = controllers_[side].step(
           {sensed[side].sign, letter != nullptr ? *letter : Letter::none, sensed[side].turned});
       if (out.read && letter != nullptr) inbox_[side].pop();
-      commands[side] = out.command;
+      commands_[side] = out.command;
       letters[side] = out.send;
     }
+    const bool both = letters[left] != Letter::none && letters[right] != Letter::none;
+    const bool collides = both && radio_.collide(tick);
     for (const std::size_t side : {left, right}) {
-      if (letters[side] != Letter::none) post(tick, side, letters[side], log);
+      if (letters[side] == Letter::none) continue;
+      const std::uint32_t received =
+          radio_.post(inbox_[other(side)], tick, letters[side], side, side, collides, traffic);
+      log(Posted{tick, received, static_cast<std::uint8_t>(side),
+                 static_cast<std::uint8_t>(other(side)), letters[side]});
     }
-    return commands;
+    return commands_;
   }
 
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
   Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }
-
-  // (c) assists and is no correction of its own.
-  Activity activity(std::size_t side) const {
-    const char name = this->name(side);
-    const auto self = static_cast<std::int8_t>(side);
-    switch (name) {
-      case 'a':
-      case 'b': return {name, self, Activity::nobody, only(side, 1)};
-      case 'd': return {name, self, Activity::nobody, only(side, -1)};
-      default: return {};
-    }
-  }
+  Activity activity(std::size_t side) const { return activity_of(name(side), side); }
 
  private:
-  static constexpr PerSide<std::int8_t> only(std::size_t side, std::int8_t sense) {
-    PerSide<std::int8_t> senses{};
-    senses[side] = sense;
-    return senses;
-  }
-
-  template <class Log>
-  void post(std::uint32_t tick, std::size_t side, Letter letter, Log&& log) {
-    const Words words = channel_.is_random()
-                            ? draw(seed_, tick, Stream::radio, side == leader_ ? 0 : 1)
-                            : Words{~0U, 0, 0, 0};
-    const std::uint32_t received = inbox_[other(side)].send(tick, letter, channel_, words);
-    ++traffic.sent;
-    if (received == 0) ++traffic.lost;
-    log(Posted{tick, received, static_cast<std::uint8_t>(side),
-               static_cast<std::uint8_t>(other(side)), letter});
+  // Whether a robot's program runs; one that boots has forgotten everything.
+  bool runs(std::uint32_t tick, std::size_t side) {
+    const Host host = faults_.host(tick, side);
+    if (host == Host::off) {
+      inbox_[side].drop(tick);
+      commands_[side] = switched_off(commands_[side]);
+    }
+    if (host == Host::boots) controllers_[side] = asleep_[side];
+    return host == Host::runs || host == Host::boots;
   }
 
   PerSide<Controller> controllers_;
+  PerSide<Controller> asleep_;   // as they are after a boot
   PerSide<Link<Letter>> inbox_;  // of each robot
-  Channel channel_;
-  std::uint64_t seed_;
-  std::size_t leader_;
+  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+  Radio radio_;
+  Faults faults_;
+};
+
+// Two robots that broadcast beacons to each other, on leases (resilient.hpp).
+class Peers {
+ public:
+  static constexpr bool half_moves = false;
+  Traffic traffic{};
+
+  Peers(Resilient::Times times, PerSide<double> clock_drift, const Channel& channel,
+        std::uint64_t seed, std::size_t leader, const Faults& faults = {})
+      : times_(times),
+        robots_{robot(times, left, leader), robot(times, right, leader)},
+        rate_{1 + clock_drift[left], 1 + clock_drift[right]},
+        radio_(channel, seed, leader),
+        faults_(faults) {}
+
+  template <class Log>
+  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+    PerSide<bool> sends{};
+    for (const std::size_t side : {left, right}) {
+      clock_[side] += rate_[side];
+      if (faults_.any() && !runs(tick, side)) continue;
+      const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
+      if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
+      clock_[side] -= elapsed;
+      const Resilient::Output out = robots_[side].step(hear(tick, side, sensed[side], elapsed));
+      commands_[side] = out.command;
+      letters_[side] = out.letter;
+      assisted_[side] = out.assists;
+      sends[side] = out.send;
+    }
+    const bool collides = sends[left] && sends[right] && radio_.collide(tick);
+    for (const std::size_t side : {left, right}) {
+      if (!sends[side]) continue;
+      const Beacon beacon = ears_[side].beacon(letters_[side], robots_[side].rests());
+      const std::uint32_t received =
+          radio_.post(inbox_[other(side)], tick, beacon, side, side, collides, traffic);
+      log(Posted{tick, received, static_cast<std::uint8_t>(side),
+                 static_cast<std::uint8_t>(other(side)), beacon.letter});
+    }
+    return commands_;
+  }
+
+  char name(std::size_t side) const { return robots_[side].now().name; }
+  bool waits(std::size_t side) const { return robots_[side].now().waits; }
+  Letter awaits(std::size_t side) const { return waits(side) ? Letter::ack : Letter::none; }
+  Activity activity(std::size_t side) const { return activity_of(name(side), side); }
+  const Resilient& robot(std::size_t side) const { return robots_[side]; }
+
+ private:
+  // The follower is the one that yields, wherever it stands.
+  static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
+                         bool assisted = false) {
+    return Resilient(times, side != leader, assisted);
+  }
+
+  // Everything that has arrived goes through the ear; the controller gets the newest.
+  Resilient::Input hear(std::uint32_t tick, std::size_t side, const Sensed& sensed,
+                        std::uint16_t elapsed) {
+    Ear& ear = ears_[side];
+    ear.tick(elapsed);
+    LinkCounts& counts = traffic.links[other(side)];
+    bool news = false;
+    while (const Beacon* beacon = inbox_[side].oldest(tick)) {
+      const bool newer = ear.take(*beacon);
+      counts.rejected += newer ? 0 : 1;
+      counts.late += newer && ear.age() > times_.lease ? 1 : 0;
+      news = news || newer;
+      inbox_[side].pop();
+    }
+    const Beacon& newest = ear.newest();
+    return {sensed.sign,  sensed.turned, elapsed, news ? newest.letter : Letter::none,
+            newest.rests, ear.age()};
+  }
+
+  // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
+  bool runs(std::uint32_t tick, std::size_t side) {
+    const Host host = faults_.host(tick, side);
+    if (host == Host::off) {
+      inbox_[side].drop(tick);
+      commands_[side] = switched_off(commands_[side]);
+    }
+    if (host == Host::boots) {
+      robots_[side] = robot(times_, side, radio_.leader(), assisted_[side]);
+      ears_[side] = Ear(++epoch_[side]);
+      clock_[side] = 1;
+    }
+    return host == Host::runs || host == Host::boots;
+  }
+
+  Resilient::Times times_;
+  PerSide<Resilient> robots_;
+  PerSide<std::uint16_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
+  PerSide<bool> assisted_{};
+  PerSide<Ear> ears_{Ear(1), Ear(1)};
+  PerSide<double> rate_;     // of the robots' clocks
+  PerSide<double> clock_{};  // ticks of theirs not yet stepped
+  PerSide<Link<Beacon>> inbox_;
+  PerSide<Letter> letters_{};
+  PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
+  Radio radio_;
+  Faults faults_;
 };
 
 // Two robots that report to a station every tick and do what its newest packet says.
@@ -136,25 +308,32 @@ class Station {
   static constexpr bool half_moves = true;  // both robots move, at half the correction speed each
   Traffic traffic{};
 
-  Station(Channel channel, std::uint64_t seed, std::size_t leader)
-      : channel_(channel), seed_(seed), leader_(leader) {}
+  Station(const Channel& channel, std::uint64_t seed, std::size_t leader, const Faults& faults = {})
+      : radio_(channel, seed, leader), faults_(faults) {}
 
   template <class Log>
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&&) {
+    const bool lost = faults_.any() && faults_.station_lost(tick);
+    PerSide<bool> runs{true, true};
     for (const std::size_t side : {left, right}) {
-      down_[side].newest(tick, commands_[side]);
+      if (faults_.any()) runs[side] = this->runs(tick, side);
+      if (runs[side]) down_[side].newest(tick, commands_[side]);
+      if (lost) up_[side].drop(tick);
       heard_[side] = up_[side].newest(tick, reports_[side]) || heard_[side];
     }
-    if (heard_[left] && heard_[right]) {
+    // Slots keep the station's packets off the robots', but not the robots' off each other.
+    const bool collides = runs[left] && runs[right] && radio_.collide(tick);
+    if (heard_[left] && heard_[right] && !lost) {
       const Centralized::Output out = station_.step(reports_);
       for (const std::size_t side : {left, right}) {
-        post(down_[side], tick, out.command[side], lane(side) + 2);
+        radio_.post(down_[side], tick, out.command[side], 2, side, false, traffic);
       }
     }
     for (const std::size_t side : {left, right}) {
+      if (!runs[side]) continue;
       // `turned` speaks of the command in force until this tick.
-      post(up_[side], tick,
-           Centralized::Report{sensed[side].sign, obeyed_[side], sensed[side].turned}, lane(side));
+      const Centralized::Report report{sensed[side].sign, obeyed_[side], sensed[side].turned};
+      radio_.post(up_[side], tick, report, side, side, collides, traffic);
       obeyed_[side] = commands_[side].palm;
     }
     return {commands_[left], commands_[right]};
@@ -188,14 +367,15 @@ class Station {
   }
 
  private:
-  std::uint32_t lane(std::size_t side) const { return side == leader_ ? 0 : 1; }
-
-  template <class Payload>
-  void post(Link<Payload>& link, std::uint32_t tick, Payload payload, std::uint32_t lane) {
-    const Words words =
-        channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, 0};
-    ++traffic.sent;
-    if (link.send(tick, payload, channel_, words) == 0) ++traffic.lost;
+  // Whether a robot's program runs; one that boots drives on until it hears from the station.
+  bool runs(std::uint32_t tick, std::size_t side) {
+    const Host host = faults_.host(tick, side);
+    if (host == Host::off) {
+      down_[side].drop(tick);
+      commands_[side] = switched_off(commands_[side]);
+    }
+    if (host == Host::boots) commands_[side] = {Palm::steep, Move::hold};
+    return host == Host::runs || host == Host::boots;
   }
 
   Centralized station_;
@@ -205,9 +385,8 @@ class Station {
   bool heard_[2]{};
   Command commands_[2]{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}};
   Palm obeyed_[2]{Palm::steep, Palm::steep};
-  Channel channel_;
-  std::uint64_t seed_;
-  std::size_t leader_;
+  Radio radio_;
+  Faults faults_;
 };
 
 }  // namespace palmbots

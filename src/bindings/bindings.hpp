@@ -14,7 +14,8 @@ namespace nb = nanobind;
 inline constexpr const char* result_names[] = {"running", "delivered", "dropped", "stalled"};
 inline constexpr const char* end_names[] = {"",    "off-palm", "sliding", "flush",
                                             "tip", "tipping",  "jammed"};
-inline constexpr const char* letter_names[] = {"", "TiltUp", "TiltDown", "Ack"};
+inline constexpr const char* letter_names[] = {"",    "TiltUp",  "TiltDown",
+                                               "Ack", "Closing", "Raised"};
 
 void bind_spec(nb::module_& m);
 void bind_mechanics(nb::module_& m);

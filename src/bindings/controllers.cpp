@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "palmbots/resilient_bounds.hpp"
 
 namespace palmbots::bindings {
 
@@ -73,6 +74,27 @@ void bind_controllers(nb::module_& m) {
       "Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, "
       "contact, "
       "letter, palm turned, next state, letter sent).");
+
+  m.def(
+      "resilient_bounds",
+      [](const Spec& spec) {
+        const Bounds b = Bounds::of(spec);
+        const double tick = spec.period;
+        nb::dict d;
+        d["beacon_s"] = b.times.beacon * tick;
+        d["delay_s"] = b.delay * tick;
+        d["lease_s"] = b.times.lease * tick;
+        d["shortest_lease_s"] = b.shortest_lease * tick;
+        d["losses"] = static_cast<int>(b.losses);
+        d["hold_s"] = b.times.hold * tick;
+        d["alone_s"] = b.alone * tick;
+        d["skew_m"] = b.skew;
+        d["room_m"] = b.room;
+        constexpr const char* problems[] = {"", "beacon", "lease", "skew"};
+        d["problem"] = problems[static_cast<int>(b.problem)];
+        return d;
+      },
+      nb::arg("spec"), "The time bounds of the resilient algorithm (resilient_bounds.hpp).");
 
   nb::class_<Distributed>(m, "Distributed", "Table 2 of the paper, one robot.")
       .def(nb::init<>())

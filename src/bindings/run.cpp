@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/recorder.hpp"
+#include "palmbots/resilient_bounds.hpp"
 
 namespace palmbots::bindings {
 
@@ -74,16 +75,23 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
 // A built-in controller by its name.
 template <class Real, class Recorder>
 Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed) {
-  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  const std::size_t leader = spec.direction > 0 ? right : left;
+  const Channel channel = channel_of(spec);
+  const Faults faults = Faults::of(spec, seed);
+  const std::size_t leader = leader_of(spec);
   if (name == "none") return run_team<Real, Recorder>(spec, seed, Unattended{});
   if (name == "centralized") {
-    return run_team<Real, Recorder>(spec, seed, Station(channel, seed, leader));
+    return run_team<Real, Recorder>(spec, seed, Station(channel, seed, leader, faults));
   }
   if (name == "distributed") {
-    return run_team<Real, Recorder>(spec, seed, Pair<Distributed>({}, channel, seed, leader));
+    return run_team<Real, Recorder>(spec, seed,
+                                    Pair<Distributed>({}, channel, seed, leader, faults));
   }
-  throw std::invalid_argument("controller: none, centralized or distributed");
+  if (name == "resilient") {
+    const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
+    return run_team<Real, Recorder>(
+        spec, seed, Peers(Bounds::of(spec).times, drift, channel, seed, leader, faults));
+  }
+  throw std::invalid_argument("controller: none, centralized, distributed or resilient");
 }
 
 bool is_single(const std::string& precision) {
@@ -107,9 +115,8 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   }
   const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
   Pair<PythonController> team(
-      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))},
-      Channel::of(spec.latency, spec.jitter, spec.loss, spec.period), seed,
-      spec.direction > 0 ? right : left);
+      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
+      seed, leader_of(spec), Faults::of(spec, seed));
   return single ? run_team<float, TraceRecorder>(spec, seed, std::move(team))
                 : run_team<double, TraceRecorder>(spec, seed, std::move(team));
 }

@@ -27,6 +27,8 @@ void fill(const std::vector<Item>& items, std::size_t& count, std::array<Store, 
 using VertexItem = std::tuple<double, double, double>;
 using ZoneItem = std::tuple<int, double, double>;
 using BumpItem = std::tuple<std::uint32_t, bool, double, double>;
+using OutageItem = std::tuple<std::uint32_t, double, double>;
+using FaultItem = std::tuple<std::uint32_t, std::uint32_t, double, double, std::int32_t, double>;
 
 }  // namespace
 
@@ -48,7 +50,8 @@ void bind_spec(nb::module_& m) {
       .def_rw("max_speed", &RobotSpec::max_speed)
       .def_rw("noise", &RobotSpec::noise)
       .def_rw("noise_tau", &RobotSpec::noise_tau)
-      .def_rw("bias", &RobotSpec::bias);
+      .def_rw("bias", &RobotSpec::bias)
+      .def_rw("clock_drift", &RobotSpec::clock_drift);
 
   nb::class_<Spec>(m, "Spec", "Everything that defines a carry, as plain numbers.")
       .def(nb::init<>())
@@ -110,6 +113,57 @@ void bind_spec(nb::module_& m) {
       .def_rw("latency", &Spec::latency)
       .def_rw("jitter", &Spec::jitter)
       .def_rw("loss", &Spec::loss)
+      .def_rw("duplicate", &Spec::duplicate)
+      .def_prop_rw(
+          "reorders", [](const Spec& s) { return s.reorders != 0; },
+          [](Spec& s, bool reorders) { s.reorders = reorders ? 1 : 0; })
+      .def_rw("burst_share", &Spec::burst_share)
+      .def_rw("burst_mean", &Spec::burst_mean)
+      .def_rw("airtime", &Spec::airtime)
+      .def_rw("beacon", &Spec::beacon)
+      .def_rw("lease", &Spec::lease)
+      .def_rw("watchdog", &Spec::watchdog)
+      .def_rw("random_reboots", &Spec::random_reboots)
+      .def_rw("reboot", &Spec::reboot)
+      .def_prop_rw(
+          "outages",
+          [](const Spec& s) {
+            std::vector<OutageItem> items;
+            for (std::size_t i = 0; i < s.outage_count; ++i) {
+              items.emplace_back(s.outages[i].sender, s.outages[i].from, s.outages[i].to);
+            }
+            return items;
+          },
+          [](Spec& s, const std::vector<OutageItem>& items) {
+            fill<OutageItem, max_outages, OutageSpec>(
+                items, s.outage_count, s.outages, "outages", [](const OutageItem& o) {
+                  return OutageSpec{std::get<0>(o), std::get<1>(o), std::get<2>(o)};
+                });
+          },
+          "(sender, from, to) in s; sender 0: left, 1: right, 2: station.")
+      .def_prop_rw(
+          "faults",
+          [](const Spec& s) {
+            std::vector<FaultItem> items;
+            for (std::size_t i = 0; i < s.fault_count; ++i) {
+              const FaultSpec& f = s.faults[i];
+              items.emplace_back(static_cast<std::uint32_t>(f.kind), f.side, f.at, f.lasts, f.reads,
+                                 f.rate);
+            }
+            return items;
+          },
+          [](Spec& s, const std::vector<FaultItem>& items) {
+            fill<FaultItem, max_faults, FaultSpec>(
+                items, s.fault_count, s.faults, "faults", [](const FaultItem& f) {
+                  return FaultSpec{static_cast<FaultKind>(std::get<0>(f)),
+                                   std::get<1>(f),
+                                   std::get<2>(f),
+                                   std::get<3>(f),
+                                   std::get<4>(f),
+                                   std::get<5>(f)};
+                });
+          },
+          "(kind, side, at, lasts, reads, rate) in s, in order of FaultKind.")
       .def_rw("distance", &Spec::distance)
       .def_rw("slope", &Spec::slope)
       .def_rw("inertia", &Spec::inertia)

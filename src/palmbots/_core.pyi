@@ -100,6 +100,12 @@ class RobotSpec:
     @bias.setter
     def bias(self, arg: float, /) -> None: ...
 
+    @property
+    def clock_drift(self) -> float: ...
+
+    @clock_drift.setter
+    def clock_drift(self, arg: float, /) -> None: ...
+
 class Spec:
     """Everything that defines a carry, as plain numbers."""
 
@@ -191,6 +197,80 @@ class Spec:
 
     @loss.setter
     def loss(self, arg: float, /) -> None: ...
+
+    @property
+    def duplicate(self) -> float: ...
+
+    @duplicate.setter
+    def duplicate(self, arg: float, /) -> None: ...
+
+    @property
+    def reorders(self) -> bool: ...
+
+    @reorders.setter
+    def reorders(self, arg: bool, /) -> None: ...
+
+    @property
+    def burst_share(self) -> float: ...
+
+    @burst_share.setter
+    def burst_share(self, arg: float, /) -> None: ...
+
+    @property
+    def burst_mean(self) -> float: ...
+
+    @burst_mean.setter
+    def burst_mean(self, arg: float, /) -> None: ...
+
+    @property
+    def airtime(self) -> float: ...
+
+    @airtime.setter
+    def airtime(self, arg: float, /) -> None: ...
+
+    @property
+    def beacon(self) -> float: ...
+
+    @beacon.setter
+    def beacon(self, arg: float, /) -> None: ...
+
+    @property
+    def lease(self) -> float: ...
+
+    @lease.setter
+    def lease(self, arg: float, /) -> None: ...
+
+    @property
+    def watchdog(self) -> float: ...
+
+    @watchdog.setter
+    def watchdog(self, arg: float, /) -> None: ...
+
+    @property
+    def random_reboots(self) -> int: ...
+
+    @random_reboots.setter
+    def random_reboots(self, arg: int, /) -> None: ...
+
+    @property
+    def reboot(self) -> float: ...
+
+    @reboot.setter
+    def reboot(self, arg: float, /) -> None: ...
+
+    @property
+    def outages(self) -> list[tuple[int, float, float]]:
+        """(sender, from, to) in s; sender 0: left, 1: right, 2: station."""
+
+    @outages.setter
+    def outages(self, arg: Sequence[tuple[int, float, float]], /) -> None: ...
+
+    @property
+    def faults(self) -> list[tuple[int, int, float, float, int, float]]:
+        """(kind, side, at, lasts, reads, rate) in s, in order of FaultKind."""
+
+    @faults.setter
+    def faults(self, arg: Sequence[tuple[int, int, float, float, int, float]], /) -> None: ...
 
     @property
     def distance(self) -> float: ...
@@ -328,6 +408,9 @@ def table2() -> tuple[list[tuple[str, str, str, str, bool]], list[list[str]]]:
     """
     Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, contact, letter, palm turned, next state, letter sent).
     """
+
+def resilient_bounds(spec: Spec) -> dict:
+    """The time bounds of the resilient algorithm (resilient_bounds.hpp)."""
 
 class Distributed:
     """Table 2 of the paper, one robot."""

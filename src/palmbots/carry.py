@@ -29,7 +29,7 @@ __all__ = [
     "trace_dataset",
 ]
 
-CONTROLLERS = ("none", "centralized", "distributed")
+CONTROLLERS = ("none", "centralized", "distributed", "resilient")
 WORLDS = ("quasistatic",)
 PRECISIONS = ("double", "float")
 

@@ -11,12 +11,15 @@ import math
 from palmbots import _core
 from palmbots.frame import object_frame
 from palmbots.scene import Scene
-from palmbots.sections import SIDES, PalmParameters, RobotParameters, Tactile
+from palmbots.sections import SIDES, Fault, PalmParameters, RobotParameters, Tactile
 
 __all__ = ["lower"]
 
 _RADIANS_PER_DEGREE = math.pi / 180
 _SIGNS = {"-": -1, "0": 0, "+": 1}
+_STATIONS = (*SIDES, "station")
+_FAULTS = ("reboot", "freeze", "stuck", "flicker", "station")  # in the core's order
+_PER_MILLION = 1e-6
 
 
 def lower(scene: Scene) -> _core.Spec:
@@ -41,6 +44,18 @@ def lower(scene: Scene) -> _core.Spec:
     spec.latency = scene.radio.latency_s
     spec.jitter = scene.radio.jitter_s
     spec.loss = scene.radio.loss
+    spec.duplicate = scene.radio.duplicate
+    spec.reorders = scene.radio.reorder
+    spec.burst_share = scene.radio.burst_share
+    spec.burst_mean = scene.radio.burst_s
+    spec.airtime = scene.radio.airtime_s
+    spec.beacon = scene.radio.beacon_s
+    spec.lease = scene.radio.lease_s
+    spec.outages = [(_STATIONS.index(o.sender), o.start_s, o.end_s) for o in scene.radio.outages]
+    spec.watchdog = scene.control.watchdog_s
+    spec.faults = [_fault(fault) for fault in scene.faults.script]
+    spec.random_reboots = scene.faults.reboots
+    spec.reboot = scene.faults.reboot_s
     spec.bumps = [
         (
             SIDES.index(bump.robot),
@@ -88,7 +103,19 @@ def _robot(robot: RobotParameters) -> _core.RobotSpec:
     spec.noise = robot.noise_m_s
     spec.noise_tau = robot.noise_tau_s
     spec.bias = robot.bias_m_s
+    spec.clock_drift = robot.clock_ppm * _PER_MILLION
     return spec
+
+
+def _fault(fault: Fault) -> tuple[int, int, float, float, int, float]:
+    return (
+        _FAULTS.index(fault.kind),
+        SIDES.index(fault.robot or "left"),
+        fault.at_s,
+        fault.for_s,
+        _SIGNS[fault.reads or "0"],
+        fault.rate or 0.0,
+    )
 
 
 def _zones(tactile: Tactile) -> list[tuple[int, float, float]]:

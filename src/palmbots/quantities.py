@@ -26,6 +26,7 @@ __all__ = [
     "Switch",
     "fault",
     "from_list",
+    "whole",
 ]
 
 
@@ -91,13 +92,20 @@ class Range:
         return number + 0.0  # −0.0 becomes 0.0: it would show in the bits of a mirrored scene
 
 
-def _index(value: object) -> int:
-    allowed = "a whole number, at least 0"
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise fault(value, f"is {_kind(value)}, not a whole number", allowed)
-    if value < 0:
-        raise fault(value, "is too small", allowed)
-    return int(value)
+def whole(least: int, most: int | None = None) -> Callable[[object], int]:
+    """A validator for whole numbers from `least` to `most`."""
+    allowed = f"a whole number, at least {least}"
+    if most is not None:
+        allowed = f"a whole number, from {least} to {most}"
+
+    def check(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+            raise fault(value, f"is {_kind(value)}, not a whole number", allowed)
+        if value < least or (most is not None and value > most):
+            raise fault(value, "is too small" if value < least else "is too large", allowed)
+        return int(value)
+
+    return check
 
 
 def _switch(value: object) -> bool:
@@ -136,4 +144,4 @@ def from_list(allowed: str, least: int = 0, most: int | None = None) -> Callable
 Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
 Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
 Switch = Annotated[bool, BeforeValidator(_switch)]
-Index = Annotated[int, BeforeValidator(_index)]
+Index = Annotated[int, BeforeValidator(whole(0))]

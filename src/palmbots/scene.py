@@ -22,6 +22,7 @@ from palmbots.sections import (
     SIDES,
     Bumps,
     Control,
+    Faults,
     Object,
     Palm,
     PalmParameters,
@@ -58,6 +59,7 @@ class Scene(Section):
     tactile: Tactile = Tactile()
     control: Control = Control()
     radio: Radio = Radio()
+    faults: Faults = Faults()
     bumps: Bumps = Bumps()
     start: Start = Start()
     task: Task = Task()
@@ -98,6 +100,12 @@ class Scene(Section):
             table[section] |= sides
         for bump in table["bumps"]["script"]:
             bump["robot"] = other_side(bump["robot"])
+        for outage in table["radio"]["outages"]:
+            if outage["sender"] != "station":
+                outage["sender"] = other_side(outage["sender"])
+        for broken in table["faults"]["script"]:
+            if "robot" in broken:
+                broken["robot"] = other_side(broken["robot"])
         table["start"] = {"left_m": self.start.right_m, "right_m": self.start.left_m}
         task["direction"] = "backward" if task["direction"] == "forward" else "forward"
         return Scene.model_validate(table)

@@ -60,8 +60,8 @@ void test_mirror(Team forward, Team backward, std::uint64_t seed) {
 
 void test_mirror_of_both_teams() {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
-    for (const Channel channel : {Channel::of(0.05, 0, 0, 0.01), Channel::of(0.02, 0.06, 0, 0.01),
-                                  Channel::of(0.02, 0.06, 0.01, 0.01)}) {
+    for (const Channel& channel : {Channel::of(0.05, 0, 0, 0.01), Channel::of(0.02, 0.06, 0, 0.01),
+                                   Channel::of(0.02, 0.06, 0.01, 0.01)}) {
       const bool hangs = channel.loss_words > 0;  // the distributed algorithm after a loss
       if (!hangs) {
         test_mirror(Pair<Distributed>({}, channel, seed, right),

@@ -1,5 +1,5 @@
 // The trace hash of one carry, from a Spec as bytes on standard input:
-//   trace_hash none|centralized|distributed SEED double|float < spec
+//   trace_hash none|centralized|distributed|resilient SEED double|float < spec
 // tests/test_determinism.py compiles it in several ways and compares what it prints.
 #include <cinttypes>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "palmbots/recorder.hpp"
+#include "palmbots/resilient_bounds.hpp"
 
 namespace {
 
@@ -23,11 +24,19 @@ std::uint64_t hash_of(const Spec& spec, std::uint64_t seed, Team team) {
 
 template <class Real>
 std::uint64_t hash_named(const Spec& spec, std::uint64_t seed, std::string_view controller) {
-  const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  const std::size_t leader = spec.direction > 0 ? right : left;
+  const Channel channel = channel_of(spec);
+  const Faults faults = Faults::of(spec, seed);
+  const std::size_t leader = leader_of(spec);
   if (controller == "none") return hash_of<Real>(spec, seed, Unattended{});
-  if (controller == "centralized") return hash_of<Real>(spec, seed, Station(channel, seed, leader));
-  return hash_of<Real>(spec, seed, Pair<Distributed>({}, channel, seed, leader));
+  if (controller == "centralized") {
+    return hash_of<Real>(spec, seed, Station(channel, seed, leader, faults));
+  }
+  if (controller == "distributed") {
+    return hash_of<Real>(spec, seed, Pair<Distributed>({}, channel, seed, leader, faults));
+  }
+  const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
+  return hash_of<Real>(spec, seed,
+                       Peers(Bounds::of(spec).times, drift, channel, seed, leader, faults));
 }
 
 }  // namespace

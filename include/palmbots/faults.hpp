@@ -1,0 +1,122 @@
+// What breaks in a carry, and when: a schedule, worked out once from the spec and the seed.
+//
+// A robot whose program does not run keeps the command it had last. After the watchdog's time without
+// a step its wheels are brought to rest and its controller starts anew when the fault is over; the
+// palm's servo holds the angle it was told last. A reboot is that from the start. A stuck sensor reads
+// one sign; a flickering one now and then reads a random one. A lost station neither hears nor sends.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/message.hpp"
+#include "palmbots/philox.hpp"
+#include "palmbots/side.hpp"
+#include "palmbots/spec.hpp"
+
+namespace palmbots {
+
+// Whether a robot's program runs.
+enum class Host : std::uint8_t {
+  runs,
+  frozen,  // not stepped; the command stays
+  off,     // not stepped; the robot rests
+  boots,   // runs, for the first time since it was off
+};
+
+class Faults {
+ public:
+  Faults() = default;
+
+  static Faults of(const Spec& spec, std::uint64_t seed) {
+    Faults faults;
+    faults.seed_ = seed;
+    for (std::size_t i = 0; i < spec.fault_count; ++i) faults.add(spec, spec.faults[i]);
+    // Random reboots: any robot, any time of a carry at nominal speed.
+    const double length =
+        spec.distance / (0.5 * (spec.robots[left].speed + spec.robots[right].speed));
+    for (std::uint32_t i = 0; i < spec.random_reboots; ++i) {
+      const Words words = draw(seed, i, Stream::fault);
+      const std::size_t leader = spec.direction > 0 ? right : left;
+      const std::size_t side = (words[0] & 1) != 0 ? leader : other(leader);
+      faults.add(spec, {FaultKind::reboot, static_cast<std::uint32_t>(side),
+                        unit_uniform<double>(words[1]) * length, spec.reboot, 0, 0});
+    }
+    return faults;
+  }
+
+  bool any() const { return count_ > 0; }
+
+  Host host(std::uint32_t tick, std::size_t side) const {
+    Host host = Host::runs;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || tick < f.from || tick > f.to) continue;
+      if (f.kind == FaultKind::freeze && tick < f.to && tick < f.off_from && host != Host::off) {
+        host = Host::frozen;
+      }
+      if (f.kind == FaultKind::reboot || (f.kind == FaultKind::freeze && tick >= f.off_from)) {
+        if (tick < f.to) host = Host::off;
+        if (tick == f.to && host == Host::runs && f.off_from < f.to) host = Host::boots;
+      }
+    }
+    return host;
+  }
+
+  bool station_lost(std::uint32_t tick) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].kind == FaultKind::station && list_[i].covers(tick)) return true;
+    }
+    return false;
+  }
+
+  // What a sensor says at a tick where it should say `sign`.
+  Sign reading(std::uint32_t tick, std::size_t side, Sign sign) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || !f.covers(tick)) continue;
+      if (f.kind == FaultKind::stuck) sign = f.reads;
+      if (f.kind == FaultKind::flicker) {
+        const Words words = draw(seed_, tick, Stream::fault, 1 + static_cast<std::uint32_t>(i));
+        if (words[0] < f.flicker_words)
+          sign = static_cast<Sign>(static_cast<int>(words[1] % 3) - 1);
+      }
+    }
+    return sign;
+  }
+
+ private:
+  struct Fault {
+    FaultKind kind;
+    std::size_t side;
+    std::uint32_t from;
+    std::uint32_t to;        // the first tick after it
+    std::uint32_t off_from;  // from which on the robot rests and will boot
+    Sign reads;
+    std::uint64_t flicker_words;  // of 2³²
+
+    bool covers(std::uint32_t tick) const { return tick >= from && tick < to; }
+  };
+
+  void add(const Spec& spec, const FaultSpec& fault) {
+    const auto ticks = [&](double seconds) {
+      return static_cast<std::uint32_t>(seconds / spec.period + 0.5);
+    };
+    Fault& f = list_[count_++];
+    f.kind = fault.kind;
+    f.side = fault.side;
+    f.from = ticks(fault.at);
+    f.to = f.from + ticks(fault.lasts);
+    f.off_from = fault.kind == FaultKind::freeze ? f.from + ticks(spec.watchdog) : f.from;
+    f.reads = static_cast<Sign>(fault.reads);
+    f.flicker_words = static_cast<std::uint64_t>(fault.rate * 4294967296.0);
+  }
+
+  static constexpr std::size_t capacity = max_faults + 8;  // the schedule's, and random ones
+  std::array<Fault, capacity> list_{};
+  std::size_t count_ = 0;
+  std::uint64_t seed_ = 0;
+};
+
+}  // namespace palmbots

@@ -1,0 +1,121 @@
+// The time bounds of the resilient algorithm, from the scene: what must hold, what follows, and what
+// it costs where a robot is left alone. Times in control ticks of T seconds, lengths in metres.
+//
+//   D  the radio's longest delay           B  the beacon period
+//   W  the watchdog: ticks that a robot may act on its last command without a step
+//   K  braking: ticks from the correction speed to the nominal one
+//   r  by how much one robot's clock may run faster than the other's
+//
+// lease (Tm, Tc). A robot's newest echo is of a beacon that waited up to B to be sent, took D to
+// arrive, waited up to B for the partner's next one and took D back: on a perfect radio it is up to
+// 2 D + 2 B old, and a tick each for steps that fall between. The lease must be longer than that; each
+// B that it is longer is one more beacon in a row that may be lost before anybody stops.
+//
+// hold (Tp, Tb). Whoever moves away does so on an Ack that is at most `lease` old by its own clock;
+// it may miss W ticks, and then brakes for K. The palm that said Ack stays up as long as that after
+// its last one: hold = r (lease + 1 + W + K). It trusts no D: the echo has measured the Ack's age.
+// After a boot the same.
+//
+// Variant H's Tf and Ts, waits for messages under way to have died, are not needed: a robot waits for
+// the echo of its release instead, one round trip.
+//
+// skew. A robot that stops says so; its partner stops when it hears that, or when its lease is out:
+// what it hears later was sent by a robot that rests. So nobody travels alone for longer than
+// r (lease + 1) + W. Both palms are steep by then or on their way, so one of the contacts takes all
+// the shift: skew = speed × that time / cos(steepest palm). It starts within the zero zone or the
+// overrun next to it, or is being corrected; the rest of the palm is the room it has.
+#pragma once
+
+#include <cmath>
+
+#include "palmbots/radio.hpp"
+#include "palmbots/resilient.hpp"
+#include "palmbots/scalar.hpp"
+#include "palmbots/spec.hpp"
+
+namespace palmbots {
+
+struct Bounds {
+  enum class Problem : std::uint8_t { none, beacon_too_short, lease_too_short, skew_too_large };
+
+  Resilient::Times times{};
+  double delay = 0;           // D [ticks]
+  double braking = 0;         // K [ticks]
+  double skips = 0;           // W [ticks]
+  double clock_ratio = 1;     // r
+  double shortest_lease = 0;  // [ticks]
+  double losses = 0;          // beacons in a row that may be lost
+  double alone = 0;           // longest that one robot travels without the other [ticks]
+  double skew = 0;            // what that shifts a contact [m]
+  double room = 0;            // for it, on the shorter palm [m]
+  Problem problem = Problem::none;
+
+  static Bounds of(const Spec& spec) {
+    Bounds b;
+    const double beacon = std::ceil(spec.beacon / spec.period - 1e-9);
+    b.delay = Channel::of(spec.latency, spec.jitter, 0, spec.period).longest();
+    b.skips = std::ceil(spec.watchdog / spec.period - 1e-9);
+    double fast = 1;
+    double slow = 1;
+    double speed = 0;
+    for (const RobotSpec& robot : spec.robots) {
+      b.braking =
+          larger(b.braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
+      fast = larger(fast, 1 + robot.clock_drift);
+      slow = robot.clock_drift < 0 ? smaller(slow, 1 + robot.clock_drift) : slow;
+      speed = larger(speed, robot.speed);
+    }
+    b.clock_ratio = fast / slow;
+    b.shortest_lease = 2 * (b.delay + beacon) + 2;
+    const double lease = std::floor(spec.lease / spec.period + 1e-9);
+    const double hold = std::ceil(b.clock_ratio * (lease + 1 + b.skips + b.braking));
+    b.losses = std::floor((lease - b.shortest_lease) / beacon);
+    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold)};
+
+    b.alone = b.clock_ratio * (lease + 1) + b.skips;
+    double flattest = 1;  // cosine of the steepest palm
+    double half = spec.palms[left].length;
+    for (const PalmSpec& palm : spec.palms) {
+      flattest = smaller(flattest, sin_cos(palm.steep).cos);
+      half = smaller(half, 0.5 * palm.length);
+    }
+    b.skew = speed * b.alone * spec.period / flattest;
+    b.room = half - zero_zone_reach(spec);
+    if (beacon < 1 || spec.beacon < spec.period * (1 - 1e-9)) {
+      b.problem = Problem::beacon_too_short;
+    } else if (lease < b.shortest_lease) {
+      b.problem = Problem::lease_too_short;
+    } else if (b.skew > b.room) {
+      b.problem = Problem::skew_too_large;
+    }
+    return b;
+  }
+
+ private:
+  static constexpr double larger(double a, double b) { return a < b ? b : a; }
+  static constexpr double smaller(double a, double b) { return b < a ? b : a; }
+
+  static constexpr std::uint16_t to_ticks(double ticks) {
+    return static_cast<std::uint16_t>(ticks < 60000 ? ticks : 60000);
+  }
+
+  // How far from the pivot a contact may be while the sensor reads 0: to the nearest place from which
+  // on it reads another sign, on the side where that is farther.
+  static double zero_zone_reach(const Spec& spec) {
+    const Tactile<double> tactile(spec.zones, spec.zone_count, 0);
+    double reach = 0;
+    for (const double side : {-1.0, 1.0}) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < spec.zone_count; ++i) {
+        for (const double edge : {spec.zones[i].from * side, spec.zones[i].to * side}) {
+          const bool leaves = edge >= 0 && tactile.sign((edge + 1e-9) * side) != Sign::zero;
+          if (leaves) nearest = smaller(nearest, edge);
+        }
+      }
+      reach = larger(reach, nearest);
+    }
+    return reach;
+  }
+};
+
+}  // namespace palmbots
