@@ -70,9 +70,18 @@ Stamp stamp_of(stamp s) {
   return s.life == 0 ? Stamp{} : Stamp{s.life, present - std::uint32_t{s.age}};
 }
 
+// A stamp a cycle later; what is too old to count may as well never have been.
 stamp older(stamp s) {
-  if (s.life != 0 && s.age < stale) ++s.age;
-  return s;
+  if (s.life != 0) ++s.age;
+  return s.age < stale ? s : stamp{};
+}
+
+// A beacon without a fresh echo tells that the partner is silent, whatever else it says.
+void shorten(beacon& b, int receiver) {
+  if (b.life == 0 || b.heard.life == pair.life[receiver]) return;
+  b.heard = {};
+  b.letter = static_cast<unsigned char>(Letter::tilt_down);
+  b.rests = 1;
 }
 
 Beacon beacon_of(const beacon& b, int age) {
@@ -144,6 +153,7 @@ void robot_boot(int side, int again) {
   pair.mind[side] = packed(Resilient(times, side == LEFT, again != 0 && assists));
   ++pair.life[side];
   pair.newest[side] = {};
+  for (beacon& b : pair.air[side]) shorten(b, side);
 }
 
 void pass_time() {
@@ -152,6 +162,7 @@ void pass_time() {
     for (int age = stale - 1; age > 0; --age) {
       pair.air[side][age] = pair.air[side][age - 1];
       pair.air[side][age].heard = older(pair.air[side][age].heard);
+      shorten(pair.air[side][age], side);
     }
     pair.air[side][0] = {};
   }
@@ -200,6 +211,7 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
     pair.air[1 - side][0] = {static_cast<unsigned char>(said.letter),
                              static_cast<unsigned char>(travels && said.rests), pair.life[side],
                              pair.newest[side]};
+    shorten(pair.air[1 - side][0], 1 - side);
   }
   const auto& command = step.out.command;
   return {static_cast<unsigned char>(command.palm), static_cast<unsigned char>(command.move),

@@ -44,7 +44,7 @@ c_code {
 #define FALL 1   /* S4: no contact comes off its palm */
 #define FIGHT 2  /* S1: never one robot moves away while the other moves closer */
 #define PULL 4   /* S2: away only with the own palm steep and the partner's shallow, both at rest */
-#define LONE 8   /* S3: closer only to a palm that is steep, or while both are in (d) */
+#define LONE 8   /* S3: closer only to a palm that is steep or turning there, or to one in (d) */
 #define ALONE 16 /* nobody travels alone for longer than SKEW cycles */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
@@ -54,7 +54,7 @@ byte LEASE; /* cycles for which a letter counts */
 byte HELD;  /* cycles for which a palm stays up for a partner that fell silent */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
 byte NAPS;  /* steps in a row that a robot may miss */
-byte BRAKE; /* cycles that the wheels run on after a command: 0 or 1 */
+byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
 bool CALMS; /* whether faults come to an end */
 
@@ -66,10 +66,10 @@ bool calm;      /* no fault will come any more */
 bool goal;      /* contacts at 0, palms steep, robots idle, and on their way */
 bool second;    /* which robot steps after the other, for good */
 byte wheels[2]; /* what each robot commands its wheels */
-byte before[2]; /* and commanded a cycle ago */
 bool rest[2];   /* whether it does not travel */
 byte missed[2]; /* steps in a row */
-byte alone;     /* cycles for which one robot has travelled without the other */
+byte alone;     /* cycles for which one robot has travelled without the other, */
+bool loner;     /* namely this one */
 
 /* Of one cycle, and 0 between cycles. */
 byte who;
@@ -80,8 +80,7 @@ byte case_of[2];
 short net;
 byte k;
 
-#define motion(s) (BRAKE == 0 || wheels[s] != 0 -> wheels[s] : before[s])
-#define rate(s) ((motion(s) == CLOSER) - (motion(s) == AWAY))
+#define rate(s) ((wheels[s] == CLOSER) - (wheels[s] == AWAY))
 #define up(s) (palm[s] == SHALLOW && turning[s] == 0)
 #define down(s) (palm[s] == STEEP && turning[s] == 0)
 
@@ -120,7 +119,6 @@ inline step()
   :: !calm && missed[who] < NAPS -> choice = NAP
   fi;
   d_step {
-    before[who] = wheels[who];
     if
     :: choice < NAP ->
          c_code {
@@ -175,7 +173,7 @@ inline move()
 {
   if
   :: SPAN > 0 ->
-       net = rate(LEFT) + rate(RIGHT);
+       net = rate(LEFT) + rate(RIGHT) + TRAVEL * (rest[RIGHT] - rest[LEFT]);
        do
        :: net > 0 -> together(); net--
        :: net < 0 -> apart(); net++
@@ -190,8 +188,8 @@ inline check()
   claim(FIGHT, rate(LEFT) * rate(RIGHT) >= 0);
   claim(PULL, rate(LEFT) >= 0 || (down(LEFT) && up(RIGHT)));
   claim(PULL, rate(RIGHT) >= 0 || (down(RIGHT) && up(LEFT)));
-  claim(LONE, rate(LEFT) <= 0 || down(RIGHT) || case_of[RIGHT] == 'd');
-  claim(LONE, rate(RIGHT) <= 0 || down(LEFT) || case_of[LEFT] == 'd');
+  claim(LONE, rate(LEFT) <= 0 || palm[RIGHT] == STEEP || case_of[RIGHT] == 'd');
+  claim(LONE, rate(RIGHT) <= 0 || palm[LEFT] == STEEP || case_of[LEFT] == 'd');
   claim(FALL, SPAN == 0 || (!fallen(LEFT) && !fallen(RIGHT)));
   claim(ALONE, alone <= SKEW);
   goal = p[LEFT] >= 0 && p[LEFT] < WIDTH && p[RIGHT] >= 0 && p[RIGHT] < WIDTH && down(LEFT) && down(RIGHT) &&
@@ -212,7 +210,7 @@ active proctype cycle()
       now.HELD = parameter("HELD");
       now.DELAY = parameter("DELAY");
       now.NAPS = parameter("NAPS");
-      now.BRAKE = parameter("BRAKE");
+      now.TRAVEL = parameter("TRAVEL");
       now.SKEW = parameter("SKEW");
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
@@ -248,12 +246,11 @@ active proctype cycle()
        step();
        move();
        d_step {
-         alone = (rest[LEFT] == rest[RIGHT] || SKEW == 0 -> 0 : (alone > SKEW -> alone : alone + 1));
+         alone = (rest[LEFT] == rest[RIGHT] || SKEW == 0 -> 0 : (rest[loner] -> 1 : alone + 1));
+         loner = (alone == 1 -> rest[LEFT] : loner * (alone > 1));
          c_code { now.case_of[0] = robot_case(0); now.case_of[1] = robot_case(1); tell(); };
          check();
          case_of[LEFT] = 0; case_of[RIGHT] = 0;
-         before[LEFT] = (BRAKE > 0 -> before[LEFT] : 0);
-         before[RIGHT] = (BRAKE > 0 -> before[RIGHT] : 0);
          who = 0
        }
      }
