@@ -143,6 +143,10 @@ class Carry {
     for (const std::size_t side : {left, right}) {
       speeds_[side] = sense_of_travel_ *
                       wheels_[side].step(goal_speed_[side], noise_[side][tick_ % noise_block]);
+      // Wheels that have come to rest are braked: a robot that stands does not wander.
+      const bool stands = commands_[side].rest && wheels_[side].speed == Real(0);
+      if (stands && goal_speed_[side] == Real(0)) [[unlikely]]
+        speeds_[side] = Real(0);
       const Real angle = world_.stance().palms[side].angle;
       angles[side] = wrists_[side].step(angle, goal_angle_[side]);
     }

@@ -307,7 +307,7 @@ class Resilient {
   constexpr Letter heard() const { return silence() ? Letter::none : letter_; }
 
   // The partner knew, when it sent the newest beacon, that this robot travels (or rests) as it does.
-  constexpr bool known() const { return age_ < since_turned_; }
+  constexpr bool known() const { return age_ <= since_turned_; }
 
   constexpr bool must_stop() const { return silence() || (partner_rests_ && known()); }
 
@@ -325,8 +325,7 @@ class Resilient {
   bool partner_rests_ = true;
   std::uint16_t age_;                // of the newest beacon
   std::uint16_t since_asked_ = 0;    // since the last step that said TiltUp; a boot may follow one
-  std::uint16_t since_turned_ = 0;   // since the last step that travelled while this one rests, or
-                                     // rested while this one travels
+  std::uint16_t since_turned_ = 0;   // since the step at which it last started or stopped
   std::uint16_t since_entered_ = 0;  // since the state was entered
   std::uint16_t since_sent_;         // since the last beacon
 };

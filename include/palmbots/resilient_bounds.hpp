@@ -36,7 +36,7 @@
 namespace palmbots {
 
 struct Bounds {
-  enum class Problem : std::uint8_t { none, beacon_too_short, lease_too_short, skew_too_large };
+  enum class Problem : std::uint8_t { none, beacon_too_short, lease_too_short, lease_too_long };
 
   Resilient::Times times{};
   double delay = 0;           // D [ticks]
@@ -44,6 +44,7 @@ struct Bounds {
   double skips = 0;           // W [ticks]
   double clock_ratio = 1;     // r
   double shortest_lease = 0;  // [ticks]
+  double longest_lease = 0;   // [ticks]: with it the skew fills the room
   double losses = 0;          // beacons in a row that may be lost
   double alone = 0;           // longest that one robot travels without the other [ticks]
   double skew = 0;            // what that shifts a contact [m]
@@ -66,27 +67,31 @@ struct Bounds {
       speed = larger(speed, robot.speed);
     }
     b.clock_ratio = fast / slow;
-    b.shortest_lease = 2 * (b.delay + beacon) + 2;
-    const double lease = std::floor(spec.lease / spec.period + 1e-9);
-    const double hold = std::ceil(b.clock_ratio * (lease + 1 + b.skips + b.braking));
-    b.losses = std::floor((lease - b.shortest_lease) / beacon);
-    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold)};
-
-    b.alone = b.clock_ratio * (lease + 1) + b.skips;
     double flattest = 1;  // cosine of the steepest palm
     double half = spec.palms[left].length;
     for (const PalmSpec& palm : spec.palms) {
       flattest = smaller(flattest, sin_cos(palm.steep).cos);
       half = smaller(half, 0.5 * palm.length);
     }
-    b.skew = speed * b.alone * spec.period / flattest;
+    const double shift = speed * spec.period / flattest;  // of a contact in a tick alone
     b.room = half - zero_zone_reach(spec);
+    b.shortest_lease = 2 * (b.delay + beacon) + 2;
+    const double longest =
+        shift > 0 ? std::floor((b.room / shift - b.skips) / b.clock_ratio - 1) : 60000;
+    b.longest_lease = smaller(longest, 60000);
+    const double lease = spec.lease > 0 ? std::floor(spec.lease / spec.period + 1e-9)
+                                        : usual_lease(b, beacon, spec.period);
+    const double hold = std::ceil(b.clock_ratio * (lease + 1 + b.skips + b.braking));
+    b.losses = std::floor((lease - b.shortest_lease) / beacon);
+    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold)};
+    b.alone = b.clock_ratio * (lease + 1) + b.skips;
+    b.skew = shift * b.alone;
     if (beacon < 1 || spec.beacon < spec.period * (1 - 1e-9)) {
       b.problem = Problem::beacon_too_short;
     } else if (lease < b.shortest_lease) {
       b.problem = Problem::lease_too_short;
-    } else if (b.skew > b.room) {
-      b.problem = Problem::skew_too_large;
+    } else if (lease > b.longest_lease) {
+      b.problem = Problem::lease_too_long;
     }
     return b;
   }
@@ -94,6 +99,12 @@ struct Bounds {
  private:
   static constexpr double larger(double a, double b) { return a < b ? b : a; }
   static constexpr double smaller(double a, double b) { return b < a ? b : a; }
+
+  // Half a second, or as much more as six lost beacons in a row need, within the room there is.
+  static constexpr double usual_lease(const Bounds& b, double beacon, double period) {
+    const double wanted = larger(0.5 / period, b.shortest_lease + 6 * beacon);
+    return std::floor(smaller(wanted, larger(b.longest_lease, b.shortest_lease)) + 1e-9);
+  }
 
   static constexpr std::uint16_t to_ticks(double ticks) {
     return static_cast<std::uint16_t>(ticks < 60000 ? ticks : 60000);

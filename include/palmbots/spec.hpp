@@ -91,7 +91,7 @@ struct Spec {
   double burst_mean = 0.1;
   double airtime = 0;  // 0: no collisions
   double beacon = 0.05;
-  double lease = 0.5;
+  double lease = 0;  // 0: what Bounds::of takes
   std::array<OutageSpec, max_outages> outages{};
   std::size_t outage_count = 0;
   double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots

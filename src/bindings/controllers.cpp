@@ -85,12 +85,13 @@ void bind_controllers(nb::module_& m) {
         d["delay_s"] = b.delay * tick;
         d["lease_s"] = b.times.lease * tick;
         d["shortest_lease_s"] = b.shortest_lease * tick;
+        d["longest_lease_s"] = b.longest_lease * tick;
         d["losses"] = static_cast<int>(b.losses);
         d["hold_s"] = b.times.hold * tick;
         d["alone_s"] = b.alone * tick;
         d["skew_m"] = b.skew;
         d["room_m"] = b.room;
-        constexpr const char* problems[] = {"", "beacon", "lease", "skew"};
+        constexpr const char* problems[] = {"", "beacon", "short", "long"};
         d["problem"] = problems[static_cast<int>(b.problem)];
         return d;
       },

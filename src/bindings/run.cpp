@@ -45,6 +45,7 @@ struct Run {
   double distance = 0;
   Traffic traffic;
   PerSide<Letter> awaits{};
+  PerSide<bool> rests{};  // at the end
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<Posted> posted;
@@ -63,7 +64,10 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
   run.period = spec.period;
   run.distance = double(carry.midpoint()) * spec.direction;
   run.traffic = carry.team().traffic;
-  for (const std::size_t side : {left, right}) run.awaits[side] = carry.team().awaits(side);
+  for (const std::size_t side : {left, right}) {
+    run.awaits[side] = carry.team().awaits(side);
+    run.rests[side] = carry.commands()[side].rest;
+  }
   if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
   if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
     run.rows = carry.recorder().take_rows();
@@ -190,6 +194,16 @@ nb::list hanging(const Run& run) {
   return list;
 }
 
+// Of each link (sent, lost, duplicated, late, rejected): from the left robot, from the right one, from
+// the station to the left and to the right one.
+nb::list links(const Run& run) {
+  nb::list list;
+  for (const LinkCounts& c : run.traffic.links) {
+    list.append(nb::make_tuple(c.sent, c.lost, c.duplicated, c.late, c.rejected));
+  }
+  return list;
+}
+
 nb::list letters(const Run& run) {
   nb::list list;
   for (const Posted& p : run.posted) {
@@ -219,12 +233,16 @@ nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t firs
   auto* rms = new std::vector<double>(2 * n);
   auto* peak = new std::vector<double>(2 * n);
   auto* count = new std::vector<std::uint32_t>(n);
+  auto* sent = new std::vector<std::uint32_t>(n);
+  auto* lost = new std::vector<std::uint32_t>(n);
   nb::dict d;
   d["outcome"] = nb::ndarray<nb::numpy, std::uint8_t>(outcome->data(), {n}, owner_of(outcome));
   d["time_s"] = nb::ndarray<nb::numpy, double>(time->data(), {n}, owner_of(time));
   d["contact_rms_m"] = nb::ndarray<nb::numpy, double>(rms->data(), {n, 2}, owner_of(rms));
   d["contact_peak_m"] = nb::ndarray<nb::numpy, double>(peak->data(), {n, 2}, owner_of(peak));
   d["corrections"] = nb::ndarray<nb::numpy, std::uint32_t>(count->data(), {n}, owner_of(count));
+  d["messages"] = nb::ndarray<nb::numpy, std::uint32_t>(sent->data(), {n}, owner_of(sent));
+  d["messages_lost"] = nb::ndarray<nb::numpy, std::uint32_t>(lost->data(), {n}, owner_of(lost));
   for (std::size_t i = 0; i < n; ++i) {
     if (i % 64 == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
     const nb::gil_scoped_release release;
@@ -237,6 +255,8 @@ nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t firs
       (*peak)[2 * i + side] = one.metrics.peak[side];
     }
     (*count)[i] = one.metrics.corrections;
+    (*sent)[i] = one.traffic.sent;
+    (*lost)[i] = one.traffic.lost;
   }
   return d;
 }
@@ -260,6 +280,8 @@ void bind_run(nb::module_& m) {
           "contact_peak_m",
           [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
       .def_prop_ro("messages", [](const Run& r) { return r.traffic.sent; })
+      .def_prop_ro("links", &links)
+      .def_prop_ro("rests", [](const Run& r) { return std::tuple(r.rests[left], r.rests[right]); })
       .def_prop_ro("messages_lost", [](const Run& r) { return r.traffic.lost; })
       .def_prop_ro("waiting_s",
                    [](const Run& r) {

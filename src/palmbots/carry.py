@@ -2,12 +2,13 @@
 
 import string
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from palmbots import _core
+from palmbots.bounds import Bounds, bounds_of
 from palmbots.controllers import Controller, adapted_pair
 from palmbots.deadband import warnings_before
 from palmbots.errors import PalmbotsError, show
@@ -25,6 +26,7 @@ __all__ = [
     "Carry",
     "Correction",
     "Letter",
+    "LinkCounts",
     "carry",
     "trace_dataset",
 ]
@@ -81,6 +83,21 @@ class Letter:
     letter: str
 
 
+@dataclass(frozen=True, slots=True)
+class LinkCounts:
+    """What became of the messages on one link, in one direction."""
+
+    sent: int
+    delivered: int
+    """All that were not lost, and the copies; the last ones may still be under way."""
+    lost: int
+    duplicated: int
+    late: int
+    """Heard by the resilient algorithm, but too old to count."""
+    rejected: int
+    """Ignored by it: a copy, or older than one heard before."""
+
+
 @dataclass(frozen=True)
 class Carry:
     """A finished carry. Dictionaries have the keys ``left`` and ``right``."""
@@ -103,6 +120,10 @@ class Carry:
     messages: int
     """Messages sent: letters, or state packets where a station decides."""
     messages_lost: int
+    links: dict[str, LinkCounts]
+    """By direction, as in ``left_to_right`` or ``station_to_left``; those that were used."""
+    bounds: Bounds | None
+    """The time bounds of the resilient algorithm."""
     waiting_s: dict[str, float]
     """How long each robot waited for a message, at its nominal speed."""
     bumps: int
@@ -128,6 +149,8 @@ class Carry:
             ],
             "messages": self.messages,
             "messages_lost": self.messages_lost,
+            "links": {name: asdict(counts) for name, counts in self.links.items()},
+            "bounds": None if self.bounds is None else asdict(self.bounds),
             "waiting_s": self.waiting_s,
             "bumps": self.bumps,
             "warnings": list(self.warnings),
@@ -155,8 +178,8 @@ def carry(
 
     Args:
         scene: the name of a built-in scene, a TOML file, a table, or a `Scene`.
-        controller: ``none``, ``centralized``, ``distributed``, or something that makes a controller
-            when called, such as a class with a ``step`` (see `palmbots.controllers`).
+        controller: ``none``, ``centralized``, ``distributed``, ``resilient``, or something that makes
+            a controller when called, such as a class with a ``step`` (see `palmbots.controllers`).
         world: ``quasistatic``.
         precision: ``double`` or ``float``.
         seed: of all that is random; the same seed gives the same carry, bit for bit.
@@ -164,7 +187,8 @@ def carry(
         overrides: scene keys to set, such as ``{"radio.loss": 0.1}``.
 
     Raises:
-        SceneError: the scene cannot be read or makes no sense.
+        SceneError: the scene cannot be read or makes no sense, or the resilient algorithm cannot
+            keep its bounds in it.
         PalmbotsError: any other argument is not one of those above.
     """
     chosen = load_scene(scene, overrides)
@@ -180,6 +204,7 @@ def carry(
     else:
         core_controller = adapted_pair(controller)
         name = getattr(controller, "__name__", type(controller).__name__)
+    bounds = bounds_of(chosen) if name == "resilient" else None
     # The compiled module's stub knows the shapes of Python types, not their contents.
     run: Any = _core.run(lower(chosen), core_controller, seed, precision, record)
     return Carry(
@@ -198,9 +223,11 @@ def carry(
         corrections=_corrections(run.corrections),
         messages=run.messages,
         messages_lost=run.messages_lost,
+        links=_links(run.links, name),
+        bounds=bounds,
         waiting_s=_by_side(run.waiting_s),
         bumps=run.bumps,
-        warnings=(*warnings_before(chosen, name), *_warnings_after(run, chosen)),
+        warnings=(*warnings_before(chosen, name), *_warnings_after(run, chosen, name)),
         trace_hash=run.trace_hash,
         trace=trace_dataset(run.trace) if record else None,
         letters=tuple(
@@ -245,8 +272,20 @@ def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
     )
 
 
-def _warnings_after(run: Any, scene: Scene) -> tuple[str, ...]:
-    told = _hanging(run, scene)
+def _links(rows: list[Any], controller: str) -> dict[str, LinkCounts]:
+    """The links that were used, by name."""
+    partners = ("station", "station") if controller == "centralized" else ("right", "left")
+    names = [f"{side}_to_{to}" for side, to in zip(_SIDES, partners, strict=True)]
+    names += [f"station_to_{side}" for side in _SIDES]
+    return {
+        name: LinkCounts(sent, sent - lost + copies, lost, copies, late, rejected)
+        for name, (sent, lost, copies, late, rejected) in zip(names, rows, strict=True)
+        if sent
+    }
+
+
+def _warnings_after(run: Any, scene: Scene, controller: str) -> tuple[str, ...]:
+    told = _resting(run) if controller == "resilient" else _hanging(run, scene)
     told += [
         f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
         for side, cycles in zip(_SIDES, run.limit_cycle, strict=True)
@@ -255,6 +294,17 @@ def _warnings_after(run: Any, scene: Scene) -> tuple[str, ...]:
     if run.correction_count > len(run.corrections):
         told.append(f"{run.correction_count} corrections; only the first are listed")
     return tuple(told)
+
+
+def _resting(run: Any) -> list[str]:
+    """Robots that stand at the end of a carry that did not get there."""
+    if run.outcome != "stalled":
+        return []
+    return [
+        f"the {side} robot is at rest: it hears nothing fresh from its partner, or waits for p = 0"
+        for side, rests in zip(_SIDES, run.rests, strict=True)
+        if rests
+    ]
 
 
 def _hanging(run: Any, scene: Scene) -> list[str]:

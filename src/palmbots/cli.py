@@ -84,7 +84,7 @@ def _root(
 def carry(
     scene: SceneArgument = "paper",
     controller: Annotated[
-        str, typer.Option("--controller", "-c", help="none, centralized or distributed.")
+        str, typer.Option("--controller", "-c", help="none, centralized, distributed or resilient.")
     ] = "distributed",
     world: Annotated[str, typer.Option("--world", help="quasistatic.")] = "quasistatic",
     precision: PrecisionOption = "double",
@@ -193,7 +193,7 @@ def compare(
     ] = None,
     controllers: Annotated[
         str, typer.Option("--controllers", metavar="A,B,…", help="Which controllers.")
-    ] = "none,centralized,distributed",
+    ] = "none,centralized,distributed,resilient",
     carries: Annotated[int, typer.Option("--carries", "-n", help="Carries a cell.")] = 200,
     seed: SeedOption = 0,
     precision: PrecisionOption = "double",

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from palmbots import _core
+from palmbots.bounds import bounds_of
 from palmbots.carry import CONTROLLERS, PRECISIONS, one_of
-from palmbots.errors import PalmbotsError, show
+from palmbots.errors import PalmbotsError, SceneError, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 
@@ -49,11 +50,14 @@ class Comparison:
     key: str
     seed: int
     rows: tuple[Row, ...]
+    refused: tuple[str, ...] = ()
+    """Of the resilient algorithm, why it has no row at some values: its bounds cannot be kept."""
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots compare --json`` prints."""
         return {
             "rows": [{field: getattr(row, field) for field in Row.__slots__} for row in self.rows],
+            "refused": list(self.refused),
             "key": self.key,
             "seed": self.seed,
             "scene": self.scene.model_dump(),
@@ -98,13 +102,25 @@ def compare(
     base = load_scene(scene, overrides)
     scenes = [load_scene(base, {key: value}, called="sweep:") for value in values]
     _each_once("values", values)
-    rows = []
+    rows, refused = [], []
     cells = [(c, v, s) for c in controllers for v, s in zip(values, scenes, strict=True)]
     for i, (controller, value, at) in enumerate(cells):
-        rows.append(_cell(controller, key, value, at, carries, seed, precision))
+        problem = _refusal(at) if controller == "resilient" else None
+        if problem is None:
+            rows.append(_cell(controller, key, value, at, carries, seed, precision))
+        else:
+            refused.append(f"{key} = {value:g}: {problem}")
         if progress is not None:
             progress((i + 1) / len(cells))
-    return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows))
+    return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows), refused=tuple(refused))
+
+
+def _refusal(scene: Scene) -> str | None:
+    try:
+        bounds_of(scene)
+    except SceneError as error:
+        return str(error)
+    return None
 
 
 def _each_once(what: str, given: Sequence[object]) -> None:

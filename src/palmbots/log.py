@@ -27,7 +27,8 @@ from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import register_schema
 
 from palmbots import log_scene
-from palmbots.carry import Carry, Correction, Letter
+from palmbots.bounds import Bounds
+from palmbots.carry import Carry, Correction, Letter, LinkCounts
 from palmbots.carry import trace_dataset as trace_dataset
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
@@ -42,14 +43,14 @@ if TYPE_CHECKING:
 __all__ = ["Log", "read_log", "write_log"]
 
 _RECORD = "palmbots"  # the name of the metadata record
-_FORMAT = "1"
+_FORMAT = "2"
 _SCENE_INTERVAL_S = 0.04  # between two pictures of the three-dimensional scene
 
 # Facts of a carry that are no time series: as they are, and as JSON (which keeps every bit too).
 _TEXTS = ("controller", "world", "precision", "version", "outcome", "trace_hash")
 _VALUES = (
     "seed", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
-    "messages_lost", "waiting_s", "bumps", "warnings",
+    "messages_lost", "waiting_s", "bumps", "warnings", "links", "bounds",
 )  # fmt: skip
 
 # Variable of the trace, field of the message.
@@ -90,6 +91,8 @@ class Log:
     corrections: tuple[Correction, ...]
     messages: int
     messages_lost: int
+    links: dict[str, LinkCounts]
+    bounds: Bounds | None
     waiting_s: dict[str, float]
     bumps: int
     warnings: tuple[str, ...]
@@ -119,7 +122,7 @@ def write_log(carry: Carry, path: str | os.PathLike[str]) -> None:
 def _facts(carry: Carry, samples: int) -> dict[str, str]:
     """All that is no time series, as text."""
     values = {"scene": carry.scene.model_dump(mode="json"), "samples": samples}
-    values |= {name: getattr(carry, name) for name in _VALUES}
+    values |= {name: carry.summary()[name] for name in _VALUES}
     return (
         {"format": _FORMAT}
         | {name: getattr(carry, name) for name in _TEXTS}
@@ -310,6 +313,8 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
     told |= {name: json.loads(facts[name]) for name in ("scene", *_VALUES)}
     told["warnings"] = tuple(told["warnings"])
+    told["links"] = {name: LinkCounts(**counts) for name, counts in told["links"].items()}
+    told["bounds"] = None if told["bounds"] is None else Bounds(**told["bounds"])
     return Log(
         **told,
         trace=trace_dataset(trace),

@@ -50,7 +50,7 @@ def lower(scene: Scene) -> _core.Spec:
     spec.burst_mean = scene.radio.burst_s
     spec.airtime = scene.radio.airtime_s
     spec.beacon = scene.radio.beacon_s
-    spec.lease = scene.radio.lease_s
+    spec.lease = scene.radio.lease_s or 0.0
     spec.outages = [(_STATIONS.index(o.sender), o.start_s, o.end_s) for o in scene.radio.outages]
     spec.watchdog = scene.control.watchdog_s
     spec.faults = [_fault(fault) for fault in scene.faults.script]

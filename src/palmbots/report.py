@@ -117,10 +117,12 @@ def carry_report(
                 for robot in (*_SIDES, "both")
                 if counts[case, robot]
             )
-            if case in ("a", "b") and alone[case]:
+            if case in ("a", "b") and alone[case] and done.controller != "resilient":
                 by_robot += f"   ({alone[case]} unanswered)"
             cases.add_row(f"  ({case})", Text(_CASES.get(case, ""), style=_QUIET), by_robot)
         console.print(cases)
+    if done.bounds is not None:
+        _bounds(console, done.bounds)
     lost = f", {done.messages_lost} lost" if done.messages_lost else ""
     bumps = f"   {counted(done.bumps, 'bump')}" if done.bumps else ""
     messages = counted(done.messages, "message")
@@ -130,6 +132,20 @@ def carry_report(
     files_written(console, written)
     for path in removed:
         console.print(f"removed {path}, of an earlier carry", soft_wrap=True)
+
+
+def _bounds(console: Console, b: "Bounds") -> None:
+    """The resilient algorithm's bounds, in two lines."""
+    console.print(
+        f"lease {b.lease_s:g} s (at least {b.shortest_lease_s:g}): {b.losses} beacons in a row may "
+        f"be lost   a palm is held up for {b.hold_s:g} s of silence",
+        style=_QUIET,
+    )
+    console.print(
+        f"no robot travels alone for more than {b.alone_s:g} s, {_mm(b.skew_m)} of "
+        f"{_mm(b.room_m)}",
+        style=_QUIET,
+    )
 
 
 def files_written(console: Console, written: Sequence[Path]) -> None:
@@ -260,6 +276,8 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
     stalled = sum(round(row.stall_rate * row.n) for row in done.rows)
     if stalled:
         console.print(f"{counted(stalled, 'carry')} stalled: neither arrived nor dropped in time")
+    for refusal in done.refused:
+        console.print(f"resilient refused {refusal}", soft_wrap=True)
     if written is not None:
         files_written(console, [written])
 

@@ -373,8 +373,9 @@ class Radio(Section):
     """Times in which one direction is dead."""
     beacon_s: Lasting = 0.05
     """Resilient algorithm: time between two beacons of a robot that has nothing new to say."""
-    lease_s: Lasting = 0.5
-    """Resilient algorithm: how old a beacon may be to count."""
+    lease_s: Lasting | None = None
+    """Resilient algorithm: how old a beacon may be to count; not set: 0.5, or more where the
+    latency asks for more and the palms leave room."""
 
 
 class Fault(Section):

@@ -1,0 +1,136 @@
+// The resilient algorithm told once more, as a robot that reads the prose of docs/protocol.md: plain
+// conditions instead of a table, plain instants instead of counters. To compare the shipped one with.
+#pragma once
+
+#include <limits>
+
+#include "palmbots/resilient.hpp"
+
+struct Told {
+  using Letter = palmbots::Letter;
+  using Sign = palmbots::Sign;
+
+  // Where a robot is in its case.
+  enum Doing { nothing, ask, pull, yield, help, grant, withdraw, lower, rise, push, sink };
+
+  palmbots::Resilient::Times times;
+  bool lower_identity;
+  Doing now;
+  bool standing = true;
+  long clock = 0;
+  long heard_at = std::numeric_limits<long>::min() / 2;  // my instant that the newest beacon echoes
+  long asked_at = 0;    // last instant at which I said TiltUp, or may have
+  long changed_at = 0;  // first instant at which I stood, or travelled, as I do
+  long entered_at = 0;
+  long said_at = std::numeric_limits<long>::min() / 2;
+  Letter newest = Letter::none;
+  bool partner_stands = true;
+
+  Told(palmbots::Resilient::Times t, bool lower_id, bool assisted)
+      : times(t), lower_identity(lower_id), now(assisted ? withdraw : lower) {}
+
+  static Letter word(Doing doing) {
+    switch (doing) {
+      case nothing: return Letter::tilt_down;
+      case ask:
+      case pull: return Letter::tilt_up;
+      case grant: return Letter::ack;
+      case rise:
+      case push:
+      case sink: return Letter::closing;
+      default: return Letter::raised;
+    }
+  }
+
+  static bool palm_up(Doing d) {
+    return d == yield || d == help || d == grant || d == withdraw || d == rise || d == push;
+  }
+
+  // "A request goes before corrections of one's own."
+  Doing at_leisure(Sign p, bool asked, bool free) const {
+    if (asked) return p == Sign::positive ? yield : help;
+    if (free && p == Sign::positive) return ask;
+    if (free && p == Sign::negative) return rise;
+    return nothing;
+  }
+
+  Doing next(Sign p, bool turned) const {
+    const bool fresh = clock - heard_at <= times.lease;
+    const bool asked = fresh && newest == Letter::tilt_up;
+    const bool granted = fresh && newest == Letter::ack;
+    const bool free = fresh && heard_at > asked_at;
+    const bool partner_steep = fresh && !granted && newest != Letter::raised;
+    switch (now) {
+      case nothing: return at_leisure(p, asked, free);
+      case ask:
+        if (p != Sign::positive) return turned ? nothing : lower;
+        if (granted && turned) return pull;
+        return asked && lower_identity ? yield : ask;
+      case pull:
+        if (p != Sign::positive) return nothing;
+        return granted ? pull : ask;
+      case yield:
+      case help:
+        if (!asked) return lower;
+        return turned ? grant : now;
+      case grant:
+        if (asked) return grant;
+        return fresh ? lower : withdraw;
+      case withdraw:
+        if (asked && turned) return grant;
+        if (fresh && !asked) return lower;
+        return clock - entered_at >= times.hold ? lower : withdraw;
+      case lower:
+        if (asked) return help;
+        if (free && p == Sign::positive) return ask;
+        if (free && p == Sign::negative) return rise;
+        return turned ? nothing : lower;
+      case rise:
+        if (!fresh) return sink;
+        if (p != Sign::negative) return asked ? help : sink;
+        return turned && partner_steep ? push : rise;
+      case push:
+        if (p != Sign::negative) return asked ? grant : sink;
+        return partner_steep ? push : rise;
+      case sink:
+        if (asked && p != Sign::positive) return help;
+        return turned ? nothing : sink;
+    }
+    return now;
+  }
+
+  palmbots::Resilient::Output step(const palmbots::Resilient::Input& in) {
+    using palmbots::Move;
+    using palmbots::Palm;
+    clock += in.elapsed;
+    if (in.letter != Letter::none) {
+      newest = in.letter;
+      partner_stands = in.rests;
+      heard_at = clock - in.age;
+    }
+    const Doing before = now;
+    const bool stood = standing;
+    now = next(in.sign, in.turned);
+    if (now != before) entered_at = clock;
+    if (word(now) == Letter::tilt_up) asked_at = clock;
+    const bool fresh = clock - heard_at <= times.lease;
+    const bool partner_knows = heard_at >= changed_at;
+    if (!fresh) {
+      standing = true;
+    } else if (standing) {
+      const bool both_ready = now == nothing && newest == Letter::tilt_down && partner_knows;
+      if (in.sign == Sign::zero && (!partner_stands || both_ready)) standing = false;
+    } else if (partner_stands && partner_knows) {
+      standing = true;
+    }
+    if (standing != stood) changed_at = clock;
+    const bool say =
+        word(now) != word(before) || standing != stood || clock - said_at >= times.beacon;
+    if (say) said_at = clock;
+    const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
+    return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
+            word(now),
+            say,
+            now == grant || now == withdraw};
+  }
+};

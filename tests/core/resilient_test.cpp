@@ -1,0 +1,126 @@
+// The resilient controller step by step against a telling of it in plain conditions, over random
+// inputs that reach every state with every sign and letter.
+#include "palmbots/resilient.hpp"
+
+#include <cstdint>
+
+#include "check.hpp"
+#include "palmbots/beacon.hpp"
+#include "palmbots/philox.hpp"
+#include "resilient_oracle.hpp"
+
+using namespace palmbots;
+
+namespace {
+
+struct Seen {
+  std::uint32_t entered[Resilient::states][Resilient::states]{};
+  std::uint32_t with[Resilient::states][3][6]{};  // sign, letter heard
+};
+
+bool same(const Resilient::Output& a, const Resilient::Output& b) {
+  return a.command == b.command && a.letter == b.letter && a.send == b.send &&
+         a.assists == b.assists;
+}
+
+void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted, Seen& seen) {
+  Resilient shipped(times, yields, assisted);
+  Told told(times, yields, assisted);
+  std::uint32_t sign = 0;
+  bool fresh = true;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    const Words w = draw(seed, i, Stream::radio);
+    if (w[0] % 8 == 0) sign = (w[0] >> 8) % 3;  // signs and good spells that last a while
+    if (w[1] % 32 == 0) fresh = !fresh;
+    Resilient::Input in{};
+    in.sign = static_cast<Sign>(static_cast<int>(sign) - 1);
+    in.turned = (w[2] & 3) != 0;
+    in.elapsed = static_cast<std::uint16_t>(w[2] % 64 == 4 ? 1 + (w[2] >> 8) % 9 : 1);
+    in.letter = static_cast<Letter>((w[3] & 0xFF) % 6);
+    in.rests = (w[3] >> 8) % 4 == 0;
+    const std::uint32_t spread = fresh ? times.lease + 1U : 3U * times.lease;
+    in.age = static_cast<std::uint16_t>((w[3] >> 16) % spread);
+    if (w[1] % 1024 == 1) in.age = ageless;
+    const auto before = static_cast<int>(shipped.state());
+    const auto out = shipped.step(in);
+    CHECK(same(out, told.step(in)));
+    CHECK(out.letter == shipped.now().letter && out.command.rest == shipped.rests());
+    const int heard = shipped.silence() ? 0 : static_cast<int>(told.newest);
+    ++seen.with[before][sign][heard];
+    ++seen.entered[before][static_cast<int>(shipped.state())];
+  }
+}
+
+void test_like_the_telling() {
+  Seen seen;
+  std::uint64_t seed = 0;
+  for (const Resilient::Times times :
+       {Resilient::Times{1, 2, 3}, Resilient::Times{5, 50, 67}, Resilient::Times{3, 9, 4}}) {
+    for (const bool yields : {false, true}) {
+      for (const bool assisted : {false, true}) {
+        for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
+      }
+    }
+  }
+  for (const auto& state : seen.with) {
+    for (const auto& sign : state) {
+      for (const std::uint32_t n : sign) CHECK(n > 0);
+    }
+  }
+  // Every row was taken: each pair of states that the table connects.
+  for (const auto& row : Resilient::table) {
+    CHECK(seen.entered[static_cast<int>(row.state)][static_cast<int>(row.next)] > 0);
+  }
+}
+
+// Counters stop, they do not wrap: a robot left alone for days is as silent as after a second.
+void test_counters_do_not_wrap() {
+  Resilient robot({5, 50, 67}, false);
+  Resilient::Input in{Sign::zero, true, 60000, Letter::none, true, 0};
+  for (int i = 0; i < 100; ++i) {
+    const auto out = robot.step(in);
+    CHECK(robot.silence() && out.command.rest && out.send);
+  }
+}
+
+// Newest only: a copy, an older one, one of an earlier life are rejected; a new life is newer.
+void test_ear() {
+  Ear ear(1);
+  ear.tick(10);
+  CHECK(ear.age() == ageless);
+  const auto beacon = [](std::uint16_t epoch, std::uint32_t tick, Stamp heard) {
+    return Beacon{Letter::ack, false, {epoch, tick}, heard};
+  };
+  CHECK(ear.take(beacon(1, 5, {})));
+  CHECK(ear.age() == ageless);  // it has not heard me
+  CHECK(ear.take(beacon(1, 7, {1, 4})));
+  CHECK(ear.age() == 6);
+  CHECK(!ear.take(beacon(1, 7, {1, 9})));
+  CHECK(!ear.take(beacon(1, 6, {1, 9})));
+  CHECK(ear.age() == 6 && ear.newest().sent.tick == 7);
+  ear.tick(3);
+  CHECK(ear.age() == 9);
+  CHECK(ear.take(beacon(2, 1, {1, 12})));
+  CHECK(!ear.take(beacon(1, 8, {1, 13})));
+  CHECK(ear.age() == 1);
+  CHECK(ear.take(beacon(2, 2, {1, 99})));  // it cannot have heard the future
+  CHECK(ear.age() == ageless);
+  ear.tick(60000);
+  ear.tick(60000);
+  CHECK(ear.take(beacon(2, 3, {1, 13})));
+  CHECK(ear.age() == ageless);  // longer ago than can be told
+  const Beacon mine = ear.beacon(Letter::tilt_up, true);
+  CHECK(mine.sent.epoch == 1 && mine.sent.tick == 120013);
+  CHECK(mine.heard.epoch == 2 && mine.heard.tick == 3 && mine.rests);
+  // After a boot, what echoes the life before is no answer.
+  Ear booted(2);
+  CHECK(booted.take(beacon(2, 4, {1, 13})) && booted.age() == ageless);
+}
+
+}  // namespace
+
+int main() {
+  test_like_the_telling();
+  test_counters_do_not_wrap();
+  test_ear();
+}
