@@ -18,6 +18,10 @@ c_code {
     Printf("  %-5s %+3d (%c) %-7s%s %-20s", side == LEFT ? "left" : "right", now.p[side], robot_case(side),
            now.palm[side] == STEEP ? "steep" : "shallow", now.turning[side] ? "…" : " ", robot_doing(side));
   }
+  static void tell_letter(const char *fate)
+  {
+    Printf("      %s sends %s%s\n", side_name(now.who), letter_name(now.sent[now.who]), fate);
+  }
   static void tell(void)
   {
     Printf("%4d", cycle_number++);
@@ -125,13 +129,11 @@ inline step()
 inline post()
 {
   if
-  :: sent[who] != 0 -> air[1 - who]!sent[who]
+  :: sent[who] != 0 -> air[1 - who]!sent[who]; c_code { tell_letter(""); }
   :: sent[who] != 0 && mishaps > 0 && sent[who] == COPY ->
-       mishaps--; air[1 - who]!sent[who]; ghost[1 - who] = sent[who];
-       c_code { Printf("      %s from %s is copied\n", letter_name(now.sent[now.who]), side_name(now.who)); }
+       mishaps--; air[1 - who]!sent[who]; ghost[1 - who] = sent[who]; c_code { tell_letter(", copied"); }
   :: sent[who] != 0 && mishaps > 0 && sent[who] == LOSE && case_of[who] == LOSE_CASE ->
-       mishaps--;
-       c_code { Printf("      %s from %s is lost\n", letter_name(now.sent[now.who]), side_name(now.who)); }
+       mishaps--; c_code { tell_letter(", lost"); }
   :: sent[who] == 0
   fi;
   stirred = stirred || sent[who] != 0;
