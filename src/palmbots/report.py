@@ -142,8 +142,7 @@ def _bounds(console: Console, b: "Bounds") -> None:
         style=_QUIET,
     )
     console.print(
-        f"no robot travels alone for more than {b.alone_s:g} s, {_mm(b.skew_m)} of "
-        f"{_mm(b.room_m)}",
+        f"no robot travels alone for more than {b.alone_s:g} s, {_mm(b.skew_m)} of {_mm(b.room_m)}",
         style=_QUIET,
     )
 

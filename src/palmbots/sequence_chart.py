@@ -1,9 +1,9 @@
 """A message-sequence chart of a carry: two lifelines downwards, and every letter between them.
 
 Time runs down, one column after the other. On a robot's line stand the cases that it is in, shaded
-in its hue; an arrow is a letter, from when it was sent to when it can be read, as steep as it was
-late. A lost one ends at a cross on its way. Where a robot repeats what it said last, as the resilient
-algorithm does all the time, the arrow is thin and bears no name.
+in its hue; an arrow is a letter, from when it was sent to when it can be read, the steeper the later
+it comes. A lost one ends at a cross on its way. Where a robot repeats what it said last, as the
+resilient algorithm does all the time, the arrow is thin and bears no name.
 """
 
 import math
@@ -36,6 +36,7 @@ _MOST_COLUMNS = 8
 _DENSE = 0.16  # s: letters closer than this in the mean get more room
 _LINE = {"left": 0.0, "right": 1.0}
 _BAR = 0.07  # width of a case's bar
+_NAME = 0.13  # inches that a letter's name is high
 
 
 def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
@@ -64,7 +65,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         figure.subplots_adjust(
             left=0.55 / figure.get_figwidth(),
             right=1 - 0.15 / figure.get_figwidth(),
-            top=1 - 0.75 / figure.get_figheight(),
+            top=1 - 0.85 / figure.get_figheight(),
             bottom=0.2 / figure.get_figheight(),
             wspace=0.32,
         )
@@ -115,9 +116,15 @@ def _draw_column(
         panel.plot([_LINE[side]] * 2, [start, end], color=HUE[side], lw=0.8, zorder=1)
         _draw_cases(panel, carry, side, start, end)
         _draw_faults(panel, carry, side, start, end)
+    named = dict.fromkeys(SIDES, -math.inf)
     for letter, news in told:
-        if start <= letter.sent_s <= end:
-            _draw_letter(panel, letter, news)
+        if not start <= letter.sent_s <= end:
+            continue
+        # A name stands above its arrow, or below where there is another one.
+        below = letter.sent_s - named[letter.sender] < _NAME * (end - start) / _TALL
+        _draw_letter(panel, letter, news, below)
+        if news:
+            named[letter.sender] = letter.sent_s
     if carry.outcome != "delivered" and start <= carry.time_s <= end:
         panel.axhline(carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)
 
@@ -175,7 +182,7 @@ def _draw_faults(panel: Axes, carry: "Carry", side: str, start: float, end: floa
         )
 
 
-def _draw_letter(panel: Axes, letter: "Letter", news: bool) -> None:
+def _draw_letter(panel: Axes, letter: "Letter", news: bool, below: bool) -> None:
     from_x, to_x = _LINE[letter.sender], _LINE[letter.receiver]
     colour = INK if news else QUIET
     lost = letter.received_s is None
@@ -205,10 +212,10 @@ def _draw_letter(panel: Axes, letter: "Letter", news: bool) -> None:
         panel.annotate(
             f"{letter.letter} lost" if lost else letter.letter,
             (from_x + 0.3 * (_LINE[letter.receiver] - from_x), letter.sent_s),
-            (0, 1.5),
+            (0, -3 if below else 1.5),
             textcoords="offset points",
             ha="center",
-            va="bottom",
+            va="top" if below else "bottom",
             size=6.5,
             color=DROP if lost else INK,
             zorder=4,
@@ -230,9 +237,9 @@ def _head(figure: Figure, carry: "Carry") -> None:
     ]
     figure.legend(
         handles=entries,
-        loc="upper right",
-        bbox_to_anchor=(1 - 0.1 / figure.get_figwidth(), 1 - 0.04 / height),
-        ncols=1 if figure.get_figwidth() < 4 else 3,
+        loc="upper left",
+        bbox_to_anchor=(x, 1 - 0.4 / height),
+        ncols=3,
         borderaxespad=0,
         handlelength=1.6,
         labelspacing=0.2,
