@@ -15,7 +15,7 @@ namespace {
 // Names for what the tables hold, in the order of the enumerations.
 constexpr const char* palms[] = {"steep", "shallow"};
 constexpr const char* moves[] = {"hold", "away", "closer"};
-constexpr const char* letters[] = {"none", "tilt_up", "tilt_down", "ack"};
+constexpr const char* letters[] = {"none", "tilt_up", "tilt_down", "ack", "closing", "raised"};
 constexpr const char* who[] = {"left", "right", "either", "none"};
 constexpr const char* until[] = {"le_zero", "ge_zero"};
 constexpr const char* contact[] = {"any", "positive", "not_positive", "negative", "not_negative"};
@@ -26,6 +26,13 @@ constexpr const char* states[] = {"idle",      "a_or_b_request", "a_move",      
                                   "c_tilt_up", "c_wait_down",    "c_tilt_down", "d_tilt_up",
                                   "d_move",    "d_tilt_down"};
 static_assert(std::size(states) == Distributed::states);
+constexpr const char* resilient_states[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
+                                            "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
+                                            "d_tilt_up", "d_move",    "d_tilt_down"};
+static_assert(std::size(resilient_states) == Resilient::states);
+constexpr const char* heard[] = {"any",   "tilt_up", "not_tilt_up", "ack",    "not_ack",
+                                 "other", "steep",   "not_steep",   "silence"};
+constexpr const char* conditions[] = {"any", "turned", "released", "yields", "held"};
 
 template <class Enum, std::size_t n>
 std::string named(const char* const (&names)[n], Enum value) {
@@ -75,6 +82,28 @@ void bind_controllers(nb::module_& m) {
       "contact, "
       "letter, palm turned, next state, letter sent).");
 
+  m.def(
+      "resilient_table",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string, std::string>>
+            doing;
+        for (int i = 0; i < Resilient::states; ++i) {
+          const auto& d = Resilient::doing[i];
+          doing.push_back({resilient_states[i], std::string(1, d.name),
+                           named(palms, d.command.palm), named(moves, d.command.move),
+                           named(letters, d.letter)});
+        }
+        std::vector<std::array<std::string, 5>> rows;
+        for (const auto& row : Resilient::table) {
+          rows.push_back({named(resilient_states, row.state), named(contact, row.p),
+                          named(heard, row.heard), named(conditions, row.when),
+                          named(resilient_states, row.next)});
+        }
+        return std::pair(doing, rows);
+      },
+      "The resilient algorithm as it runs: per state (name, case, palm, move, letter), and the "
+      "rows "
+      "(state, contact, letter heard, condition, next state).");
   m.def(
       "resilient_bounds",
       [](const Spec& spec) {

@@ -235,6 +235,7 @@ nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t firs
   auto* count = new std::vector<std::uint32_t>(n);
   auto* sent = new std::vector<std::uint32_t>(n);
   auto* lost = new std::vector<std::uint32_t>(n);
+  auto* since = new std::vector<double>(2 * n);
   nb::dict d;
   d["outcome"] = nb::ndarray<nb::numpy, std::uint8_t>(outcome->data(), {n}, owner_of(outcome));
   d["time_s"] = nb::ndarray<nb::numpy, double>(time->data(), {n}, owner_of(time));
@@ -243,6 +244,7 @@ nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t firs
   d["corrections"] = nb::ndarray<nb::numpy, std::uint32_t>(count->data(), {n}, owner_of(count));
   d["messages"] = nb::ndarray<nb::numpy, std::uint32_t>(sent->data(), {n}, owner_of(sent));
   d["messages_lost"] = nb::ndarray<nb::numpy, std::uint32_t>(lost->data(), {n}, owner_of(lost));
+  d["waits_since_s"] = nb::ndarray<nb::numpy, double>(since->data(), {n, 2}, owner_of(since));
   for (std::size_t i = 0; i < n; ++i) {
     if (i % 64 == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
     const nb::gil_scoped_release release;
@@ -252,6 +254,7 @@ nb::dict run_seeds(const Spec& spec, const std::string& name, std::uint64_t firs
     (*time)[i] = one.metrics.time_ticks * one.period;
     for (const std::size_t side : {left, right}) {
       (*rms)[2 * i + side] = one.rms(side);
+      (*since)[2 * i + side] = double(one.metrics.waits_since[side]) * one.period;
       (*peak)[2 * i + side] = one.metrics.peak[side];
     }
     (*count)[i] = one.metrics.corrections;

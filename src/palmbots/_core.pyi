@@ -409,6 +409,11 @@ def table2() -> tuple[list[tuple[str, str, str, str, bool]], list[list[str]]]:
     Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, contact, letter, palm turned, next state, letter sent).
     """
 
+def resilient_table() -> tuple[list[tuple[str, str, str, str, str]], list[list[str]]]:
+    """
+    The resilient algorithm as it runs: per state (name, case, palm, move, letter), and the rows (state, contact, letter heard, condition, next state).
+    """
+
 def resilient_bounds(spec: Spec) -> dict:
     """The time bounds of the resilient algorithm (resilient_bounds.hpp)."""
 

@@ -72,10 +72,10 @@ def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
     if b.shortest_lease_s > b.longest_lease_s:
         return (
             f"radio.lease_s: none will do with controller resilient: {need}, but at most "
-            f"{max(b.longest_lease_s, 0):g} is allowed: {room}; lower radio.latency_s, radio.jitter_s, "
-            "radio.beacon_s or robot.speed_m_s"
+            f"{max(b.longest_lease_s, 0):g} is allowed: {room}; lower radio.latency_s, "
+            "radio.jitter_s, radio.beacon_s or robot.speed_m_s"
         )
     return (
-        f"radio.lease_s: {b.lease_s:g} is too {problem}; allowed with controller resilient: a number "
-        f"in s, from {b.shortest_lease_s:g} ({need}) to {b.longest_lease_s:g} ({room})"
+        f"radio.lease_s: {b.lease_s:g} is too {problem}; allowed with controller resilient: a "
+        f"number in s, from {b.shortest_lease_s:g} ({need}) to {b.longest_lease_s:g} ({room})"
     )

@@ -178,8 +178,9 @@ def carry(
 
     Args:
         scene: the name of a built-in scene, a TOML file, a table, or a `Scene`.
-        controller: ``none``, ``centralized``, ``distributed``, ``resilient``, or something that makes
-            a controller when called, such as a class with a ``step`` (see `palmbots.controllers`).
+        controller: ``none``, ``centralized``, ``distributed``, ``resilient``, or something that
+            makes a controller when called, such as a class with a ``step`` (see
+            `palmbots.controllers`).
         world: ``quasistatic``.
         precision: ``double`` or ``float``.
         seed: of all that is random; the same seed gives the same carry, bit for bit.

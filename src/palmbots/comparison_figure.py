@@ -21,6 +21,7 @@ _LOOK = {
     "none": ("#8A8A8A", "^", ":"),
     "centralized": ("#D55E00", "s", "--"),
     "distributed": ("#0072B2", "o", "-"),
+    "resilient": ("#009E73", "v", (0, (5, 1, 1, 1))),
 }
 _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
 

@@ -101,9 +101,10 @@ def whole(least: int, most: int | None = None) -> Callable[[object], int]:
     def check(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             raise fault(value, f"is {_kind(value)}, not a whole number", allowed)
-        if value < least or (most is not None and value > most):
-            raise fault(value, "is too small" if value < least else "is too large", allowed)
-        return int(value)
+        number = int(value)
+        if number < least or (most is not None and number > most):
+            raise fault(value, "is too small" if number < least else "is too large", allowed)
+        return number
 
     return check
 

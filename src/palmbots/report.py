@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
+    from palmbots.bounds import Bounds
     from palmbots.carry import Carry
     from palmbots.compare import Comparison
     from palmbots.modes import ContactModes

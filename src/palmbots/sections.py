@@ -391,7 +391,7 @@ class Radio(Section):
     loss: Fraction = 0.0
     """Probability that a packet is lost, each by itself."""
     burst_share: Share = 0.0
-    """Share of the time in which a link is dead, in bursts (Gilbert and Elliott), besides `loss`."""
+    """Share of the time in which a link is dead, in bursts (Gilbert, Elliott), besides `loss`."""
     burst_s: Lasting = 0.1
     """Mean length of such a burst."""
     duplicate: Fraction = 0.0

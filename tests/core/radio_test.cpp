@@ -131,6 +131,93 @@ void test_capacity() {
   CHECK(full.oldest(~0U) == nullptr);
 }
 
+// A link is dead for the share of time that was asked for, in spells of the mean length that was
+// asked for, whoever sends how often.
+void test_bursts() {
+  for (const std::uint32_t every : {1U, 3U}) {
+    Channel channel = Channel::of(0.02, 0, 0, 0.01);
+    constexpr double share = 0.3;
+    constexpr double mean = 20;  // ticks
+    channel.burst_share = share;
+    channel.burst_rate = 1 / ((1 - share) * mean);
+    Link<int> link;
+    int dead = 0;
+    int spells = 0;
+    bool was = false;
+    constexpr int n = 300000;
+    for (int i = 0; i < n; ++i) {
+      const std::uint32_t now = static_cast<std::uint32_t>(i) * every;
+      const bool lost = link.send(now, 0, channel, draw(5, now, Stream::radio)) == 0;
+      link.drop(now + 10);
+      dead += lost ? 1 : 0;
+      spells += lost && !was ? 1 : 0;
+      was = lost;
+    }
+    // Seen every k ticks a dead spell goes on with probability s + (1 − s) e^(−k rate).
+    const double stays = share + (1 - share) * std::exp(-channel.burst_rate * every);
+    CHECK(std::abs(double(dead) / n - share) < 0.02);
+    CHECK(std::abs(double(dead) / spells * (1 - stays) - 1) < 0.05);
+  }
+}
+
+// With reordering a message with a shorter draw overtakes; without it waits.
+void test_reordering() {
+  Channel channel = Channel::of(0.02, 0.2, 0, 0.01);
+  for (const bool reorders : {false, true}) {
+    channel.reorders = reorders;
+    Link<std::uint32_t> link;
+    std::uint32_t newest = 0;
+    int overtaken = 0;
+    int got = 0;
+    for (std::uint32_t now = 0; now < 20000; ++now) {
+      const Words words = draw(6, now, Stream::radio);
+      const std::uint32_t due = link.send(now, now, channel, words);
+      if (reorders) CHECK(due == now + channel.ticks(words));
+      while (const std::uint32_t* sent = link.oldest(now)) {
+        CHECK(now >= *sent + 2 && (now <= *sent + 22 || !reorders));
+        overtaken += *sent < newest ? 1 : 0;
+        newest = *sent > newest ? *sent : newest;
+        ++got;
+        link.pop();
+      }
+    }
+    CHECK(got > 19900);
+    CHECK(reorders ? overtaken > 5000 : overtaken == 0);
+  }
+}
+
+// A message is doubled as often as asked for, the copy with a delay of its own over the whole jitter.
+void test_copies() {
+  Channel channel = Channel::of(0.02, 0.1, 0, 0.01);
+  channel.duplicate_words = Channel::words_of(0.1);
+  channel.reorders = true;
+  constexpr int n = 50000;
+  int copies = 0;
+  double delay = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Link<int> link;
+    const Words words = draw(7, i, Stream::radio);
+    if (!link.send_copy(0, 1, channel, words)) continue;
+    ++copies;
+    std::uint32_t now = 0;
+    while (link.oldest(now) == nullptr) ++now;
+    CHECK(now >= 2 && now <= 12);
+    delay += now;
+  }
+  CHECK(std::abs(copies - 0.1 * n) < 5 * std::sqrt(0.09 * n));
+  CHECK(std::abs(delay / copies - 7.5) < 5 * 2.9 / std::sqrt(double(copies)));
+}
+
+void test_outages() {
+  Channel channel = Channel::of(0.02, 0, 0, 0.01);
+  channel.outages[0] = {1, 100, 200};
+  channel.outage_count = 1;
+  for (std::uint32_t tick = 0; tick < 300; ++tick) {
+    CHECK(channel.is_dead(1, tick) == (tick >= 100 && tick < 200));
+    CHECK(!channel.is_dead(0, tick) && !channel.is_dead(2, tick));
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -140,4 +227,8 @@ int main() {
   test_loss();
   test_newest_packet_counts();
   test_capacity();
+  test_bursts();
+  test_reordering();
+  test_copies();
+  test_outages();
 }

@@ -1,0 +1,302 @@
+"""The resilient algorithm in whole carries: what losses, reboots and dead radios do to it, and what
+they do to Table 2. The step by itself: tests/core/resilient_test.cpp."""
+
+import dataclasses
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots import _core
+from palmbots.carry import Carry
+from palmbots.compare import wilson
+from palmbots.drops import is_forced, response_s
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.lowering import lower
+
+CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
+BOX = pb.load_scene("paper")
+DELIVERED, DROPPED, STALLED = 1, 2, 3
+
+
+def carried(overrides: dict[str, Any], controller: str = "resilient", seed: int = 0) -> Carry:
+    return pb.carry("paper", controller, seed=seed, overrides=overrides)
+
+
+def many(overrides: dict[str, Any], controller: str, n: int) -> dict[str, np.ndarray]:
+    return _core.run_seeds(lower(pb.load_scene("paper", overrides)), controller, 0, n, "double")
+
+
+def lossy(loss: float) -> dict[str, Any]:
+    """Half of the losses single, half in bursts; copies, overtaking, a reboot; time enough."""
+    single = loss / 2
+    return {
+        "radio.loss": single,
+        "radio.burst_share": (loss - single) / (1 - single),
+        "radio.duplicate": 0.05,
+        "radio.jitter_s": 0.03,
+        "radio.reorder": True,
+        "faults.reboots": 1,
+        "task.timeout_s": 150.0,
+    }
+
+
+def column(carry: Carry, name: str) -> np.ndarray:
+    assert carry.trace is not None
+    return carry.trace[name].to_numpy()
+
+
+@cache
+def lossless_rms(n: int) -> float:
+    return float(np.sqrt(np.mean(many({}, "distributed", n)["contact_rms_m"] ** 2)))
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.01, 0.05, 0.1, 0.2, 0.4])
+def test_losses_and_a_reboot_neither_drop_nor_stop_a_carry(loss: float) -> None:
+    """benchmarks/losses.py does the same with 10 000 carries a cell."""
+    n = 300
+    cell = many(lossy(loss), "resilient", n)
+    assert not np.any(cell["outcome"] == STALLED)
+    for seed in np.nonzero(cell["outcome"] == DROPPED)[0]:
+        assert loss > 0.05
+        assert is_forced(carried(lossy(loss), seed=int(seed)))
+    if loss <= 0.1:
+        rms = np.sqrt(np.mean(cell["contact_rms_m"] ** 2))
+        assert rms < 1.5 * lossless_rms(n)
+    sent = cell["messages"].sum()
+    assert cell["messages_lost"].sum() / sent == pytest.approx(loss, abs=0.01)
+
+
+def test_a_perfect_radio_costs_nothing() -> None:
+    """The ratio of the contact rms to Table 2's, seed by seed: within 5 %, at 95 % confidence."""
+    n = 400
+    rms = {
+        name: np.sqrt(np.mean(many({}, name, n)["contact_rms_m"] ** 2, axis=1))
+        for name in ("distributed", "resilient")
+    }
+    ratio = np.log(rms["resilient"] / rms["distributed"])
+    assert ratio.mean() + 1.96 * ratio.std() / np.sqrt(n) < np.log(1.05)
+
+
+# --- Table 2, for comparison ---
+
+
+def test_table_2_loses_carries_as_it_loses_letters() -> None:
+    """A carry is affected as soon as one of its letters is lost; until then it sends what it would
+    send on a perfect radio. At loss q: a fraction 1 − (1 − q)^letters, meant over the carries."""
+    n, q = 2000, 0.01
+    letters = many({}, "distributed", n)["messages"].astype(float)
+    affected = int(np.count_nonzero(many({"radio.loss": q}, "distributed", n)["messages_lost"]))
+    expected = float(np.mean(1 - (1 - q) ** letters))
+    assert 0.1 < expected < 0.6
+    low, high = wilson(affected, n, z=4)
+    assert low < expected < high
+
+
+def test_table_2_waits_for_ever_after_the_first_loss() -> None:
+    """From then on some robot never comes out of its case, and waits at the end."""
+    seen = 0
+    for seed in range(60):
+        carry = carried({"radio.loss": 0.03}, "distributed", seed)
+        lost = [letter.sent_s for letter in carry.letters if letter.received_s is None]
+        if not lost or carry.time_s - lost[0] < 1:
+            continue
+        seen += 1
+        since = column(carry, "time")[:-1] > lost[0] + 0.005
+        cases = column(carry, "case")[:-1][since]
+        assert any(np.all(cases[:, side] != " ") for side in (0, 1))
+        assert max(carry.waiting_s.values()) > 0.8 * (carry.time_s - lost[0]) - 1
+    assert seen > 30
+
+
+# --- silence ---
+
+
+def alone_ticks(carry: Carry) -> int:
+    """The longest run of ticks in which one robot is told to travel and the other is not."""
+    travels = np.abs(column(carry, "commanded")) > 1e-9
+    apart = travels[:, 0] != travels[:, 1]
+    longest = run = 0
+    for tick in apart[:-1]:
+        run = run + 1 if tick else 0
+        longest = max(longest, run)
+    return longest
+
+
+OUTAGES = {
+    "both ways": ["left", "right"],
+    "from the left only": ["left"],
+    "from the right only": ["right"],
+}
+
+
+@pytest.mark.parametrize("way", OUTAGES)
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_dead_radio_brings_both_robots_to_rest(way: str, noise: float) -> None:
+    """Both stop, within the bound of each other, palms steep; nothing falls, ever."""
+    outages = [{"sender": s, "start_s": 5.0, "end_s": 1000.0} for s in OUTAGES[way]]
+    carry = carried({"radio.outages": outages, "robot.noise_m_s": noise, "task.timeout_s": 60.0})
+    assert carry.outcome == "stalled"
+    assert carry.bounds is not None
+    assert alone_ticks(carry) * BOX.control.period_s <= carry.bounds.alone_s
+    end = column(carry, "time") > 10
+    np.testing.assert_array_equal(column(carry, "speed")[end][:-1], 0)
+    np.testing.assert_allclose(column(carry, "palm")[end], np.radians(15.0), rtol=1e-12)
+    assert sum("is at rest" in warning for warning in carry.warnings) == 2
+
+
+@pytest.mark.parametrize("way", OUTAGES)
+@pytest.mark.parametrize("seed", range(5))
+def test_the_carry_goes_on_when_the_radio_returns(way: str, seed: int) -> None:
+    outages = [
+        {"sender": s, "start_s": at, "end_s": at + 3.0} for s in OUTAGES[way] for at in (4.0, 12.0)
+    ]
+    carry = carried({"radio.outages": outages}, seed=seed)
+    assert carry.outcome == "delivered"
+    assert 28.0 < carry.time_s < 36.0  # 25 s, and most of six at rest
+    assert carry.bounds is not None
+    assert alone_ticks(carry) * BOX.control.period_s <= carry.bounds.alone_s
+
+
+def test_a_short_outage_within_the_lease_stops_nobody() -> None:
+    outages = [{"sender": "left", "start_s": 5.0, "end_s": 5.25}]
+    carry = carried(CALM | {"radio.outages": outages})
+    moving = (column(carry, "time") > 1) & (column(carry, "time") < 24)
+    assert np.all(column(carry, "commanded")[moving] > 0.02)
+
+
+@pytest.mark.parametrize("robot", ["left", "right"])
+@pytest.mark.parametrize("kind", ["reboot", "freeze"])
+@pytest.mark.parametrize("for_s", [0.05, 0.3, 2.0])
+def test_a_robot_that_fails_comes_back(robot: str, kind: str, for_s: float) -> None:
+    faults = [{"kind": kind, "robot": robot, "at_s": at, "for_s": for_s} for at in (3.0, 9.0, 15.0)]
+    for seed in range(4):
+        carry = carried({"faults.script": faults}, seed=seed)
+        assert carry.outcome == "delivered"
+        assert carry.time_s < 27 + 3 * (for_s + 1.5)
+
+
+def test_a_reboot_while_assisting_keeps_the_palm_up() -> None:
+    """The left robot assists, and is off for 50 ms: its palm stays up for a partner that moves."""
+    start = {"start.right_m": 0.03}
+    plain = carried(CALM | start)
+    palm = column(plain, "palm")[:, 0]
+    up = column(plain, "time")[:-1][np.isclose(palm[:-1], np.radians(5.0))][0]
+    reboot = [{"kind": "reboot", "robot": "left", "at_s": float(up) + 0.2, "for_s": 0.05}]
+    carry = carried(CALM | start | {"faults.script": reboot})
+    assert carry.outcome == "delivered"
+    times, palm = column(carry, "time"), column(carry, "palm")[:, 0]
+    after = (times > up + 0.2) & (times < up + 0.5)
+    np.testing.assert_allclose(palm[after], np.radians(5.0), rtol=1e-9)
+    # At rest, with a partner that moves away on an Ack alone.
+    away = column(carry, "case")[:, 1] == "a"
+    assert away[after].any()
+
+
+def test_clocks_may_drift() -> None:
+    for ppm in (-20000.0, 20000.0):
+        overrides = lossy(0.1) | {"robot.left.clock_ppm": ppm, "robot.right.clock_ppm": -ppm}
+        cell = many(overrides, "resilient", 60)
+        assert np.all(cell["outcome"] == DELIVERED)
+
+
+def test_collisions_cost_beacons() -> None:
+    """Robots in step collide with probability 1 − (1 − a)², a the airtime in ticks."""
+    carry = carried(CALM | {"radio.airtime_s": 0.002})
+    assert carry.outcome == "delivered"
+    rate = carry.messages_lost / carry.messages
+    assert rate == pytest.approx(1 - 0.8**2, abs=0.08)
+    assert carry.links["left_to_right"].lost == carry.links["right_to_left"].lost
+
+
+def test_links_are_accounted_for() -> None:
+    carry = carried(lossy(0.2), seed=3)
+    assert set(carry.links) == {"left_to_right", "right_to_left"}
+    for link in carry.links.values():
+        assert link.delivered == link.sent - link.lost + link.duplicated
+        assert 0.1 < link.lost / link.sent < 0.3
+        assert link.duplicated / (link.sent - link.lost) == pytest.approx(0.05, abs=0.03)
+        assert link.rejected > 0.5 * link.duplicated
+    assert sum(link.sent for link in carry.links.values()) == carry.messages == len(carry.letters)
+    assert sum(link.lost for link in carry.links.values()) == carry.messages_lost
+    assert {letter.letter for letter in carry.letters} <= {
+        "TiltUp", "TiltDown", "Ack", "Closing", "Raised",
+    }  # fmt: skip
+
+
+def test_beacons_come_at_their_period_and_at_once_when_the_letter_changes() -> None:
+    carry = carried({})
+    for side in ("left", "right"):
+        said = [(m.sent_s, m.letter) for m in carry.letters if m.sender == side]
+        gaps = np.diff([at for at, _ in said])
+        assert gaps.max() <= 0.05 + 1e-9
+        early = [b for (_, a), (_, b), gap in zip(said, said[1:], gaps, strict=False)
+                 if gap < 0.05 - 1e-9 and a == b]  # fmt: skip
+        assert len(early) <= 2  # a start or a stop is news too
+
+
+# --- bounds ---
+
+
+def test_bounds_of_the_default_scene() -> None:
+    """By hand: D = 5, B = 5, W = 10, K = 6 ticks of 10 ms."""
+    bounds = carried({}).bounds
+    assert bounds is not None
+    told = dataclasses.asdict(bounds)
+    lease, alone = 0.22 + 6 * 0.05, 0.52 + 0.01 + 0.1
+    by_hand = {
+        "beacon_s": 0.05,
+        "delay_s": 0.05,
+        "shortest_lease_s": 2 * (0.05 + 0.05) + 0.02,
+        "lease_s": lease,
+        "longest_lease_s": np.floor(100 * (0.07 / 0.06 * np.cos(np.radians(15)) - 0.11)) / 100,
+        "losses": 6,
+        "hold_s": lease + 0.01 + 0.1 + 0.06,
+        "alone_s": alone,
+        "skew_m": 0.06 * alone / np.cos(np.radians(15)),
+        "room_m": 0.075 - 0.005,
+    }
+    assert told == pytest.approx(by_hand, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "says"),
+    [
+        ({"radio.lease_s": 0.1}, ["radio.lease_s: 0.1 is too short", "from 0.22"]),
+        ({"radio.lease_s": 3.0}, ["radio.lease_s: 3 is too long", "70.0 mm"]),
+        ({"radio.latency_s": 0.6}, ["none will do", "radio.latency_s"]),
+        ({"radio.beacon_s": 0.005}, ["radio.beacon_s: 0.005", "0.01"]),
+        ({"robot.speed_m_s": 0.2, "radio.latency_s": 0.1}, ["none will do", "robot.speed_m_s"]),
+    ],
+)
+def test_a_scene_without_bounds_is_refused(overrides: dict[str, Any], says: list[str]) -> None:
+    with pytest.raises(SceneError) as caught:
+        carried(overrides)
+    message = str(caught.value)
+    assert "\n" not in message
+    for words in says:
+        assert words in message
+    assert carried(overrides, "distributed").bounds is None
+
+
+def test_a_sensor_that_never_reads_zero_keeps_the_robots_at_rest() -> None:
+    stuck = [{"kind": "stuck", "robot": "left", "at_s": 0.0, "for_s": 1000.0, "reads": "-"}]
+    carry = carried({"faults.script": stuck, "task.timeout_s": 5.0})
+    assert set(column(carry, "sign")[:-1, 0]) == {-1}
+    assert carry.distance_m < 0.05
+
+
+# --- which drops are forced ---
+
+
+def test_a_bump_off_the_palm_is_forced_and_a_hanging_robot_is_not() -> None:
+    bump = [{"robot": "left", "at_s": 3.0, "shift_m": 0.2}]
+    assert is_forced(carried({"bumps.script": bump}))
+    hangs = carried({"radio.loss": 1.0, "robot.left.bias_m_s": 0.01}, "distributed")
+    assert hangs.outcome == "dropped"
+    assert column(hangs, "time")[-1] > response_s(BOX)
+    assert not is_forced(hangs)
+    with pytest.raises(PalmbotsError, match="not dropped"):
+        is_forced(carried({}))
