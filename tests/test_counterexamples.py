@@ -1,5 +1,5 @@
-"""What the model checker found wrong with Table 2, carried: each counterexample of verify/ that has a
-scene fails in the world with friction and geometry as it does in the model."""
+"""What the model checker found wrong with Table 2, carried: each counterexample of verify/ that
+has a scene fails in the world with friction and geometry as it does in the model."""
 
 import re
 from collections.abc import Callable

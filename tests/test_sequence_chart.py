@@ -1,5 +1,6 @@
 """The message-sequence chart: every letter and case of a carry is in it, where it belongs."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -67,7 +68,7 @@ def test_time_runs_on_from_column_to_column() -> None:
     figure = sequence_chart.draw(done)
     limits = [panel.get_ylim() for panel in figure.axes]
     assert len(limits) > 2
-    for (end, _), (_, start) in zip(limits, limits[1:], strict=False):
+    for (end, _), (_, start) in pairwise(limits):
         assert end == pytest.approx(start)
     assert sum(len(arrows(panel)) for panel in figure.axes) == done.messages
 

@@ -1,5 +1,5 @@
-"""The model checker on the shipped controllers: the quick runs of verify/, each with its pinned size
-or its kept counterexample, and that the checker can see a fault."""
+"""The model checker on the shipped controllers: the quick runs of verify/, each with its pinned
+size or its kept counterexample, and that the checker can see a fault."""
 
 import dataclasses
 

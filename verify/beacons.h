@@ -48,8 +48,8 @@ struct beacon {
 struct pair {
   struct mind mind[2];
   unsigned char life[2];
-  struct stamp newest[2];                    /* the newest beacon that each robot has heard */
-  struct beacon air[2][LONGEST_LEASE + 1];   /* to each robot, by age */
+  struct stamp newest[2];                  /* the newest beacon that each robot has heard */
+  struct beacon air[2][LONGEST_LEASE + 1]; /* to each robot, by age */
 };
 extern struct pair pair;
 

@@ -1,8 +1,8 @@
 """Run the model checker: every run of runs.toml, or those named; a table of what came out.
 
 Spin turns a model into a C program that explores it; linked in are the shipped controllers,
-compiled from include/palmbots. Exit status 1: a run came out otherwise than runs.toml and pinned.csv
-say.
+compiled from include/palmbots. Exit status 1: a run came out otherwise than runs.toml and
+pinned.csv say.
 
     .venv/bin/python verify/explore.py [--quick] [--rewrite] [NAME...]
 """

@@ -57,7 +57,8 @@ mind packed(const Resilient& robot) {
   p.letter = robot.silence() ? 0 : static_cast<unsigned char>(m.letter);
   p.age = static_cast<unsigned char>(m.age);
   p.since_asked = static_cast<unsigned char>(m.since_asked);
-  p.since_entered = m.state == Resilient::State::c_withdraw ? static_cast<unsigned char>(m.since_entered) : 0;
+  p.since_entered =
+      m.state == Resilient::State::c_withdraw ? static_cast<unsigned char>(m.since_entered) : 0;
   if (travels) {
     p.rests = m.rests;
     p.partner_rests = robot.silence() || m.partner_rests;
@@ -85,7 +86,9 @@ void shorten(beacon& b, int receiver) {
 }
 
 Beacon beacon_of(const beacon& b, int age) {
-  return {static_cast<Letter>(b.letter), b.rests != 0, {b.life, present - static_cast<std::uint32_t>(age)},
+  return {static_cast<Letter>(b.letter),
+          b.rests != 0,
+          {b.life, present - static_cast<std::uint32_t>(age)},
           stamp_of(b.heard)};
 }
 
@@ -108,8 +111,12 @@ struct Step {
 // A step of the shipped controller; nothing is changed.
 Step step_of(int side, int choice, int turned, int elapsed) {
   Step step{ear_of(side), awake(side), {}};
-  Resilient::Input in{static_cast<Sign>(choice % SIGNS - 1), turned != 0,
-                      static_cast<std::uint16_t>(elapsed), Letter::none, false, 0};
+  Resilient::Input in{static_cast<Sign>(choice % SIGNS - 1),
+                      turned != 0,
+                      static_cast<std::uint16_t>(elapsed),
+                      Letter::none,
+                      false,
+                      0};
   const int heard = choice / SIGNS - 1;
   if (heard >= 0 && step.ear.take(beacon_of(pair.air[side][heard], heard))) {
     in.letter = step.ear.newest().letter;
@@ -221,9 +228,9 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
 char robot_case(int side) { return awake(side).now().name; }
 
 const char* robot_doing(int side) {
-  constexpr const char* names[] = {"idle",      "a_request",  "a_move",      "b_tilt_up",
-                                   "c_tilt_up", "c_grant",    "c_withdraw",  "c_tilt_down",
-                                   "d_tilt_up", "d_move",     "d_tilt_down"};
+  constexpr const char* names[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
+                                   "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
+                                   "d_tilt_up", "d_move",    "d_tilt_down"};
   return names[pair.mind[side].state];
 }
 

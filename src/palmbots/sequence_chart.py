@@ -1,9 +1,9 @@
 """A message-sequence chart of a carry: two lifelines downwards, and every letter between them.
 
 Time runs down, one column after the other. On a robot's line stand the cases that it is in, shaded
-in its hue; an arrow is a letter, from when it was sent to when it can be read, the steeper the later
-it comes. A lost one ends at a cross on its way. Where a robot repeats what it said last, as the
-resilient algorithm does all the time, the arrow is thin and bears no name.
+in its hue; an arrow is a letter, from when it was sent to when it can be read, the steeper the
+later it comes. A lost one ends at a cross on its way. Where a robot repeats what it said last, as
+the resilient algorithm does all the time, the arrow is thin and bears no name.
 """
 
 import math
