@@ -10,8 +10,8 @@ BIN := $(VENV)/bin
 export PYTHON
 
 EXTENSION := pyproject.toml CMakeLists.txt $(wildcard include/palmbots/*.hpp src/bindings/* src/lanes/*)
-CXX_FILES = $(shell find include src tests benchmarks -name '*.hpp' -o -name '*.cpp')
-PY_FILES = src tests examples benchmarks
+CXX_FILES = $(shell find include src tests benchmarks verify -name '*.hpp' -o -name '*.cpp')
+PY_FILES = src tests examples benchmarks verify
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. $(1): warnings as errors, ON or OFF.
@@ -30,6 +30,9 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 
 test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
+	$(BIN)/python verify/explore.py
 
 lint: $(VENV)/test.done
 	$(BIN)/ruff check $(PY_FILES)
@@ -81,4 +84,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help carry test lint format fuzz bench stubs lock clean
+.PHONY: help carry test verify lint format fuzz bench stubs lock clean

@@ -72,7 +72,8 @@ def test_carry_writes_picture_animation_and_log(written: Path) -> None:
     assert heads["carry.png"].startswith(b"\x89PNG")
     assert heads["carry.gif"].startswith(b"GIF89a")
     assert heads["carry.mcap"] == b"\x89MCAP0\r\n"
-    assert len(heads) == 3
+    assert heads["message_sequence.png"].startswith(b"\x89PNG")
+    assert len(heads) == 4
 
 
 def test_replay_proves_the_log_identical(written: Path) -> None:
@@ -188,11 +189,13 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_animation_of_an_earlier_carry_is_removed(tmp_path: Path) -> None:
     short = ("carry", "--set", "task.distance_m=0.05", "--out", str(tmp_path))
     (tmp_path / "carry.mp4").write_text("a film")
-    said = palmbots(*short).stdout
+    (tmp_path / "message_sequence.png").write_text("letters, where none are sent now")
+    said = palmbots(*short, "--controller", "none").stdout
+    assert f"removed {tmp_path / 'message_sequence.png'}" in said
     assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "carry.gif"}
     assert f"removed {tmp_path / 'carry.mp4'}" in said
     (tmp_path / "other.gif").write_text("not ours")
-    said = palmbots(*short, "--animation", "none").stdout
+    said = palmbots(*short, "--controller", "none", "--animation", "none").stdout
     assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "other.gif"}
     assert f"removed {tmp_path / 'carry.gif'}" in said
     (tmp_path / "carry.gif").mkdir()
@@ -251,7 +254,7 @@ def test_interrupted_it_leaves_nothing_half_written(tmp_path: Path) -> None:
     assert process.returncode in (130, DONE)
     assert "Traceback" not in error
     names = {path.name for path in out.iterdir()}
-    assert names <= {"carry.png", "carry.mcap", "carry.gif"}
+    assert names <= {"carry.png", "carry.mcap", "carry.gif", "message_sequence.png"}
     if process.returncode == 130:
         assert "carry.gif" not in names
     assert palmbots("replay", str(out / "carry.mcap")).returncode == DONE

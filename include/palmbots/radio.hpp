@@ -30,6 +30,18 @@ struct Outage {
 
 inline constexpr std::size_t max_outages = 16;
 
+// What befalls one message, by plan: it is lost, comes later, or comes once more later.
+enum class Fate : std::uint32_t { lost = 0, late = 1, copied = 2 };
+
+struct Mishap {
+  std::uint32_t sender = 0;   // 0: the left robot, 1: the right one
+  std::uint32_t message = 0;  // of all that it sends, from 1
+  Fate fate = Fate::lost;
+  std::uint32_t late = 0;  // ticks on top of the link's own delay
+};
+
+inline constexpr std::size_t max_mishaps = 16;
+
 // How a link delays and loses.
 struct Channel {
   double latency_ticks = 0;
@@ -42,6 +54,8 @@ struct Channel {
   double airtime_ticks = 0;  // two that send in one tick collide if they are closer than that
   std::array<Outage, max_outages> outages{};
   std::size_t outage_count = 0;
+  std::array<Mishap, max_mishaps> mishaps{};
+  std::size_t mishap_count = 0;
 
   static constexpr Channel of(double latency_s, double jitter_s, double loss, double period_s) {
     Channel channel;
@@ -67,6 +81,14 @@ struct Channel {
       if (o.sender == sender && tick >= o.from && tick < o.to) return true;
     }
     return false;
+  }
+
+  // What befalls the n-th message of a robot, or null.
+  constexpr const Mishap* mishap(std::size_t sender, std::uint32_t n) const {
+    for (std::size_t i = 0; i < mishap_count; ++i) {
+      if (mishaps[i].sender == sender && mishaps[i].message == n) return &mishaps[i];
+    }
+    return nullptr;
   }
 
   constexpr std::uint32_t ticks(const Words& words) const {
@@ -97,6 +119,11 @@ class Link {
     if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return 0;
     if (channel.loses(words) || tail_ - head_ == capacity) return 0;
     return put(now + channel.ticks(words), payload, channel.reorders);
+  }
+
+  // The same message once more, by plan. What is sent later waits for it, unless the link reorders.
+  void send_again(std::uint32_t now, Payload payload, const Channel& channel, const Words& words) {
+    if (tail_ - head_ < capacity) put(now + channel.ticks(words), payload, channel.reorders);
   }
 
   // The same message once more, if it is doubled; returns whether it is. Of the words below the

@@ -67,6 +67,12 @@ inline Channel channel_of(const Spec& spec) {
     const auto tick = [&](double s) { return static_cast<std::uint32_t>(s / spec.period + 0.5); };
     channel.outages[i] = {outage.sender, tick(outage.from), tick(outage.to)};
   }
+  channel.mishap_count = spec.mishap_count;
+  for (std::size_t i = 0; i < spec.mishap_count; ++i) {
+    const MishapSpec& m = spec.mishaps[i];
+    channel.mishaps[i] = {m.sender, m.message, static_cast<Fate>(m.fate),
+                          static_cast<std::uint32_t>(m.late / spec.period + 0.5)};
+  }
   return channel;
 }
 

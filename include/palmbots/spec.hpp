@@ -66,6 +66,14 @@ struct OutageSpec {
   double to = 0;             // [s]
 };
 
+// What befalls one message of a robot (Fate, in its order).
+struct MishapSpec {
+  std::uint32_t sender = 0;
+  std::uint32_t message = 0;  // from 1
+  std::uint32_t fate = 0;
+  double late = 0;  // [s]
+};
+
 inline constexpr std::size_t max_faults = 32;
 inline constexpr std::size_t max_bumps = 64;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
@@ -94,6 +102,8 @@ struct Spec {
   double lease = 0;  // 0: what Bounds::of takes
   std::array<OutageSpec, max_outages> outages{};
   std::size_t outage_count = 0;
+  std::array<MishapSpec, max_mishaps> mishaps{};
+  std::size_t mishap_count = 0;
   double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots
   std::array<FaultSpec, max_faults> faults{};
   std::size_t fault_count = 0;

@@ -90,14 +90,21 @@ class Radio {
     LinkCounts& counts = traffic.links[robot + (sender == 2 ? 2 : 0)];
     ++traffic.sent;
     ++counts.sent;
+    const Mishap* mishap = channel_.mishap(sender, counts.sent);
+    const bool lost = mishap != nullptr && mishap->fate == Fate::lost;
+    const bool late = mishap != nullptr && mishap->fate == Fate::late;
     std::uint32_t received = 0;
-    if (!collides && !channel_.is_dead(static_cast<std::uint32_t>(sender), tick)) {
-      received = link.send(tick, payload, channel_, words);
+    if (!collides && !lost && !channel_.is_dead(static_cast<std::uint32_t>(sender), tick)) {
+      received = link.send(late ? tick + mishap->late : tick, payload, channel_, words);
     }
     if (received == 0) {
       ++traffic.lost;
       ++counts.lost;
     } else if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
+      ++counts.duplicated;
+    }
+    if (received != 0 && mishap != nullptr && mishap->fate == Fate::copied) {
+      link.send_again(tick + mishap->late, payload, channel_, words);
       ++counts.duplicated;
     }
     return received;

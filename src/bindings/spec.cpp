@@ -29,6 +29,7 @@ using VertexItem = std::tuple<double, double, double>;
 using ZoneItem = std::tuple<int, double, double>;
 using BumpItem = std::tuple<std::uint32_t, bool, double, double>;
 using OutageItem = std::tuple<std::uint32_t, double, double>;
+using MishapItem = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, double>;
 using FaultItem = std::tuple<std::uint32_t, std::uint32_t, double, double, std::int32_t, double>;
 
 }  // namespace
@@ -142,6 +143,26 @@ void bind_spec(nb::module_& m) {
                 });
           },
           "(sender, from, to) in s; sender 0: left, 1: right, 2: station.")
+      .def_prop_rw(
+          "mishaps",
+          [](const Spec& s) {
+            std::vector<MishapItem> items;
+            for (std::size_t i = 0; i < s.mishap_count; ++i) {
+              const MishapSpec& plan = s.mishaps[i];
+              items.emplace_back(plan.sender, plan.message, plan.fate, plan.late);
+            }
+            return items;
+          },
+          [](Spec& s, const std::vector<MishapItem>& items) {
+            fill<MishapItem, max_mishaps, MishapSpec>(
+                items, s.mishap_count, s.mishaps, "mishaps", [](const MishapItem& item) {
+                  return MishapSpec{std::get<0>(item), std::get<1>(item), std::get<2>(item),
+                                    std::get<3>(item)};
+                });
+          },
+          "(sender, message, fate, late) of single messages: sender 0: left, 1: right; message "
+          "from "
+          "1; fate 0: lost, 1: late, 2: copied; late in s.")
       .def_prop_rw(
           "faults",
           [](const Spec& s) {

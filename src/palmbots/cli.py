@@ -92,7 +92,7 @@ def carry(
     changes: SetOption = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Write carry.png, carry.gif, carry.mcap there."),
+        typer.Option("--out", metavar="DIR", help="Write pictures, animation and log there."),
     ] = None,
     video: Annotated[
         str | None, typer.Option("--animation", help="gif, mp4 or none [default: gif].")
@@ -128,7 +128,7 @@ def carry(
 
 def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Path], list[Path]]:
     """The picture, the animation and the log of a carry; returns what was written and removed."""
-    from palmbots import animation, figure8
+    from palmbots import animation, figure8, sequence_chart
     from palmbots.files import folder, remove
     from palmbots.log import write_log
 
@@ -136,6 +136,9 @@ def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Pa
     written = [target / "carry.png", target / "carry.mcap"]
     with progress("figure, log, animation", quiet) as report:
         figure8.save(done, written[0])
+        if done.letters:
+            written.append(target / "message_sequence.png")
+            sequence_chart.save(done, written[-1])
         report(0.15)
         write_log(done, written[1])
         report(0.3)
@@ -146,6 +149,8 @@ def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Pa
             )
     # An animation of an earlier carry would pass for one of this.
     others = [target / f"carry.{kind}" for kind in ("gif", "mp4") if kind != video]
+    if not done.letters:
+        others.append(target / "message_sequence.png")
     return written, [path for path in others if remove(path)]
 
 

@@ -16,6 +16,7 @@ from palmbots.sections import SIDES, Fault, PalmParameters, RobotParameters, Tac
 __all__ = ["lower"]
 
 _RADIANS_PER_DEGREE = math.pi / 180
+_FATES = ("lost", "late", "copied")
 _SIGNS = {"-": -1, "0": 0, "+": 1}
 _STATIONS = (*SIDES, "station")
 _FAULTS = ("reboot", "freeze", "stuck", "flicker", "station")  # in the core's order
@@ -52,6 +53,10 @@ def lower(scene: Scene) -> _core.Spec:
     spec.beacon = scene.radio.beacon_s
     spec.lease = scene.radio.lease_s or 0.0
     spec.outages = [(_STATIONS.index(o.sender), o.start_s, o.end_s) for o in scene.radio.outages]
+    spec.mishaps = [
+        (SIDES.index(m.sender), m.message, _FATES.index(m.fate), m.late_s or 0.0)
+        for m in scene.radio.script
+    ]
     spec.watchdog = scene.control.watchdog_s
     spec.faults = [_fault(fault) for fault in scene.faults.script]
     spec.random_reboots = scene.faults.reboots

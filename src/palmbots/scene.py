@@ -103,6 +103,8 @@ class Scene(Section):
         for outage in table["radio"]["outages"]:
             if outage["sender"] != "station":
                 outage["sender"] = other_side(outage["sender"])
+        for mishap in table["radio"]["script"]:
+            mishap["sender"] = other_side(mishap["sender"])
         for broken in table["faults"]["script"]:
             if "robot" in broken:
                 broken["robot"] = other_side(broken["robot"])

@@ -32,6 +32,7 @@ __all__ = [
     "Direction",
     "Fault",
     "Faults",
+    "Mishap",
     "Object",
     "Outage",
     "Palm",
@@ -80,6 +81,7 @@ ClockError = Annotated[
     float, BeforeValidator(Range("parts per million", least=-100_000, most=100_000))
 ]
 Density = Annotated[float, BeforeValidator(Range("bumps per metre", least=0, most=100))]
+Ordinal = Annotated[int, BeforeValidator(whole(1, 1_000_000))]
 Few = Annotated[int, BeforeValidator(whole(0, 8))]
 Coordinates = Annotated[
     tuple[Place, Place], BeforeValidator(from_list("[x, y], two numbers in m", 2, 2))
@@ -349,6 +351,34 @@ Outages = Annotated[
 ]
 
 
+class Mishap(Section):
+    """What befalls one message of a robot."""
+
+    sender: Side
+    message: Ordinal
+    """Which of all that it sends, from 1."""
+    fate: Literal["lost", "late", "copied"]
+    """It is lost; it comes later than it should; it comes, and once more later."""
+    late_s: Delay | None = None
+    """How much later; not where it is lost."""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.late_s is None) != (self.fate == "lost"):
+            raise fault(
+                self.model_dump(),
+                "says how late" if self.fate == "lost" else "does not say how late",
+                "late_s where the fate is late or copied, not where it is lost",
+            )
+        return self
+
+
+Mishaps = Annotated[
+    tuple[Mishap, ...],
+    BeforeValidator(from_list("a list of at most 16 tables {sender, message, fate}", 0, 16)),
+]
+
+
 class Radio(Section):
     """[radio] Every link between the robots, and between a robot and the station."""
 
@@ -371,6 +401,8 @@ class Radio(Section):
     both packets if they are closer than this; 0: no collisions."""
     outages: Outages = ()
     """Times in which one direction is dead."""
+    script: Mishaps = ()
+    """What befalls single messages in every carry."""
     beacon_s: Lasting = 0.05
     """Resilient algorithm: time between two beacons of a robot that has nothing new to say."""
     lease_s: Lasting | None = None

@@ -1,0 +1,112 @@
+"""The message-sequence chart: every letter and case of a carry is in it, where it belongs."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.text import Annotation
+
+import palmbots as pb
+from palmbots import sequence_chart
+from palmbots.errors import PalmbotsError
+
+LOST_ACK = {
+    "robot.noise_m_s": 0.0,
+    "bumps.script": [{"robot": "right", "at_s": 0.4, "shift_m": 0.011}],
+    "radio.script": [{"sender": "left", "message": 1, "fate": "lost"}],
+    "task.distance_m": 0.3,
+}
+
+
+@pytest.fixture(scope="module")
+def lost_ack() -> pb.Carry:
+    return pb.carry("paper", "distributed", overrides=LOST_ACK)
+
+
+def arrows(panel: Axes) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """From where to where, (robot, time)."""
+    found = []
+    for text in panel.texts:
+        if isinstance(text, Annotation) and text.arrow_patch is not None:
+            found.append((tuple(text.xyann), tuple(text.xy)))
+    return found
+
+
+def names(figure: Figure) -> list[str]:
+    return [text.get_text() for panel in figure.axes for text in panel.texts if text.get_text()]
+
+
+def test_every_letter_is_an_arrow(lost_ack: pb.Carry) -> None:
+    """From its sender's line when it was sent to its receiver's when it comes; a lost one ends
+    between them."""
+    (panel,) = sequence_chart.draw(lost_ack).axes
+    assert [(m.sender, m.letter) for m in lost_ack.letters] == [
+        ("right", "TiltUp"),
+        ("left", "Ack"),
+    ]
+    request, answer = lost_ack.letters
+    assert arrows(panel)[0] == ((1.0, request.sent_s), (0.0, request.received_s))
+    (from_x, from_y), (to_x, to_y) = arrows(panel)[1]
+    assert (from_x, from_y, to_y) == (0.0, answer.sent_s, answer.sent_s)
+    assert 0.2 < to_x < 0.8
+    assert names(panel.get_figure())[-2:] == ["TiltUp", "Ack lost"]  # type: ignore[arg-type]
+
+
+def test_cases_are_shaded_where_they_last(lost_ack: pb.Carry) -> None:
+    (panel,) = sequence_chart.draw(lost_ack).axes
+    assert sum(name in ("(a)", "(c)") for name in names(panel.get_figure())) == 2  # type: ignore[arg-type]
+    bars = [patch for patch in panel.patches if isinstance(patch, Rectangle)]
+    starts = {round(bar.get_x() + bar.get_width() / 2): bar.get_y() for bar in bars}
+    assert starts == {1: pytest.approx(0.4), 0: pytest.approx(0.45)}  # (a) right, (c) left
+
+
+def test_time_runs_on_from_column_to_column() -> None:
+    done = pb.carry("paper", "distributed", seed=1)
+    figure = sequence_chart.draw(done)
+    limits = [panel.get_ylim() for panel in figure.axes]
+    assert len(limits) > 2
+    for (end, _), (_, start) in pairwise(limits):
+        assert end == pytest.approx(start)
+    assert sum(len(arrows(panel)) for panel in figure.axes) == done.messages
+
+
+def test_what_a_beacon_repeats_has_no_name() -> None:
+    done = pb.carry("paper", "resilient", overrides={"task.distance_m": 0.3})
+    figure = sequence_chart.draw(done)
+    assert sum(len(arrows(panel)) for panel in figure.axes) == len(done.letters)
+    told = {"left": "", "right": ""}
+    news = 0
+    for m in done.letters:
+        news += m.letter != told[m.sender]
+        told[m.sender] = m.letter
+    assert len([name for name in names(figure) if not name.startswith("(")]) == news
+    assert news < len(done.letters) / 4
+
+
+def test_a_reboot_is_marked() -> None:
+    broken = [{"kind": "reboot", "robot": "left", "at_s": 0.5, "for_s": 0.2}]
+    changes = LOST_ACK | {"faults.script": broken}
+    figure = sequence_chart.draw(pb.carry("paper", "distributed", overrides=changes))
+    assert "reboot" in names(figure)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_the_same_carry_gives_the_same_file(
+    lost_ack: pb.Carry, tmp_path: Path, suffix: str
+) -> None:
+    files = [tmp_path / f"{name}{suffix}" for name in ("a", "b")]
+    for path in files:
+        sequence_chart.save(lost_ack, path)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_bad_input_is_one_line(lost_ack: pb.Carry, tmp_path: Path) -> None:
+    with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
+        sequence_chart.save(lost_ack, tmp_path / "chart.gif")
+    with pytest.raises(PalmbotsError, match="window is"):
+        sequence_chart.draw(lost_ack, (2.0, 1.0))
+    with pytest.raises(PalmbotsError, match="record=True"):
+        sequence_chart.draw(pb.carry("paper", record=False))
