@@ -2,7 +2,7 @@
 
 Shares nothing with the core: the object is a pose, contacts are found anew at every step from
 plain geometry, and of all ways in which each may stick, slide or break one is taken whose twist
-solves the equations of motion (least squares) and whose forces balance (non-negative least squares).
+solves the equations of motion (least squares) and whose forces balance (by non-negative ones).
 """
 
 import itertools

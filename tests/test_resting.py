@@ -1,4 +1,4 @@
-"""Beyond two vertices: flush edges, tips, lifted vertices, against an independent world and by law."""
+"""Beyond two vertices: flush edges, tips, lifted vertices; by law and against another world."""
 
 import math
 from dataclasses import dataclass
