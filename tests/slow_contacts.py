@@ -121,7 +121,7 @@ class SlowContacts:
         """Changes the separation and turns the palms; the share of it that went well."""
         turns = [(new - old) / steps for new, old in zip(palms, self.theta, strict=True)]
         pace = max(abs(change) / steps, 0.1 * max(map(abs, turns)))
-        if pace == 0:
+        if pace < 1e-12:
             return 1.0
         com_in = np.array([self.spec.com_left, self.spec.com_height])
         for k in range(steps):
