@@ -2,7 +2,7 @@
 
 Shares nothing with the core: the object is a pose, contacts are found anew at every step from
 plain geometry, and of all ways in which each may stick, slide or break one is taken whose twist
-solves the equations of motion (least squares) and whose forces balance (non-negative least squares).
+solves the equations of motion (least squares) and whose forces balance (by non-negative ones).
 """
 
 import itertools
@@ -121,7 +121,7 @@ class SlowContacts:
         """Changes the separation and turns the palms; the share of it that went well."""
         turns = [(new - old) / steps for new, old in zip(palms, self.theta, strict=True)]
         pace = max(abs(change) / steps, 0.1 * max(map(abs, turns)))
-        if pace == 0:
+        if pace < 1e-12:
             return 1.0
         com_in = np.array([self.spec.com_left, self.spec.com_height])
         for k in range(steps):

@@ -91,7 +91,9 @@ class Instant {
     for (std::size_t i = 0; i < supports_.count; ++i) {
       const TouchPoint<Real>& p = point(i);
       touched[p.support.side] = true;
-      const Real half = rig_.half_length[p.support.side];
+      // A vertex this near to a palm's end (nanometres) and that end are one contact.
+      const Real half =
+          rig_.half_length[p.support.side] - Real(200) * closed_tolerance<Real> * rig_.load.width;
       const Real at = stance_.contacts[p.support.side];
       if (own(p) && !(at >= -half && at <= half)) return End::off_palm;
     }
@@ -321,6 +323,10 @@ struct Rest {
       }
       if (result.end != End::none || grip.none()) return result;
       by_force = ++decisions > most_decisions;
+      if (decisions > 4 * most_decisions) {
+        result.end = End::jammed;  // nothing that can be told apart goes on
+        return result;
+      }
     }
     return result;
   }

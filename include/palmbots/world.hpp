@@ -150,6 +150,7 @@ class World {
         if (by_force) grip_ = now.all();
         released = total.fraction;
       }
+      if (changes > 4 * most_changes) total.end = End::jammed;
       if (total.end != End::none || total.fraction >= Real(1)) return total;
       drive.change = goal - stance.separation;
     }
