@@ -14,9 +14,9 @@ CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
 PERIOD = 0.01
 
 
-def broken(controller: str, *faults: dict[str, Any], seed: int = 0, **keys: Any) -> Carry:
+def broken(controller: str, *faults: dict[str, Any], **keys: Any) -> Carry:
     overrides = CALM | {"faults.script": list(faults)} | keys
-    return pb.carry("paper", controller, seed=seed, overrides=overrides)
+    return pb.carry("paper", controller, overrides=overrides)
 
 
 def column(carry: Carry, name: str) -> np.ndarray:
