@@ -86,7 +86,9 @@ def test_threads_order_and_processor_change_nothing(
     assert reference["finished"].all()
     assert set(reference["outcome"]) >= {1, 2}
     for threads in (2, 5):
-        assert_same(reference, run_many(specs, which, seeds, controller, precision, threads=threads))
+        assert_same(
+            reference, run_many(specs, which, seeds, controller, precision, threads=threads)
+        )
     order = np.random.default_rng(0).permutation(len(which))
     shuffled = run_many(specs, which[order], seeds[order], controller, precision, threads=2)
     assert_same({k: v[order] for k, v in reference.items()}, shuffled)

@@ -25,8 +25,8 @@ PINNED = {
     ("centralized", "float"): "6bc14f637b157e37",
     ("distributed", "double"): "c360153ac0c6c44c",
     ("distributed", "float"): "33c7186ea778af7a",
-    ("resilient", "double"): "a2fe16ddf525dc46",
-    ("resilient", "float"): "315768ceddddd014",
+    ("resilient", "double"): "d008a4e7ff283e1f",
+    ("resilient", "float"): "60d1437cae044f48",
 }
 
 # Everything that a scene can switch on.

@@ -322,7 +322,7 @@ def test_broken_carries_are_mirrored_in_a_mirror(controller: str, seed: int) -> 
     assert there.time_s == back.time_s
     for name in ("contact", "palm", "sign"):
         np.testing.assert_array_equal(column(there, name), column(back, name)[:, ::-1])
-    assert there.messages_lost == back.messages_lost > 0
+    assert there.messages_lost == back.messages_lost
 
 
 # --- which drops are forced ---

@@ -1,8 +1,8 @@
 """Many carries at once, without Python in the loop.
 
-The compiled half exists twice, for any processor and for those of level x86-64-v3, which carry twice
-as many lanes; the bits of every result are the same, and the same as those of the single carry
-(`palmbots.carry`) with that scene, seed and precision, for any number of threads.
+The compiled half exists twice, for any processor and for those of level x86-64-v3, which carry
+twice as many lanes; the bits of every result are the same, and the same as those of the single
+carry (`palmbots.carry`) with that scene, seed and precision, for any number of threads.
 """
 
 import importlib
@@ -22,9 +22,9 @@ __all__ = ["DELIVERED", "DROPPED", "STALLED", "Columns", "cores", "run_many", "r
 DELIVERED, DROPPED, STALLED = 1, 2, 3
 
 Columns = dict[str, NDArray[Any]]
-"""One entry a carry: finished, outcome, reason (`_core.end_names`), time_s, distance_m, corrections,
-messages, messages_lost; and with a column each for left and right: contact_rms_m, contact_peak_m,
-waiting_s, waits_since_s."""
+"""One entry a carry: finished, outcome, reason (an End of ends.hpp), time_s, distance_m,
+corrections, messages, messages_lost; and with a column each for left and right: contact_rms_m,
+contact_peak_m, waiting_s, waits_since_s."""
 
 
 def cores() -> int:

@@ -9,9 +9,10 @@ image of `lower` of the scene to the last bit.
 import math
 
 from palmbots import _core
+from palmbots.breakage import Fault
 from palmbots.frame import object_frame
 from palmbots.scene import Scene
-from palmbots.sections import SIDES, Fault, PalmParameters, RobotParameters, Tactile
+from palmbots.sections import SIDES, PalmParameters, RobotParameters, Tactile
 
 __all__ = ["lower"]
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, ValidationError, model_validator
 
+from palmbots.breakage import Faults, Radio
 from palmbots.complaints import complaint
 from palmbots.errors import SceneError, show
 from palmbots.object_files import by_name, with_named_object
@@ -22,11 +23,9 @@ from palmbots.sections import (
     SIDES,
     Bumps,
     Control,
-    Faults,
     Object,
     Palm,
     PalmParameters,
-    Radio,
     Robot,
     RobotParameters,
     Section,
