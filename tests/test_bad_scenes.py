@@ -43,11 +43,11 @@ BAD = [
     (
         "[rodio]\nloss = 0.15",
         "rodio: { loss = 0.15 } is given to an unknown key; did you mean radio? allowed at the "
-        "top: object, palm, robot, tactile, control, radio, bumps, start, task",
+        "top: object, palm, robot, tactile, control, radio, faults, bumps, start, task",
     ),
     (
         "[control]\nxyz = 1",
-        "control.xyz: 1 is given to an unknown key; allowed in control: period_s",
+        "control.xyz: 1 is given to an unknown key; allowed in control: period_s, watchdog_s",
     ),
     # Wrong units: by name and by size.
     (

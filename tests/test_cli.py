@@ -103,7 +103,7 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
     result = palmbots("compare", "--values", "0,0.2", "-n", "5", "--out", str(tmp_path), "--json")
     assert result.returncode == DONE
     rows = json.loads(result.stdout)["rows"]
-    assert len(rows) == 6
+    assert len(rows) == 8
     assert {"controller", "key", "value", "n", "drop_rate", "interval", "rms_m"} <= set(rows[0])
     assert (tmp_path / "compare.png").stat().st_size > 10_000
 

@@ -14,7 +14,7 @@ from palmbots.scene import Scene, load_scene
 
 SOURCE = ROOT / "tests" / "core" / "trace_hash.cpp"
 BUILDS = list(product(("g++", "clang++"), ("-O0", "-O3")))
-RUNS = list(product(("none", "centralized", "distributed"), ("double", "float")))
+RUNS = list(product(("none", "centralized", "distributed", "resilient"), ("double", "float")))
 
 # Of the scene `paper` with seed 0. They change only if the physics, a controller or the random
 # numbers do, and then in a release that says so.
@@ -25,6 +25,8 @@ PINNED = {
     ("centralized", "float"): "6bc14f637b157e37",
     ("distributed", "double"): "c360153ac0c6c44c",
     ("distributed", "float"): "33c7186ea778af7a",
+    ("resilient", "double"): "d008a4e7ff283e1f",
+    ("resilient", "float"): "60d1437cae044f48",
 }
 
 # Everything that a scene can switch on.
@@ -39,6 +41,27 @@ BUSY = load_scene(
         "task": {"slope_deg": 0.5, "direction": "backward"},
     }
 )
+
+# Everything that can break.
+BROKEN = load_scene(
+    {
+        "robot": {"left": {"clock_ppm": 900.0}, "right": {"clock_ppm": -700.0}},
+        "radio": {
+            "jitter_s": 0.04, "reorder": True, "loss": 0.02, "burst_share": 0.1,
+            "duplicate": 0.1, "airtime_s": 0.001,
+            "outages": [{"sender": "right", "start_s": 4.0, "end_s": 6.0}],
+        },
+        "faults": {
+            "reboots": 1,
+            "script": [
+                {"kind": "freeze", "robot": "left", "at_s": 2.0, "for_s": 0.3},
+                {"kind": "flicker", "robot": "right", "at_s": 8.0, "for_s": 1.0, "rate": 0.2},
+                {"kind": "stuck", "robot": "left", "at_s": 10.0, "for_s": 0.2, "reads": "+"},
+                {"kind": "station", "at_s": 11.0, "for_s": 0.2},
+            ],
+        },
+    }
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +86,7 @@ def test_hash_is_pinned(controller: str, precision: str) -> None:
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=" ".join)
-@pytest.mark.parametrize("scene", [Scene(), BUSY], ids=["paper", "busy"])
+@pytest.mark.parametrize("scene", [Scene(), BUSY, BROKEN], ids=["paper", "busy", "broken"])
 def test_every_compiler_gives_the_same_hash(
     build: tuple[str, str], scene: Scene, programs: dict[tuple[str, str], Path]
 ) -> None:
@@ -77,11 +100,11 @@ def test_every_compiler_gives_the_same_hash(
 def test_hash_tells_carries_apart() -> None:
     hashes = {
         pb.carry(scene, controller, precision=precision, seed=seed, record=False).trace_hash
-        for scene in (Scene(), BUSY)
+        for scene in (Scene(), BUSY, BROKEN)
         for controller, precision in RUNS
         for seed in range(5)
     }
-    assert len(hashes) == 2 * len(RUNS) * 5
+    assert len(hashes) == 3 * len(RUNS) * 5
 
 
 def test_recording_changes_nothing() -> None:

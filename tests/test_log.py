@@ -204,10 +204,10 @@ def test_foreign_mcap_files(tmp_path, path):
     foreign(there, {"palmbots": {}})
     assert refusal(there).startswith("not a carry log of palmbots")
     foreign(there, {"palmbots": {"format": "99"}})
-    assert refusal(there) == "a carry log of format 99; this version reads 1"
-    foreign(there, {"palmbots": {"format": "1", "samples": "7"}})
+    assert refusal(there) == "a carry log of format 99; this version reads 2"
+    foreign(there, {"palmbots": {"format": "2", "samples": "7"}})
     assert refusal(there).startswith("the log lacks samples")
-    foreign(there, {"palmbots": {"format": "1", "samples": "{\n"}})
+    foreign(there, {"palmbots": {"format": "2", "samples": "{\n"}})
     assert refusal(there).startswith("not a carry log of palmbots")
 
 

@@ -3,6 +3,7 @@ they do to Table 2. The step by itself: tests/core/resilient_test.cpp."""
 
 import dataclasses
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -195,6 +196,17 @@ def test_a_reboot_while_assisting_keeps_the_palm_up() -> None:
     assert away[after].any()
 
 
+def test_standing_robots_settle_contacts_at_the_edge_of_the_zero_zone() -> None:
+    """Palms that turn shift contacts by a tenth of a millimetre, across the edge and back: without
+    noise to end it, asking and withdrawing could go on for ever."""
+    edges = [sign * (0.0048 + 0.0001 * k) for k in range(7) for sign in (1, -1)]
+    short = CALM | {"task.distance_m": 0.1, "task.timeout_s": 30.0}
+    for left, right in product(edges, edges):
+        start = {"start.left_m": left, "start.right_m": right}
+        done = pb.carry("paper", "resilient", overrides=short | start, record=False)
+        assert done.outcome == "delivered", start
+
+
 def test_clocks_may_drift() -> None:
     for ppm in (-20000.0, 20000.0):
         overrides = lossy(0.1) | {"robot.left.clock_ppm": ppm, "robot.right.clock_ppm": -ppm}
@@ -286,6 +298,31 @@ def test_a_sensor_that_never_reads_zero_keeps_the_robots_at_rest() -> None:
     carry = carried({"faults.script": stuck, "task.timeout_s": 5.0})
     assert set(column(carry, "sign")[:-1, 0]) == {-1}
     assert carry.distance_m < 0.05
+
+
+# --- symmetry ---
+
+
+@pytest.mark.parametrize("controller", ["centralized", "distributed", "resilient"])
+@pytest.mark.parametrize("seed", range(3))
+def test_broken_carries_are_mirrored_in_a_mirror(controller: str, seed: int) -> None:
+    """Whatever breaks belongs to the robot that leads or follows, not to a side."""
+    keys = lossy(0.05) | {
+        "radio.airtime_s": 0.001,
+        "radio.outages": [{"sender": "left", "start_s": 4.0, "end_s": 5.0}],
+        "robot.left.clock_ppm": 3000.0,
+        "faults.script": [
+            {"kind": "freeze", "robot": "right", "at_s": 2.0, "for_s": 0.3},
+            {"kind": "flicker", "robot": "left", "at_s": 6.0, "for_s": 2.0, "rate": 0.1},
+        ],
+    }
+    scene = pb.load_scene("paper", keys)
+    there = pb.carry(scene, controller, seed=seed)
+    back = pb.carry(scene.mirrored(), controller, seed=seed)
+    assert there.time_s == back.time_s
+    for name in ("contact", "palm", "sign"):
+        np.testing.assert_array_equal(column(there, name), column(back, name)[:, ::-1])
+    assert there.messages_lost == back.messages_lost
 
 
 # --- which drops are forced ---

@@ -36,7 +36,7 @@ def test_the_default_is_the_scene_paper_which_gives_every_key():
     given_keys = {
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
     }
-    optional = {"palm.slip_deg", "tactile.zones", "task.timeout_s"}
+    optional = {"palm.slip_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
     assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
 
 
@@ -93,10 +93,19 @@ def test_mirroring():
             "robot.right.bias_m_s": 0.002,
             "start.left_m": 0.01,
             "bumps.script": [{"robot": "left", "at_s": 1, "shift_m": 0.01}],
+            "radio.outages": [
+                {"sender": sender, "start_s": 1, "end_s": 2} for sender in ("left", "station")
+            ],
+            "faults.script": [
+                {"kind": "reboot", "robot": "right", "at_s": 1, "for_s": 1},
+                {"kind": "station", "at_s": 1, "for_s": 1},
+            ],
             "task.slope_deg": 2,
         },
     )
     mirror = scene.mirrored()
+    assert [outage.sender for outage in mirror.radio.outages] == ["right", "station"]
+    assert [fault.robot for fault in mirror.faults.script] == ["left", None]
     assert mirror.object.com_m == (-0.1, 0.05)
     assert mirror.object.contacts == (1, 0)
     assert mirror.palm_of("right").friction == 0.4

@@ -21,6 +21,9 @@
 //   * (d) moves closer only while the newest letter is fresh and says that the other palm is steep,
 //     or in (d) too.
 //   * Requests that cross, case (b): the robot that yields (the lower identity) assists first.
+//   * What was begun is moved through for at least one tick, even if p has come to 0 meanwhile, as in
+//     Table 2. Palms that turn shift the contacts a little: two robots that stand, with contacts at
+//     the edge of the zero zone, would otherwise ask and withdraw for ever.
 //   * Silence, that is no fresh letter: moves end, palms go steep, the robot stops travelling.
 // Travel: a robot that hears that its partner knows it to travel and yet rests, rests too; so two
 // robots never travel apart for longer than a lease, however one-sided the radio is. They start
@@ -135,8 +138,6 @@ class Resilient {
       {State::idle,          P::positive,     Heard::any,         If::released, State::a_request},
       {State::idle,          P::negative,     Heard::any,         If::released, State::d_tilt_up},
       // (a), and (b) where requests cross
-      {State::a_request,     P::not_positive, Heard::any,         If::turned,   State::idle},
-      {State::a_request,     P::not_positive, Heard::any,         If::any,      State::c_tilt_down},
       {State::a_request,     P::any,          Heard::ack,         If::turned,   State::a_move},
       {State::a_request,     P::any,          Heard::tilt_up,     If::yields,   State::b_tilt_up},
       {State::a_move,        P::not_positive, Heard::any,         If::any,      State::idle},
@@ -157,8 +158,6 @@ class Resilient {
       {State::c_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
       // (d)
       {State::d_tilt_up,     P::any,          Heard::silence,     If::any,      State::d_tilt_down},
-      {State::d_tilt_up,     P::not_negative, Heard::tilt_up,     If::any,      State::c_tilt_up},
-      {State::d_tilt_up,     P::not_negative, Heard::any,         If::any,      State::d_tilt_down},
       {State::d_tilt_up,     P::any,          Heard::steep,       If::turned,   State::d_move},
       {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_grant},
       {State::d_move,        P::not_negative, Heard::any,         If::any,      State::d_tilt_down},

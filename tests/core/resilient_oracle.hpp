@@ -63,7 +63,6 @@ struct Told {
     switch (now) {
       case nothing: return at_leisure(p, asked, free);
       case ask:
-        if (p != Sign::positive) return turned ? nothing : lower;
         if (granted && turned) return pull;
         return asked && lower_identity ? yield : ask;
       case pull:
@@ -87,7 +86,6 @@ struct Told {
         return turned ? nothing : lower;
       case rise:
         if (!fresh) return sink;
-        if (p != Sign::negative) return asked ? help : sink;
         return turned && partner_steep ? push : rise;
       case push:
         if (p != Sign::negative) return asked ? grant : sink;
