@@ -93,6 +93,16 @@ def test_a_reboot_is_marked() -> None:
     assert "reboot" in names(figure)
 
 
+def test_a_planned_copy_comes_again() -> None:
+    copied = [{"sender": "left", "message": 1, "fate": "copied", "late_s": 0.3}]
+    done = pb.carry("paper", "distributed", overrides=LOST_ACK | {"radio.script": copied})
+    (panel,) = sequence_chart.draw(done).axes
+    ack = next(m for m in done.letters if m.letter == "Ack")
+    assert ack.received_s is not None
+    assert arrows(panel)[-1] == ((0.0, ack.sent_s), (1.0, pytest.approx(ack.received_s + 0.3)))
+    assert "Ack again" in [text.get_text() for text in panel.texts]
+
+
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
 def test_the_same_carry_gives_the_same_file(
     lost_ack: pb.Carry, tmp_path: Path, suffix: str

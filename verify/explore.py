@@ -154,7 +154,7 @@ def build(model: str, searches: Sequence[str] = tuple(SEARCHES)) -> Path:
     def compiled(search: str) -> None:
         if not (folder / search).exists():
             # Spin's own code is not free of warnings.
-            made = ["gcc", "-O1", "-w", *SEARCHES[search][0], "pan.c", f"{model}.o", "-o"]
+            made = ["gcc", "-O2", "-w", *SEARCHES[search][0], "pan.c", f"{model}.o", "-o"]
             _call([*made, f"{search}.part"], folder)
             (folder / f"{search}.part").rename(folder / search)
 
@@ -173,7 +173,7 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     environment = os.environ | {k: str(v) for k, v in run.parameters.items()}
     pan = str(folder / run.search)
     depth = [] if run.search == "shortest" else ["-m5000000"]
-    command = [pan, *flags, "-w22", *depth]
+    command = [pan, *flags, "-w24", *depth]
     limit = ["prlimit", f"--as={megabytes * 2**20}"]
     done = subprocess.run(
         [*limit, *command], cwd=place, env=environment, capture_output=True, text=True

@@ -269,6 +269,15 @@ class Spec:
     def outages(self, arg: Sequence[tuple[int, float, float]], /) -> None: ...
 
     @property
+    def mishaps(self) -> list[tuple[int, int, int, float]]:
+        """
+        (sender, message, fate, late) of single messages: sender 0: left, 1: right; message from 1; fate 0: lost, 1: late, 2: copied; late in s.
+        """
+
+    @mishaps.setter
+    def mishaps(self, arg: Sequence[tuple[int, int, int, float]], /) -> None: ...
+
+    @property
     def faults(self) -> list[tuple[int, int, float, float, int, float]]:
         """(kind, side, at, lasts, reads, rate) in s, in order of FaultKind."""
 

@@ -3,12 +3,14 @@
 Time runs down, one column after the other. On a robot's line stand the cases that it is in, shaded
 in its hue; an arrow is a letter, from when it was sent to when it can be read, the steeper the
 later it comes. A lost one ends at a cross on its way. Where a robot repeats what it said last, as
-the resilient algorithm does all the time, the arrow is thin and bears no name.
+the resilient algorithm does all the time, the arrow is thin and bears no name. A copy that the
+scene has planned is dashed; random copies are not drawn.
 """
 
 import math
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,7 +58,8 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     columns = min(columns, _MOST_COLUMNS)
     span = (end - start) / columns
     with styled():
-        figure = Figure(figsize=(_WIDE * columns + 0.5, _TALL + 1.1))
+        width = max(_WIDE * columns + 0.5, 4.0)  # a title's
+        figure = Figure(figsize=(width, _TALL + 1.1))
         panels = np.atleast_1d(figure.subplots(1, columns, squeeze=True))
         for k, panel in enumerate(panels):
             _draw_column(panel, carry, told, start + k * span, start + (k + 1) * span)
@@ -101,6 +104,17 @@ def _told(carry: "Carry") -> Iterator[tuple["Letter", bool]]:
         last[letter.sender] = letter.letter
 
 
+def _copies(carry: "Carry") -> Iterator["Letter"]:
+    """The second coming of each message that the scene plans to double."""
+    for mishap in carry.scene.radio.script:
+        sent = [letter for letter in carry.letters if letter.sender == mishap.sender]
+        if mishap.fate != "copied" or len(sent) < mishap.message:
+            continue
+        letter = sent[mishap.message - 1]
+        if letter.received_s is not None:
+            yield replace(letter, received_s=letter.received_s + (mishap.late_s or 0.0))
+
+
 def _draw_column(
     panel: Axes, carry: "Carry", told: list[tuple["Letter", bool]], start: float, end: float
 ) -> None:
@@ -125,6 +139,9 @@ def _draw_column(
         _draw_letter(panel, letter, news, below)
         if news:
             named[letter.sender] = letter.sent_s
+    for copy in _copies(carry):
+        if start <= copy.sent_s <= end:
+            _draw_letter(panel, copy, news=True, below=True, copy=True)
     if carry.outcome != "delivered" and start <= carry.time_s <= end:
         panel.axhline(carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)
 
@@ -182,7 +199,9 @@ def _draw_faults(panel: Axes, carry: "Carry", side: str, start: float, end: floa
         )
 
 
-def _draw_letter(panel: Axes, letter: "Letter", news: bool, below: bool) -> None:
+def _draw_letter(
+    panel: Axes, letter: "Letter", news: bool, below: bool, copy: bool = False
+) -> None:
     from_x, to_x = _LINE[letter.sender], _LINE[letter.receiver]
     colour = INK if news else QUIET
     lost = letter.received_s is None
@@ -200,6 +219,7 @@ def _draw_letter(panel: Axes, letter: "Letter", news: bool, below: bool) -> None
             "mutation_scale": 7 if news else 4,
             "lw": 0.9 if news else 0.35,
             "color": DROP if lost and news else colour,
+            "linestyle": "--" if copy else "-",
             "shrinkA": 0,
             "shrinkB": 0,
         },
@@ -209,9 +229,12 @@ def _draw_letter(panel: Axes, letter: "Letter", news: bool, below: bool) -> None
         size = 5 if news else 2.5
         panel.plot([to_x], [to_y], marker="x", ms=size, mew=0.8 + 0.4 * news, color=DROP, zorder=4)
     if news:
+        share = 0.3  # of the way, where the name stands
+        at = (from_x + share * (to_x - from_x), letter.sent_s + share * (to_y - letter.sent_s))
+        what = f"{letter.letter} lost" if lost else letter.letter
         panel.annotate(
-            f"{letter.letter} lost" if lost else letter.letter,
-            (from_x + 0.3 * (_LINE[letter.receiver] - from_x), letter.sent_s),
+            f"{letter.letter} again" if copy else what,
+            at if copy else (from_x + share * (_LINE[letter.receiver] - from_x), letter.sent_s),
             (0, -3 if below else 1.5),
             textcoords="offset points",
             ha="center",
