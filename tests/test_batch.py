@@ -44,7 +44,7 @@ def assert_same(one: Columns, two: Columns) -> None:
 
 @pytest.fixture(scope="module")
 def lot() -> tuple[list[_core.Spec], np.ndarray, np.ndarray]:
-    """Scenes that lanes carry and scenes that they do not, with other lengths and outcomes, mixed."""
+    """Scenes that lanes carry and scenes that they do not, of unlike lengths and outcomes."""
     zones = [
         {"sign": "-0+"[k % 3], "from_m": -0.05 + 0.01 * k, "to_m": -0.042 + 0.01 * k}
         for k in range(10)
