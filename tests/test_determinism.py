@@ -45,7 +45,7 @@ BUSY = load_scene(
 # Everything that can break.
 BROKEN = load_scene(
     {
-        "robot": {"left": {"clock_ppm": 900.0}, "right": {"clock_ppm": -700.0}},
+        "robot": {"noise_m_s": 0.012, "left": {"clock_ppm": 900.0}, "right": {"clock_ppm": -700.0}},
         "radio": {
             "jitter_s": 0.04, "reorder": True, "loss": 0.02, "burst_share": 0.1,
             "duplicate": 0.1, "airtime_s": 0.001,
