@@ -141,7 +141,7 @@ def case(seed: int) -> Case:
 
 def test_motion_is_that_of_an_independent_world() -> None:
     seen = {"further": 0, "lifted": 0, "ended": 0}
-    for seed in range(16):
+    for seed in range(24):
         chosen = case(seed)
         spec = lower(load_scene(chosen.thing, chosen.keys))
         fast = _core.World(spec)
@@ -156,8 +156,9 @@ def test_motion_is_that_of_an_independent_world() -> None:
             if end:
                 seen["ended"] += 1
                 break
+            # The slow world errs by its step, 1/120 of the motion: four times less with 480.
             where = np.array([slow.vertex(side) for side in (0, 1)]).T
-            assert np.array([fast.contacts, fast.lift]) == pytest.approx(where, abs=2e-4), seed
+            assert np.array([fast.contacts, fast.lift]) == pytest.approx(where, abs=3e-4), seed
             seen["further"] += len(fast.grip) > 0
             seen["lifted"] += max(fast.lift) > 1e-4
     assert min(seen.values()) >= 2, seen
