@@ -124,7 +124,7 @@ class Case:
 def case(seed: int) -> Case:
     rng = np.random.default_rng(seed)
     keys = {
-        "palm.friction": float(rng.choice([0.15, 0.25, 0.3, 0.5])),
+        "palm.friction": float(rng.choice([0.08, 0.15, 0.3, 0.5])),
         "palm.right": {"friction": float(rng.choice([0.2, 0.3, 0.45]))},
         "palm.pivot_offset_m": float(rng.choice([0.0, 0.01])),
         "start.left_m": float(rng.uniform(-0.04, 0.04)),
@@ -141,7 +141,7 @@ def case(seed: int) -> Case:
 
 def test_motion_is_that_of_an_independent_world() -> None:
     seen = {"further": 0, "lifted": 0, "ended": 0}
-    for seed in range(24):
+    for seed in range(16):
         chosen = case(seed)
         spec = lower(load_scene(chosen.thing, chosen.keys))
         fast = _core.World(spec)
@@ -151,12 +151,12 @@ def test_motion_is_that_of_an_independent_world() -> None:
         for change, left, right, _ in chosen.script:
             palms = (math.radians(left), math.radians(right))
             end, fraction, *_ = fast.advance(change, palms)
-            done = slow.move(change, palms, 120)
+            done = slow.move(change, palms, 240)
             assert done == pytest.approx(fraction, abs=0.02), (seed, end)
             if end:
                 seen["ended"] += 1
                 break
-            # The slow world errs by its step, 1/120 of the motion: four times less with 480.
+            # The slow world errs by its step: three times less with three times the steps.
             where = np.array([slow.vertex(side) for side in (0, 1)]).T
             assert np.array([fast.contacts, fast.lift]) == pytest.approx(where, abs=3e-4), seed
             seen["further"] += len(fast.grip) > 0
