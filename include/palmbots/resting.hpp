@@ -62,12 +62,19 @@ class Instant {
     const detail::Equations<Real> equations(rig, stance, left);
     const Real closed = Real(64) * std::numeric_limits<Real>::epsilon() * rig.load.width;
     std::array<bool, max_supports> counts{};
+    PerSide<std::size_t> counted{};
     PerSide<std::size_t> further{};
     const std::size_t kept = found_.count < max_supports ? found_.count : max_supports;
     for (std::size_t i = 0; i < kept; ++i) {
       const TouchPoint<Real>& p = found_.points[i];
       for (std::size_t k = 0; k < grip.count; ++k) counts[i] = counts[i] || grip.holds[k].is(p);
       counts[i] = counts[i] || equations.gap(hold(p)).value <= closed * rig.load.width;
+      if (counts[i]) ++counted[p.support.side];
+    }
+    for (std::size_t i = 0; i < kept; ++i) {
+      const TouchPoint<Real>& p = found_.points[i];
+      // A vertex that slides over a palm's end hands over to the tip while that is almost closed.
+      counts[i] = counts[i] || counted[p.support.side] == 0;
       if (counts[i]) further[p.support.side] += own(p) ? 0 : 1;
     }
     first_ = leading(further);
