@@ -124,10 +124,15 @@ def check(carry: pb.Carry) -> None:
     assert set(np.unique(rows["motion"])) <= {-1, 0, 1}
 
     contact = rows["contact"][:-1]
+    # In float the squares of 64 ticks are added up in float, and small ones vanish.
+    rel, least = (64 * 2**-24, 1e-19) if single else (1e-9, 1e-150)
     for k, side in enumerate(("left", "right")):
         rms = math.sqrt(np.mean(contact[:, k] ** 2)) if ticks else 0.0
-        assert carry.contact_rms_m[side] == pytest.approx(rms, rel=1e-9, abs=1e-300)
-        assert carry.contact_peak_m[side] == (np.abs(contact[:, k]).max() if ticks else 0.0)
+        # Upon more than its vertices the object touches a palm elsewhere than at its vertex.
+        if not carry.touches:
+            assert carry.contact_rms_m[side] == pytest.approx(rms, rel=rel, abs=least)
+            assert carry.contact_peak_m[side] == (np.abs(contact[:, k]).max() if ticks else 0.0)
+        assert carry.contact_rms_m[side] <= carry.contact_peak_m[side] * (1 + rel)
         assert 0 <= carry.waiting_s[side] <= ticks * period * (1 + 1e-9)
 
     check_loop(scene, rows, 2e-6 if single else 1e-12)
