@@ -29,6 +29,7 @@ from palmbots.stability.limits import (
 from palmbots.stability.ranges import Interval
 from palmbots.stability.sideways import Sideways, sideways_of
 from palmbots.stability.situation import Pair, Situation, permitted, situation_of
+from palmbots.stability.touch import FirstTouch, first_touch
 
 __all__ = ["Analysis", "Bands", "G", "Margins", "PropertyReport", "Wedging", "analyze"]
 
@@ -96,6 +97,8 @@ class Analysis:
     angle_error_rad: float | None
     clearance: Clearance
     """How far the outline stays from both palms, and where that is least."""
+    touch: FirstTouch | None
+    """What happens where a palm, turned on from there (or back), just touches the outline."""
     wedging: Wedging
     sideways: Sideways
 
@@ -144,6 +147,7 @@ class Analysis:
             else math.degrees(self.angle_error_rad),
             "clearance_deg": math.degrees(self.clearance.turn.margin),
             "clearance": asdict(self.clearance) | {"touches": self.clearance.touches},
+            "touch": None if self.touch is None else self.touch.summary(),
             "wedging": asdict(self.wedging),
             "sideways": asdict(self.sideways),
             "region_m": {
@@ -174,6 +178,7 @@ def analyze(
     """
     chosen = load_scene(scene, overrides)
     at = situation_of(chosen, region_m)
+    clear = clearance(at)
     properties: dict[tuple[int, Side], PropertyReport] = {
         (number, shallow): _report(at, number, shallow) for number in (1, 2, 0) for shallow in SIDES
     }
@@ -190,7 +195,8 @@ def analyze(
         half_length_m=half_length_range(at),
         slope=slope_range(at),
         angle_error_rad=angle_error(at),
-        clearance=clearance(at),
+        clearance=clear,
+        touch=first_touch(chosen, clear.turn),
         wedging=wedging(at),
         sideways=sideways_of(chosen),
     )

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from palmbots.stability.certificate import Certificate
     from palmbots.stability.clearance import Clearance
     from palmbots.stability.design import Design
+    from palmbots.stability.touch import FirstTouch
 
 __all__ = ["analysis_report", "certificate_report", "check_report", "design_report"]
 
@@ -81,6 +82,8 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
 
     wedging, sideways = found.wedging, found.sideways
     _clearance(console, found.clearance)
+    if found.touch is not None:
+        _touch(console, found.touch)
     start = (
         f"wedging starts at friction {wedging.friction:.2f} ({wedging.side} palm, {wedging.palm})"
         if math.isfinite(wedging.friction)
@@ -114,6 +117,16 @@ def _clearance(console: Console, found: "Clearance") -> None:
     angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in at.angles_rad)
     places = ", ".join(map(_mm, at.contacts_m))
     console.print(f"  first: {at.side} palm, {_TOUCH[at.kind]}, at {angles}, p {places}")
+
+
+def _touch(console: Console, at: "FirstTouch") -> None:
+    """What happens where the palm just touches."""
+    angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in at.angles_rad)
+    kinds = ", ".join(f"{contact.side} {contact.kind}" for contact in at.contacts)
+    console.print(f"  touching at {angles}: {kinds}: {'held' if at.held else 'NOT held'}")
+    for name, outcomes in (("closing", at.closing), ("opening", at.opening)):
+        told = " or ".join("–".join(motions) for motions in outcomes) or "nothing balances"
+        console.print(f"  {name} there: {told}")
 
 
 def _mm(metres: float) -> str:
