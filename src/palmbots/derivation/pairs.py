@@ -12,13 +12,12 @@ station of the centralized algorithm turns both robots at once.
 
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, Protocol
 
 from palmbots import _core
 from palmbots.derivation.policy import Direction, Signs
-from palmbots.derivation.slides import Palms, sliders, up
+from palmbots.derivation.slides import Palm, Palms, sliders, up
 
 __all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
 
@@ -113,8 +112,10 @@ def _told(palm: tuple[int, int], command: int) -> tuple[int, int]:
 
 
 def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
-    left, right = ("turning" if t else ("steep", "shallow")[angle] for angle, t in palms)
-    return left, right
+    def shown(angle: int, turning: int) -> Palm:
+        return "turning" if turning else "steep" if angle == _STEEP else "shallow"
+
+    return shown(*palms[0]), shown(*palms[1])
 
 
 def _both(pair: tuple[Any, Any], robot: int, value: Any) -> tuple[Any, Any]:
@@ -142,9 +143,7 @@ class _Pair:
     def names(self, minds: Any) -> tuple[str, str]:
         raise NotImplementedError
 
-    def hear(
-        self, minds: Any, robot: int, sign: int, turned: bool
-    ) -> tuple[Any, int, int, str]:
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         """A step: what all remember then, palm and move commanded, letter that goes out."""
         raise NotImplementedError
 
@@ -164,9 +163,7 @@ class _Pair:
                 fights = other not in (None, direction)
                 motion = Motion(signs, _shown(palms), direction, fights)
             begins = state.wheels[robot] == 0
-            turn = Turn(
-                robot, state.p, self.names(minds), _shown(palms), motion, begins, said
-            )
+            turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
             for p in _moved(state.p, motion):
                 yield turn, State(p, palms, wheels, minds, lead)
 
@@ -184,9 +181,7 @@ class _Distributed(_Pair):
         left, right = (self._robot.robot(memory).name for memory in minds[0])
         return left, right
 
-    def hear(
-        self, minds: Any, robot: int, sign: int, turned: bool
-    ) -> tuple[Any, int, int, str]:
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, inboxes = minds
         inbox = inboxes[robot]
         memory, (palm, move, send, read) = self._robot.step(
@@ -203,10 +198,12 @@ class _Resilient(_Pair):
 
     It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
     age of its echo); for each how many turns ago it sent the newest beacon that the other has
-    heard; and what each said last. Ages are in turns of the robot whose clock counts them (palmbots/beacon.hpp).
+    heard; and what each said last. Ages are in turns of the robot whose clock counts them
+    (palmbots/beacon.hpp).
     """
 
-    # A round trip is at most 2 (delay + beacon) + 2 ticks, with one of each; one tick may be missed.
+    # As resilient_bounds.hpp has it: 2 (delay + beacon) + 2 ticks, each of them 1, and one turn
+    # that the other robot may be ahead.
     lease = 7
     hold = lease + 1 + 1
 
@@ -219,7 +216,10 @@ class _Resilient(_Pair):
         """From boot, with contacts at 0, until both are on their way and nothing changes."""
         never = self.lease + 1
         minds: Any = (
-            (self._robots[0].first, self._robots[1].first), (None, None), (never, never), (0, 0)
+            (self._robots[0].first, self._robots[1].first),
+            (None, None),
+            (never, never),
+            (0, 0),
         )
         for _ in range(4 * self.hold):
             for robot in (0, 1):
@@ -230,9 +230,7 @@ class _Resilient(_Pair):
         left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
         return left, right
 
-    def hear(
-        self, minds: Any, robot: int, sign: int, turned: bool
-    ) -> tuple[Any, int, int, str]:
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, mail, known, said = minds
         known = _both(known, robot, min(known[robot] + 1, self.lease + 1))
         letter, rests, echo = mail[robot] or (0, False, self.lease)

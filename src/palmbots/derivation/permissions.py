@@ -120,10 +120,12 @@ class Permissions:
         return told
 
     def _conflict(self, turn: Turn, motion: Motion) -> Conflict | None:
-        """The conflict of the rules that the robots are in, or of those that hold at these signs."""
+        """That of the rules that the robots are in, or of those that hold at these signs."""
         cases = (min(turn.cases), max(turn.cases))
         known = self._derivation.conflicts
-        if turn.cases[turn.robot or 0] not in self._derivation.rules:  # one that breaks ties
+        if turn.robot is None:
+            return None
+        if turn.cases[turn.robot] not in self._derivation.rules:  # the case that breaks ties
             return next((c for c in known if c.asking == 2), None)
         by_case = (c for c in known if c.rules == cases)
         by_signs = (c for c in known if motion.signs in c.signs)

@@ -125,9 +125,7 @@ def mirrored(policy: Policy) -> Policy:
             (case.signs[1], case.signs[0]),
             None if case.tilt is None else 1 - case.tilt,
             tuple(
-                replace(
-                    move, until=tuple(replace(u, contact=1 - u.contact) for u in move.until)
-                )
+                replace(move, until=tuple(replace(u, contact=1 - u.contact) for u in move.until))
                 for move in case.moves
             ),
         )

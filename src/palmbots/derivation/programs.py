@@ -1,4 +1,4 @@
-"""Table 2 of the paper as programs, one for each case, read from the table that the controller runs.
+"""Table 2 of the paper as programs, one a case, read from the table that the controller runs.
 
 A program is what a robot does in turn, in the words of Table 2's columns. The compiled table is a
 state machine; every way through it from idle to idle is a program.
@@ -14,7 +14,12 @@ __all__ = ["DONE", "RELEASE", "REQUEST", "Program", "table_2"]
 REQUEST, DONE, RELEASE = "TiltUp", "Ack", "TiltDown"
 
 _LETTERS = {"tilt_up": REQUEST, "ack": DONE, "tilt_down": RELEASE}
-_CONTACT = {"positive": "p > 0", "not_positive": "p ≤ 0", "negative": "p < 0", "not_negative": "p ≥ 0"}
+_CONTACT = {
+    "positive": "p > 0",
+    "not_positive": "p ≤ 0",
+    "negative": "p < 0",
+    "not_negative": "p ≥ 0",
+}
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 1. *Split* each case at its moves, and follow the signs through each move.
 2. The *owner* of a move is the robot that senses its until-condition.
-3. *Guards*: a condition on a contact that the owner does not sense may be dropped if no tick in that
-   configuration of the palms can move that contact (slides.py): then whatever it reads, it stays.
+3. *Guards*: a condition on a contact that the owner does not sense may be dropped if no tick in
+   that configuration of the palms can move that contact (slides.py): whatever it reads, it stays.
 4. *Merge*: seen from the owner, outward positive, a rule of the left and one of the right robot are
    the same.
 5. *Letters*: a palm that the owner does not turn itself becomes request, done and release; whoever
@@ -25,7 +25,7 @@ from palmbots.derivation.slides import Palms, improves, passed_through, sliders,
 
 __all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "signs_text"]
 
-SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), repeat=2))
+SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
 _RELATION = {-1: "<", 0: "=", 1: ">"}
 _MARK = {-1: "−", 0: "0", 1: "+"}
 
@@ -113,7 +113,9 @@ class Conflict:
     def order(self) -> str:
         """What orders the two, by their letters alone."""
         if self.asking == 2:
-            return "requests cross: each waits for the other, so a case of its own must break the tie"
+            return (
+                "requests cross: each waits for the other, and a case of its own must break the tie"
+            )
         if self.asking == 1:
             return "the server is one thread: it finishes its own correction first, or serves first"
         return "no letter between them: nothing orders them, they run at once"
@@ -206,7 +208,7 @@ def _split(done: Derivation) -> None:
             entry = ends
         if not moved:
             at = signs_text(case.signs)
-            done.findings.append(f"case {number} never moves anything: {at} stays as it is for ever")
+            done.findings.append(f"case {number} never moves anything: {at} stays for ever")
 
 
 def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
@@ -245,9 +247,7 @@ def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
     return rules
 
 
-def _name_rules(
-    done: Derivation, found: dict[Rule, dict[int, list[tuple[int, int]]]]
-) -> None:
+def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, int]]]]) -> None:
     """Names of Table 2 where the program is one of its, and who has which rule."""
     for number, (rule, by_owner) in enumerate(found.items(), 1):
         program = rule.program()
@@ -276,9 +276,7 @@ def _find_conflicts(done: Derivation) -> None:
     """Every pair of rules that hold at the same signs."""
     at: dict[tuple[str, str], list[Signs]] = {}
     clash: dict[tuple[str, str], tuple[bool, bool]] = {}
-    for signs, (left, one), (right, two) in product(
-        SIGNS, done.rules.items(), done.rules.items()
-    ):
+    for signs, (left, one), (right, two) in product(SIGNS, done.rules.items(), done.rules.items()):
         if 0 not in done.robots[left] or 1 not in done.robots[right]:
             continue
         if one.holds(0, signs) and two.holds(1, signs):

@@ -31,11 +31,10 @@ def why(palms: Palms, direction: Direction) -> str:
     """The reason for what `sliders` says, in words."""
     contacts = sliders(palms, direction)
     if len(contacts) > 1:
-        return "palms alike: neither property says which contact slides"
+        return "palms alike: either contact may slide"
     (contact,) = contacts
-    number, goes = (1, "closing slides") if direction == "closer" else (2, "opening slides")
-    names = f"p_{'LR'[contact]} on the {palms[contact]} palm, p_{'LR'[1 - contact]} sticks"
-    return f"property {number}: {goes} {names}"
+    number = 1 if direction == "closer" else 2
+    return f"property {number} moves only p_{'LR'[contact]}"
 
 
 def up(direction: Direction) -> int:
