@@ -1,6 +1,7 @@
 """From the policy to the rules: against Table 2 as transcribed from the paper, against brute force
 in the abstract world of grid.py, and on policies that are not the paper's."""
 
+import json
 from dataclasses import replace
 from itertools import product
 
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grid import SHALLOW, STEEP, moved, sign
+from palmbots import cli
 from palmbots.derivation.policy import (
     Case,
     Move,
@@ -23,7 +25,7 @@ from palmbots.derivation.programs import table_2
 from palmbots.derivation.rules import Derivation, derive
 from table2 import COLUMNS
 
-GRID = list(product(range(-3, 4), repeat=2))
+GRID = list(product(range(-3, 4), range(-3, 4)))
 ANGLE = {"steep": STEEP, "shallow": SHALLOW}
 # What is printed above the columns.
 WHEN = {"a": "p > 0", "b": "p > 0", "c": "p ≤ 0, got TiltUp", "d": "p < 0"}
@@ -113,9 +115,9 @@ def test_guards_of_any_policy(policy: Policy) -> None:
 @given(policies)
 def test_the_mirror_image_of_a_policy_gives_the_mirror_image_of_its_rules(policy: Policy) -> None:
     done, image = derive(policy), derive(mirrored(policy))
-    assert {(done.rules[n], tuple(sorted(1 - r for r in who))) for n, who in done.robots.items()} == {
-        (image.rules[n], who) for n, who in image.robots.items()
-    }
+    assert {
+        (done.rules[n], tuple(sorted(1 - r for r in who))) for n, who in done.robots.items()
+    } == {(image.rules[n], who) for n, who in image.robots.items()}
     assert len(image.conflicts) == len(done.conflicts)
 
 
@@ -224,7 +226,7 @@ def test_the_wrong_palm() -> None:
 def test_without_a_palm_up_the_guard_stays() -> None:
     done = derive(changed(3, tilt=None))
     guard = next(g for g in done.guards if g.case == 3)
-    assert (guard.dropped, guard.reason) == (False, "palms alike: either contact may slide")
+    assert (guard.dropped, guard.reason) == (False, "either may slide")
     assert (3, 1) in [(step.case, step.number) for step in done.joint]
 
 
@@ -260,3 +262,61 @@ def test_each_robot_turns_the_others_palm() -> None:
 def test_every_case_twice_is_told(number: int) -> None:
     done = derive((*table_1(), table_1()[number - 1]))
     assert any("has several cases" in finding for finding in done.findings)
+
+
+# The command.
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+    status = cli.run(["derive", *words])
+    return status, capsys.readouterr().out
+
+
+def test_the_command_tells_the_rules(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    status, out = told(capsys)
+    assert status == cli.DONE
+    assert out.startswith("DERIVED  the rules are Table 2's (a), (c) and (d)")
+    for line in ("Move away until p ≤ 0", "(a)∥(a)  (+, +)", "Where distributed departs"):
+        assert line in out
+    assert "palms turning" not in out
+    assert "palms turning" in told(capsys, "--runs")[1]
+
+
+def test_the_command_refuses_a_faulty_policy(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out = told(capsys, "--policy", "as-printed", "--controllers", "none")
+    assert status == cli.FAILED
+    assert "case 7 never moves anything: (+, −) stays for ever" in out
+
+
+def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out = told(capsys, "--json", "--controllers", "distributed, resilient")
+    done = json.loads(out)
+    assert status == cli.DONE
+    assert done["is_table_2"] is True
+    assert done["rules"]["a"]["lines"] == list(printed("a"))
+    assert done["rules"]["d"]["from"] == [[3, 1], [4, 1], [7, 1], [8, 1]]
+    assert done["policy"][0] == {
+        "case": 1,
+        "signs": [1, 0],
+        "tilt": "right",
+        "moves": [{"direction": "away", "until": ["p_L ≤ 0"]}],
+    }
+    table_2, resilient = (done["refinement"][name] for name in ("distributed", "resilient"))
+    assert (table_2["weakest_permission"], resilient["weakest_permission"]) == (None, "begun")
+    assert sum(d["motions"] for d in table_2["departures"] if d["permitted_by"] is None) == 8
+    assert all(d["run"] for d in table_2["departures"])
+
+
+@pytest.mark.parametrize("words", [("--policy", "x"), ("--controllers", "distributed,x")])
+def test_what_the_command_does_not_know(
+    words: tuple[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["derive", *words]) == cli.BAD_INPUT
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert words[0] in captured.err
+    assert "allowed" in captured.err

@@ -54,6 +54,14 @@ class Move:
     direction: Direction
     until: tuple[Until, ...]
 
+    @property
+    def end(self) -> str:
+        """The condition in words."""
+        relations = {u.relation for u in self.until}
+        if len(relations) > 1:
+            return " or ".join(map(str, self.until))
+        return " or ".join(f"p_{'LR'[u.contact]}" for u in self.until) + f" {relations.pop()} 0"
+
     def over(self, signs: Signs) -> bool:
         """Whether these signs end it."""
         return any(condition.holds(signs) for condition in self.until)

@@ -60,12 +60,11 @@ def _moves(console: Console, done: Derivation) -> None:
     """Each move with its owner, and what became of guards that the owner does not sense."""
     table = _table(
         "\nMoves, their owners, and guards that the owner does not sense",
-        "case", "move", "palm up", "owner", "guard", "", "because",
+        "case", "move", "up", "owner", "guard", "", "because",
     )  # fmt: skip
     for step in done.steps:
-        until = " or ".join(map(str, step.move.until))
         raised = NAMES[step.palms.index("shallow")] if "shallow" in step.palms else ""
-        owners = " and ".join(NAMES[robot] for robot in step.owners)
+        owners = NAMES[step.owners[0]] if len(step.owners) == 1 else "both"
         guards = [g for g in done.guards if (g.case, g.step) == (step.case, step.number)]
         told = ", ".join(map(str, guards))
         verdict, reason = Text(""), ""
@@ -73,7 +72,7 @@ def _moves(console: Console, done: Derivation) -> None:
             dropped = all(g.dropped for g in guards)
             verdict = Text("dropped", "green") if dropped else Text("kept", "yellow")
             reason = guards[0].reason
-        move = f"{step.move.direction} until {until}"
+        move = f"{step.move.direction} until {step.move.end}"
         table.add_row(str(step.case), move, raised, owners, told, verdict, reason)
     console.print(table)
     if done.joint:

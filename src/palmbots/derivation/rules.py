@@ -195,11 +195,10 @@ def _split(done: Derivation) -> None:
             owners = tuple(sorted({done.wiring.senses[u.contact] for u in move.until}))
             done.steps.append(Step(number, k, palms, move, entry, during, ends, owners))
             where = f"case {number}, move {k}"
-            until = " or ".join(map(str, move.until))
             if not during:
-                done.findings.append(f"{where} never moves: {until} holds when it begins")
+                done.findings.append(f"{where} never moves: {move.end} holds when it begins")
             elif not ends:
-                done.findings.append(f"{where} never ends: it does not bring about {until}")
+                done.findings.append(f"{where} never ends: it does not bring about {move.end}")
             astray = [s for s in sorted(during) if not improves(s, palms, move.direction)]
             if astray:
                 at = ", ".join(map(signs_text, astray))

@@ -31,7 +31,7 @@ def why(palms: Palms, direction: Direction) -> str:
     """The reason for what `sliders` says, in words."""
     contacts = sliders(palms, direction)
     if len(contacts) > 1:
-        return "palms alike: either contact may slide"
+        return "either may slide"
     (contact,) = contacts
     number = 1 if direction == "closer" else 2
     return f"property {number} moves only p_{'LR'[contact]}"
