@@ -27,13 +27,13 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in slugs, f"{page.name}: {target}"
 
 
-@pytest.mark.parametrize("name", ["docs_keys", "docs_tables", "docs_wire"])
+@pytest.mark.parametrize("name", ["docs_derivation", "docs_keys", "docs_tables", "docs_wire"])
 def test_what_is_drawn_from_the_code_is_up_to_date(name: str) -> None:
     script = ROOT / "scripts" / name
     assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0
 
 
-NAMES = "carry|modes|analyze|certify|check|design|compare|replay"
+NAMES = "carry|modes|analyze|certify|check|derive|design|compare|replay"
 
 
 def commands() -> list[str]:

@@ -5,6 +5,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstring>
+
 #include "bindings.hpp"
 #include "palmbots/resilient_bounds.hpp"
 
@@ -37,6 +39,18 @@ constexpr const char* conditions[] = {"any", "turned", "released", "yields", "he
 template <class Enum, std::size_t n>
 std::string named(const char* const (&names)[n], Enum value) {
   return names[static_cast<std::size_t>(value)];
+}
+
+// All that a controller remembers, to tell its states apart. Where the compiler cannot clear padding,
+// one state may show as several, never several as one.
+template <class Controller>
+nb::bytes memory(Controller controller) {
+#if __has_builtin(__builtin_clear_padding)
+  __builtin_clear_padding(&controller);
+#endif
+  char image[sizeof controller];
+  std::memcpy(image, &controller, sizeof controller);
+  return nb::bytes(image, sizeof image);
 }
 
 using Action = std::tuple<std::string, std::string, std::string>;
@@ -142,9 +156,38 @@ void bind_controllers(nb::module_& m) {
           },
           nb::arg("sign"), nb::arg("letter"), nb::arg("turned"),
           "One tick; returns (palm, move, letter sent, letter read).")
+      .def("__copy__", [](const Distributed& self) { return self; })
+      .def_prop_ro("memory", &memory<Distributed>, "All that it remembers.")
       .def_prop_ro("state", [](const Distributed& self) { return static_cast<int>(self.state()); })
       .def_prop_ro("name", [](const Distributed& self) { return nb::str(&self.now().name, 1); })
       .def_prop_ro("waits", [](const Distributed& self) { return self.now().waits; });
+
+  nb::class_<Resilient>(m, "Resilient", "The resilient distributed algorithm, one robot.")
+      .def(
+          "__init__",
+          [](Resilient* self, std::uint16_t lease, std::uint16_t hold, bool yields) {
+            new (self) Resilient({1, lease, hold}, yields);
+          },
+          nb::arg("lease"), nb::arg("hold"), nb::arg("yields"),
+          "Times in ticks; a beacon goes out every tick.")
+      .def(
+          "step",
+          [](Resilient& self, int sign, bool turned, int letter, bool rests, std::uint16_t age) {
+            if (sign < -1 || sign > 1 || letter < 0 || letter > 5) {
+              throw std::out_of_range("sign is -1, 0 or 1; letter is 0 to 5");
+            }
+            const auto out = self.step(
+                {static_cast<Sign>(sign), turned, 1, static_cast<Letter>(letter), rests, age});
+            return std::tuple(static_cast<int>(out.command.palm),
+                              static_cast<int>(out.command.move), static_cast<int>(out.letter),
+                              out.command.rest);
+          },
+          nb::arg("sign"), nb::arg("turned"), nb::arg("letter"), nb::arg("rests"), nb::arg("age"),
+          "One tick with what a new beacon said and how old it may be (letter 0: none came); "
+          "returns (palm, move, letter, rest).")
+      .def("__copy__", [](const Resilient& self) { return self; })
+      .def_prop_ro("memory", &memory<Resilient>, "All that it remembers.")
+      .def_prop_ro("name", [](const Resilient& self) { return nb::str(&self.now().name, 1); });
 
   nb::class_<Centralized>(m, "Centralized", "Table 1 of the paper, the station.")
       .def(nb::init<>())
@@ -164,6 +207,8 @@ void bind_controllers(nb::module_& m) {
           nb::arg("left"), nb::arg("right"),
           "One tick with each robot's (sign, palm commanded, turned); returns (palm, move) of "
           "both.")
+      .def("__copy__", [](const Centralized& self) { return self; })
+      .def_prop_ro("memory", &memory<Centralized>, "All that it remembers.")
       .def_prop_ro("case_number", &Centralized::current)
       .def_prop_ro("stage", [](const Centralized& self) { return static_cast<int>(self.stage()); });
 }

@@ -457,6 +457,12 @@ class Distributed:
     def step(self, sign: int, letter: int, turned: bool) -> tuple[int, int, int, bool]:
         """One tick; returns (palm, move, letter sent, letter read)."""
 
+    def __copy__(self) -> Distributed: ...
+
+    @property
+    def memory(self) -> bytes:
+        """All that it remembers."""
+
     @property
     def state(self) -> int: ...
 
@@ -465,6 +471,26 @@ class Distributed:
 
     @property
     def waits(self) -> bool: ...
+
+class Resilient:
+    """The resilient distributed algorithm, one robot."""
+
+    def __init__(self, lease: int, hold: int, yields: bool) -> None:
+        """Times in ticks; a beacon goes out every tick."""
+
+    def step(self, sign: int, turned: bool, letter: int, rests: bool, age: int) -> tuple[int, int, int, bool]:
+        """
+        One tick with what a new beacon said and how old it may be (letter 0: none came); returns (palm, move, letter, rest).
+        """
+
+    def __copy__(self) -> Resilient: ...
+
+    @property
+    def memory(self) -> bytes:
+        """All that it remembers."""
+
+    @property
+    def name(self) -> str: ...
 
 class Centralized:
     """Table 1 of the paper, the station."""
@@ -475,6 +501,12 @@ class Centralized:
         """
         One tick with each robot's (sign, palm commanded, turned); returns (palm, move) of both.
         """
+
+    def __copy__(self) -> Centralized: ...
+
+    @property
+    def memory(self) -> bytes:
+        """All that it remembers."""
 
     @property
     def case_number(self) -> int: ...

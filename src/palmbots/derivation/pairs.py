@@ -1,0 +1,281 @@
+"""The compiled controllers, two at a time, in the abstract world of the derivation.
+
+Contacts are whole cells, 0 the nominal place. A turn of a robot: it hears, feels the sign of its
+contact, decides, and its wheels move by a cell; where the properties do not say which contact
+slides, every way is a way on. Robots take turns in any order in which neither gets more than one
+turn ahead. A palm that is told to turn is there two turns later. Letters arrive before the next
+turn of whom they are for, in order, and none is lost: this is the radio of the paper's algorithm.
+
+A `System` gives the states that it can start in and those that follow; states are hashable. The
+station of the centralized algorithm turns both robots at once.
+"""
+
+from collections.abc import Iterator
+from copy import copy
+from functools import cache
+from typing import Any, NamedTuple, Protocol
+
+from palmbots import _core
+from palmbots.derivation.policy import Direction, Signs
+from palmbots.derivation.slides import Palm, Palms, sliders, up
+
+__all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
+
+CONTROLLERS = ("centralized", "distributed", "resilient")
+
+_MOVES: tuple[Direction | None, ...] = (None, "away", "closer")
+_LETTERS = ("", "TiltUp", "TiltDown", "Ack", "Closing", "Raised")
+_STEEP = 0
+_AHEAD = 1  # turns that one robot may be ahead of the other
+_TURNING = 1  # turns after a command in which a palm is not there yet
+
+
+class Motion(NamedTuple):
+    """A cell of closing or opening, and what it finds."""
+
+    signs: Signs
+    palms: Palms
+    direction: Direction
+    fights: bool
+    """The other robot's wheels drive the other way."""
+
+
+class Turn(NamedTuple):
+    """What shows of a turn."""
+
+    robot: int | None
+    """None: both."""
+    p: tuple[int, int]
+    cases: tuple[str, str]
+    palms: Palms
+    motion: Motion | None
+    begins: bool
+    """The wheels stood before it."""
+    said: str
+
+
+class State(NamedTuple):
+    """Contacts, palms as (angle told, turns until there), wheels, controllers with what is on its
+    way between them, and by how many turns the left robot is ahead."""
+
+    p: tuple[int, int]
+    palms: tuple[tuple[int, int], tuple[int, int]]
+    wheels: tuple[int, int]
+    minds: Any
+    lead: int
+
+    @property
+    def nominal(self) -> bool:
+        """Contacts at 0, palms steep and at rest, wheels too."""
+        steep = ((_STEEP, 0), (_STEEP, 0))
+        return self.p == (0, 0) and self.palms == steep and self.wheels == (0, 0)
+
+
+class System(Protocol):
+    """Two robots and who decides for them."""
+
+    def start(self, p: tuple[int, int]) -> State:
+        """Both robots on their way and idle, contacts anywhere."""
+        ...
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        """Every next turn with the state that it leads to."""
+        ...
+
+
+class _Machine:
+    """A compiled controller as a function from what it remembers to what it remembers."""
+
+    def __init__(self, first: Any) -> None:
+        self._robots = {first.memory: first}
+        self.first: bytes = first.memory
+        self.step = cache(self._step)
+
+    def _step(self, memory: bytes, *seen: Any) -> tuple[bytes, Any]:
+        robot = copy(self._robots[memory])
+        out = robot.step(*seen)
+        self._robots.setdefault(robot.memory, robot)
+        return robot.memory, out
+
+    def robot(self, memory: bytes) -> Any:
+        """The controller that remembers this, to look at."""
+        return self._robots[memory]
+
+
+def _sign(p: int) -> int:
+    return (p > 0) - (p < 0)
+
+
+def _told(palm: tuple[int, int], command: int) -> tuple[int, int]:
+    """A palm after a turn with this command."""
+    return (command, _TURNING) if command != palm[0] else (command, max(0, palm[1] - 1))
+
+
+def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
+    def shown(angle: int, turning: int) -> Palm:
+        return "turning" if turning else "steep" if angle == _STEEP else "shallow"
+
+    return shown(*palms[0]), shown(*palms[1])
+
+
+def _both(pair: tuple[Any, Any], robot: int, value: Any) -> tuple[Any, Any]:
+    """The pair with one entry exchanged."""
+    return (value, pair[1]) if robot == 0 else (pair[0], value)
+
+
+def _moved(p: tuple[int, int], motion: Motion | None) -> Iterator[tuple[int, int]]:
+    if motion is None:
+        yield p
+        return
+    for contact in sorted(sliders(motion.palms, motion.direction)):
+        yield _both(p, contact, p[contact] + up(motion.direction))
+
+
+class _Pair:
+    """What the two decentralized algorithms share. `hear` is their own."""
+
+    def start(self, p: tuple[int, int]) -> State:
+        return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self.begin(), 0)
+
+    def begin(self) -> Any:
+        raise NotImplementedError
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        raise NotImplementedError
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        """A step: what all remember then, palm and move commanded, letter that goes out."""
+        raise NotImplementedError
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        for robot in (0, 1):
+            lead = state.lead + (1, -1)[robot]
+            if abs(lead) > _AHEAD:
+                continue
+            sign, turned = _sign(state.p[robot]), state.palms[robot][1] == 0
+            minds, palm, move, said = self.hear(state.minds, robot, sign, turned)
+            palms = _both(state.palms, robot, _told(state.palms[robot], palm))
+            wheels = _both(state.wheels, robot, move)
+            direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
+            signs = (_sign(state.p[0]), _sign(state.p[1]))
+            motion = None
+            if direction is not None:
+                fights = other not in (None, direction)
+                motion = Motion(signs, _shown(palms), direction, fights)
+            begins = state.wheels[robot] == 0
+            turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
+            for p in _moved(state.p, motion):
+                yield turn, State(p, palms, wheels, minds, lead)
+
+
+class _Distributed(_Pair):
+    """Table 2. It remembers both controllers, and the letters that each has not read."""
+
+    def __init__(self) -> None:
+        self._robot = _Machine(_core.Distributed())
+
+    def begin(self) -> Any:
+        return (self._robot.first, self._robot.first), ((), ())
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        left, right = (self._robot.robot(memory).name for memory in minds[0])
+        return left, right
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        robots, inboxes = minds
+        inbox = inboxes[robot]
+        memory, (palm, move, send, read) = self._robot.step(
+            robots[robot], sign, inbox[0] if inbox else 0, turned
+        )
+        inboxes = _both(inboxes, robot, inbox[1:] if read else inbox)
+        if send:
+            inboxes = _both(inboxes, 1 - robot, (*inboxes[1 - robot], send))
+        return (_both(robots, robot, memory), inboxes), palm, move, _LETTERS[send]
+
+
+class _Resilient(_Pair):
+    """The resilient algorithm, a beacon each turn.
+
+    It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
+    age of its echo); for each how many turns ago it sent the newest beacon that the other has
+    heard; and what each said last. Ages are in turns of the robot whose clock counts them
+    (palmbots/beacon.hpp).
+    """
+
+    # As resilient_bounds.hpp has it: 2 (delay + beacon) + 2 ticks, each of them 1, and one turn
+    # that the other robot may be ahead.
+    lease = 7
+    hold = lease + 1 + 1
+
+    def __init__(self) -> None:
+        self._robots = tuple(
+            _Machine(_core.Resilient(self.lease, self.hold, yields)) for yields in (True, False)
+        )
+
+    def begin(self) -> Any:
+        """From boot, with contacts at 0, until both are on their way and nothing changes."""
+        never = self.lease + 1
+        minds: Any = (
+            (self._robots[0].first, self._robots[1].first),
+            (None, None),
+            (never, never),
+            (0, 0),
+        )
+        for _ in range(4 * self.hold):
+            for robot in (0, 1):
+                minds = self.hear(minds, robot, 0, True)[0]
+        return minds
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
+        return left, right
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        robots, mail, known, said = minds
+        known = _both(known, robot, min(known[robot] + 1, self.lease + 1))
+        letter, rests, echo = mail[robot] or (0, False, self.lease)
+        if mail[robot] is not None:  # so the partner's newest beacon is known here from now on
+            known = _both(known, 1 - robot, 0)
+        age = min(echo + 1, self.lease + 1)
+        memory, (palm, move, says, rest) = self._robots[robot].step(
+            robots[robot], sign, turned, letter, rests, age
+        )
+        beacon = (says, rest, known[1 - robot])
+        mail = _both(_both(mail, robot, None), 1 - robot, beacon)
+        news = _LETTERS[says] if says != said[robot] else ""
+        after = _both(robots, robot, memory), mail, known, _both(said, robot, says)
+        return after, palm, move, news
+
+
+class _Centralized:
+    """Table 1, run by a station that hears both robots at once and speaks to both."""
+
+    def __init__(self) -> None:
+        self._station = _Machine(_core.Centralized())
+
+    def start(self, p: tuple[int, int]) -> State:
+        return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self._station.first, 0)
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        signs = (_sign(state.p[0]), _sign(state.p[1]))
+        reports = (
+            (sign, palm, turning == 0)
+            for sign, (palm, turning) in zip(signs, state.palms, strict=True)
+        )
+        memory, (left, move, right, _) = self._station.step(state.minds, *reports)
+        palms = _told(state.palms[0], left), _told(state.palms[1], right)
+        direction = _MOVES[move]
+        motion = None if direction is None else Motion(signs, _shown(palms), direction, False)
+        number = self._station.robot(memory).case_number
+        case = str(number) if number else " "
+        begins = state.wheels[0] == 0
+        turn = Turn(None, state.p, (case, case), _shown(palms), motion, begins, "")
+        for p in _moved(state.p, motion):
+            yield turn, State(p, palms, (move, move), memory, 0)
+
+
+def system_of(controller: str) -> System:
+    """Two robots under one of `CONTROLLERS`."""
+    return {"centralized": _Centralized, "distributed": _Distributed, "resilient": _Resilient}[
+        controller
+    ]()
