@@ -23,8 +23,7 @@ def body(kind: str, said: str) -> wire.Body:
         sign, palm, turned = words
         return wire.Report(int(sign), palm, turned == "turned")  # type: ignore[arg-type]
     if kind == "beacon":
-        letter, travel = words
-        return wire.Beacon(letter, travel == "rests")  # type: ignore[arg-type]
+        return wire.Beacon(words[0], "rests" in words, "ready" in words)  # type: ignore[arg-type]
     if kind == "command":
         return wire.Command(*words)  # type: ignore[arg-type]
     return said or None  # type: ignore[return-value]
@@ -153,6 +152,10 @@ LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command or N
         (
             {"body": wire.Beacon("X")},  # type: ignore[arg-type]
             'letter of a beacon: value is "X"; allowed: "I", "R", "G", "D", "W"',
+        ),
+        (
+            {"body": wire.Beacon("R", ready=True)},
+            'letter of a beacon that is ready: value is "R"; allowed: "I"',
         ),
         ({"sequence": 0}, "sequence: value is 0; allowed: 1 to 4294967295"),
         ({"sequence": True}, "sequence: value is true; allowed: 1 to 4294967295"),

@@ -25,6 +25,7 @@ struct mind {
   unsigned char letter;
   unsigned char rests;
   unsigned char partner_rests;
+  unsigned char partner_ready;
   unsigned char age;
   unsigned char since_asked;
   unsigned char since_turned;
@@ -41,7 +42,8 @@ struct stamp {
 struct beacon {
   unsigned char letter : 4;
   unsigned char rests : 1;
-  unsigned char life : 3;
+  unsigned char ready : 1;
+  unsigned char life : 2;
   struct stamp heard;
 };
 

@@ -32,6 +32,7 @@ struct Members {
   bool yields;
   bool rests;
   bool partner_rests;
+  bool partner_ready;
   std::uint16_t age;
   std::uint16_t since_asked;
   std::uint16_t since_turned;
@@ -42,10 +43,10 @@ static_assert(sizeof(Members) == sizeof(Resilient));
 
 Resilient awake(int side) {
   const mind& m = pair.mind[side];
-  return std::bit_cast<Resilient>(Members{times, static_cast<Resilient::State>(m.state),
-                                          static_cast<Letter>(m.letter), side == LEFT, m.rests != 0,
-                                          m.partner_rests != 0, m.age, m.since_asked,
-                                          m.since_turned, m.since_entered, times.beacon});
+  return std::bit_cast<Resilient>(
+      Members{times, static_cast<Resilient::State>(m.state), static_cast<Letter>(m.letter),
+              side == LEFT, m.rests != 0, m.partner_rests != 0, m.partner_ready != 0, m.age,
+              m.since_asked, m.since_turned, m.since_entered, times.beacon});
 }
 
 // What matters of a controller later on. What it heard while it was not silent, and how long it has
@@ -62,6 +63,7 @@ mind packed(const Resilient& robot) {
   if (travels) {
     p.rests = m.rests;
     p.partner_rests = robot.silence() || m.partner_rests;
+    p.partner_ready = !robot.silence() && m.partner_ready;
     p.since_turned = static_cast<unsigned char>(m.since_turned);
   }
   return p;
@@ -83,11 +85,13 @@ void shorten(beacon& b, int receiver) {
   b.heard = {};
   b.letter = static_cast<unsigned char>(Letter::tilt_down);
   b.rests = 1;
+  b.ready = 0;
 }
 
 Beacon beacon_of(const beacon& b, int age) {
   return {static_cast<Letter>(b.letter),
           b.rests != 0,
+          b.ready != 0,
           {b.life, present - static_cast<std::uint32_t>(age)},
           stamp_of(b.heard)};
 }
@@ -116,11 +120,13 @@ Step step_of(int side, int choice, int turned, int elapsed) {
                       static_cast<std::uint16_t>(elapsed),
                       Letter::none,
                       false,
+                      false,
                       0};
   const int heard = choice / SIGNS - 1;
   if (heard >= 0 && step.ear.take(beacon_of(pair.air[side][heard], heard))) {
     in.letter = step.ear.newest().letter;
     in.rests = step.ear.newest().rests;
+    in.ready = step.ear.newest().ready;
     in.age = step.ear.age();
   }
   step.out = step.robot.step(in);
@@ -214,10 +220,10 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
   }
   pair.mind[side] = packed(step.robot);
   if (step.out.send) {
-    const Beacon said = step.ear.beacon(step.out.letter, step.robot.rests());
-    pair.air[1 - side][0] = {static_cast<unsigned char>(said.letter),
-                             static_cast<unsigned char>(travels && said.rests), pair.life[side],
-                             pair.newest[side]};
+    const Beacon said = step.ear.beacon(step.out.letter, step.robot.rests(), step.out.ready);
+    pair.air[1 - side][0] = {
+        static_cast<unsigned char>(said.letter), static_cast<unsigned char>(travels && said.rests),
+        static_cast<unsigned char>(travels && said.ready), pair.life[side], pair.newest[side]};
     shorten(pair.air[1 - side][0], 1 - side);
   }
   const auto& command = step.out.command;

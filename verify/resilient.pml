@@ -44,8 +44,8 @@ c_code {
 #define FALL 1   /* S4: no contact comes off its palm */
 #define FIGHT 2  /* S1: never one robot moves away while the other moves closer */
 #define PULL 4   /* S2: away only with the own palm steep and the partner's shallow, both at rest */
-#define LONE 8   /* S3: closer only to a palm that is steep or turning there, or to a robot in (d) */
-                 /* or that has not run since it rebooted there */
+#define LONE 8   /* S3: closer only to a palm that is steep and at rest, or to a robot in (d) */
+                 /* or one that rebooted there and whose palm is still on its way back */
 #define ALONE 16 /* nobody travels alone for longer than SKEW cycles */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
@@ -69,7 +69,7 @@ bool second;    /* which robot steps after the other, for good */
 byte wheels[2]; /* what each robot commands its wheels */
 bool rest[2];   /* whether it does not travel */
 byte missed[2]; /* steps in a row */
-bool fainted[2]; /* it has rebooted in (d) and not stepped since */
+bool fainted[2]; /* it has rebooted in (d), and its palm has not come back since */
 byte alone;     /* cycles for which one robot has travelled without the other, */
 bool loner;     /* namely this one */
 
@@ -129,12 +129,13 @@ inline step()
            now.wheels[now.who] = done.move;
            now.rest[now.who] = (now.SKEW > 0 || now.SPAN > 0) && done.rest;
          };
-         missed[who] = 0; fainted[who] = false
+         missed[who] = 0; fainted[who] = fainted[who] && told == STEEP
     :: else ->
          told = palm[who];
          missed[who]++
     fi;
     turn(who, told);
+    fainted[who] = fainted[who] && !down(who);
     choices = 0; choice = 0; told = 0
   }
 }
@@ -191,8 +192,8 @@ inline check()
   claim(FIGHT, rate(LEFT) * rate(RIGHT) >= 0);
   claim(PULL, rate(LEFT) >= 0 || (down(LEFT) && up(RIGHT)));
   claim(PULL, rate(RIGHT) >= 0 || (down(RIGHT) && up(LEFT)));
-  claim(LONE, rate(LEFT) <= 0 || palm[RIGHT] == STEEP || case_of[RIGHT] == 'd' || fainted[RIGHT]);
-  claim(LONE, rate(RIGHT) <= 0 || palm[LEFT] == STEEP || case_of[LEFT] == 'd' || fainted[LEFT]);
+  claim(LONE, rate(LEFT) <= 0 || down(RIGHT) || case_of[RIGHT] == 'd' || fainted[RIGHT]);
+  claim(LONE, rate(RIGHT) <= 0 || down(LEFT) || case_of[LEFT] == 'd' || fainted[LEFT]);
   claim(FALL, SPAN == 0 || (!fallen(LEFT) && !fallen(RIGHT)));
   claim(ALONE, alone <= SKEW);
   goal = p[LEFT] >= 0 && p[LEFT] < WIDTH && p[RIGHT] >= 0 && p[RIGHT] < WIDTH && down(LEFT) && down(RIGHT) &&

@@ -26,8 +26,10 @@
 //     the edge of the zero zone, would otherwise ask and withdraw for ever.
 //   * Silence, that is no fresh letter: moves end, palms go steep, the robot stops travelling.
 // Travel: a robot that hears that its partner knows it to travel and yet rests, rests too; so two
-// robots never travel apart for longer than a lease, however one-sided the radio is. They start
-// again once linked, idle and with p = 0 on both palms, so that skews do not add up.
+// robots never travel apart for longer than a lease, however one-sided the radio is. Both say when they
+// are *ready*: linked, idle, p = 0. A robot starts only where both are, whether the partner rests or
+// travels already; one that is off centre or hears nothing looks idle, but not ready. So skews do not
+// add up.
 //
 // Source: the paper's section 4 for the cases; Gray and Cheriton, "Leases", SOSP 1989. docs/protocol.md
 // has the derivation.
@@ -52,12 +54,14 @@ class Resilient {
     std::uint16_t elapsed;  // ticks since the last step, at least 1
     Letter letter;          // of a beacon newer than all before, if one came; else none
     bool rests;             // that beacon's sender does not travel
+    bool ready;             // nothing keeps it from travelling
     std::uint16_t age;      // of that beacon, as the Ear tells
   };
 
   struct Output {
     Command command;  // with `rest`
     Letter letter;    // what the robot has to say, at all times
+    bool ready;       // … and with it
     bool send;        // send it now
     bool assists;     // keep this bit across a reboot
   };
@@ -153,7 +157,6 @@ class Resilient {
       {State::c_withdraw,    P::any,          Heard::other,       If::any,      State::c_tilt_down},
       {State::c_withdraw,    P::any,          Heard::any,         If::held,     State::c_tilt_down},
       {State::c_tilt_down,   P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
-      {State::c_tilt_down,   P::positive,     Heard::any,         If::released, State::a_request},
       {State::c_tilt_down,   P::negative,     Heard::any,         If::released, State::d_tilt_up},
       {State::c_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
       // (d)
@@ -181,6 +184,7 @@ class Resilient {
     if (in.letter != Letter::none) {
       letter_ = in.letter;
       partner_rests_ = in.rests;
+      partner_ready_ = in.ready;
       age_ = in.age < stale() ? in.age : stale();
     }
     const State before = state_;
@@ -189,7 +193,8 @@ class Resilient {
                                since_entered_ >= times_.hold)];
     if (state_ != before) since_entered_ = 0;
     if (now().letter == Letter::tilt_up) since_asked_ = 0;
-    rests_ = rested ? !may_start(in.sign) : must_stop();
+    const bool ready = state_ == State::idle && in.sign == Sign::zero && !silence();
+    rests_ = rested ? !(ready && may_start()) : must_stop();
     if (rests_ != rested) since_turned_ = 0;
 
     const bool news = now().letter != doing[static_cast<int>(before)].letter || rests_ != rested;
@@ -197,7 +202,7 @@ class Resilient {
     if (send) since_sent_ = 0;
     Command command = now().command;
     command.rest = rests_;
-    return {command, now().letter, send, assists(state_)};
+    return {command, now().letter, ready, send, assists(state_)};
   }
 
   constexpr State state() const { return state_; }
@@ -310,11 +315,7 @@ class Resilient {
 
   constexpr bool must_stop() const { return silence() || (partner_rests_ && known()); }
 
-  constexpr bool may_start(Sign sign) const {
-    if (silence() || sign != Sign::zero) return false;
-    const bool both_idle = state_ == State::idle && letter_ == Letter::tilt_down;
-    return !partner_rests_ || (known() && both_idle);
-  }
+  constexpr bool may_start() const { return partner_ready_ && (!partner_rests_ || known()); }
 
   Times times_;
   State state_;
@@ -322,6 +323,7 @@ class Resilient {
   bool yields_;
   bool rests_ = true;
   bool partner_rests_ = true;
+  bool partner_ready_ = false;
   std::uint16_t age_;                // of the newest beacon
   std::uint16_t since_asked_ = 0;    // since the last step that said TiltUp; a boot may follow one
   std::uint16_t since_turned_ = 0;   // since the step at which it last started or stopped

@@ -27,6 +27,7 @@ int main(int count, char** words) {
                               1,
                               static_cast<Letter>(w[2] % 6),
                               (w[2] >> 8) % 2 == 0,
+                              (w[2] >> 9) % 2 == 0,
                               static_cast<std::uint16_t>(w[3] % 60)};
     sum += resilient_step(robot, in).send ? 1 : 0;
   }

@@ -25,6 +25,7 @@ struct Told {
   long said_at = std::numeric_limits<long>::min() / 2;
   Letter newest = Letter::none;
   bool partner_stands = true;
+  bool partner_ready = false;
 
   Told(palmbots::Resilient::Times t, bool lower_id, bool assisted)
       : times(t), lower_identity(lower_id), now(assisted ? withdraw : lower) {}
@@ -81,7 +82,6 @@ struct Told {
         return clock - entered_at >= times.hold ? lower : withdraw;
       case lower:
         if (asked) return help;
-        if (free && p == Sign::positive) return ask;
         if (free && p == Sign::negative) return rise;
         return turned ? nothing : lower;
       case rise:
@@ -104,6 +104,7 @@ struct Told {
     if (in.letter != Letter::none) {
       newest = in.letter;
       partner_stands = in.rests;
+      partner_ready = in.ready;
       heard_at = clock - in.age;
     }
     const Doing before = now;
@@ -113,11 +114,11 @@ struct Told {
     if (word(now) == Letter::tilt_up) asked_at = clock;
     const bool fresh = clock - heard_at <= times.lease;
     const bool partner_knows = heard_at >= changed_at;
+    const bool ready = fresh && now == nothing && in.sign == Sign::zero;
     if (!fresh) {
       standing = true;
     } else if (standing) {
-      const bool both_ready = now == nothing && newest == Letter::tilt_down && partner_knows;
-      if (in.sign == Sign::zero && (!partner_stands || both_ready)) standing = false;
+      if (ready && partner_ready && (partner_knows || !partner_stands)) standing = false;
     } else if (partner_stands && partner_knows) {
       standing = true;
     }
@@ -128,6 +129,7 @@ struct Told {
     const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
     return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
             word(now),
+            ready,
             say,
             now == grant || now == withdraw};
   }

@@ -95,7 +95,7 @@ class World {
     const Beacon& newest = ears_[s].newest();
     const Sign sign = p_[s] > zone ? Sign::positive : p_[s] < -zone ? Sign::negative : Sign::zero;
     out_[s] = robots_[s].step({sign, raised_[s] == goal_[s], 1, news ? newest.letter : Letter::none,
-                               newest.rests, ears_[s].age()});
+                               newest.rests, newest.ready, ears_[s].age()});
     goal_[s] = out_[s].command.palm == Palm::shallow ? tilt : 0;
     if (!out_[s].send) return;
     for (int copy = 0; copy < 2; ++copy) {
@@ -103,7 +103,7 @@ class World {
       if (faults && random(100) < loss_[s]) continue;
       const std::uint32_t delay = faults && random(10) == 0 ? 1 + random(60) : 1 + random(3);
       air_[other(s)].push_back(
-          {tick_ + delay, ears_[s].beacon(out_[s].letter, robots_[s].rests())});
+          {tick_ + delay, ears_[s].beacon(out_[s].letter, robots_[s].rests(), out_[s].ready)});
     }
   }
 
