@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t present = 1000;  // what every clock reads, whatever the time
 
-Resilient::Times times{1, 0, 0};
+Resilient::Times times{1, 0, 0, 0};
 bool travels = true;
 std::uint8_t stale = 0;  // the first age that is too old
 
@@ -35,6 +35,7 @@ struct Members {
   bool partner_ready;
   std::uint16_t age;
   std::uint16_t since_asked;
+  std::uint16_t since_moved;
   std::uint16_t since_turned;
   std::uint16_t since_entered;
   std::uint16_t since_sent;
@@ -46,7 +47,7 @@ Resilient awake(int side) {
   return std::bit_cast<Resilient>(
       Members{times, static_cast<Resilient::State>(m.state), static_cast<Letter>(m.letter),
               side == LEFT, m.rests != 0, m.partner_rests != 0, m.partner_ready != 0, m.age,
-              m.since_asked, m.since_turned, m.since_entered, times.beacon});
+              m.since_asked, m.since_moved, m.since_turned, m.since_entered, times.beacon});
 }
 
 // What matters of a controller later on. What it heard while it was not silent, and how long it has
@@ -58,6 +59,7 @@ mind packed(const Resilient& robot) {
   p.letter = robot.silence() ? 0 : static_cast<unsigned char>(m.letter);
   p.age = static_cast<unsigned char>(m.age);
   p.since_asked = static_cast<unsigned char>(m.since_asked);
+  p.since_moved = static_cast<unsigned char>(m.since_moved);
   p.since_entered =
       m.state == Resilient::State::c_withdraw ? static_cast<unsigned char>(m.since_entered) : 0;
   if (travels) {
@@ -149,8 +151,9 @@ extern "C" {
 
 struct pair pair;
 
-void set_times(int lease, int hold, int travels_too) {
-  times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold)};
+void set_times(int lease, int hold, int braking, int travels_too) {
+  times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold),
+           static_cast<std::uint16_t>(braking)};
   stale = static_cast<std::uint8_t>(lease + 1);
   travels = travels_too != 0;
   if (lease > LONGEST_LEASE) {
@@ -234,9 +237,9 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
 char robot_case(int side) { return awake(side).now().name; }
 
 const char* robot_doing(int side) {
-  constexpr const char* names[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
-                                   "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
-                                   "d_tilt_up", "d_move",    "d_tilt_down"};
+  constexpr const char* names[] = {"idle",        "a_request", "a_move",  "a_stop",
+                                   "b_tilt_up",   "c_tilt_up", "c_grant", "c_withdraw",
+                                   "c_tilt_down", "d_tilt_up", "d_move",  "d_tilt_down"};
   return names[pair.mind[side].state];
 }
 

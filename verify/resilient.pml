@@ -21,7 +21,7 @@ c_code {
     Printf("  %-5s %+3d %-11s%s %-7s%s%s %-6s", side == LEFT ? "left" : "right", now.p[side], robot_doing(side),
            now.rest[side] ? " rests" : "      ", now.palm[side] == STEEP ? "steep" : "shallow",
            now.turning[side] ? "…" : " ", now.missed[side] ? " naps" : "     ",
-           now.wheels[side] == AWAY ? "away" : now.wheels[side] == CLOSER ? "closer" : "");
+           now.rolls[side] == AWAY ? "away" : now.rolls[side] == CLOSER ? "closer" : "");
   }
   static void tell(void)
   {
@@ -54,6 +54,8 @@ byte START; /* contacts start, and bumps leave them, up to so many cells off the
 byte LEASE; /* cycles for which a letter counts */
 byte HELD;  /* cycles for which a palm stays up for a partner that fell silent */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
+byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
+byte COAST; /* and that they do */
 byte NAPS;  /* steps in a row that a robot may miss */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
@@ -67,6 +69,8 @@ bool calm;      /* no fault will come any more */
 bool goal;      /* contacts at 0, palms steep, robots idle, and on their way */
 bool second;    /* which robot steps after the other, for good */
 byte wheels[2]; /* what each robot commands its wheels */
+byte rolls[2];  /* and what they do; those of a robot that reboots stop at once */
+byte coasts[2]; /* for so many cycles more */
 bool rest[2];   /* whether it does not travel */
 byte missed[2]; /* steps in a row */
 bool fainted[2]; /* it has rebooted in (d), and its palm has not come back since */
@@ -82,7 +86,7 @@ byte case_of[2];
 short net;
 byte k;
 
-#define rate(s) ((wheels[s] == CLOSER) - (wheels[s] == AWAY))
+#define rate(s) ((rolls[s] == CLOSER) - (rolls[s] == AWAY))
 #define up(s) (palm[s] == SHALLOW && turning[s] == 0)
 #define down(s) (palm[s] == STEEP && turning[s] == 0)
 
@@ -134,6 +138,11 @@ inline step()
          told = palm[who];
          missed[who]++
     fi;
+    if
+    :: wheels[who] != 0 -> rolls[who] = wheels[who]; coasts[who] = COAST
+    :: wheels[who] == 0 && coasts[who] > 0 -> coasts[who]--
+    :: else -> rolls[who] = 0
+    fi;
     turn(who, told);
     fainted[who] = fainted[who] && !down(who);
     choices = 0; choice = 0; told = 0
@@ -166,7 +175,7 @@ inline environment()
            robot_boot(now.who, 1);
            Printf("      %s reboots\n", side_name(now.who));
          };
-         wheels[who] = 0; rest[who] = true; missed[who] = 0; who = 0
+         wheels[who] = 0; coasts[who] = 0; rest[who] = true; missed[who] = 0; who = 0
        }
   :: !calm && CALMS -> calm = true; c_code { Printf("      faults are over\n"); }
   :: skip
@@ -213,13 +222,15 @@ active proctype cycle()
       now.LEASE = parameter("LEASE");
       now.HELD = parameter("HELD");
       now.DELAY = parameter("DELAY");
+      now.BRAKING = parameter("BRAKING");
+      now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.TRAVEL = parameter("TRAVEL");
       now.SKEW = parameter("SKEW");
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_times(now.LEASE, now.HELD, now.SKEW > 0 || now.SPAN > 0);
+      set_times(now.LEASE, now.HELD, now.BRAKING, now.SKEW > 0 || now.SPAN > 0);
       robot_boot(LEFT, 0);
       robot_boot(RIGHT, 0);
     };

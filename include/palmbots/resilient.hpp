@@ -7,17 +7,20 @@
 //   TiltDown nothing wanted, my palm is steep   Closing  I am in (d)
 //   Raised   my palm is up or on its way, but not for you
 //
-// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (22 bytes),
+// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (26 bytes),
 // no I/O, no clock. The caller keeps an Ear (beacon.hpp), and across a reboot the epoch and the last
 // Output::assists. Times are in ticks: `beacon`, the period; `lease`, how old a letter may be to
-// count; `hold`, how long a palm stays up for a partner that fell silent. They come from
-// resilient_bounds.hpp; safety needs hold ≥ lease + braking + skipped ticks, and nothing else.
+// count; `hold`, how long a palm stays up for a partner that fell silent; `braking`, how long wheels
+// take from a correction back to the nominal speed. They come from resilient_bounds.hpp; safety needs
+// hold ≥ lease + braking + skipped ticks, and nothing else.
 //
 // The rules that keep the object on the palms, with "newest" the newest beacon heard:
 //   * (a) moves away only while the newest letter is a fresh Ack. Whoever sent it keeps its palm up
 //     for `hold` after its last Ack, unless it hears that the partner has stopped asking.
 //   * Having asked, a robot starts nothing until it hears a beacon whose sender had heard that it
 //     asks no more ("released"): from then on no old request of its can bring up the other's palm.
+//   * Nobody says that a move is over before the wheels have braked: TiltUp until then in (a), and no
+//     Ack after (d). So motions of the two do not overlap, but for (d) on both sides.
 //   * (d) moves closer only while the newest letter is fresh and says that the other palm is steep,
 //     or in (d) too.
 //   * Requests that cross, case (b): the robot that yields (the lower identity) assists first.
@@ -46,6 +49,7 @@ class Resilient {
     std::uint16_t beacon;
     std::uint16_t lease;
     std::uint16_t hold;
+    std::uint16_t braking;
   };
 
   struct Input {
@@ -70,6 +74,7 @@ class Resilient {
     idle,
     a_request,
     a_move,
+    a_stop,
     b_tilt_up,
     c_tilt_up,
     c_grant,
@@ -79,7 +84,7 @@ class Resilient {
     d_move,
     d_tilt_down,
   };
-  static constexpr int states = 11;
+  static constexpr int states = 12;
 
   // What a robot does and says as long as it is in a state.
   struct Doing {
@@ -93,6 +98,7 @@ class Resilient {
       /* idle        */ {' ', {Palm::steep, Move::hold}, Letter::tilt_down, false},
       /* a_request   */ {'a', {Palm::steep, Move::hold}, Letter::tilt_up, true},
       /* a_move      */ {'a', {Palm::steep, Move::away}, Letter::tilt_up, false},
+      /* a_stop      */ {'a', {Palm::steep, Move::hold}, Letter::tilt_up, false},
       /* b_tilt_up   */ {'b', {Palm::shallow, Move::hold}, Letter::raised, false},
       /* c_tilt_up   */ {'c', {Palm::shallow, Move::hold}, Letter::raised, false},
       /* c_grant     */ {'c', {Palm::shallow, Move::hold}, Letter::ack, false},
@@ -118,7 +124,7 @@ class Resilient {
   };
   enum class If : std::uint8_t {
     any,
-    turned,    // the palm has reached the angle last commanded
+    settled,   // the palm has reached the angle last commanded, and the wheels have braked
     released,  // the partner knew, when it sent the newest letter, that this robot asks no more
     yields,    // this robot has the lower identity
     held,      // the palm has been kept up for `hold`
@@ -142,31 +148,34 @@ class Resilient {
       {State::idle,          P::positive,     Heard::any,         If::released, State::a_request},
       {State::idle,          P::negative,     Heard::any,         If::released, State::d_tilt_up},
       // (a), and (b) where requests cross
-      {State::a_request,     P::any,          Heard::ack,         If::turned,   State::a_move},
+      {State::a_request,     P::any,          Heard::ack,         If::settled,  State::a_move},
       {State::a_request,     P::any,          Heard::tilt_up,     If::yields,   State::b_tilt_up},
-      {State::a_move,        P::not_positive, Heard::any,         If::any,      State::idle},
-      {State::a_move,        P::any,          Heard::not_ack,     If::any,      State::a_request},
+      {State::a_move,        P::not_positive, Heard::any,         If::any,      State::a_stop},
+      {State::a_move,        P::any,          Heard::not_ack,     If::any,      State::a_stop},
+      {State::a_stop,        P::positive,     Heard::ack,         If::any,      State::a_move},
+      {State::a_stop,        P::positive,     Heard::any,         If::settled,  State::a_request},
+      {State::a_stop,        P::any,          Heard::any,         If::settled,  State::idle},
       // (c)
       {State::b_tilt_up,     P::any,          Heard::not_tilt_up, If::any,      State::c_tilt_down},
-      {State::b_tilt_up,     P::any,          Heard::any,         If::turned,   State::c_grant},
+      {State::b_tilt_up,     P::any,          Heard::any,         If::settled,  State::c_grant},
       {State::c_tilt_up,     P::any,          Heard::not_tilt_up, If::any,      State::c_tilt_down},
-      {State::c_tilt_up,     P::any,          Heard::any,         If::turned,   State::c_grant},
+      {State::c_tilt_up,     P::any,          Heard::any,         If::settled,  State::c_grant},
       {State::c_grant,       P::any,          Heard::silence,     If::any,      State::c_withdraw},
       {State::c_grant,       P::any,          Heard::other,       If::any,      State::c_tilt_down},
-      {State::c_withdraw,    P::any,          Heard::tilt_up,     If::turned,   State::c_grant},
+      {State::c_withdraw,    P::any,          Heard::tilt_up,     If::settled,  State::c_grant},
       {State::c_withdraw,    P::any,          Heard::other,       If::any,      State::c_tilt_down},
       {State::c_withdraw,    P::any,          Heard::any,         If::held,     State::c_tilt_down},
       {State::c_tilt_down,   P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::c_tilt_down,   P::negative,     Heard::any,         If::released, State::d_tilt_up},
-      {State::c_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
+      {State::c_tilt_down,   P::any,          Heard::any,         If::settled,  State::idle},
       // (d)
       {State::d_tilt_up,     P::any,          Heard::silence,     If::any,      State::d_tilt_down},
-      {State::d_tilt_up,     P::any,          Heard::steep,       If::turned,   State::d_move},
-      {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_grant},
+      {State::d_tilt_up,     P::any,          Heard::steep,       If::settled,  State::d_move},
+      {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::d_move,        P::not_negative, Heard::any,         If::any,      State::d_tilt_down},
       {State::d_move,        P::any,          Heard::not_steep,   If::any,      State::d_tilt_up},
       {State::d_tilt_down,   P::not_positive, Heard::tilt_up,     If::any,      State::c_tilt_up},
-      {State::d_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
+      {State::d_tilt_down,   P::any,          Heard::any,         If::settled,  State::idle},
   };
   // clang-format on
 
@@ -188,8 +197,10 @@ class Resilient {
       age_ = in.age < stale() ? in.age : stale();
     }
     const State before = state_;
+    if (now().command.move != Move::hold) since_moved_ = 0;
+    const bool settled = in.turned && since_moved_ >= times_.braking;
     const bool rested = rests_;
-    state_ = lookup.next[index(state_, in.sign, heard(), in.turned, age_ < since_asked_, yields_,
+    state_ = lookup.next[index(state_, in.sign, heard(), settled, age_ < since_asked_, yields_,
                                since_entered_ >= times_.hold)];
     if (state_ != before) since_entered_ = 0;
     if (now().letter == Letter::tilt_up) since_asked_ = 0;
@@ -220,9 +231,9 @@ class Resilient {
     State next[states * signs * letters * flags];
   };
 
-  static constexpr int index(State state, Sign sign, Letter heard, bool turned, bool released,
+  static constexpr int index(State state, Sign sign, Letter heard, bool settled, bool released,
                              bool yields, bool held) {
-    const int bits = int{turned} | int{released} << 1 | int{yields} << 2 | int{held} << 3;
+    const int bits = int{settled} | int{released} << 1 | int{yields} << 2 | int{held} << 3;
     const int row = static_cast<int>(state) * signs + static_cast<int>(sign) + 1;
     return (row * letters + static_cast<int>(heard)) * flags + bits;
   }
@@ -268,12 +279,12 @@ class Resilient {
             const auto state = static_cast<State>(s);
             const auto seen = static_cast<Sign>(sign);
             const auto heard = static_cast<Letter>(letter);
-            const bool turned = (bits & 1) != 0;
+            const bool settled = (bits & 1) != 0;
             // Who hears nothing fresh is not released, whatever was answered before.
             const bool released = (bits & 2) != 0 && heard != Letter::none;
             const bool yields = (bits & 4) != 0;
             const bool held = (bits & 8) != 0;
-            const bool met[] = {true, turned, released, yields, held};
+            const bool met[] = {true, settled, released, yields, held};
             State next = state;
             for (const Row& row : table) {
               if (row.state == state && fits(row.p, seen) && fits(row.heard, heard) &&
@@ -282,7 +293,7 @@ class Resilient {
                 break;
               }
             }
-            all.next[index(state, seen, heard, turned, (bits & 2) != 0, yields, held)] = next;
+            all.next[index(state, seen, heard, settled, (bits & 2) != 0, yields, held)] = next;
           }
         }
       }
@@ -303,6 +314,7 @@ class Resilient {
   constexpr void pass(std::uint16_t elapsed) {
     age_ = later(age_, elapsed, stale());
     since_asked_ = later(since_asked_, elapsed, stale());
+    since_moved_ = later(since_moved_, elapsed, times_.braking);
     since_turned_ = later(since_turned_, elapsed, stale());
     since_entered_ = later(since_entered_, elapsed, times_.hold);
     since_sent_ = later(since_sent_, elapsed, times_.beacon);
@@ -324,8 +336,9 @@ class Resilient {
   bool rests_ = true;
   bool partner_rests_ = true;
   bool partner_ready_ = false;
-  std::uint16_t age_;                // of the newest beacon
-  std::uint16_t since_asked_ = 0;    // since the last step that said TiltUp; a boot may follow one
+  std::uint16_t age_;              // of the newest beacon
+  std::uint16_t since_asked_ = 0;  // since the last step that said TiltUp; a boot may follow one
+  std::uint16_t since_moved_ = 0;  // since the step that ended the last move; a boot may follow one
   std::uint16_t since_turned_ = 0;   // since the step at which it last started or stopped
   std::uint16_t since_entered_ = 0;  // since the state was entered
   std::uint16_t since_sent_;         // since the last beacon

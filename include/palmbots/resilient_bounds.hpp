@@ -16,6 +16,9 @@
 // its last one: hold = r (lease + 1 + W + K). It trusts no D: the echo has measured the Ack's age.
 // After a boot the same.
 //
+// braking. A robot says that a move is over, by TiltDown after (a) or Ack after (d), r K of its own
+// ticks after it has ended it: by then its wheels run at the nominal speed.
+//
 // Variant H's Tf and Ts, waits for messages under way to have died, are not needed: a robot waits for
 // the echo of its release instead, one round trip.
 //
@@ -83,7 +86,8 @@ struct Bounds {
                                         : usual_lease(b, beacon, spec.period);
     const double hold = std::ceil(b.clock_ratio * (lease + 1 + b.skips + b.braking));
     b.losses = std::floor((lease - b.shortest_lease) / beacon);
-    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold)};
+    const double braking = std::ceil(b.clock_ratio * b.braking);
+    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold), to_ticks(braking)};
     b.alone = b.clock_ratio * (lease + 1) + b.skips;
     b.skew = shift * b.alone;
     if (beacon < 1 || spec.beacon < spec.period * (1 - 1e-9)) {

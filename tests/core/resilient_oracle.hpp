@@ -11,7 +11,7 @@ struct Told {
   using Sign = palmbots::Sign;
 
   // Where a robot is in its case.
-  enum Doing { nothing, ask, pull, yield, help, grant, withdraw, lower, rise, push, sink };
+  enum Doing { nothing, ask, pull, brake, yield, help, grant, withdraw, lower, rise, push, sink };
 
   palmbots::Resilient::Times times;
   bool lower_identity;
@@ -22,6 +22,7 @@ struct Told {
   long asked_at = 0;    // last instant at which I said TiltUp, or may have
   long changed_at = 0;  // first instant at which I stood, or travelled, as I do
   long entered_at = 0;
+  long moved_at = 0;  // the instant that ended the last move, or may have
   long said_at = std::numeric_limits<long>::min() / 2;
   Letter newest = Letter::none;
   bool partner_stands = true;
@@ -34,7 +35,8 @@ struct Told {
     switch (doing) {
       case nothing: return Letter::tilt_down;
       case ask:
-      case pull: return Letter::tilt_up;
+      case pull:
+      case brake: return Letter::tilt_up;
       case grant: return Letter::ack;
       case rise:
       case push:
@@ -55,7 +57,8 @@ struct Told {
     return nothing;
   }
 
-  Doing next(Sign p, bool turned) const {
+  Doing next(Sign p, bool palm_turned) const {
+    const bool turned = palm_turned && clock - moved_at >= times.braking;
     const bool fresh = clock - heard_at <= times.lease;
     const bool asked = fresh && newest == Letter::tilt_up;
     const bool granted = fresh && newest == Letter::ack;
@@ -66,9 +69,11 @@ struct Told {
       case ask:
         if (granted && turned) return pull;
         return asked && lower_identity ? yield : ask;
-      case pull:
-        if (p != Sign::positive) return nothing;
-        return granted ? pull : ask;
+      case pull: return p == Sign::positive && granted ? pull : brake;
+      case brake:
+        if (p == Sign::positive && granted) return pull;
+        if (!turned) return brake;
+        return p == Sign::positive ? ask : nothing;
       case yield:
       case help:
         if (!asked) return lower;
@@ -88,7 +93,7 @@ struct Told {
         if (!fresh) return sink;
         return turned && partner_steep ? push : rise;
       case push:
-        if (p != Sign::negative) return asked ? grant : sink;
+        if (p != Sign::negative) return asked ? help : sink;
         return partner_steep ? push : rise;
       case sink:
         if (asked && p != Sign::positive) return help;
@@ -109,6 +114,7 @@ struct Told {
     }
     const Doing before = now;
     const bool stood = standing;
+    if (now == pull || now == push) moved_at = clock;
     now = next(in.sign, in.turned);
     if (now != before) entered_at = clock;
     if (word(now) == Letter::tilt_up) asked_at = clock;
