@@ -59,8 +59,9 @@ def sayings() -> list[Saying]:
     for sender, receiver in (("left", "right"), ("right", "left")):
         all_of += [(sender, receiver, "letter", letter) for letter in LETTERS]
         all_of += [
-            (sender, receiver, "beacon", f"{letter} {travel}")
-            for letter in ("I", "I ready", "R", "G", "D", "W")
+            (sender, receiver, "beacon", f"{letter} {ready} {travel}")
+            for letter in "IRGDW"
+            for ready in ("unready", "ready")
             for travel in ("travels", "rests")
         ]
     for robot in ("left", "right"):

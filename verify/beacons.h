@@ -28,6 +28,7 @@ struct mind {
   unsigned char partner_ready;
   unsigned char age;
   unsigned char since_asked;
+  unsigned char since_ready;
   unsigned char since_moved;
   unsigned char since_turned;
   unsigned char since_entered;
@@ -63,7 +64,7 @@ struct deed {
 };
 
 /* Times in cycles; `travels`: whether to keep what robots know of travelling and resting. */
-void set_times(int lease, int hold, int braking, int travels);
+void set_times(int lease, int hold, int braking, int join, int travels);
 void robot_boot(int side, int again);
 
 /* One more cycle has passed. */

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t present = 1000;  // what every clock reads, whatever the time
 
-Resilient::Times times{1, 0, 0, 0};
+Resilient::Times times{1, 0, 0, 0, 0};
 bool travels = true;
 std::uint8_t stale = 0;  // the first age that is too old
 
@@ -34,6 +34,7 @@ struct Members {
   bool partner_rests;
   bool partner_ready;
   std::uint16_t age;
+  std::uint16_t since_ready;
   std::uint16_t since_asked;
   std::uint16_t since_moved;
   std::uint16_t since_turned;
@@ -44,10 +45,10 @@ static_assert(sizeof(Members) == sizeof(Resilient));
 
 Resilient awake(int side) {
   const mind& m = pair.mind[side];
-  return std::bit_cast<Resilient>(
-      Members{times, static_cast<Resilient::State>(m.state), static_cast<Letter>(m.letter),
-              side == LEFT, m.rests != 0, m.partner_rests != 0, m.partner_ready != 0, m.age,
-              m.since_asked, m.since_moved, m.since_turned, m.since_entered, times.beacon});
+  return std::bit_cast<Resilient>(Members{
+      times, static_cast<Resilient::State>(m.state), static_cast<Letter>(m.letter), side == LEFT,
+      m.rests != 0, m.partner_rests != 0, m.partner_ready != 0, m.age, m.since_ready, m.since_asked,
+      m.since_moved, m.since_turned, m.since_entered, times.beacon});
 }
 
 // What matters of a controller later on. What it heard while it was not silent, and how long it has
@@ -66,6 +67,7 @@ mind packed(const Resilient& robot) {
     p.rests = m.rests;
     p.partner_rests = robot.silence() || m.partner_rests;
     p.partner_ready = !robot.silence() && m.partner_ready;
+    p.since_ready = static_cast<unsigned char>(m.since_ready);
     p.since_turned = static_cast<unsigned char>(m.since_turned);
   }
   return p;
@@ -151,9 +153,9 @@ extern "C" {
 
 struct pair pair;
 
-void set_times(int lease, int hold, int braking, int travels_too) {
+void set_times(int lease, int hold, int braking, int join, int travels_too) {
   times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold),
-           static_cast<std::uint16_t>(braking)};
+           static_cast<std::uint16_t>(braking), static_cast<std::uint16_t>(join)};
   stale = static_cast<std::uint8_t>(lease + 1);
   travels = travels_too != 0;
   if (lease > LONGEST_LEASE) {

@@ -55,6 +55,7 @@ byte LEASE; /* cycles for which a letter counts */
 byte HELD;  /* cycles for which a palm stays up for a partner that fell silent */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
 byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
+byte JOIN; /* cycles for which a robot that was ready may still start after its partner */
 byte COAST; /* and that they do */
 byte NAPS;  /* steps in a row that a robot may miss */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
@@ -223,6 +224,7 @@ active proctype cycle()
       now.HELD = parameter("HELD");
       now.DELAY = parameter("DELAY");
       now.BRAKING = parameter("BRAKING");
+      now.JOIN = parameter("JOIN");
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.TRAVEL = parameter("TRAVEL");
@@ -230,7 +232,7 @@ active proctype cycle()
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_times(now.LEASE, now.HELD, now.BRAKING, now.SKEW > 0 || now.SPAN > 0);
+      set_times(now.LEASE, now.HELD, now.BRAKING, now.JOIN, now.SKEW > 0 || now.SPAN > 0);
       robot_boot(LEFT, 0);
       robot_boot(RIGHT, 0);
     };

@@ -7,11 +7,12 @@
 //   TiltDown nothing wanted, my palm is steep   Closing  I am in (d)
 //   Raised   my palm is up or on its way, but not for you
 //
-// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (26 bytes),
+// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (30 bytes),
 // no I/O, no clock. The caller keeps an Ear (beacon.hpp), and across a reboot the epoch and the last
 // Output::assists. Times are in ticks: `beacon`, the period; `lease`, how old a letter may be to
 // count; `hold`, how long a palm stays up for a partner that fell silent; `braking`, how long wheels
-// take from a correction back to the nominal speed. They come from resilient_bounds.hpp; safety needs
+// take from a correction back to the nominal speed; `join`, for how long a robot that was ready may
+// still start after its partner. They come from resilient_bounds.hpp; safety needs
 // hold ≥ lease + braking + skipped ticks, and nothing else.
 //
 // The rules that keep the object on the palms, with "newest" the newest beacon heard:
@@ -22,7 +23,7 @@
 //   * Nobody says that a move is over before the wheels have braked: TiltUp until then in (a), and no
 //     Ack after (d). So motions of the two do not overlap, but for (d) on both sides.
 //   * (d) moves closer only while the newest letter is fresh and says that the other palm is steep,
-//     or in (d) too.
+//     or in (d) too. Before it has begun a request goes first: who asks may have its palm still turning.
 //   * Requests that cross, case (b): the robot that yields (the lower identity) assists first.
 //   * What was begun is moved through for at least one tick, even if p has come to 0 meanwhile, as in
 //     Table 2. Palms that turn shift the contacts a little: two robots that stand, with contacts at
@@ -30,9 +31,9 @@
 //   * Silence, that is no fresh letter: moves end, palms go steep, the robot stops travelling.
 // Travel: a robot that hears that its partner knows it to travel and yet rests, rests too; so two
 // robots never travel apart for longer than a lease, however one-sided the radio is. Both say when they
-// are *ready*: linked, idle, p = 0. A robot starts only where both are, whether the partner rests or
-// travels already; one that is off centre or hears nothing looks idle, but not ready. So skews do not
-// add up.
+// are *ready*: linked, idle, p = 0. A robot starts only where both are; one that is off centre or hears
+// nothing looks idle, but not ready. So skews do not add up. Whoever starts first may shift the other's
+// contact off again: so the other follows also where it was ready `join` ago, and corrects on the way.
 //
 // Source: the paper's section 4 for the cases; Gray and Cheriton, "Leases", SOSP 1989. docs/protocol.md
 // has the derivation.
@@ -50,6 +51,7 @@ class Resilient {
     std::uint16_t lease;
     std::uint16_t hold;
     std::uint16_t braking;
+    std::uint16_t join;
   };
 
   struct Input {
@@ -166,10 +168,12 @@ class Resilient {
       {State::c_withdraw,    P::any,          Heard::other,       If::any,      State::c_tilt_down},
       {State::c_withdraw,    P::any,          Heard::any,         If::held,     State::c_tilt_down},
       {State::c_tilt_down,   P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
+      {State::c_tilt_down,   P::positive,     Heard::any,         If::released, State::a_request},
       {State::c_tilt_down,   P::negative,     Heard::any,         If::released, State::d_tilt_up},
       {State::c_tilt_down,   P::any,          Heard::any,         If::settled,  State::idle},
       // (d)
       {State::d_tilt_up,     P::any,          Heard::silence,     If::any,      State::d_tilt_down},
+      {State::d_tilt_up,     P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::d_tilt_up,     P::any,          Heard::steep,       If::settled,  State::d_move},
       {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::d_move,        P::not_negative, Heard::any,         If::any,      State::d_tilt_down},
@@ -186,6 +190,7 @@ class Resilient {
         state_(assisted ? State::c_withdraw : State::c_tilt_down),
         yields_(yields),
         age_(stale()),
+        since_ready_(most_ready()),
         since_sent_(times.beacon) {}
 
   Output step(const Input& in) {
@@ -204,8 +209,8 @@ class Resilient {
                                since_entered_ >= times_.hold)];
     if (state_ != before) since_entered_ = 0;
     if (now().letter == Letter::tilt_up) since_asked_ = 0;
-    const bool ready = state_ == State::idle && in.sign == Sign::zero && !silence();
-    rests_ = rested ? !(ready && may_start()) : must_stop();
+    if (state_ == State::idle && in.sign == Sign::zero && !silence()) since_ready_ = 0;
+    rests_ = rested ? !may_start() : must_stop();
     if (rests_ != rested) since_turned_ = 0;
 
     const bool news = now().letter != doing[static_cast<int>(before)].letter || rests_ != rested;
@@ -213,7 +218,7 @@ class Resilient {
     if (send) since_sent_ = 0;
     Command command = now().command;
     command.rest = rests_;
-    return {command, now().letter, ready, send, assists(state_)};
+    return {command, now().letter, ready(), send, assists(state_)};
   }
 
   constexpr State state() const { return state_; }
@@ -306,6 +311,8 @@ class Resilient {
   // The first age that is too old. Counters stop there: longer makes no difference.
   constexpr std::uint16_t stale() const { return static_cast<std::uint16_t>(times_.lease + 1); }
 
+  constexpr std::uint16_t most_ready() const { return static_cast<std::uint16_t>(times_.join + 1); }
+
   static constexpr std::uint16_t later(std::uint16_t since, std::uint16_t elapsed,
                                        std::uint16_t most) {
     return elapsed < most - since ? static_cast<std::uint16_t>(since + elapsed) : most;
@@ -314,6 +321,7 @@ class Resilient {
   constexpr void pass(std::uint16_t elapsed) {
     age_ = later(age_, elapsed, stale());
     since_asked_ = later(since_asked_, elapsed, stale());
+    since_ready_ = later(since_ready_, elapsed, most_ready());
     since_moved_ = later(since_moved_, elapsed, times_.braking);
     since_turned_ = later(since_turned_, elapsed, stale());
     since_entered_ = later(since_entered_, elapsed, times_.hold);
@@ -327,7 +335,14 @@ class Resilient {
 
   constexpr bool must_stop() const { return silence() || (partner_rests_ && known()); }
 
-  constexpr bool may_start() const { return partner_ready_ && (!partner_rests_ || known()); }
+  // At rest a robot is ready, or not; while a start is under way it is so for a little longer.
+  constexpr bool ready() const { return since_ready_ == 0 || (!rests_ && lately_ready()); }
+  constexpr bool lately_ready() const { return since_ready_ <= times_.join; }
+
+  constexpr bool may_start() const {
+    if (silence() || !partner_ready_) return false;
+    return partner_rests_ ? since_ready_ == 0 && known() : lately_ready();
+  }
 
   Times times_;
   State state_;
@@ -337,6 +352,7 @@ class Resilient {
   bool partner_rests_ = true;
   bool partner_ready_ = false;
   std::uint16_t age_;              // of the newest beacon
+  std::uint16_t since_ready_;      // since it was linked, idle and p = 0
   std::uint16_t since_asked_ = 0;  // since the last step that said TiltUp; a boot may follow one
   std::uint16_t since_moved_ = 0;  // since the step that ended the last move; a boot may follow one
   std::uint16_t since_turned_ = 0;   // since the step at which it last started or stopped

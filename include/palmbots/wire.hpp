@@ -88,7 +88,7 @@ inline constexpr std::size_t verdict_count = 10;
 constexpr std::uint8_t payload(Letter letter) { return static_cast<std::uint8_t>(letter); }
 
 // A beacon: its letter of the alphabet (ASCII), I, R, G, D or W; in bit 5, which makes it a small one,
-// whether the robot is ready to travel, as only an I can be; and in bit 7 whether it rests.
+// whether the robot is ready to travel; and in bit 7 whether it rests.
 struct Beacon {
   char letter;
   bool rests;
@@ -134,8 +134,7 @@ constexpr bool means(Kind kind, std::uint8_t payload) {
     case Kind::hello: return payload == 0;
     case Kind::letter: return payload >= 1 && payload <= 3;
     case Kind::beacon: {
-      const auto [letter, rests, ready] = beacon_of(payload);
-      if (ready) return letter == 'I';
+      const char letter = beacon_of(payload).letter;
       return letter == 'I' || letter == 'R' || letter == 'G' || letter == 'D' || letter == 'W';
     }
     case Kind::report: return payload < 16 && (payload & 3) != 3;

@@ -82,7 +82,7 @@ class Beacon:
     rests: bool = False
     """The robot does not travel."""
     ready: bool = False
-    """Nothing keeps the robot from travelling; only with I."""
+    """Nothing keeps the robot from travelling."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,8 +235,6 @@ def _payload(body: Body) -> tuple[int, int]:
             return 4, _core.wire_command(palm, move)
         case Beacon():
             _index("letter of a beacon", _BEACONS, body.letter)
-            if body.ready:
-                _index("letter of a beacon that is ready", ("I",), body.letter)
             return 2, _core.wire_beacon(body.letter, bool(body.rests), bool(body.ready))
         case _:
             return 1, 1 + _index(

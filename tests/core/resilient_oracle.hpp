@@ -22,6 +22,7 @@ struct Told {
   long asked_at = 0;    // last instant at which I said TiltUp, or may have
   long changed_at = 0;  // first instant at which I stood, or travelled, as I do
   long entered_at = 0;
+  long ready_at = std::numeric_limits<long>::min() / 2;
   long moved_at = 0;  // the instant that ended the last move, or may have
   long said_at = std::numeric_limits<long>::min() / 2;
   Letter newest = Letter::none;
@@ -87,10 +88,12 @@ struct Told {
         return clock - entered_at >= times.hold ? lower : withdraw;
       case lower:
         if (asked) return help;
+        if (free && p == Sign::positive) return ask;
         if (free && p == Sign::negative) return rise;
         return turned ? nothing : lower;
       case rise:
         if (!fresh) return sink;
+        if (asked) return help;
         return turned && partner_steep ? push : rise;
       case push:
         if (p != Sign::negative) return asked ? help : sink;
@@ -120,11 +123,15 @@ struct Told {
     if (word(now) == Letter::tilt_up) asked_at = clock;
     const bool fresh = clock - heard_at <= times.lease;
     const bool partner_knows = heard_at >= changed_at;
-    const bool ready = fresh && now == nothing && in.sign == Sign::zero;
+    if (fresh && now == nothing && in.sign == Sign::zero) ready_at = clock;
+    const bool ready = ready_at == clock;
+    const bool was_ready = clock - ready_at <= times.join;
     if (!fresh) {
       standing = true;
     } else if (standing) {
-      if (ready && partner_ready && (partner_knows || !partner_stands)) standing = false;
+      const bool first = ready && partner_stands && partner_knows;
+      const bool second = was_ready && !partner_stands;
+      if (partner_ready && (first || second)) standing = false;
     } else if (partner_stands && partner_knows) {
       standing = true;
     }
@@ -135,7 +142,7 @@ struct Told {
     const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
     return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
             word(now),
-            ready,
+            ready || (!standing && was_ready),
             say,
             now == grant || now == withdraw};
   }

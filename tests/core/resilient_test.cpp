@@ -55,8 +55,9 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
 void test_like_the_telling() {
   Seen seen;
   std::uint64_t seed = 0;
-  for (const Resilient::Times times : {Resilient::Times{1, 2, 3, 0}, Resilient::Times{5, 50, 67, 6},
-                                       Resilient::Times{3, 9, 4, 1}}) {
+  for (const Resilient::Times times :
+       {Resilient::Times{1, 2, 3, 0, 0}, Resilient::Times{5, 50, 67, 6, 6},
+        Resilient::Times{3, 9, 4, 1, 2}}) {
     for (const bool yields : {false, true}) {
       for (const bool assisted : {false, true}) {
         for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
@@ -76,7 +77,7 @@ void test_like_the_telling() {
 
 // Counters stop, they do not wrap: a robot left alone for days is as silent as after a second.
 void test_counters_do_not_wrap() {
-  Resilient robot({5, 50, 67, 6}, false);
+  Resilient robot({5, 50, 67, 6, 6}, false);
   Resilient::Input in{Sign::zero, true, 60000, Letter::none, true, false, 0};
   for (int i = 0; i < 100; ++i) {
     const auto out = robot.step(in);

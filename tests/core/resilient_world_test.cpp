@@ -41,7 +41,7 @@ class World {
  public:
   World(std::uint64_t seed, std::uint16_t hold)
       : seed_(seed),
-        times_{beacon, lease, hold, braking},
+        times_{beacon, lease, hold, braking, 4},
         robots_{make(left, false), make(right, false)} {}
 
   void run(std::uint32_t ticks, bool faults, Broken& broken) {
