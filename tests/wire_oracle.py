@@ -59,8 +59,9 @@ def sayings() -> list[Saying]:
     for sender, receiver in (("left", "right"), ("right", "left")):
         all_of += [(sender, receiver, "letter", letter) for letter in LETTERS]
         all_of += [
-            (sender, receiver, "beacon", f"{letter} {travel}")
+            (sender, receiver, "beacon", f"{letter} {ready} {travel}")
             for letter in "IRGDW"
+            for ready in ("unready", "ready")
             for travel in ("travels", "rests")
         ]
     for robot in ("left", "right"):
@@ -83,7 +84,7 @@ def payload(kind: str, said: str) -> tuple[int, int]:
         case "letter":
             return 1, LETTERS[said]
         case "beacon":
-            return 2, ord(said[0]) + 128 * (said[2:] == "rests")
+            return 2, ord(words[0]) + 32 * ("ready" in words) + 128 * ("rests" in words)
         case "report":
             sign, palm, turned = words
             return 3, int(sign) + 1 + 4 * PALMS[palm] + 8 * (turned == "turned")

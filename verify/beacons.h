@@ -25,8 +25,11 @@ struct mind {
   unsigned char letter;
   unsigned char rests;
   unsigned char partner_rests;
+  unsigned char partner_ready;
   unsigned char age;
   unsigned char since_asked;
+  unsigned char since_ready;
+  unsigned char since_moved;
   unsigned char since_turned;
   unsigned char since_entered;
 };
@@ -41,7 +44,8 @@ struct stamp {
 struct beacon {
   unsigned char letter : 4;
   unsigned char rests : 1;
-  unsigned char life : 3;
+  unsigned char ready : 1;
+  unsigned char life : 2;
   struct stamp heard;
 };
 
@@ -60,7 +64,7 @@ struct deed {
 };
 
 /* Times in cycles; `travels`: whether to keep what robots know of travelling and resting. */
-void set_times(int lease, int hold, int travels);
+void set_times(int lease, int hold, int braking, int join, int travels);
 void robot_boot(int side, int again);
 
 /* One more cycle has passed. */

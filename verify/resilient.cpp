@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t present = 1000;  // what every clock reads, whatever the time
 
-Resilient::Times times{1, 0, 0};
+Resilient::Times times{1, 0, 0, 0, 0};
 bool travels = true;
 std::uint8_t stale = 0;  // the first age that is too old
 
@@ -32,8 +32,11 @@ struct Members {
   bool yields;
   bool rests;
   bool partner_rests;
+  bool partner_ready;
   std::uint16_t age;
+  std::uint16_t since_ready;
   std::uint16_t since_asked;
+  std::uint16_t since_moved;
   std::uint16_t since_turned;
   std::uint16_t since_entered;
   std::uint16_t since_sent;
@@ -42,10 +45,10 @@ static_assert(sizeof(Members) == sizeof(Resilient));
 
 Resilient awake(int side) {
   const mind& m = pair.mind[side];
-  return std::bit_cast<Resilient>(Members{times, static_cast<Resilient::State>(m.state),
-                                          static_cast<Letter>(m.letter), side == LEFT, m.rests != 0,
-                                          m.partner_rests != 0, m.age, m.since_asked,
-                                          m.since_turned, m.since_entered, times.beacon});
+  return std::bit_cast<Resilient>(Members{
+      times, static_cast<Resilient::State>(m.state), static_cast<Letter>(m.letter), side == LEFT,
+      m.rests != 0, m.partner_rests != 0, m.partner_ready != 0, m.age, m.since_ready, m.since_asked,
+      m.since_moved, m.since_turned, m.since_entered, times.beacon});
 }
 
 // What matters of a controller later on. What it heard while it was not silent, and how long it has
@@ -57,11 +60,14 @@ mind packed(const Resilient& robot) {
   p.letter = robot.silence() ? 0 : static_cast<unsigned char>(m.letter);
   p.age = static_cast<unsigned char>(m.age);
   p.since_asked = static_cast<unsigned char>(m.since_asked);
+  p.since_moved = static_cast<unsigned char>(m.since_moved);
   p.since_entered =
       m.state == Resilient::State::c_withdraw ? static_cast<unsigned char>(m.since_entered) : 0;
   if (travels) {
     p.rests = m.rests;
     p.partner_rests = robot.silence() || m.partner_rests;
+    p.partner_ready = !robot.silence() && m.partner_ready;
+    p.since_ready = static_cast<unsigned char>(m.since_ready);
     p.since_turned = static_cast<unsigned char>(m.since_turned);
   }
   return p;
@@ -83,11 +89,13 @@ void shorten(beacon& b, int receiver) {
   b.heard = {};
   b.letter = static_cast<unsigned char>(Letter::tilt_down);
   b.rests = 1;
+  b.ready = 0;
 }
 
 Beacon beacon_of(const beacon& b, int age) {
   return {static_cast<Letter>(b.letter),
           b.rests != 0,
+          b.ready != 0,
           {b.life, present - static_cast<std::uint32_t>(age)},
           stamp_of(b.heard)};
 }
@@ -116,11 +124,13 @@ Step step_of(int side, int choice, int turned, int elapsed) {
                       static_cast<std::uint16_t>(elapsed),
                       Letter::none,
                       false,
+                      false,
                       0};
   const int heard = choice / SIGNS - 1;
   if (heard >= 0 && step.ear.take(beacon_of(pair.air[side][heard], heard))) {
     in.letter = step.ear.newest().letter;
     in.rests = step.ear.newest().rests;
+    in.ready = step.ear.newest().ready;
     in.age = step.ear.age();
   }
   step.out = step.robot.step(in);
@@ -143,8 +153,9 @@ extern "C" {
 
 struct pair pair;
 
-void set_times(int lease, int hold, int travels_too) {
-  times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold)};
+void set_times(int lease, int hold, int braking, int join, int travels_too) {
+  times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold),
+           static_cast<std::uint16_t>(braking), static_cast<std::uint16_t>(join)};
   stale = static_cast<std::uint8_t>(lease + 1);
   travels = travels_too != 0;
   if (lease > LONGEST_LEASE) {
@@ -214,10 +225,10 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
   }
   pair.mind[side] = packed(step.robot);
   if (step.out.send) {
-    const Beacon said = step.ear.beacon(step.out.letter, step.robot.rests());
-    pair.air[1 - side][0] = {static_cast<unsigned char>(said.letter),
-                             static_cast<unsigned char>(travels && said.rests), pair.life[side],
-                             pair.newest[side]};
+    const Beacon said = step.ear.beacon(step.out.letter, step.robot.rests(), step.out.ready);
+    pair.air[1 - side][0] = {
+        static_cast<unsigned char>(said.letter), static_cast<unsigned char>(travels && said.rests),
+        static_cast<unsigned char>(travels && said.ready), pair.life[side], pair.newest[side]};
     shorten(pair.air[1 - side][0], 1 - side);
   }
   const auto& command = step.out.command;
@@ -228,9 +239,9 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
 char robot_case(int side) { return awake(side).now().name; }
 
 const char* robot_doing(int side) {
-  constexpr const char* names[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
-                                   "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
-                                   "d_tilt_up", "d_move",    "d_tilt_down"};
+  constexpr const char* names[] = {"idle",        "a_request", "a_move",  "a_stop",
+                                   "b_tilt_up",   "c_tilt_up", "c_grant", "c_withdraw",
+                                   "c_tilt_down", "d_tilt_up", "d_move",  "d_tilt_down"};
   return names[pair.mind[side].state];
 }
 

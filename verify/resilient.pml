@@ -21,7 +21,7 @@ c_code {
     Printf("  %-5s %+3d %-11s%s %-7s%s%s %-6s", side == LEFT ? "left" : "right", now.p[side], robot_doing(side),
            now.rest[side] ? " rests" : "      ", now.palm[side] == STEEP ? "steep" : "shallow",
            now.turning[side] ? "…" : " ", now.missed[side] ? " naps" : "     ",
-           now.wheels[side] == AWAY ? "away" : now.wheels[side] == CLOSER ? "closer" : "");
+           now.rolls[side] == AWAY ? "away" : now.rolls[side] == CLOSER ? "closer" : "");
   }
   static void tell(void)
   {
@@ -44,8 +44,8 @@ c_code {
 #define FALL 1   /* S4: no contact comes off its palm */
 #define FIGHT 2  /* S1: never one robot moves away while the other moves closer */
 #define PULL 4   /* S2: away only with the own palm steep and the partner's shallow, both at rest */
-#define LONE 8   /* S3: closer only to a palm that is steep or turning there, or to a robot in (d) */
-                 /* or that has not run since it rebooted there */
+#define LONE 8   /* S3: closer only to a palm that is steep and at rest, or to a robot in (d) */
+                 /* or one that rebooted there and whose palm is still on its way back */
 #define ALONE 16 /* nobody travels alone for longer than SKEW cycles */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
@@ -54,6 +54,9 @@ byte START; /* contacts start, and bumps leave them, up to so many cells off the
 byte LEASE; /* cycles for which a letter counts */
 byte HELD;  /* cycles for which a palm stays up for a partner that fell silent */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
+byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
+byte JOIN; /* cycles for which a robot that was ready may still start after its partner */
+byte COAST; /* and that they do */
 byte NAPS;  /* steps in a row that a robot may miss */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
@@ -67,9 +70,11 @@ bool calm;      /* no fault will come any more */
 bool goal;      /* contacts at 0, palms steep, robots idle, and on their way */
 bool second;    /* which robot steps after the other, for good */
 byte wheels[2]; /* what each robot commands its wheels */
+byte rolls[2];  /* and what they do; those of a robot that reboots stop at once */
+byte coasts[2]; /* for so many cycles more */
 bool rest[2];   /* whether it does not travel */
 byte missed[2]; /* steps in a row */
-bool fainted[2]; /* it has rebooted in (d) and not stepped since */
+bool fainted[2]; /* it has rebooted in (d), and its palm has not come back since */
 byte alone;     /* cycles for which one robot has travelled without the other, */
 bool loner;     /* namely this one */
 
@@ -82,7 +87,7 @@ byte case_of[2];
 short net;
 byte k;
 
-#define rate(s) ((wheels[s] == CLOSER) - (wheels[s] == AWAY))
+#define rate(s) ((rolls[s] == CLOSER) - (rolls[s] == AWAY))
 #define up(s) (palm[s] == SHALLOW && turning[s] == 0)
 #define down(s) (palm[s] == STEEP && turning[s] == 0)
 
@@ -129,12 +134,18 @@ inline step()
            now.wheels[now.who] = done.move;
            now.rest[now.who] = (now.SKEW > 0 || now.SPAN > 0) && done.rest;
          };
-         missed[who] = 0; fainted[who] = false
+         missed[who] = 0; fainted[who] = fainted[who] && told == STEEP
     :: else ->
          told = palm[who];
          missed[who]++
     fi;
+    if
+    :: wheels[who] != 0 -> rolls[who] = wheels[who]; coasts[who] = COAST
+    :: wheels[who] == 0 && coasts[who] > 0 -> coasts[who]--
+    :: else -> rolls[who] = 0
+    fi;
     turn(who, told);
+    fainted[who] = fainted[who] && !down(who);
     choices = 0; choice = 0; told = 0
   }
 }
@@ -165,7 +176,7 @@ inline environment()
            robot_boot(now.who, 1);
            Printf("      %s reboots\n", side_name(now.who));
          };
-         wheels[who] = 0; rest[who] = true; missed[who] = 0; who = 0
+         wheels[who] = 0; coasts[who] = 0; rest[who] = true; missed[who] = 0; who = 0
        }
   :: !calm && CALMS -> calm = true; c_code { Printf("      faults are over\n"); }
   :: skip
@@ -191,8 +202,8 @@ inline check()
   claim(FIGHT, rate(LEFT) * rate(RIGHT) >= 0);
   claim(PULL, rate(LEFT) >= 0 || (down(LEFT) && up(RIGHT)));
   claim(PULL, rate(RIGHT) >= 0 || (down(RIGHT) && up(LEFT)));
-  claim(LONE, rate(LEFT) <= 0 || palm[RIGHT] == STEEP || case_of[RIGHT] == 'd' || fainted[RIGHT]);
-  claim(LONE, rate(RIGHT) <= 0 || palm[LEFT] == STEEP || case_of[LEFT] == 'd' || fainted[LEFT]);
+  claim(LONE, rate(LEFT) <= 0 || down(RIGHT) || case_of[RIGHT] == 'd' || fainted[RIGHT]);
+  claim(LONE, rate(RIGHT) <= 0 || down(LEFT) || case_of[LEFT] == 'd' || fainted[LEFT]);
   claim(FALL, SPAN == 0 || (!fallen(LEFT) && !fallen(RIGHT)));
   claim(ALONE, alone <= SKEW);
   goal = p[LEFT] >= 0 && p[LEFT] < WIDTH && p[RIGHT] >= 0 && p[RIGHT] < WIDTH && down(LEFT) && down(RIGHT) &&
@@ -212,13 +223,16 @@ active proctype cycle()
       now.LEASE = parameter("LEASE");
       now.HELD = parameter("HELD");
       now.DELAY = parameter("DELAY");
+      now.BRAKING = parameter("BRAKING");
+      now.JOIN = parameter("JOIN");
+      now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.TRAVEL = parameter("TRAVEL");
       now.SKEW = parameter("SKEW");
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_times(now.LEASE, now.HELD, now.SKEW > 0 || now.SPAN > 0);
+      set_times(now.LEASE, now.HELD, now.BRAKING, now.JOIN, now.SKEW > 0 || now.SPAN > 0);
       robot_boot(LEFT, 0);
       robot_boot(RIGHT, 0);
     };

@@ -30,6 +30,7 @@ struct Stamp {
 struct Beacon {
   Letter letter = Letter::none;
   bool rests = false;  // the sender does not travel
+  bool ready = false;  // nothing keeps it from travelling
   Stamp sent;
   Stamp heard;  // the newest of the partner's that the sender had heard
 };
@@ -62,8 +63,8 @@ class Ear {
   }
 
   // The beacon to send now.
-  constexpr Beacon beacon(Letter letter, bool rests) const {
-    return {letter, rests, now_, newest_.sent};
+  constexpr Beacon beacon(Letter letter, bool rests, bool ready) const {
+    return {letter, rests, ready, now_, newest_.sent};
   }
 
  private:

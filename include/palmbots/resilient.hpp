@@ -7,27 +7,33 @@
 //   TiltDown nothing wanted, my palm is steep   Closing  I am in (d)
 //   Raised   my palm is up or on its way, but not for you
 //
-// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (22 bytes),
+// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (30 bytes),
 // no I/O, no clock. The caller keeps an Ear (beacon.hpp), and across a reboot the epoch and the last
 // Output::assists. Times are in ticks: `beacon`, the period; `lease`, how old a letter may be to
-// count; `hold`, how long a palm stays up for a partner that fell silent. They come from
-// resilient_bounds.hpp; safety needs hold ≥ lease + braking + skipped ticks, and nothing else.
+// count; `hold`, how long a palm stays up for a partner that fell silent; `braking`, how long wheels
+// take from a correction back to the nominal speed; `join`, for how long a robot that was ready may
+// still start after its partner. They come from resilient_bounds.hpp; safety needs
+// hold ≥ lease + braking + skipped ticks, and nothing else.
 //
 // The rules that keep the object on the palms, with "newest" the newest beacon heard:
 //   * (a) moves away only while the newest letter is a fresh Ack. Whoever sent it keeps its palm up
 //     for `hold` after its last Ack, unless it hears that the partner has stopped asking.
 //   * Having asked, a robot starts nothing until it hears a beacon whose sender had heard that it
 //     asks no more ("released"): from then on no old request of its can bring up the other's palm.
+//   * Nobody says that a move is over before the wheels have braked: TiltUp until then in (a), and no
+//     Ack after (d). So motions of the two do not overlap, but for (d) on both sides.
 //   * (d) moves closer only while the newest letter is fresh and says that the other palm is steep,
-//     or in (d) too.
+//     or in (d) too. Before it has begun a request goes first: who asks may have its palm still turning.
 //   * Requests that cross, case (b): the robot that yields (the lower identity) assists first.
 //   * What was begun is moved through for at least one tick, even if p has come to 0 meanwhile, as in
 //     Table 2. Palms that turn shift the contacts a little: two robots that stand, with contacts at
 //     the edge of the zero zone, would otherwise ask and withdraw for ever.
 //   * Silence, that is no fresh letter: moves end, palms go steep, the robot stops travelling.
 // Travel: a robot that hears that its partner knows it to travel and yet rests, rests too; so two
-// robots never travel apart for longer than a lease, however one-sided the radio is. They start
-// again once linked, idle and with p = 0 on both palms, so that skews do not add up.
+// robots never travel apart for longer than a lease, however one-sided the radio is. Both say when they
+// are *ready*: linked, idle, p = 0. A robot starts only where both are; one that is off centre or hears
+// nothing looks idle, but not ready. So skews do not add up. Whoever starts first may shift the other's
+// contact off again: so the other follows also where it was ready `join` ago, and corrects on the way.
 //
 // Source: the paper's section 4 for the cases; Gray and Cheriton, "Leases", SOSP 1989. docs/protocol.md
 // has the derivation.
@@ -44,6 +50,8 @@ class Resilient {
     std::uint16_t beacon;
     std::uint16_t lease;
     std::uint16_t hold;
+    std::uint16_t braking;
+    std::uint16_t join;
   };
 
   struct Input {
@@ -52,12 +60,14 @@ class Resilient {
     std::uint16_t elapsed;  // ticks since the last step, at least 1
     Letter letter;          // of a beacon newer than all before, if one came; else none
     bool rests;             // that beacon's sender does not travel
+    bool ready;             // nothing keeps it from travelling
     std::uint16_t age;      // of that beacon, as the Ear tells
   };
 
   struct Output {
     Command command;  // with `rest`
     Letter letter;    // what the robot has to say, at all times
+    bool ready;       // … and with it
     bool send;        // send it now
     bool assists;     // keep this bit across a reboot
   };
@@ -66,6 +76,7 @@ class Resilient {
     idle,
     a_request,
     a_move,
+    a_stop,
     b_tilt_up,
     c_tilt_up,
     c_grant,
@@ -75,7 +86,7 @@ class Resilient {
     d_move,
     d_tilt_down,
   };
-  static constexpr int states = 11;
+  static constexpr int states = 12;
 
   // What a robot does and says as long as it is in a state.
   struct Doing {
@@ -89,6 +100,7 @@ class Resilient {
       /* idle        */ {' ', {Palm::steep, Move::hold}, Letter::tilt_down, false},
       /* a_request   */ {'a', {Palm::steep, Move::hold}, Letter::tilt_up, true},
       /* a_move      */ {'a', {Palm::steep, Move::away}, Letter::tilt_up, false},
+      /* a_stop      */ {'a', {Palm::steep, Move::hold}, Letter::tilt_up, false},
       /* b_tilt_up   */ {'b', {Palm::shallow, Move::hold}, Letter::raised, false},
       /* c_tilt_up   */ {'c', {Palm::shallow, Move::hold}, Letter::raised, false},
       /* c_grant     */ {'c', {Palm::shallow, Move::hold}, Letter::ack, false},
@@ -114,7 +126,7 @@ class Resilient {
   };
   enum class If : std::uint8_t {
     any,
-    turned,    // the palm has reached the angle last commanded
+    settled,   // the palm has reached the angle last commanded, and the wheels have braked
     released,  // the partner knew, when it sent the newest letter, that this robot asks no more
     yields,    // this robot has the lower identity
     held,      // the palm has been kept up for `hold`
@@ -138,32 +150,36 @@ class Resilient {
       {State::idle,          P::positive,     Heard::any,         If::released, State::a_request},
       {State::idle,          P::negative,     Heard::any,         If::released, State::d_tilt_up},
       // (a), and (b) where requests cross
-      {State::a_request,     P::any,          Heard::ack,         If::turned,   State::a_move},
+      {State::a_request,     P::any,          Heard::ack,         If::settled,  State::a_move},
       {State::a_request,     P::any,          Heard::tilt_up,     If::yields,   State::b_tilt_up},
-      {State::a_move,        P::not_positive, Heard::any,         If::any,      State::idle},
-      {State::a_move,        P::any,          Heard::not_ack,     If::any,      State::a_request},
+      {State::a_move,        P::not_positive, Heard::any,         If::any,      State::a_stop},
+      {State::a_move,        P::any,          Heard::not_ack,     If::any,      State::a_stop},
+      {State::a_stop,        P::positive,     Heard::ack,         If::any,      State::a_move},
+      {State::a_stop,        P::positive,     Heard::any,         If::settled,  State::a_request},
+      {State::a_stop,        P::any,          Heard::any,         If::settled,  State::idle},
       // (c)
       {State::b_tilt_up,     P::any,          Heard::not_tilt_up, If::any,      State::c_tilt_down},
-      {State::b_tilt_up,     P::any,          Heard::any,         If::turned,   State::c_grant},
+      {State::b_tilt_up,     P::any,          Heard::any,         If::settled,  State::c_grant},
       {State::c_tilt_up,     P::any,          Heard::not_tilt_up, If::any,      State::c_tilt_down},
-      {State::c_tilt_up,     P::any,          Heard::any,         If::turned,   State::c_grant},
+      {State::c_tilt_up,     P::any,          Heard::any,         If::settled,  State::c_grant},
       {State::c_grant,       P::any,          Heard::silence,     If::any,      State::c_withdraw},
       {State::c_grant,       P::any,          Heard::other,       If::any,      State::c_tilt_down},
-      {State::c_withdraw,    P::any,          Heard::tilt_up,     If::turned,   State::c_grant},
+      {State::c_withdraw,    P::any,          Heard::tilt_up,     If::settled,  State::c_grant},
       {State::c_withdraw,    P::any,          Heard::other,       If::any,      State::c_tilt_down},
       {State::c_withdraw,    P::any,          Heard::any,         If::held,     State::c_tilt_down},
       {State::c_tilt_down,   P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::c_tilt_down,   P::positive,     Heard::any,         If::released, State::a_request},
       {State::c_tilt_down,   P::negative,     Heard::any,         If::released, State::d_tilt_up},
-      {State::c_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
+      {State::c_tilt_down,   P::any,          Heard::any,         If::settled,  State::idle},
       // (d)
       {State::d_tilt_up,     P::any,          Heard::silence,     If::any,      State::d_tilt_down},
-      {State::d_tilt_up,     P::any,          Heard::steep,       If::turned,   State::d_move},
-      {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_grant},
+      {State::d_tilt_up,     P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
+      {State::d_tilt_up,     P::any,          Heard::steep,       If::settled,  State::d_move},
+      {State::d_move,        P::not_negative, Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::d_move,        P::not_negative, Heard::any,         If::any,      State::d_tilt_down},
       {State::d_move,        P::any,          Heard::not_steep,   If::any,      State::d_tilt_up},
       {State::d_tilt_down,   P::not_positive, Heard::tilt_up,     If::any,      State::c_tilt_up},
-      {State::d_tilt_down,   P::any,          Heard::any,         If::turned,   State::idle},
+      {State::d_tilt_down,   P::any,          Heard::any,         If::settled,  State::idle},
   };
   // clang-format on
 
@@ -174,6 +190,7 @@ class Resilient {
         state_(assisted ? State::c_withdraw : State::c_tilt_down),
         yields_(yields),
         age_(stale()),
+        since_ready_(most_ready()),
         since_sent_(times.beacon) {}
 
   Output step(const Input& in) {
@@ -181,15 +198,19 @@ class Resilient {
     if (in.letter != Letter::none) {
       letter_ = in.letter;
       partner_rests_ = in.rests;
+      partner_ready_ = in.ready;
       age_ = in.age < stale() ? in.age : stale();
     }
     const State before = state_;
+    if (now().command.move != Move::hold) since_moved_ = 0;
+    const bool settled = in.turned && since_moved_ >= times_.braking;
     const bool rested = rests_;
-    state_ = lookup.next[index(state_, in.sign, heard(), in.turned, age_ < since_asked_, yields_,
+    state_ = lookup.next[index(state_, in.sign, heard(), settled, age_ < since_asked_, yields_,
                                since_entered_ >= times_.hold)];
     if (state_ != before) since_entered_ = 0;
     if (now().letter == Letter::tilt_up) since_asked_ = 0;
-    rests_ = rested ? !may_start(in.sign) : must_stop();
+    if (state_ == State::idle && in.sign == Sign::zero && !silence()) since_ready_ = 0;
+    rests_ = rested ? !may_start() : must_stop();
     if (rests_ != rested) since_turned_ = 0;
 
     const bool news = now().letter != doing[static_cast<int>(before)].letter || rests_ != rested;
@@ -197,7 +218,7 @@ class Resilient {
     if (send) since_sent_ = 0;
     Command command = now().command;
     command.rest = rests_;
-    return {command, now().letter, send, assists(state_)};
+    return {command, now().letter, ready(), send, assists(state_)};
   }
 
   constexpr State state() const { return state_; }
@@ -215,9 +236,9 @@ class Resilient {
     State next[states * signs * letters * flags];
   };
 
-  static constexpr int index(State state, Sign sign, Letter heard, bool turned, bool released,
+  static constexpr int index(State state, Sign sign, Letter heard, bool settled, bool released,
                              bool yields, bool held) {
-    const int bits = int{turned} | int{released} << 1 | int{yields} << 2 | int{held} << 3;
+    const int bits = int{settled} | int{released} << 1 | int{yields} << 2 | int{held} << 3;
     const int row = static_cast<int>(state) * signs + static_cast<int>(sign) + 1;
     return (row * letters + static_cast<int>(heard)) * flags + bits;
   }
@@ -263,12 +284,12 @@ class Resilient {
             const auto state = static_cast<State>(s);
             const auto seen = static_cast<Sign>(sign);
             const auto heard = static_cast<Letter>(letter);
-            const bool turned = (bits & 1) != 0;
+            const bool settled = (bits & 1) != 0;
             // Who hears nothing fresh is not released, whatever was answered before.
             const bool released = (bits & 2) != 0 && heard != Letter::none;
             const bool yields = (bits & 4) != 0;
             const bool held = (bits & 8) != 0;
-            const bool met[] = {true, turned, released, yields, held};
+            const bool met[] = {true, settled, released, yields, held};
             State next = state;
             for (const Row& row : table) {
               if (row.state == state && fits(row.p, seen) && fits(row.heard, heard) &&
@@ -277,7 +298,7 @@ class Resilient {
                 break;
               }
             }
-            all.next[index(state, seen, heard, turned, (bits & 2) != 0, yields, held)] = next;
+            all.next[index(state, seen, heard, settled, (bits & 2) != 0, yields, held)] = next;
           }
         }
       }
@@ -290,6 +311,8 @@ class Resilient {
   // The first age that is too old. Counters stop there: longer makes no difference.
   constexpr std::uint16_t stale() const { return static_cast<std::uint16_t>(times_.lease + 1); }
 
+  constexpr std::uint16_t most_ready() const { return static_cast<std::uint16_t>(times_.join + 1); }
+
   static constexpr std::uint16_t later(std::uint16_t since, std::uint16_t elapsed,
                                        std::uint16_t most) {
     return elapsed < most - since ? static_cast<std::uint16_t>(since + elapsed) : most;
@@ -298,6 +321,8 @@ class Resilient {
   constexpr void pass(std::uint16_t elapsed) {
     age_ = later(age_, elapsed, stale());
     since_asked_ = later(since_asked_, elapsed, stale());
+    since_ready_ = later(since_ready_, elapsed, most_ready());
+    since_moved_ = later(since_moved_, elapsed, times_.braking);
     since_turned_ = later(since_turned_, elapsed, stale());
     since_entered_ = later(since_entered_, elapsed, times_.hold);
     since_sent_ = later(since_sent_, elapsed, times_.beacon);
@@ -310,10 +335,13 @@ class Resilient {
 
   constexpr bool must_stop() const { return silence() || (partner_rests_ && known()); }
 
-  constexpr bool may_start(Sign sign) const {
-    if (silence() || sign != Sign::zero) return false;
-    const bool both_idle = state_ == State::idle && letter_ == Letter::tilt_down;
-    return !partner_rests_ || (known() && both_idle);
+  // At rest a robot is ready, or not; while a start is under way it is so for a little longer.
+  constexpr bool ready() const { return since_ready_ == 0 || (!rests_ && lately_ready()); }
+  constexpr bool lately_ready() const { return since_ready_ <= times_.join; }
+
+  constexpr bool may_start() const {
+    if (silence() || !partner_ready_) return false;
+    return partner_rests_ ? since_ready_ == 0 && known() : lately_ready();
   }
 
   Times times_;
@@ -322,8 +350,11 @@ class Resilient {
   bool yields_;
   bool rests_ = true;
   bool partner_rests_ = true;
-  std::uint16_t age_;                // of the newest beacon
-  std::uint16_t since_asked_ = 0;    // since the last step that said TiltUp; a boot may follow one
+  bool partner_ready_ = false;
+  std::uint16_t age_;              // of the newest beacon
+  std::uint16_t since_ready_;      // since it was linked, idle and p = 0
+  std::uint16_t since_asked_ = 0;  // since the last step that said TiltUp; a boot may follow one
+  std::uint16_t since_moved_ = 0;  // since the step that ended the last move; a boot may follow one
   std::uint16_t since_turned_ = 0;   // since the step at which it last started or stopped
   std::uint16_t since_entered_ = 0;  // since the state was entered
   std::uint16_t since_sent_;         // since the last beacon

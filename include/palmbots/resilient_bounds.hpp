@@ -16,14 +16,22 @@
 // its last one: hold = r (lease + 1 + W + K). It trusts no D: the echo has measured the Ack's age.
 // After a boot the same.
 //
+// braking. A robot says that a move is over, by TiltDown after (a) or Ack after (d), r K of its own
+// ticks after it has ended it: by then its wheels run at the nominal speed.
+//
 // Variant H's Tf and Ts, waits for messages under way to have died, are not needed: a robot waits for
 // the echo of its release instead, one round trip.
 //
 // skew. A robot that stops says so; its partner stops when it hears that, or when its lease is out:
 // what it hears later was sent by a robot that rests. So nobody travels alone for longer than
 // r (lease + 1) + W. Both palms are steep by then or on their way, so one of the contacts takes all
-// the shift: skew = speed × that time / cos(steepest palm). It starts within the zero zone or the
-// overrun next to it, or is being corrected; the rest of the palm is the room it has.
+// the shift: speed × that time / cos(steepest palm). It starts within the zero zone or the overrun next
+// to it, or is being corrected; or outside, by what whoever started first has shifted in `join`. The
+// skew is both; the rest of the palm is the room it has.
+//
+// join. Who starts first says so at once; the other hears it D later, in the tick after at the latest,
+// and was ready when the first one started: join = r D + 1. With less, contacts that were corrected
+// only to the edge of the zero zone could make the two start and stop without end.
 #pragma once
 
 #include <cmath>
@@ -77,15 +85,18 @@ struct Bounds {
     b.room = half - zero_zone_reach(spec);
     b.shortest_lease = 2 * (b.delay + beacon) + 2;
     const double longest =
-        shift > 0 ? std::floor((b.room / shift - b.skips) / b.clock_ratio - 1) : 60000;
+        shift > 0 ? std::floor((b.room / shift - b.skips) / b.clock_ratio - 1 - joining(b)) : 60000;
     b.longest_lease = smaller(longest, 60000);
     const double lease = spec.lease > 0 ? std::floor(spec.lease / spec.period + 1e-9)
                                         : usual_lease(b, beacon, spec.period);
     const double hold = std::ceil(b.clock_ratio * (lease + 1 + b.skips + b.braking));
     b.losses = std::floor((lease - b.shortest_lease) / beacon);
-    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold)};
+    const double braking = std::ceil(b.clock_ratio * b.braking);
+    const double join = joining(b);
+    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold), to_ticks(braking),
+               to_ticks(join)};
     b.alone = b.clock_ratio * (lease + 1) + b.skips;
-    b.skew = shift * b.alone;
+    b.skew = shift * (b.alone + b.clock_ratio * join);
     if (beacon < 1 || spec.beacon < spec.period * (1 - 1e-9)) {
       b.problem = Problem::beacon_too_short;
     } else if (lease < b.shortest_lease) {
@@ -99,6 +110,8 @@ struct Bounds {
  private:
   static constexpr double larger(double a, double b) { return a < b ? b : a; }
   static constexpr double smaller(double a, double b) { return b < a ? b : a; }
+
+  static double joining(const Bounds& b) { return std::ceil(b.clock_ratio * b.delay) + 1; }
 
   // Half a second, or as much more as six lost beacons in a row need, within the room there is.
   static constexpr double usual_lease(const Bounds& b, double beacon, double period) {

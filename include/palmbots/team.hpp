@@ -270,13 +270,14 @@ class Peers {
       const Resilient::Output out = robots_[side].step(hear(tick, side, sensed[side], elapsed));
       commands_[side] = out.command;
       letters_[side] = out.letter;
+      ready_[side] = out.ready;
       assisted_[side] = out.assists;
       sends[side] = out.send;
     }
     const bool collides = sends[left] && sends[right] && radio_.collide(tick);
     for (const std::size_t side : {left, right}) {
       if (!sends[side]) continue;
-      const Beacon beacon = ears_[side].beacon(letters_[side], robots_[side].rests());
+      const Beacon beacon = ears_[side].beacon(letters_[side], robots_[side].rests(), ready_[side]);
       const std::uint32_t received =
           radio_.post(inbox_[other(side)], tick, beacon, side, side, collides, traffic);
       log(Posted{tick, received, static_cast<std::uint8_t>(side),
@@ -313,8 +314,8 @@ class Peers {
       inbox_[side].pop();
     }
     const Beacon& newest = ear.newest();
-    return {sensed.sign,  sensed.turned, elapsed, news ? newest.letter : Letter::none,
-            newest.rests, ear.age()};
+    return {sensed.sign,  sensed.turned, elapsed,  news ? newest.letter : Letter::none,
+            newest.rests, newest.ready,  ear.age()};
   }
 
   // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
@@ -341,6 +342,7 @@ class Peers {
   PerSide<double> clock_{};  // ticks of theirs not yet stepped
   PerSide<Link<Beacon>> inbox_;
   PerSide<Letter> letters_{};
+  PerSide<bool> ready_{};
   PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
   Radio radio_;
   Faults faults_;

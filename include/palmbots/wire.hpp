@@ -87,15 +87,17 @@ inline constexpr std::size_t verdict_count = 10;
 
 constexpr std::uint8_t payload(Letter letter) { return static_cast<std::uint8_t>(letter); }
 
-// A beacon: its letter of the alphabet (ASCII), I, R, G, D or W, and in bit 7 whether the robot rests.
+// A beacon: its letter of the alphabet (ASCII), I, R, G, D or W; in bit 5, which makes it a small one,
+// whether the robot is ready to travel; and in bit 7 whether it rests.
 struct Beacon {
   char letter;
   bool rests;
+  bool ready;
 };
 
 constexpr std::uint8_t payload(const Beacon& beacon) {
-  return static_cast<std::uint8_t>(static_cast<unsigned>(beacon.letter) | unsigned{beacon.rests}
-                                                                              << 7);
+  return static_cast<std::uint8_t>(static_cast<unsigned>(beacon.letter) |
+                                   unsigned{beacon.ready} << 5 | unsigned{beacon.rests} << 7);
 }
 
 // Bits 0–1: sign + 1; bit 2: palm; bit 3: turned.
@@ -114,7 +116,7 @@ constexpr std::uint8_t payload(const Command& command) {
 constexpr Letter letter_of(std::uint8_t payload) { return static_cast<Letter>(payload); }
 
 constexpr Beacon beacon_of(std::uint8_t payload) {
-  return {static_cast<char>(payload & 0x7f), (payload >> 7) != 0};
+  return {static_cast<char>(payload & 0x5f), (payload >> 7) != 0, (payload >> 5 & 1) != 0};
 }
 
 constexpr Centralized::Report report_of(std::uint8_t payload) {

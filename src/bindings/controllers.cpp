@@ -28,13 +28,13 @@ constexpr const char* states[] = {"idle",      "a_or_b_request", "a_move",      
                                   "c_tilt_up", "c_wait_down",    "c_tilt_down", "d_tilt_up",
                                   "d_move",    "d_tilt_down"};
 static_assert(std::size(states) == Distributed::states);
-constexpr const char* resilient_states[] = {"idle",      "a_request", "a_move",     "b_tilt_up",
-                                            "c_tilt_up", "c_grant",   "c_withdraw", "c_tilt_down",
-                                            "d_tilt_up", "d_move",    "d_tilt_down"};
+constexpr const char* resilient_states[] = {"idle",        "a_request", "a_move",  "a_stop",
+                                            "b_tilt_up",   "c_tilt_up", "c_grant", "c_withdraw",
+                                            "c_tilt_down", "d_tilt_up", "d_move",  "d_tilt_down"};
 static_assert(std::size(resilient_states) == Resilient::states);
 constexpr const char* heard[] = {"any",   "tilt_up", "not_tilt_up", "ack",    "not_ack",
                                  "other", "steep",   "not_steep",   "silence"};
-constexpr const char* conditions[] = {"any", "turned", "released", "yields", "held"};
+constexpr const char* conditions[] = {"any", "settled", "released", "yields", "held"};
 
 template <class Enum, std::size_t n>
 std::string named(const char* const (&names)[n], Enum value) {

@@ -112,15 +112,17 @@ void bind_wire(nb::module_& m) {
       nb::arg("payload"), "A report: sign, palm, turned.");
   m.def(
       "wire_beacon",
-      [](char letter, bool rests) { return wire::payload(wire::Beacon{letter, rests}); },
-      nb::arg("letter"), nb::arg("rests"), "The payload of a beacon.");
+      [](char letter, bool rests, bool ready) {
+        return wire::payload(wire::Beacon{letter, rests, ready});
+      },
+      nb::arg("letter"), nb::arg("rests"), nb::arg("ready"), "The payload of a beacon.");
   m.def(
       "wire_beacon_of",
       [](std::uint8_t payload) {
         const auto beacon = wire::beacon_of(payload);
-        return std::tuple(std::string(1, beacon.letter), beacon.rests);
+        return std::tuple(std::string(1, beacon.letter), beacon.rests, beacon.ready);
       },
-      nb::arg("payload"), "A beacon: letter, rests.");
+      nb::arg("payload"), "A beacon: letter, rests, ready.");
   m.def(
       "wire_command",
       [](std::uint8_t palm, std::uint8_t move) {

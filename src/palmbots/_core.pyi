@@ -600,11 +600,11 @@ def wire_report(sign: int, palm: int, turned: bool) -> int:
 def wire_report_of(payload: int) -> tuple[int, int, bool]:
     """A report: sign, palm, turned."""
 
-def wire_beacon(letter: str, rests: bool) -> int:
+def wire_beacon(letter: str, rests: bool, ready: bool) -> int:
     """The payload of a beacon."""
 
-def wire_beacon_of(payload: int) -> tuple[str, bool]:
-    """A beacon: letter, rests."""
+def wire_beacon_of(payload: int) -> tuple[str, bool, bool]:
+    """A beacon: letter, rests, ready."""
 
 def wire_command(palm: int, move: int) -> int:
     """The payload of a command."""

@@ -81,6 +81,8 @@ class Beacon:
     letter: Literal["I", "R", "G", "D", "W"]
     rests: bool = False
     """The robot does not travel."""
+    ready: bool = False
+    """Nothing keeps the robot from travelling."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +235,7 @@ def _payload(body: Body) -> tuple[int, int]:
             return 4, _core.wire_command(palm, move)
         case Beacon():
             _index("letter of a beacon", _BEACONS, body.letter)
-            return 2, _core.wire_beacon(body.letter, bool(body.rests))
+            return 2, _core.wire_beacon(body.letter, bool(body.rests), bool(body.ready))
         case _:
             return 1, 1 + _index(
                 "body", _LETTERS, body, also=", or a Beacon, Report, Command or None"
@@ -248,8 +250,8 @@ def _body(kind: int, payload: int) -> Body:
         case "letter":
             return _LETTERS[payload - 1]
         case "beacon":
-            letter, rests = _core.wire_beacon_of(payload)
-            return Beacon(letter, rests)  # type: ignore[arg-type]
+            letter, rests, ready = _core.wire_beacon_of(payload)
+            return Beacon(letter, rests, ready)  # type: ignore[arg-type]
         case "report":
             sign, palm, turned = _core.wire_report_of(payload)
             return Report(_SIGNS[sign + 1], _PALMS[palm], turned)

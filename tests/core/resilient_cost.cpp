@@ -18,7 +18,7 @@ Resilient::Output resilient_step(Resilient& robot, const Resilient::Input& in) {
 int main(int count, char** words) {
   const auto steps = static_cast<std::uint32_t>(count > 1 ? std::atoi(words[1]) : 0);
   const auto only = static_cast<std::uint32_t>(count > 2 ? std::atoi(words[2]) : 0);
-  Resilient robot({5, 52, 69}, true);
+  Resilient robot({5, 52, 69, 6, 6}, true);
   int sum = 0;
   for (std::uint32_t i = 0; i < steps; ++i) {
     const Words w = draw(only, i, Stream::radio);
@@ -27,6 +27,7 @@ int main(int count, char** words) {
                               1,
                               static_cast<Letter>(w[2] % 6),
                               (w[2] >> 8) % 2 == 0,
+                              (w[2] >> 9) % 2 == 0,
                               static_cast<std::uint16_t>(w[3] % 60)};
     sum += resilient_step(robot, in).send ? 1 : 0;
   }

@@ -11,7 +11,7 @@ struct Told {
   using Sign = palmbots::Sign;
 
   // Where a robot is in its case.
-  enum Doing { nothing, ask, pull, yield, help, grant, withdraw, lower, rise, push, sink };
+  enum Doing { nothing, ask, pull, brake, yield, help, grant, withdraw, lower, rise, push, sink };
 
   palmbots::Resilient::Times times;
   bool lower_identity;
@@ -22,9 +22,12 @@ struct Told {
   long asked_at = 0;    // last instant at which I said TiltUp, or may have
   long changed_at = 0;  // first instant at which I stood, or travelled, as I do
   long entered_at = 0;
+  long ready_at = std::numeric_limits<long>::min() / 2;
+  long moved_at = 0;  // the instant that ended the last move, or may have
   long said_at = std::numeric_limits<long>::min() / 2;
   Letter newest = Letter::none;
   bool partner_stands = true;
+  bool partner_ready = false;
 
   Told(palmbots::Resilient::Times t, bool lower_id, bool assisted)
       : times(t), lower_identity(lower_id), now(assisted ? withdraw : lower) {}
@@ -33,7 +36,8 @@ struct Told {
     switch (doing) {
       case nothing: return Letter::tilt_down;
       case ask:
-      case pull: return Letter::tilt_up;
+      case pull:
+      case brake: return Letter::tilt_up;
       case grant: return Letter::ack;
       case rise:
       case push:
@@ -54,7 +58,8 @@ struct Told {
     return nothing;
   }
 
-  Doing next(Sign p, bool turned) const {
+  Doing next(Sign p, bool palm_turned) const {
+    const bool turned = palm_turned && clock - moved_at >= times.braking;
     const bool fresh = clock - heard_at <= times.lease;
     const bool asked = fresh && newest == Letter::tilt_up;
     const bool granted = fresh && newest == Letter::ack;
@@ -65,9 +70,11 @@ struct Told {
       case ask:
         if (granted && turned) return pull;
         return asked && lower_identity ? yield : ask;
-      case pull:
-        if (p != Sign::positive) return nothing;
-        return granted ? pull : ask;
+      case pull: return p == Sign::positive && granted ? pull : brake;
+      case brake:
+        if (p == Sign::positive && granted) return pull;
+        if (!turned) return brake;
+        return p == Sign::positive ? ask : nothing;
       case yield:
       case help:
         if (!asked) return lower;
@@ -86,9 +93,10 @@ struct Told {
         return turned ? nothing : lower;
       case rise:
         if (!fresh) return sink;
+        if (asked) return help;
         return turned && partner_steep ? push : rise;
       case push:
-        if (p != Sign::negative) return asked ? grant : sink;
+        if (p != Sign::negative) return asked ? help : sink;
         return partner_steep ? push : rise;
       case sink:
         if (asked && p != Sign::positive) return help;
@@ -104,20 +112,26 @@ struct Told {
     if (in.letter != Letter::none) {
       newest = in.letter;
       partner_stands = in.rests;
+      partner_ready = in.ready;
       heard_at = clock - in.age;
     }
     const Doing before = now;
     const bool stood = standing;
+    if (now == pull || now == push) moved_at = clock;
     now = next(in.sign, in.turned);
     if (now != before) entered_at = clock;
     if (word(now) == Letter::tilt_up) asked_at = clock;
     const bool fresh = clock - heard_at <= times.lease;
     const bool partner_knows = heard_at >= changed_at;
+    if (fresh && now == nothing && in.sign == Sign::zero) ready_at = clock;
+    const bool ready = ready_at == clock;
+    const bool was_ready = clock - ready_at <= times.join;
     if (!fresh) {
       standing = true;
     } else if (standing) {
-      const bool both_ready = now == nothing && newest == Letter::tilt_down && partner_knows;
-      if (in.sign == Sign::zero && (!partner_stands || both_ready)) standing = false;
+      const bool first = ready && partner_stands && partner_knows;
+      const bool second = was_ready && !partner_stands;
+      if (partner_ready && (first || second)) standing = false;
     } else if (partner_stands && partner_knows) {
       standing = true;
     }
@@ -128,6 +142,7 @@ struct Told {
     const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
     return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
             word(now),
+            ready || (!standing && was_ready),
             say,
             now == grant || now == withdraw};
   }

@@ -19,7 +19,7 @@ struct Seen {
 };
 
 bool same(const Resilient::Output& a, const Resilient::Output& b) {
-  return a.command == b.command && a.letter == b.letter && a.send == b.send &&
+  return a.command == b.command && a.letter == b.letter && a.ready == b.ready && a.send == b.send &&
          a.assists == b.assists;
 }
 
@@ -38,6 +38,7 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
     in.elapsed = static_cast<std::uint16_t>(w[2] % 64 == 4 ? 1 + (w[2] >> 8) % 9 : 1);
     in.letter = static_cast<Letter>((w[3] & 0xFF) % 6);
     in.rests = (w[3] >> 8) % 4 == 0;
+    in.ready = (w[3] >> 10) % 4 != 0;
     const std::uint32_t spread = fresh ? times.lease + 1U : 3U * times.lease;
     in.age = static_cast<std::uint16_t>((w[3] >> 16) % spread);
     if (w[1] % 1024 == 1) in.age = ageless;
@@ -55,7 +56,8 @@ void test_like_the_telling() {
   Seen seen;
   std::uint64_t seed = 0;
   for (const Resilient::Times times :
-       {Resilient::Times{1, 2, 3}, Resilient::Times{5, 50, 67}, Resilient::Times{3, 9, 4}}) {
+       {Resilient::Times{1, 2, 3, 0, 0}, Resilient::Times{5, 50, 67, 6, 6},
+        Resilient::Times{3, 9, 4, 1, 2}}) {
     for (const bool yields : {false, true}) {
       for (const bool assisted : {false, true}) {
         for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
@@ -75,8 +77,8 @@ void test_like_the_telling() {
 
 // Counters stop, they do not wrap: a robot left alone for days is as silent as after a second.
 void test_counters_do_not_wrap() {
-  Resilient robot({5, 50, 67}, false);
-  Resilient::Input in{Sign::zero, true, 60000, Letter::none, true, 0};
+  Resilient robot({5, 50, 67, 6, 6}, false);
+  Resilient::Input in{Sign::zero, true, 60000, Letter::none, true, false, 0};
   for (int i = 0; i < 100; ++i) {
     const auto out = robot.step(in);
     CHECK(robot.silence() && out.command.rest && out.send);
@@ -89,7 +91,7 @@ void test_ear() {
   ear.tick(10);
   CHECK(ear.age() == ageless);
   const auto beacon = [](std::uint16_t epoch, std::uint32_t tick, Stamp heard) {
-    return Beacon{Letter::ack, false, {epoch, tick}, heard};
+    return Beacon{Letter::ack, false, false, {epoch, tick}, heard};
   };
   CHECK(ear.take(beacon(1, 5, {})));
   CHECK(ear.age() == ageless);  // it has not heard me
@@ -109,9 +111,11 @@ void test_ear() {
   ear.tick(60000);
   CHECK(ear.take(beacon(2, 3, {1, 13})));
   CHECK(ear.age() == ageless);  // longer ago than can be told
-  const Beacon mine = ear.beacon(Letter::tilt_up, true);
+  const Beacon mine = ear.beacon(Letter::tilt_up, true, false);
   CHECK(mine.sent.epoch == 1 && mine.sent.tick == 120013);
-  CHECK(mine.heard.epoch == 2 && mine.heard.tick == 3 && mine.rests);
+  CHECK(mine.heard.epoch == 2 && mine.heard.tick == 3 && mine.rests && !mine.ready);
+  CHECK(!ear.beacon(Letter::tilt_down, false, true).rests);
+  CHECK(ear.beacon(Letter::tilt_down, false, true).ready);
   // After a boot, what echoes the life before is no answer.
   Ear booted(2);
   CHECK(booted.take(beacon(2, 4, {1, 13})) && booted.age() == ageless);

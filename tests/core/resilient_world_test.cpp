@@ -20,6 +20,8 @@ namespace {
 constexpr int tilt = 4;  // ticks that a palm takes to turn
 constexpr int zone = 2;  // |p| up to this reads 0 [cells]
 constexpr std::uint16_t beacon = 2;
+constexpr int braking =
+    3;  // ticks that wheels run on after a move; not those of a robot that reboots
 constexpr std::uint16_t lease = 18;  // 2 (D + B) + 2 with D = 3, and three lost beacons
 
 struct Packet {
@@ -38,7 +40,9 @@ struct Broken {
 class World {
  public:
   World(std::uint64_t seed, std::uint16_t hold)
-      : seed_(seed), times_{beacon, lease, hold}, robots_{make(left, false), make(right, false)} {}
+      : seed_(seed),
+        times_{beacon, lease, hold, braking, 4},
+        robots_{make(left, false), make(right, false)} {}
 
   void run(std::uint32_t ticks, bool faults, Broken& broken) {
     for (std::uint32_t end = tick_ + ticks; tick_ < end; ++tick_) tick(faults, broken);
@@ -72,6 +76,7 @@ class World {
       if (faults && random(400) == 0) {
         robots_[s] = make(s, out_[s].assists);
         ears_[s] = Ear(++epoch_[s]);
+        runs_on_[s] = 0;
       }
       if (faults && random(200) == 0) p_[s] += static_cast<int>(random(9)) - 4;
       step(s, faults);
@@ -95,15 +100,22 @@ class World {
     const Beacon& newest = ears_[s].newest();
     const Sign sign = p_[s] > zone ? Sign::positive : p_[s] < -zone ? Sign::negative : Sign::zero;
     out_[s] = robots_[s].step({sign, raised_[s] == goal_[s], 1, news ? newest.letter : Letter::none,
-                               newest.rests, ears_[s].age()});
+                               newest.rests, newest.ready, ears_[s].age()});
     goal_[s] = out_[s].command.palm == Palm::shallow ? tilt : 0;
+    if (out_[s].command.move != Move::hold) {
+      wheels_[s] = out_[s].command.move;
+      runs_on_[s] = braking;
+    } else if (runs_on_[s]-- <= 0) {
+      wheels_[s] = Move::hold;
+      runs_on_[s] = 0;
+    }
     if (!out_[s].send) return;
     for (int copy = 0; copy < 2; ++copy) {
       if (copy == 1 && (!faults || random(10) != 0)) break;
       if (faults && random(100) < loss_[s]) continue;
       const std::uint32_t delay = faults && random(10) == 0 ? 1 + random(60) : 1 + random(3);
       air_[other(s)].push_back(
-          {tick_ + delay, ears_[s].beacon(out_[s].letter, robots_[s].rests())});
+          {tick_ + delay, ears_[s].beacon(out_[s].letter, robots_[s].rests(), out_[s].ready)});
     }
   }
 
@@ -116,12 +128,12 @@ class World {
   }
 
   void judge(Broken& broken) {
-    const Move l = out_[left].command.move;
-    const Move r = out_[right].command.move;
+    const Move l = wheels_[left];
+    const Move r = wheels_[right];
     broken.away_against_closer +=
         (l == Move::away && r == Move::closer) || (r == Move::away && l == Move::closer) ? 1 : 0;
     for (const std::size_t s : {left, right}) {
-      const Move move = out_[s].command.move;
+      const Move move = wheels_[s];
       const std::size_t o = other(s);
       if (move == Move::away && (raised_[s] != 0 || raised_[o] != tilt)) ++broken.away_unassisted;
       if (move == Move::closer && raised_[o] != 0 && !by_d_[o]) ++broken.closer_unsafe;
@@ -136,7 +148,7 @@ class World {
   void move() {
     if (tick_ % 6 != 0) return;
     for (const std::size_t s : {left, right}) {
-      if (out_[s].command.move != Move::hold) slide(out_[s].command.move == Move::closer);
+      if (wheels_[s] != Move::hold) slide(wheels_[s] == Move::closer);
     }
     if (robots_[left].rests() != robots_[right].rests()) {
       slide(robots_[right].rests());  // the right robot leads
@@ -160,6 +172,8 @@ class World {
   PerSide<Ear> ears_{Ear(1), Ear(1)};
   PerSide<std::uint16_t> epoch_{1, 1};
   PerSide<Resilient::Output> out_{};
+  PerSide<Move> wheels_{};           // what they do
+  PerSide<int> runs_on_{};           // for so many ticks more
   PerSide<std::deque<Packet>> air_;  // to each robot
   PerSide<std::uint32_t> loss_{};    // of what each robot sends, in percent
   PerSide<int> p_{};
@@ -193,7 +207,7 @@ Broken explore(std::uint16_t hold, int worlds) {
 }  // namespace
 
 int main() {
-  const Broken safe = explore(lease + 1, 3000);
+  const Broken safe = explore(lease + 1 + braking, 3000);
   CHECK(safe.away_against_closer == 0);
   CHECK(safe.away_unassisted == 0);
   CHECK(safe.closer_unsafe == 0);

@@ -36,7 +36,8 @@ inline std::vector<Packet> all_sayings() {
   }
   for (const auto& [from, to] : {std::pair{l, r}, std::pair{r, l}}) {
     say(Kind::letter, from, to, {1, 2, 3});
-    say(Kind::beacon, from, to, {'I', 'R', 'G', 'D', 'W', 0xC9, 0xD2, 0xC7, 0xC4, 0xD7});
+    say(Kind::beacon, from, to, {'I',  'R',  'G',  'D',  'W',  'i',  'r',  'g',  'd',  'w',
+                                 0xC9, 0xD2, 0xC7, 0xC4, 0xD7, 0xE9, 0xF2, 0xE7, 0xE4, 0xF7});
   }
   for (const Role robot : {l, r}) {
     say(Kind::report, robot, s, {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14});

@@ -40,7 +40,7 @@ void test_layout_has_no_gaps() {
 
 void test_everything_that_can_be_said_comes_across() {
   const auto packets = all_sayings();
-  CHECK(packets.size() == 6 + 2 * (3 + 10) + 2 * (12 + 6));
+  CHECK(packets.size() == 6 + 2 * (3 + 20) + 2 * (12 + 6));
   for (const Packet& packet : packets) {
     const Decoded decoded = decode(encoded(packet), test_key, test_pair, packet.receiver);
     CHECK(decoded.verdict == Verdict::accepted);
@@ -116,9 +116,12 @@ void test_payloads_and_back() {
   }
   for (const char letter : {'I', 'R', 'G', 'D', 'W'}) {
     for (const bool rests : {false, true}) {
-      const auto byte = payload(Beacon{letter, rests});
-      CHECK(means(Kind::beacon, byte));
-      CHECK(beacon_of(byte).letter == letter && beacon_of(byte).rests == rests);
+      for (const bool ready : {false, true}) {
+        const auto byte = payload(Beacon{letter, rests, ready});
+        CHECK(means(Kind::beacon, byte));
+        const auto [said, at_rest, at_ready] = beacon_of(byte);
+        CHECK(said == letter && at_rest == rests && at_ready == ready);
+      }
     }
   }
   for (const Palm palm : {Palm::steep, Palm::shallow}) {
