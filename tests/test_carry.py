@@ -152,7 +152,8 @@ def check_loop(scene: Scene, rows: dict[str, np.ndarray], slack: float) -> None:
     width = math.hypot(rx - lx, ry - ly)
     outward = np.array([-1, 1])
     angle, p = rows["palm"], rows["contact"]
-    offset = np.array([scene.palm_of(side).pivot_offset_m for side in ("left", "right")])
+    offsets = [scene.palm_of(side).pivot_offset_m for side in ("left", "right")]
+    offset = np.array(offsets) + rows["lift"]  # of the vertices from the pivots
     x = outward * (p * np.cos(angle) - offset * np.sin(angle))
     y = p * np.sin(angle) + offset * np.cos(angle)
     dx = rows["separation"] + x[:, 1] - x[:, 0]
