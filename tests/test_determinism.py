@@ -25,8 +25,8 @@ PINNED = {
     ("centralized", "float"): "6bc14f637b157e37",
     ("distributed", "double"): "c360153ac0c6c44c",
     ("distributed", "float"): "33c7186ea778af7a",
-    ("resilient", "double"): "d008a4e7ff283e1f",
-    ("resilient", "float"): "60d1437cae044f48",
+    ("resilient", "double"): "ccbcc9d25b43ef2d",
+    ("resilient", "float"): "d2e99a2b42e43e55",
 }
 
 # Everything that a scene can switch on.

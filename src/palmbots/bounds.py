@@ -36,7 +36,7 @@ class Bounds:
     alone_s: float
     """The longest that one robot travels while the other rests, whatever the radio does."""
     skew_m: float
-    """By how much that shifts a contact at most, besides noise."""
+    """By how much that, and a start one after the other, shift a contact at most, besides noise."""
     room_m: float
     """From the zero zone to the end of the palm."""
 
