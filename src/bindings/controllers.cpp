@@ -165,26 +165,27 @@ void bind_controllers(nb::module_& m) {
   nb::class_<Resilient>(m, "Resilient", "The resilient distributed algorithm, one robot.")
       .def(
           "__init__",
-          [](Resilient* self, std::uint16_t lease, std::uint16_t hold, bool yields) {
-            new (self) Resilient({1, lease, hold}, yields);
-          },
-          nb::arg("lease"), nb::arg("hold"), nb::arg("yields"),
-          "Times in ticks; a beacon goes out every tick.")
+          [](Resilient* self, std::uint16_t lease, std::uint16_t hold, std::uint16_t join,
+             bool yields) { new (self) Resilient({1, lease, hold, 0, join}, yields); },
+          nb::arg("lease"), nb::arg("hold"), nb::arg("join"), nb::arg("yields"),
+          "Times in ticks; a beacon goes out every tick, and wheels stop at once.")
       .def(
           "step",
-          [](Resilient& self, int sign, bool turned, int letter, bool rests, std::uint16_t age) {
+          [](Resilient& self, int sign, bool turned, int letter, bool rests, bool ready,
+             std::uint16_t age) {
             if (sign < -1 || sign > 1 || letter < 0 || letter > 5) {
               throw std::out_of_range("sign is -1, 0 or 1; letter is 0 to 5");
             }
-            const auto out = self.step(
-                {static_cast<Sign>(sign), turned, 1, static_cast<Letter>(letter), rests, age});
+            const auto out = self.step({static_cast<Sign>(sign), turned, 1,
+                                        static_cast<Letter>(letter), rests, ready, age});
             return std::tuple(static_cast<int>(out.command.palm),
                               static_cast<int>(out.command.move), static_cast<int>(out.letter),
-                              out.command.rest);
+                              out.command.rest, out.ready);
           },
-          nb::arg("sign"), nb::arg("turned"), nb::arg("letter"), nb::arg("rests"), nb::arg("age"),
+          nb::arg("sign"), nb::arg("turned"), nb::arg("letter"), nb::arg("rests"), nb::arg("ready"),
+          nb::arg("age"),
           "One tick with what a new beacon said and how old it may be (letter 0: none came); "
-          "returns (palm, move, letter, rest).")
+          "returns (palm, move, letter, rest, ready).")
       .def("__copy__", [](const Resilient& self) { return self; })
       .def_prop_ro("memory", &memory<Resilient>, "All that it remembers.")
       .def_prop_ro("name", [](const Resilient& self) { return nb::str(&self.now().name, 1); });

@@ -197,19 +197,21 @@ class _Resilient(_Pair):
     """The resilient algorithm, a beacon each turn.
 
     It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
-    age of its echo); for each how many turns ago it sent the newest beacon that the other has
+    ready, age of its echo); for each how many turns ago it sent the newest beacon that the other has
     heard; and what each said last. Ages are in turns of the robot whose clock counts them
     (palmbots/beacon.hpp).
     """
 
     # As resilient_bounds.hpp has it: 2 (delay + beacon) + 2 ticks, each of them 1, and one turn
-    # that the other robot may be ahead.
+    # that the other robot may be ahead. Wheels stop at once.
     lease = 7
     hold = lease + 1 + 1
+    join = 1 + 1
 
     def __init__(self) -> None:
         self._robots = tuple(
-            _Machine(_core.Resilient(self.lease, self.hold, yields)) for yields in (True, False)
+            _Machine(_core.Resilient(self.lease, self.hold, self.join, yields))
+            for yields in (True, False)
         )
 
     def begin(self) -> Any:
@@ -233,14 +235,14 @@ class _Resilient(_Pair):
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, mail, known, said = minds
         known = _both(known, robot, min(known[robot] + 1, self.lease + 1))
-        letter, rests, echo = mail[robot] or (0, False, self.lease)
+        letter, rests, ready, echo = mail[robot] or (0, False, False, self.lease)
         if mail[robot] is not None:  # so the partner's newest beacon is known here from now on
             known = _both(known, 1 - robot, 0)
         age = min(echo + 1, self.lease + 1)
-        memory, (palm, move, says, rest) = self._robots[robot].step(
-            robots[robot], sign, turned, letter, rests, age
+        memory, (palm, move, says, rest, willing) = self._robots[robot].step(
+            robots[robot], sign, turned, letter, rests, ready, age
         )
-        beacon = (says, rest, known[1 - robot])
+        beacon = (says, rest, willing, known[1 - robot])
         mail = _both(_both(mail, robot, None), 1 - robot, beacon)
         news = _LETTERS[says] if says != said[robot] else ""
         after = _both(robots, robot, memory), mail, known, _both(said, robot, says)
