@@ -475,12 +475,12 @@ class Distributed:
 class Resilient:
     """The resilient distributed algorithm, one robot."""
 
-    def __init__(self, lease: int, hold: int, yields: bool) -> None:
-        """Times in ticks; a beacon goes out every tick."""
+    def __init__(self, lease: int, hold: int, join: int, yields: bool) -> None:
+        """Times in ticks; a beacon goes out every tick, and wheels stop at once."""
 
-    def step(self, sign: int, turned: bool, letter: int, rests: bool, age: int) -> tuple[int, int, int, bool]:
+    def step(self, sign: int, turned: bool, letter: int, rests: bool, ready: bool, age: int) -> tuple[int, int, int, bool, bool]:
         """
-        One tick with what a new beacon said and how old it may be (letter 0: none came); returns (palm, move, letter, rest).
+        One tick with what a new beacon said and how old it may be (letter 0: none came); returns (palm, move, letter, rest, ready).
         """
 
     def __copy__(self) -> Resilient: ...
