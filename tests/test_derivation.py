@@ -223,6 +223,14 @@ def test_the_wrong_palm() -> None:
     assert (1, 1) not in done.sources["a"]
 
 
+def test_a_move_that_never_ends_gives_no_rule() -> None:
+    """Closing does not bring a positive contact to 0."""
+    move = Move("closer", (Until(0, "≤"),))
+    done = derive(changed(1, tilt=0, moves=(move,)))
+    assert "case 1, move 1 never ends: it does not bring about p_L ≤ 0" in done.findings
+    assert sorted(done.rules) == ["a", "d"]
+
+
 def test_without_a_palm_up_the_guard_stays() -> None:
     done = derive(changed(3, tilt=None))
     guard = next(g for g in done.guards if g.case == 3)

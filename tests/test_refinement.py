@@ -250,3 +250,42 @@ def test_the_memory_of_a_controller_tells_its_states_apart(make: Any, seen: Any)
 def test_what_the_resilient_step_refuses(seen: tuple[int, bool, int, bool, int]) -> None:
     with pytest.raises(IndexError, match=r"sign is -1, 0 or 1; letter is 0 to 5"):
         _core.Resilient(7, 9, True).step(*seen)
+
+
+def closing(robot: int, signs: tuple[int, int], palms: Palms, **changes: Any) -> str | None:
+    """The permission of a motion of a robot in (d), both robots there if not said otherwise."""
+    told: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}
+    motion = Motion(signs, palms, told["direction"], False)
+    turn = Turn(robot, (0, 0), told["cases"], palms, motion, told["begins"], "")
+    return Permissions(POLICY).level(turn, motion)
+
+
+def test_what_nothing_orders_is_permitted_and_no_more() -> None:
+    up: Palms = ("shallow", "shallow")
+    assert closing(0, (-1, 0), up) == "at once"
+    assert closing(0, (-1, 0), ("shallow", "turning")) == "at once"
+    assert closing(0, (-1, 0), ("turning", "shallow")) is None, "its own palm is not up"
+    assert closing(0, (-1, 0), up, direction="away") is None
+    assert closing(0, (-1, 0), up, cases=("d", "c")) is None, "the other robot is in no rule"
+    assert closing(0, (-1, 0), up, cases=("d", "a")) is None, "letters order these"
+    assert closing(0, (0, -1), up) == "begun"
+    assert closing(0, (0, -1), up, begins=False) is None, "not its first cell"
+    assert closing(0, (1, -1), up) is None, "beyond 0"
+
+
+@pytest.mark.parametrize("other", ["distributed", "resilient"])
+def test_a_pair_that_fights_is_told_so(other: str) -> None:
+    """Wheels that drive against each other are a fight, by the state that the pair is in."""
+    system: Any = system_of(other)
+    idle = system.start((0, -1))
+    fights = set()
+    seen, queue = {idle}, [idle]
+    for state in queue:
+        opposed = state._replace(wheels=(1, state.wheels[1]))
+        for turn, after in system.after(state):
+            if turn.robot == 1 and turn.motion is not None:
+                fights |= {t.motion.fights for t, _ in system.after(opposed) if t.robot == 1}
+            if after not in seen and len(seen) < 500:
+                seen.add(after)
+                queue.append(after)
+    assert fights == {True}
