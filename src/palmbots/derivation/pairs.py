@@ -197,8 +197,8 @@ class _Resilient(_Pair):
     """The resilient algorithm, a beacon each turn.
 
     It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
-    ready, age of its echo); for each how many turns ago it sent the newest beacon that the other has
-    heard; and what each said last. Ages are in turns of the robot whose clock counts them
+    ready, age of its echo); for each how many turns ago it sent the newest beacon that the other
+    has heard; and what each said last. Ages are in turns of the robot whose clock counts them
     (palmbots/beacon.hpp).
     """
 
