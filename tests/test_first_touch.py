@@ -67,9 +67,9 @@ def test_it_is_the_boundary_of_touching(scene: dict) -> None:
     assert touch.angles_rad[1 - side] == pytest.approx(nearest.angles_rad[1 - side])
     sunk = []
     for turn in (-1e-5, 1e-5):
-        angles = list(touch.angles_rad)
-        angles[side] += turn
-        sunk.append(max(_core.contacts(spec, tuple(angles), touch.contacts_m)[2]))
+        left, right = touch.angles_rad
+        angles = (left + turn, right) if side == 0 else (left, right + turn)
+        sunk.append(max(_core.contacts(spec, angles, touch.contacts_m)[2]))
     assert min(sunk) == 0 < max(sunk)
     assert len(touch.contacts) > 2
     # How far it was turned: no less than the margin says, for the object turns with the palm.

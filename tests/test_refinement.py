@@ -231,7 +231,7 @@ def test_robots_that_let_go_drop_the_object() -> None:
 MINDS: list[tuple[Any, Any]] = [
     (_core.Distributed, (1, 0, True)),
     (_core.Centralized, ((1, 0, True), (0, 0, True))),
-    (lambda: _core.Resilient(7, 9, True), (0, True, TILT_DOWN, False, 2)),
+    (lambda: _core.Resilient(7, 9, 2, True), (0, True, TILT_DOWN, False, False, 2)),
 ]
 
 
@@ -246,10 +246,10 @@ def test_the_memory_of_a_controller_tells_its_states_apart(make: Any, seen: Any)
     assert robot.memory == twin.memory
 
 
-@pytest.mark.parametrize("seen", [(2, True, 0, False, 2), (0, True, 6, False, 2)])
-def test_what_the_resilient_step_refuses(seen: tuple[int, bool, int, bool, int]) -> None:
+@pytest.mark.parametrize("seen", [(2, True, 0, False, False, 2), (0, True, 6, False, False, 2)])
+def test_what_the_resilient_step_refuses(seen: tuple[int, bool, int, bool, bool, int]) -> None:
     with pytest.raises(IndexError, match=r"sign is -1, 0 or 1; letter is 0 to 5"):
-        _core.Resilient(7, 9, True).step(*seen)
+        _core.Resilient(7, 9, 2, True).step(*seen)
 
 
 def closing(robot: int, signs: tuple[int, int], palms: Palms, **changes: Any) -> str | None:
