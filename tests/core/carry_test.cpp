@@ -93,7 +93,7 @@ void test_no_allocation_by_any_team() {
       test_no_allocation(spec, seed, Unattended{});
       test_no_allocation(spec, seed, Station(channel, seed, right));
       test_no_allocation(spec, seed, Pair<Distributed>({}, channel, seed, right));
-      test_no_allocation(spec, seed, Peers({5, 52, 69}, {}, channel, seed, right));
+      test_no_allocation(spec, seed, Peers({5, 52, 69, 6, 6}, {}, channel, seed, right));
     }
   }
 }
