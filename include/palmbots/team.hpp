@@ -1,17 +1,15 @@
-// How controllers and radio are wired together: two robots that exchange letters, two that broadcast
-// beacons, or two and a station. A carry gives a team the signs and the state of the palms every tick
+// How controllers and radio are wired together: two robots that exchange letters, or two and a station
+// (two that broadcast beacons: peers.hpp). A carry gives a team the signs and the state of the palms every tick
 // and gets commands.
 #pragma once
 
 #include <concepts>
 #include <utility>
 
-#include "palmbots/beacon.hpp"
 #include "palmbots/faults.hpp"
 #include "palmbots/policy.hpp"
 #include "palmbots/protocol.hpp"
 #include "palmbots/radio.hpp"
-#include "palmbots/resilient.hpp"
 #include "palmbots/side.hpp"
 
 namespace palmbots {
@@ -240,110 +238,6 @@ class Pair {
   bool settled_ = false;         // the last step changed nothing
   PerSide<Link<Letter>> inbox_;  // of each robot
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Radio radio_;
-  Faults faults_;
-};
-
-// Two robots that broadcast beacons to each other, on leases (resilient.hpp).
-class Peers {
- public:
-  static constexpr bool half_moves = false;
-  Traffic traffic{};
-
-  Peers(Resilient::Times times, PerSide<double> clock_drift, const Channel& channel,
-        std::uint64_t seed, std::size_t leader, const Faults& faults = {})
-      : times_(times),
-        robots_{robot(times, left, leader), robot(times, right, leader)},
-        rate_{1 + clock_drift[left], 1 + clock_drift[right]},
-        radio_(channel, seed, leader),
-        faults_(faults) {}
-
-  template <class Log>
-  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
-    PerSide<bool> sends{};
-    for (const std::size_t side : {left, right}) {
-      clock_[side] += rate_[side];
-      if (faults_.any() && !runs(tick, side)) continue;
-      const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
-      if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
-      clock_[side] -= elapsed;
-      const Resilient::Output out = robots_[side].step(hear(tick, side, sensed[side], elapsed));
-      commands_[side] = out.command;
-      letters_[side] = out.letter;
-      ready_[side] = out.ready;
-      assisted_[side] = out.assists;
-      sends[side] = out.send;
-    }
-    const bool collides = sends[left] && sends[right] && radio_.collide(tick);
-    for (const std::size_t side : {left, right}) {
-      if (!sends[side]) continue;
-      const Beacon beacon = ears_[side].beacon(letters_[side], robots_[side].rests(), ready_[side]);
-      const std::uint32_t received =
-          radio_.post(inbox_[other(side)], tick, beacon, side, side, collides, traffic);
-      log(Posted{tick, received, static_cast<std::uint8_t>(side),
-                 static_cast<std::uint8_t>(other(side)), beacon.letter});
-    }
-    return commands_;
-  }
-
-  char name(std::size_t side) const { return robots_[side].now().name; }
-  bool waits(std::size_t side) const { return robots_[side].now().waits; }
-  Letter awaits(std::size_t side) const { return waits(side) ? Letter::ack : Letter::none; }
-  Activity activity(std::size_t side) const { return activity_of(name(side), side); }
-  const Resilient& robot(std::size_t side) const { return robots_[side]; }
-
- private:
-  // The follower is the one that yields, wherever it stands.
-  static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
-                         bool assisted = false) {
-    return Resilient(times, side != leader, assisted);
-  }
-
-  // Everything that has arrived goes through the ear; the controller gets the newest.
-  Resilient::Input hear(std::uint32_t tick, std::size_t side, const Sensed& sensed,
-                        std::uint16_t elapsed) {
-    Ear& ear = ears_[side];
-    ear.tick(elapsed);
-    LinkCounts& counts = traffic.links[other(side)];
-    bool news = false;
-    while (const Beacon* beacon = inbox_[side].oldest(tick)) {
-      const bool newer = ear.take(*beacon);
-      counts.rejected += newer ? 0 : 1;
-      counts.late += newer && ear.age() > times_.lease ? 1 : 0;
-      news = news || newer;
-      inbox_[side].pop();
-    }
-    const Beacon& newest = ear.newest();
-    return {sensed.sign,  sensed.turned, elapsed,  news ? newest.letter : Letter::none,
-            newest.rests, newest.ready,  ear.age()};
-  }
-
-  // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
-  bool runs(std::uint32_t tick, std::size_t side) {
-    const Host host = faults_.host(tick, side);
-    if (host == Host::off) {
-      inbox_[side].drop(tick);
-      commands_[side] = switched_off(commands_[side]);
-    }
-    if (host == Host::boots) {
-      robots_[side] = robot(times_, side, radio_.leader(), assisted_[side]);
-      ears_[side] = Ear(++epoch_[side]);
-      clock_[side] = 1;
-    }
-    return host == Host::runs || host == Host::boots;
-  }
-
-  Resilient::Times times_;
-  PerSide<Resilient> robots_;
-  PerSide<std::uint16_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
-  PerSide<bool> assisted_{};
-  PerSide<Ear> ears_{Ear(1), Ear(1)};
-  PerSide<double> rate_;     // of the robots' clocks
-  PerSide<double> clock_{};  // ticks of theirs not yet stepped
-  PerSide<Link<Beacon>> inbox_;
-  PerSide<Letter> letters_{};
-  PerSide<bool> ready_{};
-  PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
   Radio radio_;
   Faults faults_;
 };

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <utility>
 
+#include "palmbots/peers.hpp"
 #include "palmbots/resilient_bounds.hpp"
 #include "palmbots/setup.hpp"
-#include "palmbots/team.hpp"
 
 namespace palmbots {
 

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "check.hpp"
+#include "palmbots/peers.hpp"
 #include "palmbots/recorder.hpp"
 #include "paper_spec.hpp"
 
