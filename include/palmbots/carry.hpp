@@ -112,15 +112,18 @@ class Carry {
   friend class Lockstep;
 
   // The team runs, and what it commands is obeyed. Between two calls every tick would be the same: the
-  // robots sense what they sensed, and the team has nothing to do by itself.
-  void think(const PerSide<Sensed>& sensed) {
+  // robots sense what they sensed, and the team has nothing to do by itself. Tells whether the commands
+  // are new.
+  bool think(const PerSide<Sensed>& sensed) {
     sensed_ = sensed;
     const PerSide<Command> commands =
         team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
     wake_ = wake_of(team_, tick_);
-    if (commands != commands_) [[unlikely]]
+    const bool are_new = commands != commands_;
+    if (are_new) [[unlikely]]
       obey(commands);
     metrics_.note(tick_, team_);
+    return are_new;
   }
 
   // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the

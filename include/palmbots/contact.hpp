@@ -32,6 +32,12 @@ struct Cone {
   Edge<Real> down;
 };
 
+// The upper edge; with −μ the lower one.
+template <class Real>
+constexpr Edge<Real> leading_edge(SinCos<Real> palm, Real friction) {
+  return {palm.sin + friction * palm.cos, palm.cos - friction * palm.sin};
+}
+
 template <class Real>
 constexpr Cone<Real> friction_cone(SinCos<Real> palm, Real friction) {
   return {{palm.sin + friction * palm.cos, palm.cos - friction * palm.sin},

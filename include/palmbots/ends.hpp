@@ -45,19 +45,19 @@ struct Rig : Fixture<Real> {
 template <class Real>
 struct Statics {
   PerSide<Cone<Real>> cones;
-  Tie<Real> left_up;   // upper end left against lower end right: held while ≥ 0
-  Tie<Real> right_up;  // lower end left against upper end right: held while ≤ 0
 
   static constexpr Statics at(const Rig<Real>& rig, const PerSide<PalmAngle<Real>>& palms) {
     Statics s{};
     for (const std::size_t side : {left, right}) {
       s.cones[side] = friction_cone<Real>({palms[side].sin, palms[side].cos}, rig.friction[side]);
     }
-    const Cone<Real>& l = s.cones[left];
-    const Cone<Real>& r = s.cones[right];
-    s.left_up = tie(rig.moments, l.up, r.down);
-    s.right_up = tie(rig.moments, l.down, r.up);
     return s;
+  }
+
+  // ≥ 0 while the squeezes that one side's lower end and the other's upper end permit overlap.
+  constexpr Real overlap(const Moments<Real>& load, std::size_t lower, Span<Real> span) const {
+    if (lower == right) return tie(load, cones[left].up, cones[right].down).at(span);
+    return -tie(load, cones[left].down, cones[right].up).at(span);
   }
 
   // Where the two contacts let go at the same squeeze: the upper ends on closing (direction up),
@@ -118,10 +118,10 @@ template <class Real>
     const Real arm = rig.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
     if (!(arm >= Real(0))) return End::tipping;
   }
-  const bool left_holds = statics.left_up.at(span) >= Real(0) ||
+  const bool left_holds = statics.overlap(rig.moments, right, span) >= Real(0) ||
                           statics.wedged_in(left, Slide::up, span) ||
                           statics.wedged_in(right, Slide::down, span);
-  const bool right_holds = statics.right_up.at(span) <= Real(0) ||
+  const bool right_holds = statics.overlap(rig.moments, left, span) >= Real(0) ||
                            statics.wedged_in(left, Slide::down, span) ||
                            statics.wedged_in(right, Slide::up, span);
   return left_holds && right_holds ? End::none : End::sliding;

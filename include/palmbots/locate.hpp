@@ -20,12 +20,11 @@ Real last_holding(Real good, Real bad, Predicate holds) {
   return good;
 }
 
-// The root of f between `good` (f ≥ 0) and `bad` (f < 0), by the Illinois variant of regula falsi:
-// superlinear on the smooth functions it is used for, and never leaves the bracket.
+// The root of f between `good` (f ≥ 0) and `bad` (f = f_bad < 0), by the Illinois variant of regula
+// falsi: superlinear on the smooth functions it is used for, and never leaves the bracket.
 template <class Real, class Function>
-Real root(Real good, Real bad, Function f) {
+Real root(Real good, Real bad, Real f_bad, Function f) {
   Real f_good = f(good);
-  Real f_bad = f(bad);
   if (!(f_good > Real(0))) return good;
   constexpr Real tolerance = Real(4096) * std::numeric_limits<Real>::epsilon();
   int kept = 0;  // > 0: the bad end was kept last time, < 0: the good end

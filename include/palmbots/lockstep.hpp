@@ -210,7 +210,7 @@ class Lockstep {
     const Actuation<Real> own = take_lane(act, l);
     Advance<Real> step;
     if (unusual) {
-      step = one.world_.advance(own.change, own.angles, own.push);
+      step = one.world_.take_apart(own.change, own.angles);
       if (step.end != End::none) one.robots_.midpoint = before + own.travel * step.fraction;
       put_lane(pack.pose, l, one.world_.pose());
       one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
@@ -279,8 +279,9 @@ class Lockstep {
     Lane& lane = pack.lanes[i];
     One& one = *lane.carry;
     one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
-    one.think(sensed);
+    const bool are_new = one.think(sensed);
     pack.wake[i] = one.wake_ == ~0U ? never : one.wake_ + lane.start;
+    if (!are_new) return;
     for (const std::size_t side : {left, right}) {
       pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
       pack.robots.goal_speed[side].raw[l] = one.robots_.goal_speed[side];

@@ -42,10 +42,15 @@ struct Stride {
 
 namespace detail {
 
+// The edges on which contacts that slide in one direction are: `way` is +1 for up and −1 for down.
 template <class V>
-constexpr Edge<V> leading_edge(const Cone<V>& cone, MaskOf<V> closing) {
-  return {select(closing, cone.up.lateral, cone.down.lateral),
-          select(closing, cone.up.vertical, cone.down.vertical)};
+constexpr PerSide<Edge<V>> edges_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms,
+                                    V way) {
+  PerSide<Edge<V>> edges{};
+  for (const std::size_t side : {left, right}) {
+    edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * fixture.friction[side]);
+  }
+  return edges;
 }
 
 template <class V>
@@ -73,10 +78,13 @@ template <class V>
   using Mask = MaskOf<V>;
   const PerSide<PalmAngle<V>>& palms = pose.stance.palms;
   const PerSide<V>& contacts = pose.stance.contacts;
-  pose.tied = select(push != pose.push, V(0), pose.tied);  // ties lie elsewhere under another push
-  pose.push = push;
-  const Moments<V> pushed = moments_under(fixture, push);
-  const V longest(longest_turn<typename ScalarOf<V>::type>);
+  Moments<V> pushed = fixture.moments;
+  if (any((push != V(0)) | (pose.push != V(0)))) {
+    // Ties lie elsewhere under another push.
+    pose.tied = select(push != pose.push, V(0), pose.tied);
+    pose.push = push;
+    pushed = moments_under(fixture, push);
+  }
   const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
   const Mask left_turns = turn[left] != V(0);
   const Mask right_turns = turn[right] != V(0);
@@ -89,33 +97,30 @@ template <class V>
                   change);
   }
   const Mask closing = rate < V(0);
-  const Mask opening = rate > V(0);
-  const PerSide<Cone<V>> cones = detail::cones_at(fixture, palms);
-  const PerSide<Edge<V>> edges{detail::leading_edge(cones[left], closing),
-                               detail::leading_edge(cones[right], closing)};
+  const V way = select(closing, V(1), V(-1));
+  const PerSide<Edge<V>> edges = detail::edges_at(fixture, palms, way);
   const Tie<V> before = tie(pushed, edges[left], edges[right]);
-  const V left_higher = before.at(pose.span);
-  const V left_sooner = select(closing, -left_higher, left_higher);
-  const Mask on_left = left_sooner > V(0);
-  Mask good = (closing & (pose.tied <= V(0))) | (opening & (pose.tied >= V(0)));
-  good = good & (on_left | (left_sooner < V(0)));
-  good = good & (pose.rests == V(0));
+  const V left_behind = before.at(pose.span) * way;  // < 0: the left contact slides sooner
+  const Mask on_left = left_behind < V(0);
+  Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
+  if (any((pose.tied != V(0)) | (pose.rests != V(0)))) {
+    good = good & (pose.tied * way <= V(0)) & (pose.rests == V(0));
+  }
   for (const std::size_t side : {left, right}) {
     good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
-    good = good & within(turn[side], longest);
   }
-  if (!any(good)) return {good, closing, on_left};
 
   PerSide<PalmAngle<V>> turned = palms;
-  PerSide<Cone<V>> turned_cones = cones;
   if (some_turn) {
+    const V longest(longest_turn<typename ScalarOf<V>::type>);
+    for (const std::size_t side : {left, right}) good = good & within(turn[side], longest);
+    if (!any(good)) return {good, closing, on_left};
     for (const std::size_t side : {left, right}) {
       const Mask turns = side == left ? left_turns : right_turns;
       if (any(turns)) {
         turned[side] = detail::select<V>(turns, PalmAngle<V>::at(angles[side]), palms[side]);
       }
     }
-    turned_cones = detail::cones_at(fixture, turned);
   }
   // Seen from the side of the contact that slides.
   const V separation = pose.stance.separation + change;
@@ -132,21 +137,19 @@ template <class V>
   Tie<V> tie_after = before;
   if (some_turn) {
     const V rate_after = drive_rate(turned, after, fixture.offset, span, change, turn);
-    good = good & ((!turning) | (closing & (rate_after < V(0))) | (opening & (rate_after > V(0))));
-    tie_after = tie(pushed, detail::leading_edge(turned_cones[left], closing),
-                    detail::leading_edge(turned_cones[right], closing));
+    good = good & ((!turning) | (rate_after * way < V(0)));
+    const PerSide<Edge<V>> edges_after = detail::edges_at(fixture, turned, way);
+    tie_after = tie(pushed, edges_after[left], edges_after[right]);
   }
-  const V higher_after = tie_after.at(span);
-  const Mask left_ahead = select(closing, -higher_after, higher_after) > V(0);
-  const Mask right_ahead = select(closing, -higher_after, higher_after) < V(0);
-  good = good & ((on_left & left_ahead) | ((!on_left) & right_ahead));
+  const V still_behind = tie_after.at(span) * way;
+  good = good & (select(on_left, still_behind, -still_behind) < V(0));
   Mask held(good);
   for (const std::size_t side : {left, right}) {
     held = held & within(after[side], fixture.safe_reach);
   }
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
   if (any(good & (!held))) {
-    held = held | plainly_held(fixture, turned_cones, turned, after, span);
+    held = held | plainly_held(fixture, detail::cones_at(fixture, turned), turned, after, span);
   }
   good = good & held;
 

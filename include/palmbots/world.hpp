@@ -95,9 +95,15 @@ class World {
       last_.motion[other(side)] = Slide::stick;
       last_.pieces = 1;
     } else {
-      last_ = go(change, angles);
-      pose_.rests = Real(grip_.none() ? 0 : 1);
+      take_apart(change, angles);
     }
+    return last_;
+  }
+
+  // The same where the common step (stride.hpp) has been tried, and left it undone.
+  const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
+    last_ = go(change, angles);
+    pose_.rests = Real(grip_.none() ? 0 : 1);
     return last_;
   }
 
@@ -253,13 +259,17 @@ class World {
       const auto drives_on = [&](const State& s) {
         return direction == Slide::up ? -drive(s) : drive(s);
       };
-      if (turning && direction != Slide::stick && drives_on(then) < Real(0)) {
-        note(Event::reversal, root(done, goal, [&](Real t) { return drives_on(at(t)); }));
+      if (turning && direction != Slide::stick) {
+        const Real last = drives_on(then);
+        if (last < Real(0)) {
+          note(Event::reversal, root(done, goal, last, [&](Real t) { return drives_on(at(t)); }));
+        }
       }
       if (slider == Slider::on_left || slider == Slider::on_right) {
         const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
-        if (ahead(then) < Real(0)) {
-          note(Event::tie, root(done, goal, [&](Real t) { return ahead(at(t)); }));
+        const Real last = ahead(then);
+        if (last < Real(0)) {
+          note(Event::tie, root(done, goal, last, [&](Real t) { return ahead(at(t)); }));
         }
       }
       return first;
@@ -306,6 +316,9 @@ class World {
     }
 
     End end_of(const State& s) const {
+      const Real safe = world.rig_.safe_reach;
+      const auto& p = s.stance.contacts;
+      if (within(p[left], safe) && within(p[right], safe)) return End::none;
       return first_end(world.rig_, s.statics, s.stance.palms, s.stance.contacts, s.span);
     }
 
