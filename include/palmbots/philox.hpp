@@ -6,7 +6,12 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 namespace palmbots {
 
@@ -43,35 +48,65 @@ constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream,
   return philox({tick, static_cast<std::uint32_t>(stream), lane, 0}, seed);
 }
 
-// The words of n ticks, two apart: draw(seed, tick + 2 i, stream) for i < n, word by word. Draws do not
-// wait for each other, and the compiler makes vectors of them.
+namespace detail {
+
+// Numbers side by side (as in lanes.hpp), of each of which a draw uses the lower half.
+#if defined(__AVX2__)
+inline constexpr std::size_t draws_at_once = 4;
+#else
+inline constexpr std::size_t draws_at_once = 2;
+#endif
+typedef std::uint64_t Halves __attribute__((vector_size(8 * draws_at_once)));
+
+// The products of the lower halves.
+inline Halves times(Halves x, std::uint32_t by) {
+#if defined(__AVX2__)
+  return (Halves)_mm256_mul_epu32((__m256i)x, _mm256_set1_epi64x(by));
+#elif defined(__SSE2__)
+  return (Halves)_mm_mul_epu32((__m128i)x, _mm_set1_epi64x(by));
+#else
+  return (x & 0xFFFFFFFF) * by;
+#endif
+}
+
+}  // namespace detail
+
+// The words of n ticks, two apart: draw(seed, tick + 2 i, stream) for i < n, word by word. Several
+// draws at once: none waits for another.
 template <std::size_t n>
 using WordRows = std::array<std::array<std::uint32_t, n>, 4>;
 
 template <std::size_t n>
-constexpr WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stream stream) {
-  WordRows<n> c{};
-  for (std::size_t i = 0; i < n; ++i) {
-    c[0][i] = tick + 2 * static_cast<std::uint32_t>(i);
-    c[1][i] = static_cast<std::uint32_t>(stream);
-  }
-  auto k0 = static_cast<std::uint32_t>(seed);
-  auto k1 = static_cast<std::uint32_t>(seed >> 32);
-  for (int round = 0; round < 10; ++round) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint64_t a = std::uint64_t{0xD2511F53} * c[0][i];
-      const std::uint64_t b = std::uint64_t{0xCD9E8D57} * c[2][i];
-      const std::uint32_t first = static_cast<std::uint32_t>(b >> 32) ^ c[1][i] ^ k0;
-      const std::uint32_t third = static_cast<std::uint32_t>(a >> 32) ^ c[3][i] ^ k1;
-      c[0][i] = first;
-      c[1][i] = static_cast<std::uint32_t>(b);
-      c[2][i] = third;
-      c[3][i] = static_cast<std::uint32_t>(a);
+inline WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stream stream) {
+  using detail::Halves;
+  constexpr std::size_t width = detail::draws_at_once;
+  static_assert(n % width == 0);
+  WordRows<n> rows;
+  for (std::size_t first = 0; first < n; first += width) {
+    std::array<std::uint64_t, width> ticks;
+    for (std::size_t i = 0; i < width; ++i) {
+      ticks[i] = tick + 2 * static_cast<std::uint32_t>(first + i);
     }
-    k0 += 0x9E3779B9;
-    k1 += 0xBB67AE85;
+    Halves c[4]{std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)};
+    auto k0 = static_cast<std::uint32_t>(seed);
+    auto k1 = static_cast<std::uint32_t>(seed >> 32);
+    for (int round = 0; round < 10; ++round) {
+      const Halves a = detail::times(c[0], 0xD2511F53);
+      const Halves b = detail::times(c[2], 0xCD9E8D57);
+      c[0] = (b >> 32) ^ c[1] ^ k0;
+      c[1] = b;
+      c[2] = (a >> 32) ^ c[3] ^ k1;
+      c[3] = a;
+      k0 += 0x9E3779B9;
+      k1 += 0xBB67AE85;
+    }
+    for (std::size_t word = 0; word < 4; ++word) {
+      for (std::size_t i = 0; i < width; ++i) {
+        rows[word][first + i] = static_cast<std::uint32_t>(c[word][i]);
+      }
+    }
   }
-  return c;
+  return rows;
 }
 
 // Uniform in [0, 1), exact in float too (24 bits).

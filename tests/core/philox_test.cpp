@@ -75,9 +75,24 @@ void test_unit_noise() {
 
 }  // namespace
 
+// Draws made at once are those made one by one, also where the tick wraps around.
+void test_many_draws_at_once() {
+  constexpr std::size_t n = 32;
+  for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
+    for (const std::uint32_t tick : {0U, 64U, ~0U - 20}) {
+      const auto rows = palmbots::draw_every_other<n>(seed, tick, Stream::noise);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const auto one = draw(seed, tick + 2 * i, Stream::noise);
+        for (std::size_t word = 0; word < 4; ++word) CHECK(rows[word][i] == one[word]);
+      }
+    }
+  }
+}
+
 int main() {
   test_known_answers();
   test_draw_is_philox_of_what_it_is_for();
+  test_many_draws_at_once();
   test_unit_uniform<double>();
   test_unit_uniform<float>();
   test_unit_noise<double>();
