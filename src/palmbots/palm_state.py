@@ -14,7 +14,7 @@ from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.sections import SIDES
 
-__all__ = ["PalmState", "palm_state"]
+__all__ = ["PalmState", "palm_state", "placed"]
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,18 @@ def palm_state(
 ) -> PalmState:
     """The state with these contacts and angles; arguments and errors as in `palmbots.modes`."""
     chosen = load_scene(scene, overrides)
-    spec = lower(chosen)
     degrees = [
         float(chosen.palm_of(side).steep_deg if angle is None else angle)
         for side, angle in zip(SIDES, (theta_left_deg, theta_right_deg), strict=True)
     ]
-    p = [float(p_left_m), float(p_right_m)]
+    contacts = float(p_left_m), float(p_right_m)
+    return placed(chosen, lower(chosen), contacts, (degrees[0], degrees[1]))
+
+
+def placed(
+    scene: Scene, spec: _core.Spec, p: tuple[float, float], degrees: tuple[float, float]
+) -> PalmState:
+    """The same of a scene that is lowered already."""
     for i, side in enumerate(SIDES):
         half = 0.5 * spec.palms[i].length
         if not -half <= p[i] <= half:
@@ -69,4 +75,4 @@ def palm_state(
             "p_left_m, p_right_m: the contacts differ in height by more than the object is wide "
             f"({abs(rise) * spec.width:.3g} m); allowed: less than {spec.width:g} m"
         )
-    return PalmState(chosen, spec, (p[0], p[1]), (degrees[0], degrees[1]), math.asin(rise))
+    return PalmState(scene, spec, p, degrees, math.asin(rise))

@@ -3,8 +3,9 @@
 (dx, dy) is the vector from the left contact to the right one. At given palm angles, frictions, COM
 and slope every condition of a property reads P dx + Q dy ≥ 0, so it bounds tan ϑ = dy / dx on one
 side, at k = w tan ϑ / √(1 + tan² ϑ) in the paper's z (k_B and k_D of equations 6 to 8). The
-formulas use + − × only: with a polynomial in place of friction, COM or slope the forms become
-polynomials, whose roots are where a condition begins or ceases to hold.
+formulas use + − × only, so that each form is a polynomial, of degree two at most, in friction, COM
+or slope: its roots are where a condition begins or ceases to hold. An array in place of a number
+gives the forms at several values of it.
 Source: MECHANICS sections 2 to 4.
 """
 

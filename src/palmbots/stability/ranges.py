@@ -9,34 +9,34 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from typing import Any
 
-from numpy.polynomial import Polynomial
+import numpy as np
 
 __all__ = ["VARIABLE", "Interval", "around", "intersection", "real_roots", "where"]
 
 Interval = tuple[float, float]
 
-VARIABLE = Polynomial([0.0, 1.0])
-"""Put in place of a number, it makes polynomials of the forms."""
+VARIABLE = np.array([0.0, 1.0, -1.0])
+"""Put in place of a number, it makes of a form its values there, which tell its polynomial."""
 
 
-def real_roots(value: Any) -> Iterator[float]:
-    """The real roots of a polynomial, or none of a plain number."""
-    if not isinstance(value, Polynomial):
+def real_roots(values: Any) -> Iterator[float]:
+    """The real roots of a quadratic polynomial, given at `VARIABLE`; none of a plain number."""
+    if np.ndim(values) == 0:
         return
-    coefficients = [float(c) for c in value.coef]
-    while coefficients and coefficients[-1] == 0:
-        coefficients.pop()
-    if len(coefficients) == 2:
-        yield -coefficients[0] / coefficients[1]
-    elif len(coefficients) == 3:
-        c, b, a = coefficients
-        discriminant = b * b - 4 * a * c
-        if discriminant < 0:
-            return
-        q = -0.5 * (b + math.copysign(math.sqrt(discriminant), b))
-        yield q / a
-        if q != 0:
-            yield c / q
+    c, above, below = (float(value) for value in values)
+    b = 0.5 * (above - below)
+    a = 0.5 * (above + below) - c
+    if abs(a) <= 4 * math.ulp(max(abs(above), abs(below), abs(c))):  # rounding
+        if b != 0:
+            yield -c / b
+        return
+    discriminant = b * b - 4 * a * c
+    if discriminant < 0:
+        return
+    q = -0.5 * (b + math.copysign(math.sqrt(discriminant), b))
+    yield q / a
+    if q != 0:
+        yield c / q
 
 
 def where(

@@ -12,7 +12,8 @@ from typing import Any
 
 from palmbots import _core
 from palmbots.errors import PalmbotsError
-from palmbots.palm_state import PalmState, palm_state
+from palmbots.lowering import lower
+from palmbots.palm_state import PalmState, placed
 from palmbots.scene import Scene
 from palmbots.sections import SIDES
 from palmbots.stability.clearance import Nearest
@@ -46,11 +47,12 @@ def first_touch(scene: Scene, nearest: Nearest) -> FirstTouch | None:
     """The touch nearest to a state, by turning the palm in question alone; None: there is none."""
     side = SIDES.index(nearest.side)
     farthest = 1.5 * abs(nearest.margin) + math.radians(1)
+    spec = lower(scene)
 
     def state(turn: float) -> PalmState:
         degrees = [math.degrees(angle) for angle in nearest.angles_rad]
         degrees[side] += math.degrees(turn)
-        return palm_state(scene, *nearest.contacts_m, *degrees)
+        return placed(scene, spec, nearest.contacts_m, (degrees[0], degrees[1]))
 
     def clear(turn: float) -> bool:
         at = state(turn)
