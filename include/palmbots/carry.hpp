@@ -51,9 +51,19 @@ class Carry {
     metrics_.settle_ticks = settle_ticks();
   }
 
+  // Before the first tick: is the object held?
+  void begin() { metrics_.end = world_.check(); }
+
+  // From here on the random numbers of another seed; what has happened stays. Faults keep their schedule.
+  void fork(std::uint64_t seed) {
+    seed_ = seed;
+    team_.fork(seed);
+    if (tick_ % block_ticks != 0) draw_noise(tick_ - tick_ % block_ticks);
+  }
+
   // Runs to the end.
   void run() {
-    metrics_.end = world_.check();
+    begin();
     while (metrics_.outcome == Result::running) {
       recorder_.make_room();
       tick();
@@ -146,14 +156,14 @@ class Carry {
   // What is done for many ticks at once.
   [[gnu::noinline]] void next_block() {
     collect();
-    draw_noise();
+    draw_noise(tick_);
   }
 
   void collect() { metrics_.collect(tally_, tick_ - metrics_.samples); }
 
   // The noise of a block of ticks: four words serve two robots for two ticks.
-  void draw_noise() {
-    const auto words = draw_every_other<block_ticks / 2>(seed_, tick_, Stream::noise);
+  void draw_noise(std::uint32_t first) {
+    const auto words = draw_every_other<block_ticks / 2>(seed_, first, Stream::noise);
     for (const std::size_t side : {left, right}) {
       const std::size_t lane = side == leader() ? 0 : 1;
       for (std::size_t i = 0; i < block_ticks / 2; ++i) {

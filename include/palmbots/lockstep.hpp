@@ -93,7 +93,7 @@ class Lockstep {
         more = next(lane.carry, lane.index);
         if (!more) break;
         One& one = *lane.carry;
-        one.metrics_.end = one.world_.check();
+        one.begin();
         if (!in_lanes(one)) {
           while (one.metrics_.outcome == Result::running) one.tick();
           done(lane.index, one);

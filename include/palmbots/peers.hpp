@@ -49,6 +49,8 @@ class Peers {
     return commands_;
   }
 
+  void fork(std::uint64_t seed) { radio_.fork(seed); }
+
   char name(std::size_t side) const { return robots_[side].now().name; }
   bool waits(std::size_t side) const { return robots_[side].now().waits; }
   Letter awaits(std::size_t side) const { return waits(side) ? Letter::ack : Letter::none; }

@@ -68,6 +68,9 @@ class Radio {
 
   std::size_t leader() const { return leader_; }
 
+  // From here on the random numbers of another seed.
+  void fork(std::uint64_t seed) { seed_ = seed; }
+
   // Before a tick's messages: whether those of two stations that both send in it collide.
   bool collide(std::uint32_t tick) const {
     if (channel_.airtime_ticks <= 0) return false;
@@ -123,6 +126,7 @@ struct Unattended {
   PerSide<Command> step(std::uint32_t, const PerSide<Sensed>&, Log&&) {
     return {{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   }
+  void fork(std::uint64_t) {}
   char name(std::size_t) const { return ' '; }
   bool waits(std::size_t) const { return false; }
   Letter awaits(std::size_t) const { return Letter::none; }
@@ -198,6 +202,8 @@ class Pair {
     }
     return commands_;
   }
+
+  void fork(std::uint64_t seed) { radio_.fork(seed); }
 
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
@@ -278,6 +284,8 @@ class Station {
     }
     return {commands_[left], commands_[right]};
   }
+
+  void fork(std::uint64_t seed) { radio_.fork(seed); }
 
   char name(std::size_t) const {
     const int now = station_.current();

@@ -15,6 +15,7 @@ from palmbots.feasibility import feasible_modes
 from palmbots.log import Log, read_log, write_log
 from palmbots.modes import MODES, ContactModes, States, modes, states
 from palmbots.object_files import objects
+from palmbots.rare import DropRate, rare
 from palmbots.replay import Replay, replay
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
@@ -36,6 +37,7 @@ __all__ = [
     "Correction",
     "Design",
     "Distributed",
+    "DropRate",
     "Letter",
     "Log",
     "PalmbotsError",
@@ -58,6 +60,7 @@ __all__ = [
     "load_scene",
     "modes",
     "objects",
+    "rare",
     "read_log",
     "replay",
     "states",

@@ -583,6 +583,16 @@ class Run:
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """One carry. controller: a name, or a pair of Python step functions."""
 
+def choose_levels(spec: Spec, controller: str, seed: int, effort: int, share: float) -> list[float]:
+    """
+    Heights, as parts of the palm's half-length, each reached by about `share` of the carries from the one before.
+    """
+
+def replicates(spec: Spec, controller: str, seed: int, effort: int, levels: Sequence[float], first: int, count: int, threads: int) -> tuple:
+    """
+    Of each replicate and stage (reached, drops); and the ticks of all together.
+    """
+
 def wire_layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""
 

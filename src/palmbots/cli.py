@@ -15,6 +15,7 @@ from palmbots.cli_options import (
     BAD_INPUT,
     DONE,
     FAILED,
+    ControllerOption,
     JsonOption,
     PrecisionOption,
     SceneArgument,
@@ -84,9 +85,7 @@ def _root(
 @app.command(epilog="Example: palmbots carry paper --controller centralized --seed 3 --out out")
 def carry(
     scene: SceneArgument = "paper",
-    controller: Annotated[
-        str, typer.Option("--controller", "-c", help="none, centralized, distributed or resilient.")
-    ] = "distributed",
+    controller: ControllerOption = "distributed",
     world: Annotated[str, typer.Option("--world", help="quasistatic.")] = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
@@ -238,6 +237,38 @@ def compare(
         print(json.dumps(done.summary(), allow_nan=False))
     else:
         compare_report(done, written)
+    return DONE
+
+
+@app.command(epilog="Example: palmbots rare --set robot.noise_m_s=0.012 --within-percent 20")
+def rare(
+    scene: SceneArgument = "paper",
+    controller: ControllerOption = "distributed",
+    within_percent: Annotated[
+        float, typer.Option("--within-percent", help="Wanted half-width of the 95 % interval.")
+    ] = 20.0,
+    effort: Annotated[int, typer.Option("--effort", help="Carries in each stage.")] = 500,
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Tell the drop rate of a scene, however small, by multilevel splitting."""
+    from palmbots.rare import rare as run_rare
+    from palmbots.report import rare_report
+
+    with progress("splitting", as_json) as report:
+        found = run_rare(
+            scene_of(scene, changes),
+            controller,
+            seed=seed,
+            within=within_percent / 100,
+            effort=effort,
+            progress=report,
+        )
+    if as_json:
+        print(json.dumps(found.summary(), allow_nan=False))
+    else:
+        rare_report(found, scene)
     return DONE
 
 

@@ -12,6 +12,7 @@ __all__ = [
     "BAD_INPUT",
     "DONE",
     "FAILED",
+    "ControllerOption",
     "JsonOption",
     "PrecisionOption",
     "SceneArgument",
@@ -41,6 +42,9 @@ SetOption = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Set a scene key; may be given often."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
+ControllerOption = Annotated[
+    str, typer.Option("--controller", "-c", help="none, centralized, distributed or resilient.")
+]
 SeedOption = Annotated[int, typer.Option("--seed", help="Seed of all that is random.")]
 PrecisionOption = Annotated[str, typer.Option("--precision", help="double or float.")]
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from palmbots.carry import Carry
     from palmbots.compare import Comparison
     from palmbots.modes import ContactModes
+    from palmbots.rare import DropRate
     from palmbots.replay import Replay
     from palmbots.touching import Contact, Motions
 
@@ -25,6 +26,7 @@ __all__ = [
     "counted",
     "files_written",
     "modes_report",
+    "rare_report",
     "replay_report",
 ]
 
@@ -297,6 +299,31 @@ def _exactly(value: float) -> str:
 def _rate(rate: float, interval: tuple[float, float]) -> str:
     low, high = (100 * end for end in interval)
     return f"{100 * rate:.1f} % ({low:.1f}–{high:.1f})"
+
+
+def rare_report(found: "DropRate", scene: str) -> None:
+    """The rate, and the levels by which carries came to it."""
+    console = _console()
+    low, high = found.interval
+    console.print(
+        f"[bold]{found.drop_rate:.2g}[/bold] of all carries dropped, 95 % {low:.2g} to {high:.2g}"
+        f"   {scene}, {found.controller}, seed {found.seed}",
+        soft_wrap=True,
+    )
+    if 0 < found.drop_rate < 0.1:
+        console.print(f"one in {1 / found.drop_rate:,.0f}")
+    if found.levels:
+        table = Table()
+        table.add_column("farthest contact", justify="right")
+        table.add_column("of those before", justify="right")
+        for level, part in zip(found.levels, found.reached, strict=True):
+            table.add_row(f"{100 * level:.0f} % of the palm's half", f"{100 * part:.1f} %")
+        console.print(table)
+    console.print(
+        f"{counted(found.replicates, 'replicate')} of {counted(found.effort, 'carry')} a stage, "
+        f"the time of {found.carries:,.0f} whole carries",
+        soft_wrap=True,
+    )
 
 
 def replay_report(result: "Replay", log: Path) -> None:

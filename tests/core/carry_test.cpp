@@ -119,10 +119,41 @@ void test_paper_box_arrives() {
   }
 }
 
+// A fork onto a carry's own seed changes nothing; onto another one the past stays and the rest differs.
+template <class Team>
+void test_forks(const Spec& spec, const Team& team) {
+  for (const std::uint32_t at : {0U, 100U, 128U, 1000U}) {
+    using One = Carry<double, Team, NoRecorder>;
+    One whole(spec, 3, team, NoRecorder{}), same(whole), other(whole);
+    const auto run = [](One& carry, std::uint32_t until) {
+      while (carry.metrics().outcome == Result::running && carry.ticks() < until) carry.tick();
+    };
+    for (One* one : {&whole, &same, &other}) run(*one, at);
+    CHECK(whole.midpoint() == other.midpoint());
+    same.fork(3);
+    other.fork(4);
+    for (One* one : {&whole, &same, &other}) run(*one, ~0U);
+    const Metrics &a = whole.metrics(), &b = same.metrics(), &c = other.metrics();
+    CHECK(a.time_ticks == b.time_ticks && a.square_sum == b.square_sum && a.end == b.end);
+    CHECK(whole.team().traffic.lost == same.team().traffic.lost);
+    CHECK(a.square_sum != c.square_sum);
+  }
+}
+
+void test_forks_of_any_team() {
+  const Spec busy = busy_spec();
+  const Channel channel = Channel::of(busy.latency, busy.jitter, busy.loss, busy.period);
+  test_forks(busy, Unattended{});
+  test_forks(busy, Station(channel, 3, right));
+  test_forks(busy, Pair<Distributed>({}, channel, 3, right));
+  test_forks(busy, Peers({5, 52, 69, 6, 6}, {}, channel, 3, right));
+}
+
 }  // namespace
 
 int main() {
   test_the_counter_counts();
   test_no_allocation_by_any_team();
   test_paper_box_arrives();
+  test_forks_of_any_team();
 }

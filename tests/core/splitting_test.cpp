@@ -1,0 +1,129 @@
+// Multilevel splitting against closed forms: the gambler's ruin, and a process of two coordinates whose
+// height jumps over levels.
+#include "palmbots/splitting.hpp"
+
+#include <cmath>
+
+#include "check.hpp"
+
+using namespace palmbots;
+
+namespace {
+
+// Goes up with probability p and down otherwise, from 1; the top is n, and at 0 it is over.
+struct Ruin {
+  double up;
+  int top;
+  std::uint64_t seed;
+  int at = 1;
+  std::uint32_t steps = 0;
+
+  Course step() {
+    at += unit_uniform<double>(draw(seed, steps++, Stream::noise)[0]) < up ? 1 : -1;
+    return at == 0 ? Course::over : (at == top ? Course::hit : Course::going);
+  }
+  double height() const { return at; }
+  void fork(std::uint64_t other) { seed = other; }
+
+  double chance() const {
+    const double odds = (1 - up) / up;
+    return (odds - 1) / (std::pow(odds, top) - 1);
+  }
+};
+
+// Every step it leaps by 1, 2 or 3 or, with probability 0.7, falls for good; the top is 9 or more. What
+// it has leapt last counts for nothing, but is kept: copies differ from each other.
+struct Leaps {
+  std::uint64_t seed;
+  int at = 0;
+  std::uint32_t steps = 0;
+
+  Course step() {
+    const double u = unit_uniform<double>(draw(seed, steps++, Stream::noise)[0]);
+    if (u < 0.7) return Course::over;
+    at += 1 + static_cast<int>((u - 0.7) * 10);
+    return at >= 9 ? Course::hit : Course::going;
+  }
+  double height() const { return at; }
+  void fork(std::uint64_t other) { seed = other; }
+
+  static double chance(int at) {
+    if (at >= 9) return 1;
+    return 0.1 * (chance(at + 1) + chance(at + 2) + chance(at + 3));
+  }
+};
+
+template <class Make>
+void check_estimates(Make make, const std::vector<double>& levels, double chance, double scatter) {
+  using Process = decltype(make(std::uint64_t{}));
+  constexpr std::uint32_t effort = 200, replicates = 400;
+  Splitting<Process, Make> splitting(make, 7, effort);
+  double sum = 0, squares = 0;
+  for (std::uint32_t r = 0; r < replicates; ++r) {
+    double part = 1, estimate = 0;
+    for (const Stage& stage : splitting.replicate(r, levels)) {
+      estimate += part * stage.hits / effort;
+      part *= double(stage.reached) / effort;
+    }
+    sum += estimate;
+    squares += estimate * estimate;
+  }
+  const double mean = sum / replicates;
+  const double error = std::sqrt((squares / replicates - mean * mean) / replicates);
+  CHECK(std::abs(mean - chance) < 4 * error);
+  CHECK(error < scatter * chance);  // or the line above says little
+  CHECK(error > 0);
+}
+
+void test_unbiased_whatever_the_levels() {
+  const auto ruin = [](std::uint64_t seed) { return Ruin{0.3, 16, seed}; };
+  const double chance = ruin(0).chance();
+  CHECK(chance < 2e-6);
+  check_estimates(ruin, {3, 5, 7, 9, 11, 13}, chance, 0.05);
+  check_estimates(ruin, {2.5, 9, 10, 15}, chance, 0.3);
+  const auto easy = [](std::uint64_t seed) { return Ruin{0.45, 5, seed}; };
+  check_estimates(easy, {}, easy(0).chance(), 0.02);
+}
+
+void test_a_leap_over_levels_loses_nothing() {
+  const auto leaps = [](std::uint64_t seed) { return Leaps{seed}; };
+  check_estimates(leaps, {1, 2, 3, 4, 5, 6, 7, 8}, Leaps::chance(0), 0.05);
+  check_estimates(leaps, {4}, Leaps::chance(0), 0.05);
+}
+
+void test_levels_are_reached_by_the_wanted_share() {
+  const auto make = [](std::uint64_t seed) { return Ruin{0.4, 40, seed}; };
+  Splitting<Ruin, decltype(make)> splitting(make, 3, 2000);
+  const std::vector<double> levels = splitting.choose_levels(0.2);
+  CHECK(levels.size() >= 5);
+  for (std::size_t i = 1; i < levels.size(); ++i) CHECK(levels[i] > levels[i - 1]);
+  const auto stages = splitting.replicate(0, levels);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double share = stages[i].reached / 2000.0;
+    CHECK(share > 0.1 && share < 0.5);  // heights are whole numbers: shares are not exact
+  }
+}
+
+void test_a_replicate_depends_on_its_number_alone() {
+  const auto make = [](std::uint64_t seed) { return Ruin{0.4, 10, seed}; };
+  Splitting<Ruin, decltype(make)> one(make, 3, 100), other(make, 3, 100);
+  const std::vector<double> levels{3, 5, 8};
+  one.replicate(0, levels);
+  const auto a = one.replicate(5, levels), b = other.replicate(5, levels);
+  const auto c = other.replicate(6, levels);
+  bool differs = false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    CHECK(a[i].reached == b[i].reached && a[i].hits == b[i].hits);
+    differs = differs || a[i].reached != c[i].reached;
+  }
+  CHECK(differs);
+}
+
+}  // namespace
+
+int main() {
+  test_unbiased_whatever_the_levels();
+  test_a_leap_over_levels_loses_nothing();
+  test_levels_are_reached_by_the_wanted_share();
+  test_a_replicate_depends_on_its_number_alone();
+}

@@ -1,0 +1,115 @@
+"""Rare drops: splitting against plain Monte Carlo, and what `palmbots rare` answers.
+
+That the estimates are unbiased whatever the levels is shown against closed forms in
+tests/core/splitting_test.cpp.
+"""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots import _core
+from palmbots.batch import DROPPED, run_seeds
+from palmbots.lowering import lower
+from palmbots.rare import _estimates, rare
+from palmbots.scene import load_scene
+
+NOISY = {
+    "distributed": {"robot.noise_m_s": 0.022},
+    "centralized": {"robot.noise_m_s": 0.022, "radio.jitter_s": 0.03, "tactile.false_rate": 0.01},
+    "none": {"robot.noise_m_s": 0.008, "bumps.rate_per_m": 1.0, "bumps.max_shift_m": 0.02},
+    "resilient": {"robot.noise_m_s": 0.023, "radio.loss": 0.1},
+}
+
+
+@pytest.mark.parametrize("controller", NOISY)
+def test_agrees_with_plain_monte_carlo(controller: str) -> None:
+    """Where plain carries can tell the rate too; seeds of one are no seeds of the other."""
+    keys = NOISY[controller] | {"task.distance_m": 0.6}
+    n = 10_000
+    run = run_seeds(lower(load_scene("paper", keys)), controller, 10**6, n, threads=2)
+    plain = float(np.mean(run["outcome"] == DROPPED))
+    assert 1e-3 < plain < 0.3  # rare enough to need a level, and not too rare to be told
+    found = rare("paper", controller, overrides=keys, seed=5, within=0.1, effort=200)
+    error = (found.interval[1] - found.interval[0]) / (2 * 1.96)
+    assert abs(found.drop_rate - plain) < 4 * math.hypot(error, math.sqrt(plain * (1 - plain) / n))
+    assert error < 0.12 * plain
+    assert len(found.levels) >= 1
+
+
+def test_levels_change_the_scatter_only() -> None:
+    """The mean over replicates is the same number, whatever the levels."""
+    spec = lower(load_scene("paper", NOISY["distributed"] | {"task.distance_m": 0.6}))
+    told = []
+    for levels in ([], [0.5], [0.3, 0.45, 0.6, 0.75, 0.9]):
+        rows, _ = _core.replicates(spec, "distributed", 1, 300, levels, 0, 40, 2)
+        each = _estimates(np.array(rows, float), 300)
+        told.append((each.mean(), each.std(ddof=1) / math.sqrt(40)))
+    for mean, error in told[1:]:
+        assert abs(mean - told[0][0]) < 4 * math.hypot(error, told[0][1])
+    assert told[2][1] < 0.7 * told[0][1]
+
+
+def test_threads_change_nothing_and_seeds_do() -> None:
+    keys = {"robot.noise_m_s": 0.018, "task.distance_m": 0.3}
+
+    def tell(seed: int, threads: int) -> pb.DropRate:
+        return rare(overrides=keys, seed=seed, within=1.0, effort=50, threads=threads)
+
+    assert tell(0, 1) == tell(0, 2) == tell(0, 3)
+    assert tell(0, 1).drop_rate != tell(1, 1).drop_rate
+
+
+def test_a_rate_that_no_monte_carlo_sees() -> None:
+    """With less noise ever fewer are dropped, down to where a billion carries would show none."""
+    rates = []
+    for noise in (0.018, 0.013, 0.0105):
+        keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+        rates.append(rare(overrides=keys, within=1.0, effort=500).drop_rate)
+    assert rates[0] > 100 * rates[1] > 100 * 10 * rates[2] > 0
+    assert rates[2] < 1e-9
+
+
+def palmbots(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-m", "palmbots", "rare", *arguments], capture_output=True, text=True
+    )
+
+
+def test_the_command() -> None:
+    keys = ("--set", "robot.noise_m_s=0.02", "--set", "task.distance_m=0.3")
+    done = palmbots(*keys, "--within-percent", "50", "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["interval"][0] < told["drop_rate"] < told["interval"][1]
+    assert told["scene"]["robot"]["noise_m_s"] == 0.02
+    assert len(told["levels"]) == len(told["reached"])
+    assert told["levels"] == sorted(told["levels"])
+    again = palmbots(*keys, "--within-percent", "50")
+    assert again.returncode == 0
+    assert f"{told['drop_rate']:.2g} of all carries dropped" in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--within-percent", "0.5"), "within"),
+        (("--effort", "3"), "effort"),
+        (("--seed", "-1"), "seed"),
+        (("-c", "nobody"), "controller"),
+        (("--set", "robot.noise_m_s=0"), "none came to a drop"),
+        (("-c", "resilient", "--set", "radio.latency_s=2"), "allowed"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: tuple[str, ...], told: str) -> None:
+    done = palmbots(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert told in done.stderr
+    assert "allowed" in done.stderr
