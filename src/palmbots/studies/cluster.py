@@ -21,6 +21,7 @@ from palmbots.studies.work import Block, Work, build, carry_chunk
 
 __all__ = ["carry_on_cluster", "carry_packed"]
 
+_CONNECT_S = 5
 _PATIENCE_S = 30
 _AHEAD = 2  # chunks given out for each thread of a worker, so that none waits for the next one
 
@@ -99,7 +100,7 @@ def _client(distributed: Any, scheduler: str | None, workers: int | None) -> Ite
                 )
             )
         try:
-            client = distributed.Client(target, timeout=_PATIENCE_S)
+            client = distributed.Client(target, timeout=_CONNECT_S)
         except (OSError, ValueError, ImportError) as error:
             raise PalmbotsError(
                 f"--scheduler {scheduler}: cannot be reached: {error}; allowed: the address that "

@@ -23,6 +23,7 @@ from palmbots.comparison_figure import LOOK
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
 from palmbots.report import counted
+from palmbots.studies.axes import Axis, Span
 from palmbots.studies.report import number
 from palmbots.studies.run import Done
 from palmbots.studies.sensitivity import METRICS, sensitivities
@@ -213,7 +214,7 @@ def _alone(done: Done) -> Figure:
         panel.remove()
     for k, key in enumerate(keys):
         panel = panels.flat[k]
-        x, groups, names = _groups(done.points.column(key))
+        x, groups, names = _groups(done.points.column(key), done.points.plan.study.vary[key])
         for c, controller in enumerate(controllers):
             each = [rates[g, c][np.isfinite(rates[g, c])] for g in groups]
             mean = np.array([np.mean(v) if v.size else np.nan for v in each])
@@ -239,14 +240,13 @@ def _alone(done: Done) -> Figure:
 
 def _groups(
     column: Sequence[Any],
+    axis: Axis,
 ) -> tuple[NDArray[np.float64], list[NDArray[np.intp]], list[str] | None]:
-    """The points by one key: its levels, or bins with equally many points where there are many."""
-    levels = list(dict.fromkeys(column))
-    if len(levels) <= _BINS:
-        ordered = sorted(levels) if all(isinstance(v, int | float) for v in levels) else levels
-        x, names = _places(ordered)
-        groups = [np.array([i for i, v in enumerate(column) if v == one]) for one in ordered]
-        return x, groups, names
+    """The points by one key: its levels, or bins with equally many points of a range."""
+    if not isinstance(axis, Span):
+        levels = [v for v in axis if v in column]
+        x, names = _places(levels)
+        return x, [np.array([i for i, v in enumerate(column) if v == one]) for one in levels], names
     values = np.array(column, float)
     groups = np.array_split(np.argsort(values, kind="stable"), _BINS)
     return np.array([values[g].mean() for g in groups]), groups, None
