@@ -81,6 +81,7 @@ def test_three_keys_are_a_map_for_each_pair(tmp_path: Path) -> None:
 def test_points_are_drawn_over_each_key(tmp_path: Path, kind: str) -> None:
     vary = {"robot.noise_m_s": NOISE, "object": ["box", "box-strips"]}
     done = run(tmp_path, vary=vary, design={"kind": kind, "points": 32})
+    assert {"robot.noise_m_s", "object"} <= set(done.dataset().coords)
     noise, thing = figures.draw(done).axes
     rates = done.values["drop_rate"][0]
     order = np.argsort(done.points.column("robot.noise_m_s"), kind="stable")
@@ -89,7 +90,9 @@ def test_points_are_drawn_over_each_key(tmp_path: Path, kind: str) -> None:
     assert [t.get_text() for t in thing.get_xticklabels()] == ["box", "box-strips"]
     picked = [v == "box" for v in done.points.column("object")]
     at = [t.get_text() for t in thing.get_xticklabels()].index("box")
-    assert thing.lines[0].get_ydata()[at] == pytest.approx(100 * rates[picked, 0].mean())
+    assert np.asarray(thing.lines[0].get_ydata())[at] == pytest.approx(
+        100 * rates[picked, 0].mean()
+    )
 
 
 def test_nothing_varied_is_no_picture(tmp_path: Path) -> None:

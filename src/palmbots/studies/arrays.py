@@ -58,6 +58,8 @@ def make_arrays(path: Path, points: Points, cut: Layout) -> None:
             _small(group, f"{name}_interval", (*cells, 2), told | {"long_name": what})
     _coordinates(group, points, cut)
     group.attrs.update({"study": points.plan.name, "identity": points.identity})
+    if not points.is_grid:  # the keys are no dimensions: xarray wants to be told what they are
+        group.attrs["coordinates"] = " ".join(points.plan.keys)
     zarr.consolidate_metadata(group.store, zarr_format=2)
 
 
