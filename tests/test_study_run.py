@@ -1,8 +1,10 @@
 """A study's results are its single carries, however it was cut, spread and ordered."""
 
 import itertools
+import os
 import random
 import shutil
+import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ from palmbots.compare import wilson
 from palmbots.errors import PalmbotsError
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import run_study
-from studies import SMALL, marks, said
+from studies import SMALL, command, marks, said
 
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
@@ -238,3 +240,27 @@ def test_command_and_python_agree(small: Path, tmp_path: Path) -> None:
     again = said(file, cwd=tmp_path)
     assert again["resumed"] == 360
     assert again["hash"] == told["hash"]
+
+
+def test_memory_is_that_of_a_chunk(tmp_path: Path) -> None:
+    """Fifty times the carries, the same peak: of real processes, as the system counts it."""
+    peaks = []
+    for count in (10_000, 500_000):
+        file = tmp_path / f"{count}.toml"
+        file.write_text(
+            'controllers = ["none", "distributed"]\n[set]\ntask.distance_m = 0.002\n'
+            f"[seeds]\ncount = {count}\n"
+        )
+        with subprocess.Popen(
+            command(file, "--chunk", 20_000, "--json"), cwd=tmp_path, stdout=subprocess.DEVNULL
+        ) as process:
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        assert process.returncode == 0
+        peaks.append(used.ru_maxrss / 1e3)
+    results = pb.open_study(tmp_path / "500000.study")
+    assert int(results.carries.sum()) == 1_000_000
+    in_all = sum(v.nbytes for v in results.data_vars.values()) / 1e6
+    assert in_all > 40, "what it would take to hold all of it"
+    assert peaks[1] - peaks[0] < 20
+    assert peaks[1] < 200
