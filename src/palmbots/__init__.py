@@ -21,6 +21,8 @@ from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.certificate import Certificate, certify
 from palmbots.stability.design import Design, design
+from palmbots.studies.run import open_results as open_study
+from palmbots.studies.run import study
 from palmbots.touching import Contact, contacts
 from palmbots.version import __version__
 
@@ -60,10 +62,12 @@ __all__ = [
     "load_scene",
     "modes",
     "objects",
+    "open_study",
     "rare",
     "read_log",
     "replay",
     "states",
+    "study",
     "wire",
     "write_log",
 ]

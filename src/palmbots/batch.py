@@ -16,7 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from palmbots import _core
 
-__all__ = ["DELIVERED", "DROPPED", "STALLED", "Columns", "cores", "run_many", "run_seeds"]
+__all__ = [
+    "DELIVERED",
+    "DROPPED",
+    "STALLED",
+    "Columns",
+    "cores",
+    "run_many",
+    "run_seeds",
+    "run_table",
+]
 
 # Entries of the column `outcome`.
 DELIVERED, DROPPED, STALLED = 1, 2, 3
@@ -63,6 +72,20 @@ def run_many(
             rows are.
     """
     table = b"".join(spec.to_bytes() for spec in specs)
+    return run_table(table, which, seeds, controller, precision, threads=threads, watch=watch)
+
+
+def run_table(
+    table: bytes,
+    which: ArrayLike,
+    seeds: ArrayLike,
+    controller: str,
+    precision: str = "double",
+    *,
+    threads: int = 1,
+    watch: Callable[[int], None] | None = None,
+) -> Columns:
+    """As `run_many`, with the bytes of the specs one after the other (`Spec.to_bytes`)."""
     which = np.ascontiguousarray(which, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
     run = _module().run_many(table, which, seeds, controller, precision, threads, watch)

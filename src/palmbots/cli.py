@@ -1,4 +1,5 @@
-"""The command line: `palmbots carry`, `modes`, `compare`, `replay`, `derive`, those of `stability`.
+"""The command line: `palmbots carry`, `modes`, `compare`, `replay`, `derive`, `study`, and those of
+`stability`.
 
 Every command has ``--json`` (one object on stdout, nothing else) and exits with 0 when it did its
 job, 1 when what it was asked about failed, 2 on bad input, which is answered with one line.
@@ -28,8 +29,9 @@ from palmbots.cli_options import (
 from palmbots.derivation import cli as derivation  # puts its command into `app`
 from palmbots.errors import PalmbotsError, one_line
 from palmbots.stability import cli as stability  # likewise
+from palmbots.studies import cli as studies  # likewise
 
-__all__ = ["derivation", "main", "stability"]
+__all__ = ["derivation", "main", "stability", "studies"]
 
 # The base of all errors of usage. Typer brings its own copy of click, under a private name.
 _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")

@@ -10,20 +10,20 @@ from matplotlib.figure import Figure
 from palmbots.files import whole_file
 from palmbots.report import counted
 from palmbots.style import styled
+from palmbots.units import axis_label
 
 if TYPE_CHECKING:
     from palmbots.compare import Comparison
 
-__all__ = ["draw", "save"]
+__all__ = ["LOOK", "draw", "save"]
 
 # Okabe and Ito's palette; markers and lines differ too.
-_LOOK = {
+LOOK = {
     "none": ("#8A8A8A", "^", ":"),
     "centralized": ("#D55E00", "s", "--"),
     "distributed": ("#0072B2", "o", "-"),
     "resilient": ("#009E73", "v", (0, (5, 1, 1, 1))),
 }
-_UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
 
 
 def draw(comparison: "Comparison") -> Figure:
@@ -33,7 +33,7 @@ def draw(comparison: "Comparison") -> Figure:
         drops, rms = figure.subplots(1, 2)
         for controller in dict.fromkeys(row.controller for row in comparison.rows):
             rows = [row for row in comparison.rows if row.controller == controller]
-            colour, marker, line = _LOOK.get(controller, ("#CC79A7", "D", "-."))
+            colour, marker, line = LOOK.get(controller, ("#CC79A7", "D", "-."))
             x = [row.value for row in rows]
             rate = np.array([100 * row.drop_rate for row in rows])
             ends = np.array([row.interval for row in rows]).T * 100
@@ -49,7 +49,7 @@ def draw(comparison: "Comparison") -> Figure:
             )
             rms.plot(x, [1e3 * row.rms_m for row in rows], label=controller, **look)
         carries = counted(comparison.rows[0].n, "carry")
-        label = _axis_label(comparison.key)
+        label = axis_label(comparison.key)
         drops.set(xlabel=label, ylabel="dropped, with 95 % interval [%]", ylim=(-3, 103))
         rms.set(xlabel=label, ylabel="contact rms [mm]")
         rms.set_ylim(bottom=0)
@@ -60,16 +60,6 @@ def draw(comparison: "Comparison") -> Figure:
             title=f"{carries} a point, the same seeds for every controller",
         )
         return figure
-
-
-def _axis_label(key: str) -> str:
-    """`radio.latency_s` → "radio latency [s]"."""
-    words = key.replace(".", " ").split("_")
-    for size in (2, 1):
-        unit = _UNITS.get("_".join(words[-size:]))
-        if unit is not None and len(words) > size:
-            return f"{' '.join(words[:-size])} [{unit}]"
-    return " ".join(words)
 
 
 def save(comparison: "Comparison", path: str | os.PathLike[str]) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from palmbots.errors import SceneError
 
-__all__ = ["built_in_scenes", "read_scene"]
+__all__ = ["built_in_scenes", "read_scene", "read_table"]
 
 _LARGEST = 1 << 20  # bytes; an endless device is no scene
 
@@ -33,10 +33,18 @@ def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     if name in names:
         text = (resources.files("palmbots") / "scenes" / f"{name}.toml").read_text("utf-8")
         return name, tomllib.loads(text)
-    return name, _table(name, _text(name, _bytes(name, names)))
+    return name, read_table(name, "a scene file", names)
 
 
-def _bytes(name: str, built_in: list[str]) -> bytes:
+def read_table(name: str, what: str, built_in: list[str]) -> dict[str, Any]:
+    """The table in the TOML file `name`; `what` is what a message calls such a file.
+
+    Raises `SceneError`; where there is no such file, with the built-in names that there are.
+    """
+    return _table(name, _text(name, _bytes(name, what, built_in), what))
+
+
+def _bytes(name: str, what: str, built_in: list[str]) -> bytes:
     try:
         with open(Path(name), "rb") as stream:
             data = stream.read(_LARGEST + 1)
@@ -47,23 +55,23 @@ def _bytes(name: str, built_in: list[str]) -> bytes:
             f"{name}: no such scene or file; {hint}built-in scenes: {', '.join(built_in)}"
         ) from None
     except IsADirectoryError:
-        raise SceneError(f"{name}: is a folder; allowed: a scene file in TOML") from None
+        raise SceneError(f"{name}: is a folder; allowed: {what} in TOML") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         reason = (isinstance(error, OSError) and error.strerror) or error
         raise SceneError(f"{name}: cannot be read: {reason}") from None
     if len(data) > _LARGEST:
-        raise SceneError(f"{name}: is larger than 1 MiB; allowed: a scene file in TOML")
+        raise SceneError(f"{name}: is larger than 1 MiB; allowed: {what} in TOML")
     return data
 
 
-def _text(name: str, data: bytes) -> str:
+def _text(name: str, data: bytes, what: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(
             f"{name}: line {line} is not UTF-8 (byte 0x{data[error.start]:02x}); "
-            "allowed: a scene file in TOML, which is UTF-8"
+            f"allowed: {what} in TOML, which is UTF-8"
         ) from None
 
 

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Studies: how they scale over threads, and what memory ten million carries take.
+
+    .venv/bin/python benchmarks/studies.py
+
+Scaling is of carrying and writing together, the shortest of many short runs each, taken in turns:
+on a machine that others use too, only the shortest ones say what the program can do. Memory is that
+of a real `palmbots study` process. Writes benchmarks/results/studies.csv.
+"""
+
+import csv
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from machine import processor
+
+import palmbots as pb
+from palmbots.studies.campaign import Campaign
+from palmbots.studies.design import design
+from palmbots.studies.local import carry_locally
+from palmbots.studies.plan import load_plan
+from palmbots.studies.run import cut_of
+from palmbots.studies.store import opened
+
+RESULT = Path(__file__).parent / "results" / "studies.csv"
+
+SCALING = {
+    "controllers": ["centralized", "distributed"],
+    "vary": {"robot.noise_m_s": [0.01, 0.015, 0.02]},
+    "seeds": {"count": 2000},
+}
+TURNS = 20
+
+# Ten million carries that are short, so that it takes a minute: memory is what is asked.
+MANY = """
+controllers = ["none", "distributed"]
+[set]
+task.distance_m = 0.01
+[vary]
+robot.noise_m_s = [0.01, 0.02, 0.03, 0.04, 0.05]
+[seeds]
+count = 1_000_000
+"""
+
+
+def run(text: str, threads: int) -> dict[str, Any]:
+    """One study: what it says, and the most memory its process had [MB]."""
+    with tempfile.TemporaryDirectory() as place:
+        file = Path(place) / "study.toml"
+        file.write_text(text)
+        words = [sys.executable, "-m", "palmbots", "study", str(file), "--json"]
+        words += ["--threads", str(threads), "--out", str(Path(place) / "out")]
+        with subprocess.Popen(words, stdout=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            said = json.loads(process.stdout.read())
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    assert isinstance(used, resource.struct_rusage)
+    return said | {"memory_mb": used.ru_maxrss / 1e3}
+
+
+def carrying(threads: int) -> float:
+    """Seconds to carry and write a study in a new folder."""
+    points = design(load_plan(SCALING))
+    cut = cut_of(points, None)
+    with (
+        tempfile.TemporaryDirectory() as place,
+        opened(Path(place) / "out", points, cut, chosen=False) as store,
+    ):
+        campaign = Campaign(store)
+        began = time.perf_counter()
+        carry_locally(campaign, threads, lambda _: None)
+        return time.perf_counter() - began
+
+
+def main() -> None:
+    """Measure, print, write."""
+    times: dict[int, list[float]] = {1: [], 2: []}
+    for _ in range(TURNS):
+        for threads in times:
+            times[threads].append(carrying(threads))
+    one, two = (min(times[t]) for t in (1, 2))
+    said = run(MANY, 2)
+    assert said["carries"] == 10_000_000
+    told = (
+        ("12 000 carries, 1 thread", round(one, 3), "s"),
+        ("12 000 carries, 2 threads", round(two, 3), "s"),
+        ("scaling", round(one / two, 2), "1"),
+        ("10 000 000 short carries, memory", round(said["memory_mb"]), "MB"),
+        ("10 000 000 short carries, 2 threads", round(said["seconds"], 1), "s"),
+    )
+    where = {"machine": processor(), "palmbots": pb.__version__}
+    with RESULT.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, ["what", "value", "unit", *where])
+        writer.writeheader()
+        for what, value, unit in told:
+            print(f"{what:36} {value} {unit}")
+            writer.writerow({"what": what, "value": value, "unit": unit} | where)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""Carry a study on many machines: chunks go to Dask's workers, results come back here to be kept.
+
+A chunk is a pure function of what is sent with it, so that a worker may die, a chunk may be done
+twice and answers may come in any order: the store has one writer, and the results the same bits.
+Workers need the package in the same version, and no files.
+"""
+
+import contextlib
+import dataclasses
+import logging
+import zlib
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from palmbots.errors import PalmbotsError, show
+from palmbots.studies.campaign import Campaign
+from palmbots.studies.layout import Chunk
+from palmbots.studies.needs import needed
+from palmbots.studies.tally import tally_of
+from palmbots.studies.work import Block, Work, build, carry_chunk
+
+__all__ = ["carry_on_cluster", "carry_packed"]
+
+_CONNECT_S = 5
+_PATIENCE_S = 30
+_AHEAD = 2  # chunks given out for each thread of a worker, so that none waits for the next one
+
+
+def carry_packed(work: Work) -> Block:
+    """What a worker does: `carry_chunk`, with a table that is packed for the way."""
+    return carry_chunk(dataclasses.replace(work, table=zlib.decompress(work.table)))
+
+
+def carry_on_cluster(
+    campaign: Campaign,
+    scheduler: str | None,
+    workers: int | None,
+    report: Callable[[float], None],
+) -> None:
+    """Carry what is due on the workers of a scheduler, or on so many processes here.
+
+    Raises:
+        PalmbotsError: the scheduler cannot be reached or was lost, it has no workers, a worker has
+            another version, or one chunk killed too many of them. Finished chunks are kept.
+        KeyboardInterrupt: likewise.
+    """
+    distributed = needed("distributed", "cluster")
+    with _client(distributed, scheduler, workers) as client:
+        _greet(client, scheduler)
+        out: dict[Any, Chunk] = {}
+        try:
+            while True:
+                room = _AHEAD * max(sum(client.nthreads().values()), 1)
+                while len(out) < room and (given := campaign.next()) is not None:
+                    chunk, work = given
+                    packed = dataclasses.replace(work, table=zlib.compress(work.table, 1))
+                    name = f"palmbots-{campaign.points.identity}-{chunk.number}"
+                    out[client.submit(carry_packed, packed, key=name, pure=True)] = chunk
+                if not out:
+                    break
+                done = distributed.wait(list(out), return_when="FIRST_COMPLETED").done
+                for future in done:
+                    chunk, block = out.pop(future), future.result()
+                    tally = tally_of(block)
+                    campaign.store.write(chunk, block, tally)
+                    campaign.record(chunk, tally)
+                report(campaign.done / max(campaign.due, 1))
+        except distributed.KilledWorker:
+            raise PalmbotsError(
+                "study: a chunk killed several workers one after the other; what was finished is "
+                "kept; allowed: a smaller --chunk in a new --out, or workers with more memory"
+            ) from None
+        except (
+            distributed.CancelledError,
+            distributed.comm.CommClosedError,
+            distributed.client.FutureCancelledError,
+        ):
+            raise PalmbotsError(
+                f"--scheduler {scheduler}: was lost; what was finished is kept: start it again and "
+                "run the same command"
+            ) from None
+    report(1.0)
+
+
+@contextlib.contextmanager
+def _client(distributed: Any, scheduler: str | None, workers: int | None) -> Iterator[Any]:
+    for name in ("distributed", "distributed.client", "distributed.nanny", "distributed.core"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # a worker's death is no news here
+    with contextlib.ExitStack() as stack:
+        target: Any = scheduler
+        if scheduler is None:
+            if not isinstance(workers, int) or not 1 <= workers <= 1024:
+                raise PalmbotsError(f"--local-cluster: {show(workers)}; allowed: 1 to 1024")
+            target = stack.enter_context(
+                distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                )
+            )
+        try:
+            client = distributed.Client(target, timeout=_CONNECT_S)
+        except (OSError, ValueError, ImportError) as error:
+            raise PalmbotsError(
+                f"--scheduler {scheduler}: cannot be reached: {error}; allowed: the address that "
+                "`dask scheduler` prints, as in tcp://192.168.0.2:8786"
+            ) from None
+        yield stack.enter_context(client)
+
+
+def _greet(client: Any, scheduler: str | None) -> None:
+    """Wait for a worker, and see that all have this version."""
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE_S)
+    except TimeoutError:
+        raise PalmbotsError(
+            f"--scheduler {scheduler}: no worker came in {_PATIENCE_S} s; start one with: dask "
+            f"worker {scheduler}"
+        ) from None
+    for address, told in client.run(build, on_error="return").items():
+        if isinstance(told, Exception):
+            raise PalmbotsError(
+                f"study: the worker {address} cannot import palmbots ({told}); allowed: palmbots "
+                f"{build()} on every machine"
+            )
+        if told != build():
+            raise PalmbotsError(
+                f"study: the worker {address} has palmbots {told}, here is {build()}; allowed: the "
+                "same version on every machine"
+            )

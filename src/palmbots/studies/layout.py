@@ -1,0 +1,122 @@
+"""How a study is cut into chunks: fixed blocks of points × all controllers × seeds.
+
+Points keep the shape of the design; a block of points spans whole trailing dimensions, so that a
+chunk is one chunk of every array in the store. With sequential stopping a chunk never reaches over
+the end of a block of seeds. No result depends on the cut.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Chunk", "Layout", "layout"]
+
+_LEAST, _MOST, _PARTS = 2048, 32_768, 64
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """One block of carries."""
+
+    number: int
+    region: tuple[slice, ...]
+    """Of the dimensions of the points."""
+    points: NDArray[np.intp]
+    """The same points by their number."""
+    seeds: slice
+    """Counted from the first seed of the study."""
+    column: int
+    """Its place among the blocks of seeds."""
+    row: int
+    """Its place among the blocks of points."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The cut. Chunks are numbered row by row, seeds fastest."""
+
+    shape: tuple[int, ...]
+    """Of the points."""
+    block: tuple[int, ...]
+    """Of the points of one chunk."""
+    controllers: int
+    seeds: int
+    seeds_a_chunk: int
+
+    @cached_property
+    def columns(self) -> int:
+        """Blocks of seeds."""
+        return -(-self.seeds // self.seeds_a_chunk)
+
+    @cached_property
+    def rows(self) -> int:
+        """Blocks of points."""
+        return math.prod(self._blocks)
+
+    @property
+    def chunks(self) -> int:
+        """How many."""
+        return self.rows * self.columns
+
+    @property
+    def carries_a_chunk(self) -> int:
+        """At most."""
+        return math.prod(self.block) * self.controllers * self.seeds_a_chunk
+
+    @cached_property
+    def _blocks(self) -> tuple[int, ...]:
+        return tuple(-(-n // b) for n, b in zip(self.shape, self.block, strict=True))
+
+    def chunk(self, number: int) -> Chunk:
+        """The chunk of that number."""
+        row, column = divmod(number, self.columns)
+        places = np.unravel_index(row, self._blocks)
+        region = tuple(
+            slice(int(at) * b, min((int(at) + 1) * b, n))
+            for at, b, n in zip(places, self.block, self.shape, strict=True)
+        )
+        axes = [np.arange(part.start, part.stop) for part in region]
+        points = np.ravel_multi_index(np.meshgrid(*axes, indexing="ij"), self.shape).reshape(-1)
+        first = column * self.seeds_a_chunk
+        seeds = slice(first, min(first + self.seeds_a_chunk, self.seeds))
+        return Chunk(number, region, points, seeds, column, row)
+
+    def in_order(self) -> Iterator[int]:
+        """All numbers: the first seeds of every row, then the next ones."""
+        for column in range(self.columns):
+            for row in range(self.rows):
+                yield row * self.columns + column
+
+
+def layout(
+    shape: tuple[int, ...],
+    controllers: int,
+    seeds: int,
+    stop_block: int | None = None,
+    carries_a_chunk: int | None = None,
+) -> Layout:
+    """A cut into chunks of about `carries_a_chunk`; by default 64 parts of 2048 to 32 768."""
+    total = math.prod(shape) * controllers * seeds
+    wanted = carries_a_chunk or min(max(total // _PARTS, _LEAST), _MOST)
+    room = max(wanted // controllers, 1)
+    span = min(seeds, stop_block or seeds)
+    length = -(-span // -(-span // room))
+    if stop_block is not None and stop_block < seeds:
+        length = _divisor(span, room)
+    left, block = max(room // length, 1), []
+    for size in reversed(shape):
+        block.append(min(size, left))
+        left = max(left // size, 1) if block[-1] == size else 1
+    return Layout(shape, tuple(reversed(block)), controllers, seeds, length)
+
+
+def _divisor(n: int, room: int) -> int:
+    """A length that divides n, so that chunks end where blocks end: the largest that fits, or a
+    larger one where only crumbs would fit."""
+    divisors = [d for k in range(1, math.isqrt(n) + 1) if n % k == 0 for d in (k, n // k)]
+    fitting = max(d for d in divisors if d <= room)
+    return fitting if 8 * fitting >= min(room, n) else min(d for d in divisors if d > room)

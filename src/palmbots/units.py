@@ -1,0 +1,26 @@
+"""Units as the names of scene keys tell them: the suffix of ``radio.latency_s`` is seconds."""
+
+__all__ = ["axis_label", "unit_of"]
+
+_UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
+
+
+def unit_of(key: str) -> str | None:
+    """The unit of a scene key, None where its name has none."""
+    return _split(key)[1]
+
+
+def axis_label(key: str) -> str:
+    """`radio.latency_s` → "radio latency [s]"."""
+    words, unit = _split(key)
+    return f"{words} [{unit}]" if unit else words
+
+
+def _split(key: str) -> tuple[str, str | None]:
+    name, bracket, index = key.partition("[")
+    words = name.replace(".", " ").split("_")
+    for size in (2, 1):
+        unit = _UNITS.get("_".join(words[-size:]))
+        if unit is not None and len(words) > size:
+            return " ".join(words[:-size]) + (f" {bracket}{index}" if bracket else ""), unit
+    return " ".join(words) + bracket + index, None

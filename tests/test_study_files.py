@@ -1,0 +1,230 @@
+"""Study files: what they mean, and the one line about what is wrong with one."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots import cli
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.studies.design import Points, design, shares
+from palmbots.studies.layout import layout
+from palmbots.studies.plan import load_plan, ready_studies
+from studies import refused, study
+
+
+def points(**table: Any) -> Points:
+    return design(load_plan(table))
+
+
+def test_a_grid_is_every_combination_the_last_key_fastest() -> None:
+    found = points(
+        vary={
+            "radio.latency_s": [0.0, 0.1],
+            "robot.noise_m_s": {"from": 0.01, "to": 0.04, "steps": 4},
+        }
+    )
+    assert found.shape == (2, 4)
+    assert found.values[:5] == ((0.0, 0.01), (0.0, 0.02), (0.0, 0.03), (0.0, 0.04), (0.1, 0.01))
+    assert found.scene(4) == pb.load_scene("paper", {"radio.latency_s": 0.1})
+    assert found.dims == ("radio.latency_s", "robot.noise_m_s")
+
+
+def test_a_logarithmic_axis() -> None:
+    span = {"from": 0.001, "to": 0.1, "steps": 5, "scale": "log"}
+    found = points(vary={"radio.latency_s": span})
+    assert found.column("radio.latency_s") == pytest.approx(np.geomspace(0.001, 0.1, 5), rel=1e-11)
+
+
+def test_nothing_varied_is_one_point() -> None:
+    found = points()
+    assert (found.shape, found.values, found.dims) == ((1,), ((),), ("point",))
+
+
+@pytest.mark.parametrize("kind", ["random", "sobol", "halton", "latin-hypercube"])
+def test_designs_fill_the_cube_and_keep_their_seed(kind: str) -> None:
+    unit = shares(kind, 2, 256, 5)
+    assert unit.shape == (256, 2)
+    assert (unit >= 0).all() and (unit < 1).all()
+    assert (shares(kind, 2, 256, 5) == unit).all()
+    assert (shares(kind, 2, 256, 6) != unit).any()
+    # Worst difference between the share of points in a corner box and its area.
+    grid = np.linspace(0.1, 1, 10)
+    off = max(abs(np.mean((unit[:, 0] < a) & (unit[:, 1] < b)) - a * b) for a in grid for b in grid)
+    assert off < (0.12 if kind == "random" else 0.06)
+    if kind in ("sobol", "latin-hypercube"):
+        assert all(np.unique(np.floor(256 * column)).size == 256 for column in unit.T)
+
+
+def test_ranges_of_a_design_and_lists_in_it() -> None:
+    found = points(
+        vary={
+            "radio.latency_s": {"from": 0.1, "to": 0.2},
+            "palm.friction": {"from": 0.1, "to": 0.4, "scale": "log"},
+            "object": ["box", "box-strips"],
+        },
+        design={"kind": "sobol", "points": 64, "seed": 1},
+    )
+    assert found.dims == ("point",)
+    assert len(found.values) == 64
+    latency, friction = (np.array(found.column(k)) for k in found.plan.keys[:2])
+    assert 0.1 <= latency.min() < 0.102 < 0.198 < latency.max() <= 0.2
+    assert np.count_nonzero(friction < 0.2) == 32
+    assert found.column("object").count("box") == 32
+
+
+def test_a_scene_file_is_seen_from_the_study_file(tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "mine.toml").write_text("[task]\ndistance_m = 0.7\n")
+    file = tmp_path / "deep" / "study.toml"
+    file.write_text('scene = "mine.toml"\n[set]\nradio.loss = 0.1\n')
+    base = load_plan(file).base
+    assert (base.task.distance_m, base.radio.loss) == (0.7, 0.1)
+
+
+def test_carries_take_the_place_of_the_file_s() -> None:
+    table = {"seeds": {"first": 3, "count": 900}, "stop": {"block": 100, "drop_rate": 0.1}}
+    told = load_plan(table, 50).study
+    assert (told.seeds.first, told.seeds.count) == (3, 50)
+    assert told.stop is not None
+    assert told.stop.block == 50
+
+
+SPAN = {"from": 0.0, "to": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"vari": {}}, "vari: .*did you mean vary"),
+        ({"controllers": []}, "controllers: .*0 items"),
+        ({"controllers": ["both"]}, r"controllers\[0\]: .*distributed"),
+        ({"controllers": ["none", "none"]}, "controllers: .*twice"),
+        ({"precision": "half"}, "precision: .*float"),
+        ({"seeds": {"count": 0}}, "seeds.count: 0 is too small"),
+        ({"seeds": {"count": 1.5}}, "seeds.count: 1.5 is a number"),
+        ({"seeds": {"cuont": 1}}, "seeds.cuont: .*did you mean seeds.count"),
+        ({"vary": 3}, "vary: 3 is not a table"),
+        ({"vary": {"radio.latency_s": 3}}, "vary.radio.latency_s: 3 is neither"),
+        ({"vary": {"radio.latency_s": []}}, "vary.radio.latency_s: .*0 values"),
+        ({"vary": {"radio.latency_s": [0, 0.0]}}, "vary.radio.latency_s: .*twice"),
+        ({"vary": {"radio.latency_s": SPAN}}, "vary: .*radio.latency_s.* has no steps"),
+        ({"vary": {"radio.latency_s": {"from": 1}}}, "vary.radio.latency_s: .*has no to"),
+        ({"vary": {"radio.latency_s": {**SPAN, "step": 3}}}, "step.* unknown key of a range"),
+        ({"vary": {"radio.latency_s": {**SPAN, "steps": 1}}}, "latency_s.steps: 1 is too small"),
+        ({"vary": {"radio.latency_s": {"from": 1, "to": 0, "steps": 3}}}, "latency_s.to: .*more"),
+        ({"vary": {"radio.latency_s": {**SPAN, "steps": 3, "scale": "log"}}}, "no logarithm"),
+        ({"vary": {"radio.latency_s": {**SPAN, "steps": 3, "scale": "cube"}}}, "scale: .*log"),
+        ({"vary": {"radio.latncy_s": [0]}}, r"study point 0 .*did you mean radio.latency_s"),
+        ({"vary": {"radio.latency_s": [0, -1]}}, r"study point 1 \(radio.latency_s = -1\):"),
+        ({"vary": {"object.com_m[2]": [0]}}, r"object.com_m\[2\]: there is no such entry"),
+        ({"vary": {"object.comm[0]": [0]}}, r"object.comm\[0\]: there is no such entry"),
+        ({"set": {"radio.latncy_s": 0}}, "study: set: radio.latncy_s"),
+        ({"scene": "nowhere"}, "study: scene: nowhere"),
+        ({"scene": 3}, "study: scene: 3 is no scene"),
+        ({"design": {"kind": "magic"}}, "design.kind: .*sobol"),
+        ({"design": {"points": 3}}, "design.points: 3 is given for a grid"),
+        ({"design": {"kind": "random"}, "vary": {"radio.loss": SPAN}}, "how many points"),
+        ({"design": {"kind": "random", "points": 4}}, "vary: .* is empty"),
+        ({"design": {"kind": "sobol", "points": 12}, "vary": {"radio.loss": SPAN}}, "power of 2"),
+        (
+            {
+                "design": {"kind": "random", "points": 4},
+                "vary": {"radio.loss": {**SPAN, "steps": 3}},
+            },
+            "vary: .*has steps",
+        ),
+        ({"stop": {"block": 10}}, "stop.block: .*drop_rate or rms"),
+        ({"stop": {"drop_rate": 0.1}}, "stop.block: is missing"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_is_refused(table: dict[str, Any], words: str) -> None:
+    with pytest.raises(SceneError, match=words) as caught:
+        design(load_plan(table))
+    assert "\n" not in str(caught.value)
+
+
+def test_too_many_points() -> None:
+    span = {"from": 0.0, "to": 0.1, "steps": 2000}
+    with pytest.raises(PalmbotsError, match="4000000 points in all; allowed: at most 1000000"):
+        points(vary={"radio.latency_s": span, "robot.noise_m_s": span})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("vary = [", ["bad.toml", "not valid TOML"]),
+        ("about = 3", ["bad.toml", "about"]),
+        ("[vary]\nradio.loss = [0, 2]", ["study point 1", "radio.loss"]),
+    ],
+)
+def test_a_bad_file_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, words: list[str]
+) -> None:
+    (tmp_path / "bad.toml").write_text(text)
+    refused(study("bad.toml", cwd=tmp_path), *words)
+    assert {path.name for path in tmp_path.iterdir()} == {"bad.toml"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], ["nowhere", "ready studies"]),
+        (["."], ["folder"]),
+        ([], ["FILE"]),
+        (["STUDY", "--chunk", "0"], ["--chunk", "allowed"]),
+        (["STUDY", "--threads", "0"], ["--threads", "allowed"]),
+        (["STUDY", "-n", "0"], ["seeds.count"]),
+        (["STUDY", "--out", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
+    ],
+)
+def test_bad_arguments(
+    arguments: list[str],
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "study.toml").write_text("")
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["study", *("study.toml" if a == "STUDY" else a for a in arguments)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    for word in words:
+        assert word in said.err
+
+
+@pytest.mark.parametrize("name", ready_studies())
+def test_ready_studies_make_sense(name: str) -> None:
+    plan = load_plan(name)
+    assert plan.name == name
+    assert plan.study.about
+    assert design(plan).values
+
+
+@pytest.mark.parametrize("shape", [(1,), (7,), (3, 5), (4, 3, 5)])
+@pytest.mark.parametrize("seeds", [1, 10, 97])
+@pytest.mark.parametrize("stop", [None, 5, 30])
+@pytest.mark.parametrize("chunk", [1, 8, 100, 10**6])
+def test_chunks_cover_everything_once(
+    shape: tuple[int, ...], seeds: int, stop: int | None, chunk: int
+) -> None:
+    cut = layout(shape, 2, seeds, stop, chunk)
+    seen = np.zeros((int(np.prod(shape)), seeds), int)
+    assert sorted(cut.in_order()) == list(range(cut.chunks))
+    for number in range(cut.chunks):
+        one = cut.chunk(number)
+        assert one.number == one.row * cut.columns + one.column
+        seen[one.points, one.seeds] += 1
+        region = np.zeros(shape, int)
+        region[one.region] = 1
+        assert (np.nonzero(region.reshape(-1))[0] == one.points).all()
+        if stop is not None and stop < seeds:
+            assert one.seeds.start // stop == (one.seeds.stop - 1) // stop
+    assert (seen == 1).all()
+    if stop is None:
+        assert cut.carries_a_chunk <= max(chunk, 2)

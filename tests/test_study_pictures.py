@@ -1,0 +1,193 @@
+"""Pictures, costs and Sobol indices of studies."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from palmbots import cli
+from palmbots.errors import PalmbotsError
+from palmbots.studies import figures
+from palmbots.studies.design import design, shares
+from palmbots.studies.plan import load_plan
+from palmbots.studies.run import Done, run_study
+from palmbots.studies.sensitivity import sensitivities
+from studies import said
+
+FEW: dict[str, Any] = {"set": {"task.distance_m": 0.2}, "seeds": {"count": 4}}
+NOISE = {"from": 0.01, "to": 0.2}
+
+
+def run(tmp_path: Path, **table: Any) -> Done:
+    return run_study(load_plan({**FEW, **table}), tmp_path / "study")
+
+
+def texts(figure: Any) -> list[str]:
+    return [t.get_text() for panel in figure.axes for t in panel.texts]
+
+
+def test_one_key_is_curves_with_bands(tmp_path: Path) -> None:
+    done = run(tmp_path, vary={"robot.noise_m_s": [0.01, 0.1, 0.2]})
+    figure = figures.draw(done)
+    drops, rms = figure.axes
+    assert drops.get_xlabel() == "robot noise [m/s]"
+    assert (drops.get_ylabel(), rms.get_ylabel()) == ("dropped [%]", "contact rms [mm]")
+    for c, line in enumerate(drops.lines):
+        assert line.get_ydata() == pytest.approx(100 * done.values["drop_rate"][0][:, c])
+        band = drops.collections[c].get_paths()[0].vertices
+        ends = done.values["drop_rate"][1]
+        assert ends is not None
+        assert np.max(np.asarray(band)[:, 1]) == pytest.approx(100 * ends[:, c, 1].max())
+
+
+def test_two_keys_are_maps_on_one_scale(tmp_path: Path) -> None:
+    vary = {"radio.latency_s": [0.0, 0.1], "robot.noise_m_s": [0.01, 0.1, 0.2]}
+    done = run(tmp_path, vary=vary, controllers=["none", "distributed"])
+    figure = figures.draw(done)
+    images = [panel.images[0] for panel in figure.axes[:4]]
+    limits = [image.get_clim() for image in images]
+    assert limits[0] == limits[1] != limits[2] == limits[3]
+    for c in range(2):
+        shown = np.asarray(images[c].get_array()).T.reshape(-1)
+        assert shown == pytest.approx(100 * done.values["drop_rate"][0][:, c])
+    assert [panel.get_title() for panel in figure.axes[:2]] == ["none", "distributed"]
+
+
+def test_what_is_refused_is_named_in_the_map(tmp_path: Path) -> None:
+    vary = {"radio.latency_s": [0.05, 0.5], "robot.noise_m_s": [0.01, 0.02]}
+    done = run(tmp_path, vary=vary, controllers=["distributed", "resilient"])
+    assert texts(figures.draw(done)).count("refused") == 4
+
+
+def test_three_keys_are_a_map_for_each_pair(tmp_path: Path) -> None:
+    vary = {
+        "radio.latency_s": [0.0, 0.1],
+        "robot.noise_m_s": [0.01, 0.2],
+        "palm.friction": [0.2, 0.3],
+    }
+    done = run(tmp_path, vary=vary, controllers=["none"])
+    figure = figures.draw(done)
+    maps = [panel for panel in figure.axes if panel.images]
+    assert len(maps) == 3
+    rate = 100 * done.values["drop_rate"][0].reshape(2, 2, 2)
+    shown = np.asarray(maps[1].images[0].get_array()).T
+    assert shown == pytest.approx(rate.mean(axis=1))
+
+
+@pytest.mark.parametrize("kind", ["random", "sobol"])
+def test_points_are_drawn_over_each_key(tmp_path: Path, kind: str) -> None:
+    vary = {"robot.noise_m_s": NOISE, "object": ["box", "box-strips"]}
+    done = run(tmp_path, vary=vary, design={"kind": kind, "points": 32})
+    assert {"robot.noise_m_s", "object"} <= set(done.dataset().coords)
+    noise, thing = figures.draw(done).axes
+    rates = done.values["drop_rate"][0]
+    order = np.argsort(done.points.column("robot.noise_m_s"), kind="stable")
+    shown = noise.lines[0].get_ydata()
+    assert shown == pytest.approx(100 * rates[order, 0].reshape(8, 4).mean(axis=1))
+    assert [t.get_text() for t in thing.get_xticklabels()] == ["box", "box-strips"]
+    picked = [v == "box" for v in done.points.column("object")]
+    at = [t.get_text() for t in thing.get_xticklabels()].index("box")
+    assert np.asarray(thing.lines[0].get_ydata())[at] == pytest.approx(
+        100 * rates[picked, 0].mean()
+    )
+
+
+def test_nothing_varied_is_no_picture(tmp_path: Path) -> None:
+    with pytest.raises(PalmbotsError, match="--plot: nothing varies"):
+        figures.draw(run(tmp_path))
+
+
+def test_indices_of_a_function_with_known_ones() -> None:
+    """Ishigami's function on our points; its indices are known in closed form."""
+    a, b = 7.0, 0.1
+    unit = shares("sobol-indices", 3, 2048, 0)
+    assert unit.shape == (2048 * 5, 3)
+    x = math.pi * (2 * unit - 1)
+    y = np.sin(x[:, 0]) + a * np.sin(x[:, 1]) ** 2 + b * x[:, 2] ** 4 * np.sin(x[:, 0])
+    keys = ["robot.noise_m_s", "radio.latency_s", "radio.jitter_s"]
+    table = {
+        "controllers": ["none"],
+        "vary": {key: {"from": 0.0, "to": 0.1} for key in keys},
+        "design": {"kind": "sobol-indices", "points": 8},
+    }
+    points = design(load_plan(table))
+    assert points.shape == (40,)
+    half = np.zeros((len(y), 1, 2))
+    found = sensitivities(
+        points, {"drop_rate": (y[:, None], half), "rms_m": (y[:, None] * 0, half)}
+    )
+    v = a**2 / 8 + b * math.pi**4 / 5 + b**2 * math.pi**8 / 18 + 0.5
+    first = [0.5 * (1 + b * math.pi**4 / 5) ** 2 / v, a**2 / 8 / v, 0.0]
+    total = [first[0] + 8 * b**2 * math.pi**8 / 225 / v, first[1], 8 * b**2 * math.pi**8 / 225 / v]
+    assert [i.key for i in found] == keys, "and none of a metric that never changes"
+    assert [i.first for i in found] == pytest.approx(first, abs=0.04)
+    assert [i.total for i in found] == pytest.approx(total, abs=0.04)
+    assert all(0 < i.total_half < 0.1 for i in found)
+
+
+def test_what_decides_is_found(tmp_path: Path) -> None:
+    """Without a controller the radio can decide nothing, and noise everything."""
+    done = run_study(
+        load_plan(
+            {
+                "controllers": ["none"],
+                "vary": {"radio.latency_s": {"from": 0.0, "to": 0.2}, "robot.noise_m_s": NOISE},
+                "design": {"kind": "sobol-indices", "points": 32},
+                "seeds": {"count": 10},
+                "set": {"task.distance_m": 0.3},
+            }
+        ),
+        tmp_path / "study",
+    )
+    by_key = {i.key: i for i in sensitivities(done.points, done.values) if i.metric == "rms_m"}
+    assert by_key["radio.latency_s"].total == 0
+    assert by_key["robot.noise_m_s"].total > 0.7
+    figure = figures.draw(done)
+    names = [t.get_text() for t in figure.axes[0].get_yticklabels()]
+    assert names == ["radio latency", "robot noise"]
+
+
+def test_the_command_draws_and_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text("[vary]\nrobot.noise_m_s = [0.01, 0.02]\n[seeds]\ncount = 3\n")
+    assert cli.run(["study", "s.toml", "--plot"]) == 0
+    out = capsys.readouterr().out
+    assert "wrote s.study/study.png" in out
+    assert "12 carries" in out
+    assert Path("s.study/study.png").read_bytes().startswith(b"\x89PNG")
+    Path("n.toml").write_text("[seeds]\ncount = 3\n")
+    assert cli.run(["study", "n.toml", "--plot"]) == 2
+    assert "nothing varies" in capsys.readouterr().err
+
+
+def test_the_cost_is_told_and_nothing_is_written(tmp_path: Path) -> None:
+    """Carries and cells exactly, time and disk about right."""
+    file = tmp_path / "s.toml"
+    file.write_text("[vary]\nrobot.noise_m_s = [0.01, 0.015, 0.02]\n[seeds]\ncount = 1500\n")
+    told = said(file, "--explain", "--threads", 1, cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+    assert (told["points"], told["cells"], told["carries"]) == (3, 6, 9000)
+    assert set(told["ms_a_carry"]) == {"centralized", "distributed"}
+    done = said(file, "--threads", 1, cwd=tmp_path)
+    assert done["carries"] == told["carries"]
+    assert told["seconds"] / 3 < done["seconds"] < told["seconds"] * 3 + 2
+    files = (tmp_path / "s.study").rglob("*")
+    size = sum(path.stat().st_size for path in files if path.is_file())
+    assert told["disk_bytes"] / 2 < size < 2 * told["disk_bytes"] + 100_000
+
+
+def test_the_cost_of_refused_points(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "s.toml"
+    file.write_text(
+        'controllers = ["resilient"]\n[vary]\nradio.latency_s = [0.05, 0.5]\n[seeds]\ncount = 10\n'
+    )
+    assert cli.run(["study", str(file), "--explain", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["cells"], told["carries"]) == (1, 10)
+    assert cli.run(["study", str(file), "--explain"]) == 0
+    assert "1 point by the resilient one" in capsys.readouterr().out

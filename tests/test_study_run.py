@@ -1,0 +1,266 @@
+"""A study's results are its single carries, however it was cut, spread and ordered."""
+
+import itertools
+import os
+import random
+import shutil
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import palmbots as pb
+from palmbots.compare import wilson
+from palmbots.errors import PalmbotsError
+from palmbots.studies.plan import load_plan
+from palmbots.studies.run import run_study
+from studies import SMALL, command, marks, said
+
+OUTCOMES = ("running", "delivered", "dropped", "stalled")
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("small") / "study"
+    pb.study(SMALL, root)
+    return root
+
+
+def hash_of(root: Path) -> str:
+    return pb.open_study(root).attrs["hash"]
+
+
+def test_every_carry_is_the_single_one(small: Path) -> None:
+    found = pb.open_study(small)
+    assert dict(found.sizes) == {
+        "radio.latency_s": 2, "robot.noise_m_s": 3, "controller": 2,
+        "seed": 30, "side": 2, "end": 2,
+    }  # fmt: skip
+    rng = random.Random(0)
+    for _ in range(25):
+        keys = {key: rng.choice(values) for key, values in SMALL["vary"].items()}
+        controller, seed = rng.choice(SMALL["controllers"]), rng.randrange(7, 37)
+        one = pb.carry("paper", controller, seed=seed, record=False, overrides=keys)
+        row = found.sel({**keys, "controller": controller, "seed": seed})
+        assert OUTCOMES[int(row.outcome)] == one.outcome
+        assert float(row.time_s) == one.time_s
+        assert int(row.corrections) == len(one.corrections)
+        assert int(row.messages) == one.messages
+        for side in ("left", "right"):
+            told = row.sel(side=side)
+            assert float(told.contact_rms_m) == np.float32(one.contact_rms_m[side])
+            assert float(told.contact_peak_m) == np.float32(one.contact_peak_m[side])
+            assert float(told.waiting_s) == np.float32(one.waiting_s[side])
+
+
+def test_statistics_are_those_of_the_carries(small: Path) -> None:
+    found = pb.open_study(small).load()
+    dropped = found.outcome == 2
+    rate = dropped.mean("seed")
+    np.testing.assert_allclose(found.drop_rate, rate, rtol=1e-15)
+    assert float(rate.max()) > 0.01
+    for cell, low, high in zip(
+        dropped.sum("seed").values.flat,
+        found.drop_rate_interval.sel(end="low").values.flat,
+        found.drop_rate_interval.sel(end="high").values.flat,
+        strict=True,
+    ):
+        assert (low, high) == pytest.approx(wilson(int(cell), 30), abs=1e-15)
+    square = (found.contact_rms_m.astype(float) ** 2).mean("side")
+    np.testing.assert_allclose(found.rms_m, np.sqrt(square.mean("seed")), rtol=1e-14)
+    half = 1.959963984540054 * square.std("seed", ddof=1) / np.sqrt(30)
+    high = np.sqrt(square.mean("seed") + half)
+    np.testing.assert_allclose(found.rms_m_interval.sel(end="high"), high, rtol=1e-12)
+    delivered = found.outcome == 1
+    np.testing.assert_allclose(
+        found.mean_time_s, found.time_s.where(delivered).mean("seed"), rtol=1e-13
+    )
+    difference = (dropped.astype(float) - dropped.sel(controller="centralized")).mean("seed")
+    np.testing.assert_allclose(found.drop_rate_difference, difference, atol=1e-15)
+    excess = (square - square.sel(controller="centralized")).mean("seed")
+    np.testing.assert_allclose(found.square_difference, excess, rtol=1e-9, atol=1e-20)
+    assert found.drop_rate.attrs["units"] == "1"
+    assert found.contact_rms_m.attrs["units"] == "m"
+    assert found["radio.latency_s"].attrs["units"] == "s"
+
+
+def test_any_reader_of_zarr_opens_it(small: Path) -> None:
+    """Without a word of palmbots, and without a 0 that is taken for missing."""
+    found = xr.open_zarr(small / "results.zarr", chunks=None)
+    assert found["radio.latency_s"].values.tolist() == [0.0, 0.2]
+    assert found.outcome.dtype == np.uint8
+    assert not np.isnan(found.mean_peak_m).any()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"chunk": 12},
+        {"chunk": 17, "threads": 1},
+        {"chunk": 50, "threads": 3},
+        {"chunk": 100_000},
+        {"order": reversed},
+        {"chunk": 40, "order": lambda chunks: random.Random(3).sample(list(chunks), len(chunks))},
+    ],
+    ids=["crumbs", "odd", "three-threads", "one", "reversed", "shuffled"],
+)
+def test_cut_threads_and_order_change_nothing(
+    small: Path, tmp_path: Path, options: dict[str, Any]
+) -> None:
+    done = run_study(load_plan(SMALL), tmp_path / "study", **options)
+    assert done.hash == hash_of(small)
+    assert done.carries == 360
+    first, second = pb.open_study(small).load(), done.dataset().load()
+    xr.testing.assert_identical(first, second)
+
+
+def test_the_hash_tells_results_apart(small: Path, tmp_path: Path) -> None:
+    seen = {hash_of(small)}
+    for k, change in enumerate(({"precision": "float"}, {"seeds": {"first": 8, "count": 30}})):
+        done = run_study(load_plan({**SMALL, **change}), tmp_path / str(k))
+        seen.add(done.hash)
+    assert len(seen) == 3
+
+
+def test_remarks_and_spelling_are_no_part_of_a_study(small: Path) -> None:
+    same = {
+        "about": "another remark",
+        "controllers": SMALL["controllers"],
+        "vary": {"radio": {"latency_s": [0, 0.2]}, "robot": {"noise_m_s": SPAN}},
+        "seeds": SMALL["seeds"],
+    }
+    done = run_study(load_plan(same), small)
+    assert done.resumed == 360
+    assert done.hash == hash_of(small)
+
+
+SPAN = {"from": 0.01, "to": 0.03, "steps": 3}
+
+
+def test_what_the_resilient_algorithm_refuses_is_left_out(tmp_path: Path) -> None:
+    table = {
+        "controllers": ["distributed", "resilient"],
+        "vary": {"radio.latency_s": [0.05, 0.5]},
+        "seeds": {"count": 20},
+    }
+    done = run_study(load_plan(table), tmp_path / "study")
+    assert list(done.points.refused) == [1]
+    found = done.dataset().load()
+    at = found.sel({"radio.latency_s": 0.5, "controller": "resilient"})
+    assert int(at.carries) == 0
+    assert np.isnan(float(at.drop_rate))
+    assert not at.outcome.any()
+    assert done.carries == 60
+    told = done.summary()
+    assert "radio.lease_s" in told["refused"][0]["why"]
+    assert told["refused"][0]["at"] == {"radio.latency_s": 0.5}
+    assert told["cells"][3]["drop_rate"] is None
+
+
+def test_keys_of_all_kinds(tmp_path: Path) -> None:
+    table = {
+        "controllers": ["none"],
+        "set": {"task.distance_m": 0.3},
+        "vary": {
+            "object": ["box", "box-strips"],
+            "task.inertia": [True, False],
+            "object.com_m[1]": [0.05, 0.06],
+        },
+        "seeds": {"count": 2},
+    }
+    found = pb.study(table, tmp_path / "study").load()
+    assert found["object"].values.tolist() == ["box", "box-strips"]
+    assert found["task.inertia"].dtype == bool
+    for thing, height in itertools.product(("box", "box-strips"), (0.05, 0.06)):
+        base = pb.load_scene("paper", {"object": thing, "task.distance_m": 0.3})
+        com = [base.object.com_m[0], height]
+        one = pb.carry(base, "none", seed=1, record=False, overrides={"object.com_m": com})
+        at = {"object": thing, "task.inertia": True, "object.com_m[1]": height, "seed": 1}
+        told = found.sel(at).isel(controller=0)
+        assert float(told.time_s) == one.time_s
+        assert float(told.contact_rms_m.sel(side="left")) == np.float32(one.contact_rms_m["left"])
+
+
+def shuffled_marks(root: Path) -> Iterable[Path]:
+    return random.Random(1).sample(sorted((root / "chunks").glob("*.npz")), 2)
+
+
+def test_what_was_damaged_is_carried_again(small: Path, tmp_path: Path) -> None:
+    """Files of the store truncated, overwritten, removed; marks too."""
+    root = tmp_path / "study"
+    run_study(load_plan(SMALL), root, chunk=40)
+    before = marks(root)
+    results = root / "results.zarr"
+    files = sorted(
+        p for p in (results / "contact_rms_m").rglob("*") if p.is_file() and p.name.isdigit()
+    )
+    files[0].write_bytes(files[0].read_bytes()[:-5])
+    files[3].write_bytes(b"nonsense")
+    whole = files[5].read_bytes()
+    files[5].write_bytes(whole[:-3] + bytes(b ^ 1 for b in whole[-3:]))
+    (results / "outcome" / "0" / "1" / "0" / "0").unlink()
+    for mark in shuffled_marks(root):
+        mark.write_bytes(mark.read_bytes()[:100])
+    done = run_study(load_plan(SMALL), root)
+    assert done.hash == hash_of(small)
+    assert marks(root) == before
+    xr.testing.assert_identical(pb.open_study(small).load(), done.dataset().load())
+
+
+def test_results_of_another_folder_are_noticed(small: Path, tmp_path: Path) -> None:
+    """A chunk of an honest file, but not of this study's."""
+    root = tmp_path / "study"
+    shutil.copytree(small, root)
+    (root / "results.zarr" / "time_s" / "0" / "0" / "0" / "0").unlink()
+    assert run_study(load_plan(SMALL), root).hash == hash_of(small)
+
+
+def test_no_study_no_results(tmp_path: Path) -> None:
+    with pytest.raises(PalmbotsError, match="is no study's results"):
+        pb.open_study(tmp_path)
+
+
+def test_command_and_python_agree(small: Path, tmp_path: Path) -> None:
+    file = tmp_path / "small.toml"
+    file.write_text(
+        'controllers = ["centralized", "distributed"]\n'
+        "[vary]\nradio.latency_s = [0, 0.2]\nrobot.noise_m_s = [0.01, 0.02, 0.03]\n"
+        "[seeds]\nfirst = 7\ncount = 30\n"
+    )
+    told = said(file, cwd=tmp_path)
+    assert told["hash"] == hash_of(small)
+    assert (told["output"], told["carries"]) == ("small.study", 360)
+    assert told["interval"][0] < told["drop_rate"] < told["interval"][1]
+    assert told["scene"] == pb.load_scene("paper").model_dump(mode="json")
+    assert len(told["cells"]) == 12
+    again = said(file, cwd=tmp_path)
+    assert again["resumed"] == 360
+    assert again["hash"] == told["hash"]
+
+
+def test_memory_is_that_of_a_chunk(tmp_path: Path) -> None:
+    """Fifty times the carries, the same peak: of real processes, as the system counts it."""
+    peaks = []
+    for count in (10_000, 500_000):
+        file = tmp_path / f"{count}.toml"
+        file.write_text(
+            'controllers = ["none", "distributed"]\n[set]\ntask.distance_m = 0.002\n'
+            f"[seeds]\ncount = {count}\n"
+        )
+        with subprocess.Popen(
+            command(file, "--chunk", 20_000, "--json"), cwd=tmp_path, stdout=subprocess.DEVNULL
+        ) as process:
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        assert process.returncode == 0
+        peaks.append(used.ru_maxrss / 1e3)
+    results = pb.open_study(tmp_path / "500000.study")
+    assert int(results.carries.sum()) == 1_000_000
+    in_all = sum(v.nbytes for v in results.data_vars.values()) / 1e6
+    assert in_all > 40, "what it would take to hold all of it"
+    assert peaks[1] - peaks[0] < 20
+    assert peaks[1] < 200

@@ -1,0 +1,201 @@
+"""Sums that no order changes, intervals that cover, and cells that stop when they should."""
+
+import itertools
+import math
+import random
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from palmbots.compare import wilson
+from palmbots.studies.plan import Stop, load_plan
+from palmbots.studies.run import run_study
+from palmbots.studies.statistics import statistics_of
+from palmbots.studies.stopping import precise_enough, wilson_intervals
+from palmbots.studies.tally import WIDTH, count_of, sum_of, tally_of
+from palmbots.studies.work import VARIABLES, Block
+
+
+def block_of(outcome: NDArray[Any], **columns: NDArray[Any]) -> Block:
+    """A block with these columns and 0 elsewhere."""
+    block = {
+        name: np.zeros((*outcome.shape, 2) if v.by_side else outcome.shape, v.kind)
+        for name, v in VARIABLES.items()
+    }
+    for name, values in (columns | {"outcome": outcome}).items():
+        block[name][...] = values
+    return block
+
+
+def random_block(points: int, controllers: int, seeds: int, seed: int) -> Block:
+    rng = np.random.default_rng(seed)
+    shape = (points, controllers, seeds)
+    return block_of(
+        rng.integers(0, 4, shape),
+        contact_rms_m=10 ** rng.uniform(-7, 0, (*shape, 2)),
+        contact_peak_m=10 ** rng.uniform(-5, 0, (*shape, 2)),
+        time_s=10 ** rng.uniform(-2, 5, shape),
+        corrections=rng.integers(0, 500, shape),
+        messages=rng.integers(0, 50_000, shape),
+        waiting_s=rng.uniform(0, 10, (*shape, 2)),
+    )
+
+
+def piece(block: Block, part: slice) -> Block:
+    return {name: column[:, :, part] for name, column in block.items()}
+
+
+@given(cuts=st.lists(st.integers(0, 60), max_size=6), seed=st.integers(0, 20))
+def test_a_tally_is_the_same_however_it_is_cut(cuts: list[int], seed: int) -> None:
+    block = random_block(2, 2, 60, seed)
+    whole = tally_of(block)
+    ends = [0, *sorted(cuts), 60]
+    parts = [tally_of(piece(block, slice(a, b))) for a, b in itertools.pairwise(ends)]
+    random.Random(seed).shuffle(parts)
+    assert (sum(parts, np.zeros_like(whole)) == whole).all()
+
+
+def test_sums_are_exact() -> None:
+    block = random_block(1, 2, 500, 0)
+    tally = tally_of(block)
+    done = block["outcome"][0] != 0
+    for name, power in (("time_s", 1), ("time_s²", 2)):
+        for c in range(2):
+            times = block["time_s"][0, c][block["outcome"][0, c] == 1]
+            exact = sum(Fraction(float(t) ** power) for t in times)
+            assert sum_of(tally, name)[0, c] == pytest.approx(float(exact), rel=1e-15)
+    rms = block["contact_rms_m"][0].astype(float)
+    square = (rms * rms).mean(axis=2)
+    both = done[0] & done[1]
+    excess = [float(x) for x in (square[1] - square[0])[both]]
+    assert sum_of(tally, "excess")[0, 1] == pytest.approx(
+        float(sum(map(Fraction, excess))), rel=1e-14
+    )
+    assert sum_of(tally, "excess")[0, 0] == 0
+    assert count_of(tally, "pairs")[0].tolist() == [done[0].sum(), both.sum()]
+
+
+@pytest.mark.parametrize("n", [1, 2, 30, 10**9])
+def test_intervals_in_arrays_are_those_of_compare(n: int) -> None:
+    events = np.unique(np.array([0, 1, n // 3, n - 1, n]))
+    low, high = wilson_intervals(events, np.full_like(events, n))
+    for k, one in enumerate(events):
+        assert (low[k], high[k]) == pytest.approx(wilson(int(one), n), rel=1e-12, abs=1e-18)
+    low, _ = wilson_intervals(np.array([0]), np.array([0]))
+    assert np.isnan(low).all()
+
+
+def cover(make: Callable[[np.random.Generator], bool], times: int = 1000) -> float:
+    rng = np.random.default_rng(1)
+    return sum(make(rng) for _ in range(times)) / times
+
+
+def test_the_interval_of_a_paired_difference_covers() -> None:
+    """Drops that are correlated, as common seeds make them."""
+
+    def one(rng: np.random.Generator) -> bool:
+        first, both = rng.random((2, 200)), rng.random(200)
+        drops = np.where(both < 0.7, first[0], first) < np.array([[0.1], [0.16]])
+        outcome = np.where(drops, 2, 1)[None]
+        _, ends = statistics_of(tally_of(block_of(outcome)))["drop_rate_difference"]
+        assert ends is not None
+        return bool(ends[0, 1, 0] <= 0.06 <= ends[0, 1, 1])
+
+    assert 0.925 < cover(one) < 0.98
+
+
+def test_common_seeds_narrow_the_difference() -> None:
+    rng = np.random.default_rng(0)
+    luck = rng.random(1000)
+    paired = np.where(np.array([luck < 0.10, luck < 0.13]), 2, 1)[None]
+    apart = np.where(np.array([luck < 0.10, rng.random(1000) < 0.13]), 2, 1)[None]
+    widths = []
+    for outcome in (paired, apart):
+        _, ends = statistics_of(tally_of(block_of(outcome)))["drop_rate_difference"]
+        assert ends is not None
+        widths.append(ends[0, 1, 1] - ends[0, 1, 0])
+    assert widths[0] < 0.6 * widths[1]
+
+
+@pytest.mark.parametrize("rate", [0.01, 0.1, 0.5])
+def test_intervals_still_cover_where_cells_stop_early(rate: float) -> None:
+    """What the docs say of looking again and again."""
+    stop = Stop(block=100, drop_rate=0.02)
+
+    def one(rng: np.random.Generator) -> bool:
+        dropped = np.cumsum((rng.random(4000) < rate).reshape(40, 100).sum(axis=1))
+        n = 100 * np.arange(1, 41)
+        tally = np.zeros((1, 40, WIDTH), np.int64)
+        tally[..., 0], tally[..., 3] = n, dropped
+        enough = precise_enough(tally, stop)[0]
+        at = int(np.argmax(enough)) if enough.any() else 39
+        low, high = wilson(int(dropped[at]), int(n[at]))
+        return low <= rate <= high
+
+    assert cover(one) > 0.9
+
+
+STOPPING: dict[str, Any] = {
+    "controllers": ["centralized", "distributed"],
+    "vary": {"robot.noise_m_s": [0.01, 0.02, 0.03]},
+    "seeds": {"count": 400},
+    "stop": {"block": 40, "drop_rate": 0.045},
+}
+
+
+def test_cells_stop_where_they_are_precise_enough(tmp_path: Path) -> None:
+    """Each at the first block end at which its interval is narrow enough, and not before."""
+    done = run_study(load_plan(STOPPING), tmp_path / "study")
+    full = run_study(
+        load_plan({**STOPPING, "stop": {"block": 40, "drop_rate": 1e-6}}), tmp_path / "f"
+    )
+    found, whole = done.dataset().load(), full.dataset().load()
+    counts = set()
+    assert int(whole.carries.min()) == 400
+    for noise in range(3):
+        for c in range(2):
+            drops = whole.outcome.values[noise, c] == 2
+            ends = {n: wilson(int(drops[:n].sum()), n) for n in range(40, 401, 40)}
+            n = next((n for n, (low, high) in ends.items() if (high - low) / 2 <= 0.045), 400)
+            cell = found.isel({"robot.noise_m_s": noise, "controller": c})
+            assert int(cell.carries) == n
+            counts.add(n)
+            assert (cell.outcome.values[:n] == whole.outcome.values[noise, c, :n]).all()
+            assert not cell.outcome.values[n:].any()
+    assert len(counts) >= 3
+    assert done.carries == int(found.carries.sum()) < 2400
+
+
+@pytest.mark.parametrize("chunk", [20, 33, 500, 10**6])
+def test_stopping_does_not_depend_on_the_cut(tmp_path: Path, chunk: int) -> None:
+    hashes = set()
+    several: tuple[dict[str, Any], ...] = ({"chunk": chunk}, {"order": reversed, "threads": 1})
+    for k, options in enumerate(several):
+        hashes.add(run_study(load_plan(STOPPING), tmp_path / str(k), **options).hash)
+    assert len(hashes) == 1
+
+
+def test_stopping_by_rms() -> None:
+    stop = Stop(block=10, rms=0.05)
+    rng = np.random.default_rng(0)
+    outcome = np.ones((1, 1, 400))
+    rms = np.abs(rng.normal(0.005, 0.001, (1, 1, 400, 2)))
+    reached = [
+        n
+        for n in range(10, 401, 10)
+        if precise_enough(tally_of(piece(block_of(outcome, contact_rms_m=rms), slice(n))), stop)[
+            0, 0
+        ]
+    ]
+    square = (rms[0, 0].astype(np.float32).astype(float) ** 2).mean(axis=1)
+    for n in (reached[0] - 10, reached[0]):
+        mean, spread = square[:n].mean(), 1.96 * square[:n].std(ddof=1) / math.sqrt(n)
+        half = (math.sqrt(mean + spread) - math.sqrt(mean - spread)) / 2
+        assert (half <= 0.05 * math.sqrt(mean)) == (n == reached[0])
