@@ -58,8 +58,8 @@ class Dynamic(Section):
     wheel_radius_m: Size = 0.04
     """Dynamic world: radius of the two driven wheels."""
     wheel_mismatch: Mismatch = 0.0
-    """Dynamic world: share by which the wheels on a robot's left are larger than those on its right;
-    what holds its heading has to make up for it."""
+    """Dynamic world: share by which a robot's left wheel is larger than its right one; what holds
+    its heading has to make up for it."""
     floor_friction: Friction = 0.8
     """Dynamic world: Coulomb coefficient between wheels and floor."""
     ridges: Ridges = ()

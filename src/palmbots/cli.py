@@ -87,7 +87,7 @@ def carry(
     controller: Annotated[
         str, typer.Option("--controller", "-c", help="none, centralized, distributed or resilient.")
     ] = "distributed",
-    world: Annotated[str, typer.Option("--world", help="quasistatic.")] = "quasistatic",
+    world: Annotated[str, typer.Option("--world", help="quasistatic or mujoco.")] = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
@@ -114,9 +114,16 @@ def carry(
     before = warnings_before(chosen, controller)
     for warning in before:
         print(f"palmbots: warning: {warning}", file=sys.stderr)
-    done = run_carry(
-        chosen, controller, world=world, precision=precision, seed=seed, record=out is not None
-    )
+    with progress("carrying", as_json) as report:
+        done = run_carry(
+            chosen,
+            controller,
+            world=world,
+            precision=precision,
+            seed=seed,
+            record=out is not None,
+            progress=report,
+        )
     written, removed = [], []
     if out is not None:
         written, removed = _write_carry(done, out, video or "gif", quiet=as_json)

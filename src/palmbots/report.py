@@ -94,7 +94,9 @@ def carry_report(
         style="bold",
     )
     head.append(
-        f"   {scene_name}, {done.controller}, seed {done.seed}, {done.precision}", style=_QUIET
+        f"   {scene_name}, {done.controller}, seed {done.seed}, "
+        f"{done.precision if done.world == 'quasistatic' else done.world}",
+        style=_QUIET,
     )
     console.print(head)
     if done.reason is not None:

@@ -6,9 +6,9 @@ Each robot is a free body with two driven wheels and a caster, an arm that turns
 and is held, and a palm that turns about the wrist. Wrists are 0 where their palm is steep and turn
 outward for > 0, on both sides. The model's initial state is the start of the carry.
 
-Contacts are explicit pairs of simple shapes, so that every one is a point that is found exactly: the
-object touches palms with tiny balls, two on each of its edges, and palms touch the object with two
-balls at each end. What is seen is drawn by shapes that touch nothing.
+Contacts are explicit pairs of simple shapes, so that every one is a point that is found exactly:
+the object touches palms with tiny balls, two on each of its edges, and palms touch the object with
+two balls at each end. What is seen is drawn by shapes that touch nothing.
 """
 
 import math
@@ -139,8 +139,8 @@ def _ridges(world: ET.Element, scene: Scene) -> list[str]:
         names.append(f"ridge_{k + 1}")
         ET.SubElement(
             world, "geom", name=names[-1], type="capsule", size=numbers(radius, 0.4),
-            pos=numbers(sense * ridge.at_m, 0.0, high - radius), euler=numbers(math.pi / 2, 0.0, 0.0),
-            rgba=rgba(QUIET),
+            pos=numbers(sense * ridge.at_m, 0.0, high - radius), rgba=rgba(QUIET),
+            euler=numbers(math.pi / 2, 0.0, 0.0),
         )  # fmt: skip
     return names
 

@@ -1,7 +1,7 @@
 """MJCF of one robot: body on two wheels and a caster, arm, palm, and their motors.
 
-Outward is away from the partner; the wheels stand outward of the body's middle and the caster inward,
-below the load. Sizes are those that `geometry` draws. Bodies say their own mass and inertia.
+Outward is away from the partner; the wheels stand outward of the body's middle and the caster
+inward, below the load. Sizes are those that `geometry` draws. Bodies say their mass and inertia.
 """
 
 import math
@@ -178,7 +178,7 @@ def _arm(
 def _palm(
     arm: ET.Element, actuators: ET.Element, scene: Scene, side: Side, out: float, frame: Chassis
 ) -> None:
-    """The plate; its frame is level at the wrist angle −steep, so the wrist is 0 where it is steep."""
+    """The plate; it is authored steep, so the wrist is 0 where it is steep."""
     palm, mass = scene.palm_of(side), scene.dynamic.palm_kg
     steep = math.radians(palm.steep_deg)
     body = ET.SubElement(
@@ -203,8 +203,9 @@ def _palm(
     # one ball's radius lower, so that a vertex lies on the palm's surface where its ball touches.
     deep = 0.02
     ET.SubElement(
-        body, "geom", {"class": "touch"}, name=f"{side}_palm", type="box", rgba=rgba(HUE[side], 0.0),
-        size=numbers(half, wide, deep / 2), pos=numbers(0.0, 0.0, offset - TIP - deep / 2),
+        body, "geom", {"class": "touch"}, name=f"{side}_palm", type="box",
+        rgba=rgba(HUE[side], 0.0), size=numbers(half, wide, deep / 2),
+        pos=numbers(0.0, 0.0, offset - TIP - deep / 2),
     )  # fmt: skip
     for end, x in (("inner", -out * half), ("outer", out * half)):
         for name, y in (("near", -0.98 * wide), ("far", 0.98 * wide)):
@@ -217,7 +218,7 @@ def _palm(
 
 
 def _drive(actuators: ET.Element, joint: str, servo: Servo) -> None:
-    """A motor that is told a speed and holds its integral: two actuators that take the same control."""
+    """A motor that is told a speed and holds its integral: two actuators, one control."""
     ET.SubElement(
         actuators, "general", name=f"{joint}_angle", joint=joint, dyntype="integrator",
         gainprm=numbers(servo.kp), biastype="affine", biasprm=numbers(0.0, -servo.kp, 0.0),

@@ -1,14 +1,16 @@
 """The dynamic world: MuJoCo moves it, this tells the motors what to do and sees what became of it.
 
 Frame: that of `model`. All that is seen is of one instant, one integration step before the end of
-the tick. A contact coordinate is where a vertex of the object is along its palm, from the foot of the
-pivot, outward [m]; what the tactile sensor feels is where contact forces press, and where they press
-with less than `dynamic.press_n` it feels nothing.
+the tick. A contact coordinate is where a vertex of the object is along its palm, from the foot of
+the pivot, outward [m]. The tactile sensor feels where contact forces press, and nothing where they
+press with less than `dynamic.press_n`.
 """
 
 import math
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from palmbots import _core
 from palmbots.dynamic.engine import mujoco
@@ -72,7 +74,8 @@ class MujocoWorld:
         self._period = scene.control.period_s
         self._track = chassis(self.layout.height).track
         self._radius = scene.dynamic.wheel_radius_m
-        self._steep = tuple(palm.steep for palm in self.layout.spec.palms)
+        left, right = self.layout.spec.palms
+        self._steep = (left.steep, right.steep)
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
         self._unfelt = [0.0, 0.0]
@@ -107,8 +110,9 @@ class MujocoWorld:
         x, last = self._pivots(), self._x
         self._p, self._x = p, x
         end = "" if first else self._end(p, pressed)
-        motion = tuple(
-            0 if abs(now - then) < _STICKS * self._period else (1 if now > then else -1)
+        least = _STICKS * self._period
+        left, right = (
+            0 if abs(now - then) < least else (1 if now > then else -1)
             for now, then in zip(p, before, strict=True)
         )
         speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
@@ -126,9 +130,16 @@ class MujocoWorld:
             separation=x[1] - x[0],
             midpoint=0.5 * (x[0] + x[1]) - self._origin,
             rise=vertices[1][1] - vertices[0][1],
-            motion=motion,
+            motion=(left, right),
             end=end,
         )
+
+    def state(self) -> np.ndarray:
+        """MuJoCo's state, to be looked at again later."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        state = np.empty(self._mj.mj_stateSize(self.model, kind))
+        self._mj.mj_getState(self.model, self.data, state, kind)
+        return state
 
     @property
     def advance(self) -> float:
