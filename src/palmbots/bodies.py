@@ -66,5 +66,5 @@ class Dynamic(Section):
     """Dynamic world: bumps of the floor as geometry, tables {at_m, height_m, length_m}."""
     press_n: Force = 0.1
     """Dynamic world: the least force that closes a switch of the tactile sensor."""
-    step_s: Step = 0.001
+    step_s: Step = 0.002
     """Dynamic world: step of the integration; shortened so that control periods are whole steps."""

@@ -25,10 +25,11 @@ from palmbots.cli_options import (
     scene_of,
 )
 from palmbots.derivation import cli as derivation  # puts its command into `app`
+from palmbots.dynamic import cli as dynamic  # likewise
 from palmbots.errors import PalmbotsError, one_line
 from palmbots.stability import cli as stability  # likewise
 
-__all__ = ["derivation", "main", "stability"]
+__all__ = ["derivation", "dynamic", "main", "stability"]
 
 # The base of all errors of usage. Typer brings its own copy of click, under a private name.
 _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")

@@ -54,7 +54,7 @@ def run(
     the world at the start and after every tick, `progress` now and then with the fraction of the
     way.
     """
-    world = MujocoWorld(scene, engine)
+    world = MujocoWorld(scene, engine, measures=record or watch is not None)
     crew = _core.Crew(lower(scene), controller, seed, world.sight(first=True), SLACK)
     kept: list[Measured] = []
     states = [world.state()] if record else []

@@ -34,7 +34,7 @@ class Engine:
 
     palm: Contact
     cone: str = "elliptic"
-    impratio: float = 100.0
+    impratio: float = 150.0
     integrator: str = "implicitfast"
     solver: str = "Newton"
     noslip: int = 0
@@ -48,7 +48,7 @@ DEFAULT = Engine(palm=PALM)
 @dataclass(frozen=True)
 class Servo:
     """A motor's gains on angle [N m/rad] and speed [N m s/rad], and its rotor's inertia as felt at
-    the joint [kg m²]. Gains keep kv h / inertia well below 0.4: above, with steps h of 1 ms, servos
+    the joint [kg m²]. Gains keep kv h / inertia below 0.4 with steps h of 2 ms: above, servos
     invent accelerations."""
 
     kp: float
@@ -58,6 +58,6 @@ class Servo:
 
 # A robot of 3.4 kg on wheels of 4 cm: 60 rad/s, critically damped; scaled with mass and radius.
 WHEEL = Servo(kp=60.0**2, kv=2 * 60.0, armature=1e-4)  # for each kg m² at the axle
-SHOULDER = Servo(kp=500.0, kv=7.0, armature=0.02)
-WRIST = Servo(kp=100.0, kv=1.5, armature=0.005)
+SHOULDER = Servo(kp=300.0, kv=6.4, armature=0.03)
+WRIST = Servo(kp=100.0, kv=2.1, armature=0.01)
 ARM = 0.012  # m, radius of the arm drawn

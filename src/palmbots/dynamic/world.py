@@ -62,8 +62,10 @@ def refuse_unknown(scene: Scene) -> None:
 class MujocoWorld:
     """A scene in MuJoCo, at rest at its start. `model` and `data` are MuJoCo's own."""
 
-    def __init__(self, scene: Scene, engine: Engine = DEFAULT) -> None:
+    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
+        """`measures`: keep `measured` up to date, which takes time."""
         refuse_unknown(scene)
+        self._measures = measures
         self._mj = mujoco()
         self.scene = scene
         self.layout = layout(scene)
@@ -115,10 +117,10 @@ class MujocoWorld:
             0 if abs(now - then) < least else (1 if now > then else -1)
             for now, then in zip(p, before, strict=True)
         )
-        speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
-        self.measured = Measured(
-            force, drag, speed, self._slips(speed), self._pitches(), (self._yaw(0), self._yaw(1))
-        )
+        if self._measures:
+            speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
+            yaw = (self._yaw(0), self._yaw(1))
+            self.measured = Measured(force, drag, speed, self._slips(speed), self._pitches(), yaw)
         vertices = self._vertices()
         return _core.Sight(
             contacts=p,
@@ -140,6 +142,23 @@ class MujocoWorld:
         state = np.empty(self._mj.mj_stateSize(self.model, kind))
         self._mj.mj_getState(self.model, self.data, state, kind)
         return state
+
+    def restore(self, state: np.ndarray) -> None:
+        """Go back to a state of a moment when the motors held the palms steep."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._mj.mj_setState(self.model, self.data, state, kind)
+        self._mj.mj_forward(self.model, self.data)
+        self._set = list(self._steep)
+
+    @property
+    def wrists_set(self) -> tuple[float, float]:
+        """The palm angles that the wrists' motors have been told [rad]."""
+        return self._set[0], self._set[1]
+
+    @property
+    def contacts(self) -> tuple[float, float]:
+        """The contact coordinates p [m]."""
+        return self._contacts()
 
     @property
     def advance(self) -> float:
@@ -284,6 +303,8 @@ class MujocoWorld:
             x, _, z = places[i].tolist()
             sums[k][vertex][0] += push
             sums[k][vertex][1] += push * self._along(k, x, z)[0]
+            if not self._measures:
+                continue
             frame, mat = frames[i], self._palm_mat[k]
             # MuJoCo's force acts on the second geom; the palm takes it or gives it.
             sign = 1.0 if self._is_palm[pair[1]] else -1.0
