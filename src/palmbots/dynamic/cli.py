@@ -6,10 +6,19 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli_options import DONE, JsonOption, SceneArgument, SetOption, app, scene_of
+from palmbots.cli_options import (
+    DONE,
+    FAILED,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    app,
+    progress,
+    scene_of,
+)
 from palmbots.errors import PalmbotsError
 
-__all__ = ["export"]
+__all__ = ["export", "validate"]
 
 
 @app.command(epilog="Example: palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left")
@@ -53,3 +62,44 @@ def export(
     else:
         files_written(console_for_people(), written)
     return DONE
+
+
+@app.command(epilog="Example: palmbots validate --states 100 --seeds 3 --out out")
+def validate(
+    scene: SceneArgument = "paper",
+    controller: Annotated[
+        str, typer.Option("--controller", "-c", help="Of the paired carries.")
+    ] = "distributed",
+    states: Annotated[
+        int | None, typer.Option("--states", help="How many of the grid's states [default: all].")
+    ] = None,
+    seeds: Annotated[int, typer.Option("--seeds", help="How many carries to pair.")] = 12,
+    changes: SetOption = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write validation.png there.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Put the dynamic world beside the quasistatic one. Exit status 1: they differ."""
+    from palmbots.carry import CONTROLLERS, one_of
+    from palmbots.dynamic.report import validation_report
+    from palmbots.dynamic.validation import validate as run_validation
+
+    one_of("--controller", controller, CONTROLLERS)
+    chosen = scene_of(scene, changes)
+    with progress("validating", as_json) as report:
+        done = run_validation(
+            chosen, controller=controller, states=states, seeds=seeds, progress=report
+        )
+    written = []
+    if out is not None:
+        from palmbots.dynamic.validation_figure import save
+        from palmbots.files import folder
+
+        written = [folder(out) / "validation.png"]
+        save(done, written[0])
+    if as_json:
+        print(json.dumps(done.summary(), allow_nan=False))
+    else:
+        validation_report(done, written)
+    return DONE if done.holds else FAILED

@@ -35,7 +35,7 @@ Slides = Literal["left", "right", "both", "none"]
 
 MARGIN = math.radians(1.0)
 SPEED = 0.005  # m/s, of the palms towards each other or apart
-_RAMP_S, _PUSH_S = 0.05, 0.4
+RAMP_S, PUSH_S = 0.05, 0.4
 _MOVED = 5e-4  # m: what a contact that slides has at least gone
 _SHARE = 0.2  # of the whole slide; a contact with less of it sticks
 
@@ -137,8 +137,8 @@ def tried(
         world.restore(start)
         sense = 1.0 if closing else -1.0
         before = world.contacts
-        for tick in range(round((_RAMP_S + _PUSH_S) / period)):
-            speed = 0.5 * SPEED * sense * min(1.0, (tick + 1) * period / _RAMP_S)
+        for tick in range(round((RAMP_S + PUSH_S) / period)):
+            speed = 0.5 * SPEED * sense * min(1.0, (tick + 1) * period / RAMP_S)
             world.move((speed, -speed), angles)
         after = world.contacts
         yield closing, (after[0] - before[0], after[1] - before[1])
