@@ -1,8 +1,10 @@
 """The commands of the dynamic world: `palmbots export`, `validate` and `speed`."""
 
 import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,7 +20,34 @@ from palmbots.cli_options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["export", "validate"]
+if TYPE_CHECKING:
+    from palmbots.carry import Carry
+
+__all__ = ["export", "validate", "watching", "write_film"]
+
+
+@contextmanager
+def watching(wanted: bool) -> Iterator[Callable[[Any], None] | None]:
+    """What shows a world in MuJoCo's viewer as it goes, if that is wanted."""
+    if not wanted:
+        yield None
+        return
+    from palmbots.dynamic.viewer import Viewer
+
+    with Viewer() as viewer:
+        yield viewer.show
+
+
+def write_film(done: "Carry", out: Path, quiet: bool) -> list[Path]:
+    """The film and a still of a carry in the dynamic world; returns what was written."""
+    from palmbots.dynamic.film import save_film, save_still
+    from palmbots.files import folder
+
+    written = [folder(out) / "carry-3d.png", folder(out) / "carry-3d.mp4"]
+    with progress("film", quiet) as report:
+        save_still(done, written[0])
+        save_film(done, written[1], progress=report)
+    return written
 
 
 @app.command(epilog="Example: palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left")

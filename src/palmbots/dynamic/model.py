@@ -85,7 +85,8 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     )
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
-    ET.SubElement(visual, "headlight", ambient="0.45 0.45 0.45", diffuse="0.45 0.45 0.45")
+    ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.25 0.25 0.25")
+    ET.SubElement(visual, "quality", offsamples="4", shadowsize="1024")
     ET.SubElement(visual, "map", znear="0.01", force="0.02")
     ET.SubElement(visual, "scale", contactwidth="0.03", contactheight="0.01", forcewidth="0.02")
     _default(root)
@@ -105,7 +106,14 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     _mesh(assets, outline, scene.object.depth_m)
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(
-        world, "light", pos="0 -1 3", dir="0 0.3 -1", directional="true", castshadow="true"
+        world,
+        "light",
+        pos="0 -1 3",
+        dir="0.2 0.4 -1",
+        directional="true",
+        castshadow="true",
+        diffuse="0.45 0.45 0.45",
+        specular="0 0 0",
     )
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", material="floor")
     ridges = _ridges(world, scene)
