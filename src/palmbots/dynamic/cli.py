@@ -23,7 +23,7 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.carry import Carry
 
-__all__ = ["export", "validate", "watching", "write_film"]
+__all__ = ["export", "speed", "validate", "watching", "write_film"]
 
 
 @contextmanager
@@ -132,3 +132,34 @@ def validate(
     else:
         validation_report(done, written)
     return DONE if done.holds else FAILED
+
+
+@app.command(epilog="Example: palmbots speed --seeds 2 --out out")
+def speed(
+    scene: SceneArgument = "paper",
+    seeds: Annotated[int, typer.Option("--seeds", help="How many carries at each speed.")] = 4,
+    changes: SetOption = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write speed.png there.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Find how hard and how fast the robots may go before quasistatic mechanics ends."""
+    from palmbots.dynamic.report import speed_report
+    from palmbots.dynamic.speed import speed_limits
+
+    chosen = scene_of(scene, changes)
+    with progress("accelerating", as_json) as report:
+        done = speed_limits(chosen, seeds=seeds, progress=report)
+    written = []
+    if out is not None:
+        from palmbots.dynamic.speed_figure import save
+        from palmbots.files import folder
+
+        written = [folder(out) / "speed.png"]
+        save(done, written[0])
+    if as_json:
+        print(json.dumps(done.summary(), allow_nan=False))
+    else:
+        speed_report(done, written)
+    return DONE

@@ -11,9 +11,10 @@ from rich.text import Text
 from palmbots.report import console_for_people, counted, files_written
 
 if TYPE_CHECKING:
+    from palmbots.dynamic.speed import SpeedLimits
     from palmbots.dynamic.validation import Validation
 
-__all__ = ["validation_report"]
+__all__ = ["speed_report", "validation_report"]
 
 _GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
 
@@ -85,4 +86,32 @@ def validation_report(done: "Validation", written: Sequence[Path]) -> None:
     console.print(table)
     if alike < len(pairs):
         console.print(f"  {len(pairs) - alike} of them ended otherwise", style=_QUIET)
+    files_written(console, written)
+
+
+def speed_report(done: "SpeedLimits", written: Sequence[Path]) -> None:
+    """How hard the pair may accelerate, and how fast it may go."""
+    console = console_for_people()
+    console.print("The same contact slides as at rest, at p = 0, up to (m/s²)", style="bold")
+    table = _table("", "friction", "closed form", "mujoco")
+    for limit in done.limits:
+        what = "closing" if limit.closing else "opening"
+        way = "accelerating" if limit.forward else "braking"
+        found = ("4 or more" if x is None else f"{x:.2f}" for x in (limit.known, limit.seen))
+        table.add_row(f"{what}, {way}", f"{limit.friction:g}", *found)
+    console.print(table)
+    if done.analyzed is not None:
+        console.print(
+            f"both properties hold everywhere on the palms up to {done.analyzed:.2f} m/s² "
+            "(palmbots analyze)"
+        )
+    table = _table("carries", "delivered", "mujoco", "rms (mm)", "mujoco", "peak (mm)", "mujoco")
+    for pace in done.paces:
+        table.add_row(
+            f"{pace.speed_m_s:g} m/s",
+            *(f"{n} of {pace.n}" for n in pace.delivered),
+            *(f"{1e3 * rms:.1f}" for rms in pace.rms_m),
+            *(f"{1e3 * peak:.1f}" for peak in pace.peak_m),
+        )
+    console.print(table)
     files_written(console, written)
