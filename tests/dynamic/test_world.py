@@ -1,6 +1,7 @@
 """The dynamic world at rest and in motion, against statics and what was commanded."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -88,6 +89,35 @@ def test_a_ridge_pitches_each_robot_once_a_wheel() -> None:
         # 3 mm over the 12 cm between wheels and caster, one way and then the other.
         assert max(tilt) == pytest.approx(0.003 / 0.12, rel=0.15)
         assert min(tilt) == pytest.approx(-0.003 / 0.12, rel=0.15)
+
+
+def test_a_simulation_out_of_hand_is_told_and_leaves_no_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    world = world_of()
+    world.data.qvel[0] = 1e12
+    with pytest.raises(pb.PalmbotsError, match=r"unstable at 0.01 s; allowed: a smaller dynamic"):
+        world.move((0.0, 0.0), STEEP)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("step", [0.0005, 0.001, 0.002, 0.005])
+def test_no_grip_and_no_load_do_not_let_motors_run_away(step: float) -> None:
+    """Explicit servos: on ice, and with the object far away, everything stays calm at any step."""
+    world = world_of({"dynamic.step_s": step, "dynamic.floor_friction": 0.001})
+    at = world.model.joint("object").qposadr[0]
+    world.data.qpos[at + 2] += 1.0
+    for tick in range(20):
+        world.move((0.2, 0.2), (STEEP[0] - 0.002 * tick, STEEP[1]))
+    assert abs(world.data.qvel[:6]).max() < 0.3
+    wheels = [
+        world.data.joint(f"{s}_{w}").qvel[0]
+        for s in ("left", "right")
+        for w in ("port", "starboard")
+    ]
+    assert max(map(abs, wheels)) < 1.5 * 0.2 / 0.04
+    assert world.wrists()[0] == pytest.approx(STEEP[0] - 0.038, abs=0.01)
 
 
 def test_an_object_let_go_is_told() -> None:

@@ -21,11 +21,20 @@ def mujoco() -> Any:
         if there:
             os.environ["MUJOCO_GL"] = there[0].lower()
     try:
-        return importlib.import_module("mujoco")
+        module = importlib.import_module("mujoco")
     except ImportError:
         raise PalmbotsError(
             "world: mujoco needs the package mujoco; install it: pip install 'palmbots[mujoco]'"
         ) from None
+    if module.get_mju_user_warning() is None:
+        # By itself MuJoCo would write MUJOCO_LOG.TXT into whatever folder this runs in. What its
+        # warnings are about is found by `MujocoWorld.move`, and told.
+        module.set_mju_user_warning(_silent)
+    return module
+
+
+def _silent(_: str) -> None:
+    pass
 
 
 def offscreen(model: Any, size: tuple[int, int]) -> Any:

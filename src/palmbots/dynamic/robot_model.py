@@ -69,7 +69,7 @@ def wheel_servo(scene: Scene) -> Servo:
     """Gains of one wheel's motor, for half of the robot."""
     keys = scene.dynamic
     carried = keys.body_kg + keys.arm_kg + keys.palm_kg + 0.5 * scene.object.mass_kg
-    inertia = 0.5 * carried * keys.wheel_radius_m**2
+    inertia = 0.5 * carried * keys.wheel_radius_m**2 + WHEEL.armature
     return Servo(WHEEL.kp * inertia, WHEEL.kv * inertia, WHEEL.armature)
 
 

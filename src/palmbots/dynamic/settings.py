@@ -35,7 +35,7 @@ class Engine:
     palm: Contact
     cone: str = "elliptic"
     impratio: float = 150.0
-    integrator: str = "implicitfast"
+    integrator: str = "Euler"
     solver: str = "Newton"
     noslip: int = 0
 
@@ -48,16 +48,22 @@ DEFAULT = Engine(palm=PALM)
 @dataclass(frozen=True)
 class Servo:
     """A motor's gains on angle [N m/rad] and speed [N m s/rad], and its rotor's inertia as felt at
-    the joint [kg m²]. Gains keep kv h / inertia below 0.4 with steps h of 2 ms: above, servos
-    invent accelerations."""
+    the joint [kg m²].
+
+    Gears make rotors heavy: without that inertia a wheel that loses its grip, or a palm that loses
+    its load, weighs next to nothing, and its motor runs away or invents accelerations. With steps
+    h of 2 ms kv h / inertia stays about 0.4, also without load. So nothing needs damping that is
+    taken implicitly, which would cost twice the time: what the solver finds for the contacts is
+    then not what the integrator does.
+    """
 
     kp: float
     kv: float
     armature: float
 
 
-# A robot of 3.4 kg on wheels of 4 cm: 60 rad/s, critically damped; scaled with mass and radius.
-WHEEL = Servo(kp=60.0**2, kv=2 * 60.0, armature=1e-4)  # for each kg m² at the axle
+# Of one wheel; gains for each kg m² that it drives, half of the robot's: 50 rad/s, well damped.
+WHEEL = Servo(kp=50.0**2, kv=2 * 50.0, armature=2e-3)
 SHOULDER = Servo(kp=300.0, kv=6.4, armature=0.03)
 WRIST = Servo(kp=100.0, kv=2.1, armature=0.01)
 ARM = 0.012  # m, radius of the arm drawn

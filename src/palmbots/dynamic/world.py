@@ -17,7 +17,7 @@ from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
 from palmbots.dynamic.robot_model import chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
-from palmbots.errors import SceneError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.geometry import SIDES
 from palmbots.scene import Scene
 
@@ -100,8 +100,14 @@ class MujocoWorld:
             ctrl[starboard] = (speeds[k] - steer) / self._radius
             ctrl[self._wrists[k]] = (angles[k] - self._set[k]) / self._period
             self._set[k] = angles[k]
+        before = self.data.time
         self._mj.mj_step(self.model, self.data, nstep=self.steps)
         self.time_s += self._period
+        if self.data.time < before:  # MuJoCo begins anew where numbers get out of hand
+            raise PalmbotsError(
+                f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
+                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or heavier robots"
+            )
 
     # --- seeing ---------------------------------------------------------------------------------
 
@@ -229,8 +235,7 @@ class MujocoWorld:
             if 3 * tick < 2 * ticks:
                 for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
                     self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
-        self.time_s = 0.0
-        self.data.time = 0.0
+        self.time_s = 0.0  # MuJoCo's own clock goes on: that it falls back tells of a fault
 
     def _pivots(self) -> tuple[float, float]:
         return float(self._palm_pos[0][0]), float(self._palm_pos[1][0])
