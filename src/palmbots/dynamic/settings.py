@@ -53,8 +53,7 @@ class Servo:
     Gears make rotors heavy: without that inertia a wheel that loses its grip, or a palm that loses
     its load, weighs next to nothing, and its motor runs away or invents accelerations. With steps
     h of 2 ms kv h / inertia stays about 0.4, also without load. So nothing needs damping that is
-    taken implicitly, which would cost twice the time: what the solver finds for the contacts is
-    then not what the integrator does.
+    taken implicitly, which would cost half more time.
     """
 
     kp: float
