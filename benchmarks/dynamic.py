@@ -31,7 +31,7 @@ NOISES, MANY, KNOWN = (0.02, 0.03, 0.04), 40, 4000
 
 def main() -> None:
     """Carry, compare, print, write."""
-    console = Console()
+    console = Console(width=120)
     rows: list[tuple[object, ...]] = []
     cells = [("palm.friction", f, SEEDS) for f in FRICTIONS]
     cells += [("robot.noise_m_s", n, MANY) for n in NOISES]

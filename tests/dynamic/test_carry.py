@@ -78,6 +78,16 @@ def test_other_controllers_carry_too(controller: str) -> None:
     assert done.trace is None and done.physics is None
 
 
+@pytest.mark.parametrize("friction", [0.15, 0.8])
+def test_little_and_much_friction_carry(friction: float) -> None:
+    """Twelve seeds of each, and of five between, are benchmarks/dynamic.py."""
+    for seed in (0, 1):
+        done = pb.carry(
+            "paper", world="mujoco", seed=seed, record=False, overrides={"palm.friction": friction}
+        )
+        assert done.outcome == "delivered"
+
+
 def test_a_controller_in_python_carries() -> None:
     scene = pb.load_scene("paper", {"task.distance_m": 0.2})
     mine = pb.carry(scene, pb.Distributed, world="mujoco", seed=2)
