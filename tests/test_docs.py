@@ -33,6 +33,13 @@ def test_what_is_drawn_from_the_code_is_up_to_date(name: str) -> None:
     assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0
 
 
+# What would take long is done with less.
+FEW = {
+    "compare": ["--carries", "2"],
+    "study": ["--carries", "2"],
+    "speed": ["--seeds", "1", "--set", "task.distance_m=0.2"],
+    "validate": ["--states", "3", "--seeds", "1", "--set", "task.distance_m=0.2"],
+}
 NAMES = "carry|modes|analyze|certify|check|derive|design|compare|replay|study"
 
 
@@ -57,8 +64,7 @@ def test_commands_run(
         ".toml"
     ):  # named, not shown
         return
-    few = ["--carries", "2"] if words[0] in ("compare", "study") else []
-    assert cli.run([*words, *few]) in (cli.DONE, cli.FAILED)
+    assert cli.run([*words, *FEW.get(words[0], [])]) in (cli.DONE, cli.FAILED)
     assert capsys.readouterr().out
 
 

@@ -6,64 +6,18 @@
 
 #include <limits>
 
-#include "bindings.hpp"
-#include "palmbots/recorder.hpp"
 #include "palmbots/teams.hpp"
+#include "run.hpp"
 
 namespace palmbots::bindings {
 
 namespace {
 
-// A controller written in Python: an object with
-//   step(sign, letter, turned) -> (palm, move, letter sent, letter read, case, waits).
-class PythonController {
- public:
-  explicit PythonController(nb::object step) : step_(std::move(step)) {}
-
-  Distributed::Output step(Distributed::Input in) {
-    const nb::object answer =
-        step_(static_cast<int>(in.sign), static_cast<int>(in.letter), in.turned);
-    const auto [palm, move, send, read, name, waits] =
-        nb::cast<std::tuple<int, int, int, bool, int, bool>>(answer);
-    now_ = {static_cast<char>(name),
-            {static_cast<Palm>(palm), static_cast<Move>(move)},
-            waits,
-            Letter::none};
-    return {now_.command, static_cast<Letter>(send), read};
-  }
-  const Distributed::Doing& now() const { return now_; }
-
- private:
-  nb::object step_;
-  Distributed::Doing now_ = Distributed::doing[0];
-};
-
-// What a carry gave, in seconds and metres.
-struct Run {
-  Metrics metrics;
-  double period = 0;
-  double distance = 0;
-  Traffic traffic;
-  PerSide<Letter> awaits{};
-  PerSide<bool> rests{};  // at the end
-  std::uint64_t hash = 0;
-  std::vector<Row> rows;
-  std::vector<Posted> posted;
-};
-
 template <class Real, class Recorder, class Team>
 Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
   Carry<Real, Team, Recorder> carry(spec, seed, std::move(team), Recorder{});
   carry.run();
-  Run run;
-  run.metrics = carry.metrics();
-  run.period = spec.period;
-  run.distance = double(carry.midpoint()) * spec.direction;
-  run.traffic = carry.team().traffic;
-  for (const std::size_t side : {left, right}) {
-    run.awaits[side] = carry.team().awaits(side);
-    run.rests[side] = carry.commands()[side].rest;
-  }
+  Run run = run_of(carry);
   if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
   if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
     run.rows = carry.recorder().take_rows();

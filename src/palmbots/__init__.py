@@ -10,6 +10,7 @@ from palmbots.carry import Carry, Correction, Letter, Touch, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
+from palmbots.dynamic.validation import Validation, validate
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.feasibility import feasible_modes
 from palmbots.log import Log, read_log, write_log
@@ -50,6 +51,7 @@ __all__ = [
     "StepInput",
     "StepOutput",
     "Touch",
+    "Validation",
     "__version__",
     "analyze",
     "carry",
@@ -68,6 +70,7 @@ __all__ = [
     "replay",
     "states",
     "study",
+    "validate",
     "wire",
     "write_log",
 ]

@@ -593,6 +593,33 @@ def replicates(spec: Spec, controller: str, seed: int, effort: int, levels: Sequ
     Of each replicate and stage (reached, drops); and the ticks of all together.
     """
 
+class Sight:
+    """What is seen of a world at the end of a tick (crew.hpp)."""
+
+    def __init__(self, contacts: tuple[float, float], lift: tuple[float, float], touched: tuple[float, float], pressed: tuple[bool, bool], palms: tuple[float, float], wrists: tuple[float, float], separation: float, midpoint: float, rise: float, motion: tuple[int, int], end: str = '', fraction: float = 1.0) -> None: ...
+
+class Crew:
+    """Both robots without their world: command, move, observe."""
+
+    def __init__(self, spec: Spec, controller: object, seed: int, first: Sight, slack: float = 0.0) -> None:
+        """
+        controller: a name, or a pair of Python step functions; slack: how far from the angle commanded [rad] a wrist counts as turned.
+        """
+
+    @property
+    def done(self) -> bool: ...
+
+    def command(self) -> tuple[tuple[float, float], tuple[float, float], float, float, float]:
+        """
+        Decides: (speeds [m/s] towards +x, palm angles [rad] at the end of the tick, change of the separation [m], push [1], travel of the midpoint [m]).
+        """
+
+    def observe(self, sight: Sight) -> None:
+        """What became of it, once for each command."""
+
+    def run(self) -> Run:
+        """The finished carry; takes the trace with it."""
+
 def wire_layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""
 

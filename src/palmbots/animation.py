@@ -4,12 +4,8 @@ The trace is drawn as it is; no physics runs here. A carry of up to a minute run
 longer one a whole number of times faster, which its title says. See `sideview` for what is drawn.
 """
 
-import contextlib
 import math
 import os
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -23,6 +19,7 @@ from palmbots.files import whole_file
 from palmbots.geometry import place_rows
 from palmbots.gif import GifWriter, palette
 from palmbots.lowering import lower
+from palmbots.mp4 import encoder_for, write_mp4
 from palmbots.sideview import COLOURS, Moment, Stage
 from palmbots.sideview_world import Message
 
@@ -58,9 +55,7 @@ def save(
         raise PalmbotsError(f"animation: fps is {fps}; allowed: 1 to 50")
     if carry.trace is None:
         raise PalmbotsError("animation: this carry has no trace; run it with record=True")
-    encoder = shutil.which("ffmpeg")
-    if suffix == ".mp4" and encoder is None:
-        raise PalmbotsError(f"{path}: MP4 needs the program ffmpeg, which is not found; use .gif")
+    encoder = encoder_for(path) if suffix == ".mp4" else ""
 
     stage, moments = _plan(carry, fps)
     images = _frames(stage, moments, progress)
@@ -68,8 +63,7 @@ def save(
         if suffix == ".gif":
             _write_gif(stage, moments, images, stream, fps)
         else:
-            assert encoder is not None
-            _write_mp4(encoder, stage, images, stream, fps, path)
+            write_mp4(encoder, stage.size, images, stream, fps, path, _LAST_FRAME_S)
 
 
 def _plan(carry: "Carry", fps: float) -> tuple[Stage, list[Moment]]:
@@ -145,43 +139,3 @@ def _write_gif(
         last = k == len(moments)
         writer.add(image, round(1000 * (_LAST_FRAME_S if last else 1 / fps)))
     writer.close()
-
-
-def _write_mp4(
-    encoder: str,
-    stage: Stage,
-    images: Iterator[Image.Image],
-    stream: BinaryIO,
-    fps: float,
-    path: str | os.PathLike[str],
-) -> None:
-    """Feed ffmpeg raw frames; it writes into the temporary file, for which it needs the name."""
-    wide, high = stage.size
-    command = [
-        encoder, "-loglevel", "error", "-y",
-        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{wide}x{high}", "-r", f"{fps:g}", "-i", "-",
-        "-vf", f"tpad=stop_mode=clone:stop_duration={_LAST_FRAME_S:g}",
-        "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart",
-        "-f", "mp4", stream.name,
-    ]  # fmt: skip
-    with (
-        tempfile.TemporaryFile() as complaints,
-        subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints) as process,
-    ):
-        assert process.stdin is not None
-        try:
-            for image in images:
-                process.stdin.write(image.tobytes())
-            process.stdin.close()
-        except BrokenPipeError:  # ffmpeg gave up; what it says follows
-            with contextlib.suppress(BrokenPipeError):
-                process.stdin.close()
-        except BaseException:
-            process.kill()
-            raise
-        code = process.wait()
-        complaints.seek(0)
-        said = complaints.read().decode(errors="replace").split("\n")
-    if code != 0:
-        reason = next((line for line in reversed(said) if line.strip()), f"exit code {code}")
-        raise PalmbotsError(f"{path}: ffmpeg could not write the film: {reason}")

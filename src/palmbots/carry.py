@@ -19,6 +19,8 @@ from palmbots.version import __version__
 if TYPE_CHECKING:
     import xarray as xr
 
+    from palmbots.dynamic.run import Physics
+
 __all__ = [
     "CONTROLLERS",
     "PRECISIONS",
@@ -33,7 +35,7 @@ __all__ = [
 ]
 
 CONTROLLERS = ("none", "centralized", "distributed", "resilient")
-WORLDS = ("quasistatic",)
+WORLDS = ("quasistatic", "mujoco")
 PRECISIONS = ("double", "float")
 
 _SIDES = ("left", "right")
@@ -150,6 +152,8 @@ class Carry:
     trace: "xr.Dataset | None"
     """Every tick (None with ``record=False``); the last entry is the end."""
     letters: tuple[Letter, ...]
+    physics: "Physics | None" = None
+    """What only the dynamic world keeps, for films (None with ``record=False``)."""
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots carry --json`` prints."""
@@ -193,6 +197,8 @@ def carry(
     seed: int = 0,
     record: bool = True,
     overrides: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] | None = None,
+    watch: Callable[[Any], None] | None = None,
 ) -> Carry:
     """Carry the scene's object once.
 
@@ -201,11 +207,16 @@ def carry(
         controller: ``none``, ``centralized``, ``distributed``, ``resilient``, or something that
             makes a controller when called, such as a class with a ``step`` (see
             `palmbots.controllers`).
-        world: ``quasistatic``.
-        precision: ``double`` or ``float``.
+        world: ``quasistatic``, or ``mujoco``: with mass, wheels and soft contacts (needs the extra
+            ``palmbots[mujoco]``). There the trace has more variables, and "bit for bit" holds for
+            one kind of processor and version of MuJoCo.
+        precision: ``double`` or ``float``; ``mujoco`` knows only ``double``.
         seed: of all that is random; the same seed gives the same carry, bit for bit.
         record: keep the trace and the letters.
         overrides: scene keys to set, such as ``{"radio.loss": 0.1}``.
+        progress: called now and then with the fraction that is done; only by ``mujoco``.
+        watch: called with the `palmbots.dynamic.world.MujocoWorld` at the start and after every
+            tick; only by ``mujoco``.
 
     Raises:
         SceneError: the scene cannot be read or makes no sense, or the resilient algorithm cannot
@@ -226,8 +237,17 @@ def carry(
         core_controller = adapted_pair(controller)
         name = getattr(controller, "__name__", type(controller).__name__)
     bounds = bounds_of(chosen) if name == "resilient" else None
-    # The compiled module's stub knows the shapes of Python types, not their contents.
-    run: Any = _core.run(lower(chosen), core_controller, seed, precision, record)
+    run: Any  # the compiled module's stub knows the shapes of Python types, not their contents
+    if world == "mujoco":
+        from palmbots.dynamic.run import run as run_in_mujoco
+
+        one_of("precision (world mujoco)", precision, ("double",))
+        run, physics = run_in_mujoco(
+            chosen, core_controller, seed, record=record, watch=watch, progress=progress
+        )
+    else:
+        run = _core.run(lower(chosen), core_controller, seed, precision, record)
+        physics = None
     return Carry(
         scene=chosen,
         controller=name,
@@ -253,11 +273,12 @@ def carry(
         bumps=run.bumps,
         warnings=(*warnings_before(chosen, name), *_warnings_after(run, chosen, name)),
         trace_hash=run.trace_hash,
-        trace=trace_dataset(run.trace) if record else None,
+        trace=trace_dataset(run.trace, physics.columns if physics else {}) if record else None,
         letters=tuple(
             Letter(sent, None if np.isnan(got) else got, _SIDES[sender], _SIDES[receiver], letter)
             for sent, got, sender, receiver, letter in run.letters
         ),
+        physics=physics,
     )
 
 
@@ -347,8 +368,13 @@ def _hanging(run: Any, scene: Scene) -> list[str]:
     ]
 
 
-def trace_dataset(trace: dict[str, np.ndarray]) -> "xr.Dataset":
-    """The arrays of a trace, named as the core names them, as a labelled dataset."""
+def trace_dataset(
+    trace: dict[str, np.ndarray], more: Mapping[str, tuple[np.ndarray, str, str]] | None = None
+) -> "xr.Dataset":
+    """The arrays of a trace, named as the core names them, as a labelled dataset.
+
+    `more`: further variables by name, or others in place of these (values, unit, meaning).
+    """
     variables: dict[str, Any] = {}
     for name, (key, unit, meaning) in _VARIABLES.items():
         values = trace[key]
@@ -356,6 +382,8 @@ def trace_dataset(trace: dict[str, np.ndarray]) -> "xr.Dataset":
             values = values.view("S1").astype("U1")
         dims = ("time", "side") if values.ndim == 2 else ("time",)
         variables[name] = (dims, values, {"units": unit, "long_name": meaning})
+    for name, (values, unit, meaning) in (more or {}).items():
+        variables[name] = (("time", "side"), values, {"units": unit, "long_name": meaning})
     time = ("time", trace["time_s"], {"units": "s", "long_name": "time"})
     import xarray as xr  # here: it takes longer to import than a carry to run
 

@@ -27,11 +27,12 @@ from palmbots.cli_options import (
     scene_of,
 )
 from palmbots.derivation import cli as derivation  # puts its command into `app`
+from palmbots.dynamic import cli as dynamic  # likewise
 from palmbots.errors import PalmbotsError, one_line
 from palmbots.stability import cli as stability  # likewise
 from palmbots.studies import cli as studies  # likewise
 
-__all__ = ["derivation", "main", "stability", "studies"]
+__all__ = ["derivation", "dynamic", "main", "stability", "studies"]
 
 # The base of all errors of usage. Typer brings its own copy of click, under a private name.
 _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
@@ -88,7 +89,7 @@ def _root(
 def carry(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
-    world: Annotated[str, typer.Option("--world", help="quasistatic.")] = "quasistatic",
+    world: Annotated[str, typer.Option("--world", help="quasistatic or mujoco.")] = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
@@ -99,6 +100,12 @@ def carry(
     video: Annotated[
         str | None, typer.Option("--animation", help="gif, mp4 or none [default: gif].")
     ] = None,
+    film: Annotated[
+        bool, typer.Option("--video", help="Film and still of the dynamic world too.")
+    ] = False,
+    view: Annotated[
+        bool, typer.Option("--view", help="Watch the dynamic world in MuJoCo's viewer.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Carry the object once and say how it went. Exit status 1: it did not arrive."""
@@ -111,16 +118,34 @@ def carry(
         one_of("--animation", video, ("gif", "mp4", "none"))
         if out is None and video != "none":
             raise PalmbotsError(f"--animation: {video} needs --out; allowed: --out DIR with it")
+    for option, given in (("--video", film), ("--view", view)):
+        if given and world != "mujoco":
+            raise PalmbotsError(
+                f"{option}: shows the dynamic world; allowed: --world mujoco with it"
+            )
+    if film and out is None:
+        raise PalmbotsError("--video: where to write is not given; allowed: --out DIR with it")
     chosen = scene_of(scene, changes)
     before = warnings_before(chosen, controller)
     for warning in before:
         print(f"palmbots: warning: {warning}", file=sys.stderr)
-    done = run_carry(
-        chosen, controller, world=world, precision=precision, seed=seed, record=out is not None
-    )
+    lasts_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
+    with dynamic.watching(view) as watch, progress("carrying", as_json, lasts_s) as report:
+        done = run_carry(
+            chosen,
+            controller,
+            world=world,
+            precision=precision,
+            seed=seed,
+            record=out is not None,
+            progress=report,
+            watch=watch,
+        )
     written, removed = [], []
     if out is not None:
         written, removed = _write_carry(done, out, video or "gif", quiet=as_json)
+        if film:
+            written += dynamic.write_film(done, out, quiet=as_json)
     if as_json:
         print(json.dumps(done.summary(), allow_nan=False))
     else:

@@ -1,5 +1,6 @@
 """What the commands of the command line share: exit statuses, options, a progress bar."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated
@@ -58,8 +59,11 @@ def scene_of(source: str, changes: list[str] | None) -> Scene:
 
 
 @contextmanager
-def progress(what: str, quiet: bool) -> Iterator[Callable[[float], None]]:
-    """A progress bar on stderr, where a person looks at it; gives a function to report to."""
+def progress(what: str, quiet: bool, simulated_s: float = 0.0) -> Iterator[Callable[[float], None]]:
+    """A progress bar on stderr, where a person looks at it; gives a function to report to.
+
+    `simulated_s`: about how long what is simulated lasts, to tell how much faster it goes.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -70,4 +74,13 @@ def progress(what: str, quiet: bool) -> Iterator[Callable[[float], None]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(what, total=1.0)
-        yield lambda fraction: bar.update(task, completed=fraction)
+        began = time.monotonic()
+
+        def report(fraction: float) -> None:
+            told = what
+            if simulated_s > 0:
+                factor = fraction * simulated_s / max(1e-3, time.monotonic() - began)
+                told = f"{what}, {factor:.1f} × real time"
+            bar.update(task, completed=fraction, description=told)
+
+        yield report

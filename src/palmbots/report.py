@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "carry_report",
     "compare_report",
+    "console_for_people",
     "counted",
     "files_written",
     "modes_report",
@@ -65,7 +66,8 @@ def counted(n: int, noun: str) -> str:
     return f"{n} {noun if n == 1 else many}"
 
 
-def _console() -> Console:
+def console_for_people() -> Console:
+    """Stdout; what is no terminal has lines of any length."""
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = _ANY_WIDTH
@@ -88,7 +90,7 @@ def carry_report(
     removed: Sequence[Path] = (),
 ) -> None:
     """The outcome of a carry at a glance: result, contacts, corrections, files."""
-    console = _console()
+    console = console_for_people()
     good = done.outcome == "delivered"
     head = Text(done.outcome.upper(), style=_GOOD if good else _BAD)
     head.append(
@@ -96,7 +98,9 @@ def carry_report(
         style="bold",
     )
     head.append(
-        f"   {scene_name}, {done.controller}, seed {done.seed}, {done.precision}", style=_QUIET
+        f"   {scene_name}, {done.controller}, seed {done.seed}, "
+        f"{done.precision if done.world == 'quasistatic' else done.world}",
+        style=_QUIET,
     )
     console.print(head)
     if done.reason is not None:
@@ -170,7 +174,7 @@ def _size(n: int) -> str:
 
 def modes_report(found: "ContactModes") -> None:
     """The nine modes as a 3 × 3 table, and what happens."""
-    console = _console()
+    console = console_for_people()
     console.print(
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
         f"contacts {_mm(found.p_left_m)}, {_mm(found.p_right_m)}   object {found.object_deg:.2f}°"
@@ -254,7 +258,7 @@ def _end(value: float) -> str:
 
 def compare_report(done: "Comparison", written: Path | None) -> None:
     """One row for each controller and value."""
-    console = _console()
+    console = console_for_people()
     carries = counted(done.rows[0].n, "carry")
     title = f"{done.key}: {carries} a value, seeds from {done.seed}"
     table = Table(title=title, min_width=len(title))
@@ -303,7 +307,7 @@ def _rate(rate: float, interval: tuple[float, float]) -> str:
 
 def rare_report(found: "DropRate", scene: str) -> None:
     """The rate, and the levels by which carries came to it."""
-    console = _console()
+    console = console_for_people()
     low, high = found.interval
     console.print(
         f"[bold]{found.drop_rate:.2g}[/bold] of all carries dropped, 95 % {low:.2g} to {high:.2g}"
@@ -328,7 +332,7 @@ def rare_report(found: "DropRate", scene: str) -> None:
 
 def replay_report(result: "Replay", log: Path) -> None:
     """Whether the new run is the logged one."""
-    console = _console()
+    console = console_for_people()
     if result.identical:
         console.print(
             Text("IDENTICAL", style=_GOOD).append(

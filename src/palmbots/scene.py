@@ -12,6 +12,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, ValidationError, model_validator
 
+from palmbots.bodies import Dynamic
 from palmbots.breakage import Faults, Radio
 from palmbots.complaints import complaint
 from palmbots.errors import SceneError, show
@@ -62,6 +63,7 @@ class Scene(Section):
     bumps: Bumps = Bumps()
     start: Start = Start()
     task: Task = Task()
+    dynamic: Dynamic = Dynamic()
 
     def palm_of(self, side: Side) -> PalmParameters:
         """The palm of one side, `palm.left` or `palm.right` put over `palm`."""

@@ -1,0 +1,78 @@
+"""The dynamic world: what a carry takes, and whether its carries end as the quasistatic ones.
+
+    .venv/bin/python benchmarks/dynamic.py
+
+Carries of the default scene at several frictions, and at higher noise, where carries begin to fail,
+in both worlds over the same seeds. Prints tables and writes benchmarks/results/dynamic.csv.
+"""
+
+import csv
+import datetime
+import statistics
+import time
+from pathlib import Path
+
+from machine import compiler, processor
+from rich.console import Console
+from rich.progress import Progress
+
+from palmbots.batch import DELIVERED, run_seeds
+from palmbots.compare import wilson
+from palmbots.dynamic.engine import mujoco
+from palmbots.dynamic.run import run
+from palmbots.lowering import lower
+from palmbots.scene import load_scene
+from palmbots.version import __version__
+
+RESULTS = Path(__file__).parent / "results" / "dynamic.csv"
+FRICTIONS, SEEDS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8), 12
+NOISES, MANY, KNOWN = (0.02, 0.03, 0.04), 60, 4000
+
+
+def main() -> None:
+    """Carry, compare, print, write."""
+    console = Console(width=120)
+    rows: list[tuple[object, ...]] = []
+    cells = [("palm.friction", f, SEEDS) for f in FRICTIONS]
+    cells += [("robot.noise_m_s", n, MANY) for n in NOISES]
+    times: list[float] = []
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task("carrying", total=sum(n for *_, n in cells))
+        for key, value, n in cells:
+            scene = load_scene("paper", {key: value})
+            delivered = 0
+            for seed in range(n):
+                began = time.process_time()
+                done, _ = run(scene, "distributed", seed)
+                if value == 0.3:
+                    times.append(time.process_time() - began)
+                delivered += done.outcome == "delivered"
+                bar.advance(task)
+            known = run_seeds(lower(scene), "distributed", 0, KNOWN, "double")["outcome"]
+            low, high = wilson(delivered, n)
+            rate = float((known == DELIVERED).mean())
+            alike = int((known[:n] == DELIVERED).sum())
+            inside = low <= rate <= high
+            rows.append((key, value, n, delivered, low, high, alike, KNOWN, rate, inside))
+            console.print(
+                f"{key} = {value:<5g} mujoco delivers {delivered:2d} of {n} "
+                f"({100 * low:5.1f} to {100 * high:5.1f} %), quasistatic {alike:2d} of the same, "
+                f"{100 * rate:6.2f} % of {KNOWN}"
+            )
+    best, median = min(times), statistics.median(times)
+    console.print(f"a carry of 25 s takes {best:.2f} s at best, {median:.2f} s in the median")
+    with RESULTS.open("w", newline="") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(("key", "value", "n", "delivered", "low", "high",
+                        "quasistatic_same_seeds", "quasistatic_n",
+                        "quasistatic_rate", "inside", "best_s", "median_s", "machine", "compiler",
+                        "palmbots", "mujoco", "date"))  # fmt: skip
+        told = (f"{best:.3f}", f"{median:.3f}", processor(), compiler(), __version__,
+                mujoco().__version__, datetime.date.today().isoformat())  # fmt: skip
+        for row in rows:
+            shown = (f"{x:.4f}" if isinstance(x, float) and x != row[1] else x for x in row)
+            table.writerow((*shown, *told))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The dynamic world: robots, palms and object in MuJoCo, with mass, wheels and soft contacts."""

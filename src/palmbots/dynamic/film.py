@@ -1,0 +1,219 @@
+"""Films and stills of a carry in the dynamic world, rendered off-screen by MuJoCo.
+
+Nothing is simulated again: every frame is a state that the carry kept. Drawn into it are, at each
+palm, the friction cone (green: the contact sticks, purple: it slides) and the force on the object
+(an arrow, 25 mm for each newton), both moved to the near side, where the object does not hide them.
+The camera goes with the pair and looks along +y.
+"""
+
+import math
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from palmbots.dynamic.engine import mujoco, offscreen
+from palmbots.dynamic.model import layout, mjcf
+from palmbots.errors import PalmbotsError
+from palmbots.files import whole_file
+from palmbots.geometry import SIDES
+from palmbots.mp4 import encoder_for, write_mp4
+from palmbots.style import BOTH, DROP, HUE, INK, ZERO
+from palmbots.xml_text import rgba
+
+if TYPE_CHECKING:
+    from palmbots.carry import Carry
+
+__all__ = ["SIZE", "Studio", "save_film", "save_still", "telling_row"]
+
+SIZE = (854, 480)
+_FPS = 20.0
+_LAST_FRAME_S = 2.0
+_LONGEST_S = 60.0  # a longer carry is shown faster
+_METRES_PER_NEWTON = 0.025
+_CONE_M, _SPOKES = 0.07, 16
+
+
+class Studio:
+    """A carry's states as pictures. Use as a context: the renderer holds graphics memory."""
+
+    def __init__(self, carry: "Carry", size: tuple[int, int] = SIZE, shadows: bool = False) -> None:
+        if carry.physics is None or carry.trace is None:
+            raise PalmbotsError(
+                "film: this carry has no states; allowed: world mujoco, with record=True"
+            )
+        self._mj = mujoco()
+        self._states, trace = carry.physics.states, carry.trace
+        self._model: Any = self._mj.MjModel.from_xml_string(mjcf(carry.scene, carry.physics.engine))
+        self._data: Any = self._mj.MjData(self._model)
+        self._kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._friction = [math.atan(carry.scene.palm_of(side).friction) for side in SIDES]
+        self._palms = [self._model.body(f"{side}_palm").id for side in SIDES]
+        self._height = layout(carry.scene).height
+        self._times = trace["time"].to_numpy()
+        self._motion, self._sign, self._case = (
+            trace[name].transpose("time", "side").to_numpy() for name in ("motion", "sign", "case")
+        )
+        self._ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
+        self._good = carry.outcome == "delivered"
+        self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo"
+        self._size = size
+        self._renderer = offscreen(self._model, size)
+        # Without a graphics card shadows take two thirds of the time.
+        self._renderer.scene.flags[int(self._mj.mjtRndFlag.mjRND_SHADOW)] = shadows
+        palm = max(carry.scene.palm_of(side).width_m for side in SIDES)
+        self._near = -0.5 * max(palm, carry.scene.object.depth_m) - 0.01
+        self._camera = self._mj.MjvCamera()
+        self._camera.azimuth, self._camera.elevation = 96.0, -10.0
+        self._camera.distance = float(trace["separation"].max()) + 0.55
+        self._font = ImageFont.truetype(_font(), size[1] // 27)
+
+    def __enter__(self) -> "Studio":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._renderer.close()
+
+    def picture(self, row: int, note: str = "") -> Image.Image:
+        """The state at a row of the trace."""
+        d, m = self._data, self._model
+        self._mj.mj_setState(m, d, self._states[row], self._kind)
+        self._mj.mj_forward(m, d)
+        x = 0.5 * (d.xpos[self._palms[0]][0] + d.xpos[self._palms[1]][0])
+        self._camera.lookat[:] = (x, 0.0, self._height - 0.04)
+        self._renderer.update_scene(d, self._camera)
+        for k in (0, 1):
+            self._contact(k, int(self._motion[min(row, len(self._motion) - 1), k]))
+        image = Image.fromarray(self._renderer.render())
+        self._label(image, row, note)
+        return image
+
+    def _contact(self, k: int, motion: int) -> None:
+        """Friction cone and force at one palm, where its contacts press."""
+        m, d = self._model, self._data
+        place, force, normal = np.zeros(3), np.zeros(3), 0.0
+        six = np.zeros(6)
+        for i in range(d.ncon):
+            contact = d.contact[i]
+            bodies = [int(m.geom_bodyid[g]) for g in contact.geom]
+            if self._palms[k] not in bodies or contact.efc_address < 0:
+                continue
+            self._mj.mj_contactForce(m, d, i, six)
+            sign = 1.0 if bodies[0] == self._palms[k] else -1.0  # on the object
+            force += sign * (contact.frame.reshape(3, 3).T @ six[:3])
+            place += six[0] * contact.pos
+            normal += six[0]
+        if normal < 1e-3:
+            return
+        place /= normal
+        place[1], force[1] = self._near, 0.0
+        axis = d.xmat[self._palms[k]].reshape(3, 3)
+        colour = np.fromstring(rgba(BOTH if motion else ZERO, 0.9), sep=" ", dtype=np.float32)
+        rim = []
+        spread = math.tan(self._friction[k])
+        for spoke in range(_SPOKES):
+            around = 2 * math.pi * spoke / _SPOKES
+            lean = spread * (math.cos(around) * axis[:, 0] + math.sin(around) * axis[:, 1])
+            rim.append(place + _CONE_M * (axis[:, 2] + lean))
+        for spoke in range(_SPOKES):
+            self._bar(0.0008, place, rim[spoke], colour)
+            self._bar(0.0012, rim[spoke - 1], rim[spoke], colour)
+        dark = np.fromstring(rgba(INK), sep=" ", dtype=np.float32)
+        tip = place + _METRES_PER_NEWTON * force
+        self._bar(0.0025, place, tip, dark)
+        across = 0.3 * np.array([force[2], 0.0, -force[0]])
+        for side in (-1, 1):  # MuJoCo's own arrows are drawn at half their length
+            barb = 0.25 * _METRES_PER_NEWTON * (force + side * across * 2)
+            self._bar(0.0025, tip - barb, tip, dark)
+
+    def _bar(self, width: float, start: np.ndarray, end: np.ndarray, colour: np.ndarray) -> None:
+        scene = self._renderer.scene
+        if scene.ngeom >= scene.maxgeom:
+            return
+        shape = self._mj.mjtGeom.mjGEOM_CAPSULE
+        geom = scene.geoms[scene.ngeom]
+        self._mj.mjv_initGeom(geom, shape, np.zeros(3), np.zeros(3), np.zeros(9), colour)
+        self._mj.mjv_connector(geom, shape, width, start, end)
+        scene.ngeom += 1
+
+    def _label(self, image: Image.Image, row: int, note: str) -> None:
+        draw = ImageDraw.Draw(image)
+        left, right = (self._told(row, k) for k in (0, 1))
+        wide, high = self._size
+        pad = high // 40
+        draw.text((pad, pad), f"{self._times[row]:6.2f} s   {self.name}{note}", INK, self._font)
+        line = high // 18
+        draw.text((pad, pad + line), left, HUE["left"], self._font)
+        draw.text((wide - pad, pad + line), right, HUE["right"], self._font, anchor="ra")
+        if row == len(self._times) - 1:
+            colour = ZERO if self._good else DROP
+            draw.text((wide - pad, pad), self._ending, colour, self._font, anchor="ra")
+
+    def _told(self, row: int, k: int) -> str:
+        case = str(self._case[row, k]).strip()
+        sign = "−0+"[int(self._sign[row, k]) + 1]
+        return f"{SIDES[k]}: sensor {sign}" + (f", case ({case})" if case else "")
+
+
+def save_film(
+    carry: "Carry",
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] = SIZE,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Write the carry as MP4, in real time up to a minute; the file appears whole or not at all.
+
+    Raises `PalmbotsError` for a carry without states, without ffmpeg, or where nothing renders.
+    """
+    encoder = encoder_for(path)
+    with Studio(carry, size) as studio, whole_file(path) as stream:
+        images = _frames(carry, studio, progress)
+        write_mp4(encoder, size, images, stream, _FPS, path, _LAST_FRAME_S)
+
+
+def save_still(
+    carry: "Carry",
+    path: str | os.PathLike[str],
+    row: int | None = None,
+    size: tuple[int, int] = SIZE,
+) -> None:
+    """Write one moment as PNG: a row of the trace, or one in which something goes on."""
+    with Studio(carry, size) as studio, whole_file(path) as stream:
+        studio.picture(telling_row(carry) if row is None else row).save(stream, format="png")
+
+
+def telling_row(carry: "Carry") -> int:
+    """The middle of the first correction; of the carry, where there is none."""
+    assert carry.trace is not None
+    times = carry.trace["time"].to_numpy()
+    if not carry.corrections:
+        return len(times) // 2
+    first = carry.corrections[0]
+    return int(np.searchsorted(times, 0.5 * (first.start_s + first.end_s)))
+
+
+def _frames(
+    carry: "Carry", studio: Studio, progress: Callable[[float], None] | None
+) -> Iterator[Image.Image]:
+    assert carry.trace is not None
+    times = carry.trace["time"].to_numpy()
+    lasts = float(times[-1])
+    faster = max(1, math.ceil(lasts / _LONGEST_S))
+    wanted = np.arange(int(lasts * _FPS / faster) + 1) * faster / _FPS
+    rows = np.searchsorted(times, wanted + 1e-9, side="right") - 1
+    rows = np.unique(np.append(rows, len(times) - 1))
+    note = f", {faster} × real time" if faster > 1 else ""
+    for done, row in enumerate(rows.tolist(), start=1):
+        yield studio.picture(row, note)
+        if progress is not None:
+            progress(done / len(rows))
+
+
+def _font() -> str:
+    import matplotlib
+
+    return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")

@@ -1,0 +1,59 @@
+"""MuJoCo's own viewer on a carry as it runs: real time, where the machine is fast enough."""
+
+import importlib
+import os
+import sys
+import time
+from types import TracebackType
+from typing import Any
+
+from palmbots.dynamic.engine import mujoco
+from palmbots.dynamic.world import MujocoWorld
+from palmbots.errors import PalmbotsError
+
+__all__ = ["Viewer"]
+
+
+class Viewer:
+    """A window; `show` is what `palmbots.carry(watch=...)` calls. Use as a context.
+
+    Closing the window ends nothing: the carry goes on unseen.
+    """
+
+    def __init__(self) -> None:
+        mujoco()
+        screens = ("DISPLAY", "WAYLAND_DISPLAY")
+        if sys.platform.startswith("linux") and not any(os.environ.get(s) for s in screens):
+            raise PalmbotsError(
+                "--view: there is no screen (DISPLAY is not set); allowed: --video, a film instead"
+            )
+        self._viewer: Any = importlib.import_module("mujoco.viewer")
+        self._window: Any = None
+        self._began = 0.0
+
+    def __enter__(self) -> "Viewer":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._window is not None:
+            self._window.close()
+
+    def show(self, world: MujocoWorld) -> None:
+        """Bring the window up to date, not before it is time for it."""
+        if self._window is None:
+            self._window = self._viewer.launch_passive(world.model, world.data)
+            self._window.cam.azimuth, self._window.cam.elevation = 96.0, -10.0
+            self._window.cam.distance = 1.0
+            self._began = time.perf_counter() - world.time_s
+        if self._window.is_running():
+            early = world.time_s - (time.perf_counter() - self._began)
+            if early > 0:
+                time.sleep(early)
+            x = 0.5 * sum(float(world.data.body(f"{s}_palm").xpos[0]) for s in ("left", "right"))
+            self._window.cam.lookat[:] = (x, 0.0, world.layout.height - 0.04)
+            self._window.sync()

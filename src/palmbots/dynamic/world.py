@@ -1,0 +1,342 @@
+"""The dynamic world: MuJoCo moves it, this tells the motors what to do and sees what became of it.
+
+Frame: that of `model`. All that is seen is of one instant, one integration step before the end of
+the tick. A contact coordinate is where a vertex of the object is along its palm, from the foot of
+the pivot, outward [m]. The tactile sensor feels where contact forces press, and nothing where they
+press with less than `dynamic.press_n`.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palmbots import _core
+from palmbots.dynamic.engine import mujoco
+from palmbots.dynamic.model import layout, mjcf, steps_per_tick
+from palmbots.dynamic.robot_model import chassis
+from palmbots.dynamic.settings import DEFAULT, Engine
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.geometry import SIDES
+from palmbots.scene import Scene
+
+__all__ = ["SLACK", "Measured", "MujocoWorld", "refuse_unknown"]
+
+SLACK = math.radians(0.25)  # a wrist so near to its angle has turned; assumed
+_SETTLE_S = 0.3  # before the carry, for weights to be taken up
+_HEADING = 5.0  # 1/s, with which a robot steers back to its heading
+_STICKS = 5e-4  # m/s; what moves less along its palm sticks
+_LET_GO_S = 0.25  # an object that a palm has not felt for so long is not held any more
+_TURNED = math.radians(60)  # an object turned further has tipped over
+_OUT = (-1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What the trace of the dynamic world holds besides that of every world; of one tick."""
+
+    force: tuple[float, float]
+    """With which the object presses on each palm, along its normal [N]."""
+    drag: tuple[float, float]
+    """With which it drags each palm along, outward [N]."""
+    speed: tuple[float, float]
+    """Of the pivots over the tick [m/s]."""
+    slip: tuple[float, float]
+    """By how much the wheels run ahead of the robot [m/s]."""
+    pitch: tuple[float, float]
+    """Of the robots' bodies, outward end up [rad]."""
+    yaw: tuple[float, float]
+    """Of the robots' bodies, anticlockwise seen from above [rad]."""
+
+
+def refuse_unknown(scene: Scene) -> None:
+    """Raise `SceneError` for keys that this world cannot obey."""
+    if scene.bumps.script or scene.bumps.rate_per_m > 0:
+        raise SceneError(
+            "bumps: shift contacts, which only the quasistatic world can do; allowed in mujoco: "
+            "dynamic.ridges, bumps of the floor"
+        )
+
+
+class MujocoWorld:
+    """A scene in MuJoCo, at rest at its start. `model` and `data` are MuJoCo's own."""
+
+    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
+        """`measures`: keep `measured` up to date, which takes time."""
+        refuse_unknown(scene)
+        self._measures = measures
+        self._mj = mujoco()
+        self.scene = scene
+        self.layout = layout(scene)
+        self.model: Any = self._mj.MjModel.from_xml_string(mjcf(scene, engine))
+        self.data: Any = self._mj.MjData(self.model)
+        self.steps = steps_per_tick(scene)
+        self.time_s = 0.0
+        self._period = scene.control.period_s
+        self._track = chassis(self.layout.height).track
+        self._radius = scene.dynamic.wheel_radius_m
+        left, right = self.layout.spec.palms
+        self._steep = (left.steep, right.steep)
+        self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
+        self._find()
+        self._unfelt = [0.0, 0.0]
+        self.measured = Measured(*(6 * [(0.0, 0.0)]))
+        self._settle()
+        self._origin = self._midpoint()
+        self._p = self._contacts()
+        self._x = self._pivots()
+
+    # --- moving ---------------------------------------------------------------------------------
+
+    def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
+        """One control period with wheels at `speeds` [m/s, towards +x] and wrists turning evenly to
+        `angles` [rad]."""
+        ctrl = self.data.ctrl
+        for k in (0, 1):
+            steer = 0.5 * _HEADING * self._track * self._yaw(k)
+            port, starboard = self._wheels[k]
+            ctrl[port] = (speeds[k] + steer) / self._radius
+            ctrl[starboard] = (speeds[k] - steer) / self._radius
+            ctrl[self._wrists[k]] = (angles[k] - self._set[k]) / self._period
+            self._set[k] = angles[k]
+        before = self.data.time
+        self._mj.mj_step(self.model, self.data, nstep=self.steps)
+        self.time_s += self._period
+        if self.data.time < before:  # MuJoCo begins anew where numbers get out of hand
+            raise PalmbotsError(
+                f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
+                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or heavier robots"
+            )
+
+    # --- seeing ---------------------------------------------------------------------------------
+
+    def sight(self, first: bool = False) -> _core.Sight:
+        """What is seen now, since the last time."""
+        p, before = self._contacts(), self._p
+        touched, pressed, force, drag = self._feel(p)
+        x, last = self._pivots(), self._x
+        self._p, self._x = p, x
+        end = "" if first else self._end(p, pressed)
+        least = _STICKS * self._period
+        left, right = (
+            0 if abs(now - then) < least else (1 if now > then else -1)
+            for now, then in zip(p, before, strict=True)
+        )
+        if self._measures:
+            speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
+            yaw = (self._yaw(0), self._yaw(1))
+            self.measured = Measured(force, drag, speed, self._slips(speed), self._pitches(), yaw)
+        vertices = self._vertices()
+        return _core.Sight(
+            contacts=p,
+            lift=self._lifts(),
+            touched=touched,
+            pressed=pressed,
+            palms=self._palms(),
+            wrists=self.wrists(),
+            separation=x[1] - x[0],
+            midpoint=0.5 * (x[0] + x[1]) - self._origin,
+            rise=vertices[1][1] - vertices[0][1],
+            motion=(left, right),
+            end=end,
+        )
+
+    def state(self) -> np.ndarray:
+        """MuJoCo's state, to be looked at again later."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        state = np.empty(self._mj.mj_stateSize(self.model, kind))
+        self._mj.mj_getState(self.model, self.data, state, kind)
+        return state
+
+    def restore(self, state: np.ndarray) -> None:
+        """Go back to a state of a moment when the motors held the palms steep."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._mj.mj_setState(self.model, self.data, state, kind)
+        self._mj.mj_forward(self.model, self.data)
+        self._set = list(self._steep)
+
+    @property
+    def wrists_set(self) -> tuple[float, float]:
+        """The palm angles that the wrists' motors have been told [rad]."""
+        return self._set[0], self._set[1]
+
+    @property
+    def contacts(self) -> tuple[float, float]:
+        """The contact coordinates p [m]."""
+        return self._contacts()
+
+    @property
+    def advance(self) -> float:
+        """Of the midpoint of the pivots since the start, towards +x [m]."""
+        return self._midpoint() - self._origin
+
+    def wrists(self) -> tuple[float, float]:
+        """The palm angles as the wrists measure them [rad]."""
+        q = self.data.qpos
+        return (
+            float(q[self._wrist_at[0]]) + self._steep[0],
+            float(q[self._wrist_at[1]]) + self._steep[1],
+        )
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _find(self) -> None:
+        """Where in MuJoCo's arrays things are."""
+        m = self.model
+        self._wheels = [
+            tuple(
+                [m.actuator(f"{side}_{wheel}_{part}").id for part in ("angle", "speed")]
+                for wheel in ("port", "starboard")
+            )
+            for side in SIDES
+        ]
+        self._wrists = [
+            [m.actuator(f"{side}_wrist_{part}").id for part in ("angle", "speed")] for side in SIDES
+        ]
+        self._wrist_at = [int(m.joint(f"{side}_wrist").qposadr[0]) for side in SIDES]
+        self._wheel_at = [
+            [int(m.joint(f"{side}_{wheel}").dofadr[0]) for wheel in ("port", "starboard")]
+            for side in SIDES
+        ]
+        self._shoulder_at = [int(m.joint(f"{side}_shoulder").qposadr[0]) for side in SIDES]
+        self._shoulders = [m.actuator(f"{side}_shoulder").id for side in SIDES]
+        bodies = {name: m.body(name).id for s in SIDES for name in (f"{s}_palm", f"{s}_body")}
+        thing = m.body("object").id
+        d = self.data
+        # Views into MuJoCo's arrays: they follow it.
+        self._palm_pos = [d.xpos[bodies[f"{s}_palm"]] for s in SIDES]
+        self._palm_mat = [d.xmat[bodies[f"{s}_palm"]] for s in SIDES]
+        self._body_mat = [d.xmat[bodies[f"{s}_body"]] for s in SIDES]
+        self._thing_pos, self._thing_mat = d.xpos[thing], d.xmat[thing]
+        spec = self.layout.spec
+        self._offset = [palm.offset for palm in spec.palms]
+        self._half = [palm.length / 2 for palm in spec.palms]
+        self._width = spec.width
+        self._is_palm = [str(m.geom(k).name).startswith(SIDES) for k in range(m.ngeom)]
+        # The pairs of palm and object: of which palm, and whether it is by the contact vertex.
+        self._touching: dict[tuple[int, int], tuple[int, bool]] = {}
+        for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
+            of_object = [k for k in pair if m.geom_bodyid[k] == thing]
+            of_palm = [k for k in pair if self._is_palm[k]]
+            if not of_object:
+                continue
+            side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
+            vertex = m.geom(of_object[0]).name.startswith(
+                f"vertex_{(0, spec.contact_right)[side]}_"
+            )
+            self._touching[pair] = self._touching[pair[::-1]] = (side, vertex)
+
+    def _settle(self) -> None:
+        """Weights are taken up, and shoulders told to hold against them."""
+        ticks = max(1, round(_SETTLE_S / self._period))
+        for tick in range(ticks):
+            self.move((0.0, 0.0), self._steep)
+            if 3 * tick < 2 * ticks:
+                for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
+                    self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
+        self.time_s = 0.0  # MuJoCo's own clock goes on: that it falls back tells of a fault
+
+    def _pivots(self) -> tuple[float, float]:
+        return float(self._palm_pos[0][0]), float(self._palm_pos[1][0])
+
+    def _midpoint(self) -> float:
+        return 0.5 * sum(self._pivots())
+
+    def _vertices(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The two contact vertices (x, z)."""
+        x, z = float(self._thing_pos[0]), float(self._thing_pos[2])
+        mat = self._thing_mat
+        return (x, z), (x + self._width * float(mat[0]), z + self._width * float(mat[6]))
+
+    def _along(self, k: int, x: float, z: float) -> tuple[float, float]:
+        """A point as a palm sees it: outward along it, and above its surface."""
+        pos, mat = self._palm_pos[k], self._palm_mat[k]
+        dx, dz = x - float(pos[0]), z - float(pos[2])
+        along = dx * float(mat[0]) + dz * float(mat[6])
+        above = dx * float(mat[2]) + dz * float(mat[8]) - self._offset[k]
+        return _OUT[k] * along, above
+
+    def _contacts(self) -> tuple[float, float]:
+        left, right = self._vertices()
+        return self._along(0, *left)[0], self._along(1, *right)[0]
+
+    def _lifts(self) -> tuple[float, float]:
+        left, right = self._vertices()
+        return self._along(0, *left)[1], self._along(1, *right)[1]
+
+    def _palms(self) -> tuple[float, float]:
+        left, right = self._palm_mat
+        return (
+            -math.atan2(float(left[6]), float(left[0])),
+            math.atan2(float(right[6]), float(right[0])),
+        )
+
+    def _pitches(self) -> tuple[float, float]:
+        left, right = self._body_mat
+        return -math.asin(float(left[6])), math.asin(float(right[6]))
+
+    def _yaw(self, k: int) -> float:
+        mat = self._body_mat[k]
+        return math.atan2(float(mat[3]), float(mat[0]))
+
+    def _slips(self, speed: tuple[float, float]) -> tuple[float, float]:
+        v = self.data.qvel
+        left, right = (
+            self._radius * 0.5 * (float(v[at[0]]) + float(v[at[1]])) - speed[k]
+            for k, at in enumerate(self._wheel_at)
+        )
+        return left, right
+
+    def _feel(
+        self, p: tuple[float, float]
+    ) -> tuple[tuple[float, float], tuple[bool, bool], tuple[float, float], tuple[float, float]]:
+        """Where each palm is pressed, whether hard enough, and the forces on it."""
+        # Of the contact vertex and of all else: force, force times place.
+        sums = [[[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]]
+        drag = [0.0, 0.0]
+        contact, forces = self.data.contact, self.data.efc_force
+        places, frames = contact.pos, contact.frame
+        for i, (pair, address) in enumerate(
+            zip(contact.geom.tolist(), contact.efc_address.tolist(), strict=True)
+        ):
+            touching = self._touching.get((pair[0], pair[1]))
+            if touching is None or address < 0:
+                continue
+            k, vertex = touching
+            push, one, other = forces[address : address + 3].tolist()
+            x, _, z = places[i].tolist()
+            sums[k][vertex][0] += push
+            sums[k][vertex][1] += push * self._along(k, x, z)[0]
+            if not self._measures:
+                continue
+            frame, mat = frames[i], self._palm_mat[k]
+            # MuJoCo's force acts on the second geom; the palm takes it or gives it.
+            sign = 1.0 if self._is_palm[pair[1]] else -1.0
+            fx = one * float(frame[3]) + other * float(frame[6])
+            fz = one * float(frame[5]) + other * float(frame[8])
+            drag[k] += sign * _OUT[k] * (fx * float(mat[0]) + fz * float(mat[6]))
+        touched, pressed, force = list(p), [False, False], [0.0, 0.0]
+        for k in (0, 1):
+            force[k] = sums[k][0][0] + sums[k][1][0]
+            for vertex in (False, True):
+                push, moment = sums[k][vertex]
+                if push > 0 and push >= self.scene.dynamic.press_n:
+                    pressed[k] = True
+                    touched[k] = moment / push
+        return (
+            (touched[0], touched[1]),
+            (pressed[0], pressed[1]),
+            (force[0], force[1]),
+            (drag[0], drag[1]),
+        )
+
+    def _end(self, p: tuple[float, float], pressed: tuple[bool, bool]) -> str:
+        """Why the object is not held any more; empty if it is."""
+        if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
+            return "off-palm"
+        if float(self._thing_mat[0]) < math.cos(_TURNED):
+            return "tipping"
+        for k in (0, 1):
+            self._unfelt[k] = 0.0 if pressed[k] else self._unfelt[k] + self._period
+        return "lifting" if max(self._unfelt) > _LET_GO_S else ""

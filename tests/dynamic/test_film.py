@@ -1,0 +1,164 @@
+"""Films and stills of the dynamic world: looked at, not only found."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import palmbots as pb
+from palmbots import cli
+from palmbots.dynamic import film
+from palmbots.dynamic.film import Studio, save_film, save_still, telling_row
+
+SMALL = (480, 270)
+
+
+@pytest.fixture(scope="module")
+def done() -> pb.Carry:
+    return pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.08})
+
+
+def count(image: Image.Image, near: tuple[int, int, int], within: int = 40) -> int:
+    """Pixels of about this colour."""
+    apart = np.abs(np.asarray(image, dtype=int) - np.array(near)).max(axis=2)
+    return int((apart <= within).sum())
+
+
+def place(image: Image.Image, near: tuple[int, int, int], within: int = 40) -> np.ndarray:
+    """The middle of the pixels of about this colour, in shares of width and height."""
+    apart = np.abs(np.asarray(image, dtype=int) - np.array(near)).max(axis=2)
+    rows, columns = np.nonzero(apart <= within)
+    return np.array([columns.mean() / image.width, rows.mean() / image.height])
+
+
+BOX, LEFT_PALM, RIGHT_PALM, WHEEL = (212, 180, 100), (0, 95, 150), (186, 82, 5), (26, 26, 26)
+
+
+def test_a_picture_shows_box_palms_and_wheels_where_they_are(done: pb.Carry) -> None:
+    with Studio(done, SMALL) as studio:
+        image = studio.picture(50)
+    assert image.size == SMALL
+    whole = SMALL[0] * SMALL[1]
+    assert 0.04 * whole < count(image, BOX) < 0.2 * whole
+    box, left, right = (place(image, colour) for colour in (BOX, LEFT_PALM, RIGHT_PALM))
+    assert box[0] == pytest.approx(0.5, abs=0.05)
+    assert left[0] < box[0] < right[0]
+    assert box[1] < left[1] == pytest.approx(right[1], abs=0.03)  # palms below the box
+    assert place(image, WHEEL, 12)[1] > left[1]
+
+
+def test_cones_and_forces_are_drawn_in(done: pb.Carry, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without them the picture lacks their colours; a contact that slides has another one."""
+    green, purple = (0, 158, 115), (204, 121, 167)
+    assert done.trace is not None
+    motion = done.trace["motion"].transpose("time", "side").to_numpy()
+    sticks = int(np.nonzero((motion == 0).all(axis=1))[0][5])
+    slides = int(np.nonzero((motion != 0).any(axis=1))[0][20])
+    with Studio(done, (854, 480)) as studio:
+        still, sliding = studio.picture(sticks), studio.picture(slides)
+        monkeypatch.setattr(Studio, "_contact", lambda *_: None)
+        bare = studio.picture(sticks)
+    assert count(still, green, 60) > count(bare, green, 60) + 100
+    assert count(sliding, purple, 60) > count(bare, purple, 60) + 30
+
+
+def test_forces_drawn_are_the_weight(done: pb.Carry, monkeypatch: pytest.MonkeyPatch) -> None:
+    bars = []
+    monkeypatch.setattr(Studio, "_bar", lambda _, *a: bars.append(a))
+    with Studio(done, SMALL) as studio:
+        studio.picture(1)
+    shafts = [end - start for width, start, end, _ in bars if width == 0.0025][::3]
+    assert len(shafts) == 2
+    up = sum(shaft[2] for shaft in shafts) / film._METRES_PER_NEWTON
+    assert up == pytest.approx(0.5 * 9.80665, rel=0.05)
+
+
+def test_the_film_plays_as_long_as_the_carry(done: pb.Carry, tmp_path: Path) -> None:
+    seen: list[float] = []
+    save_film(done, tmp_path / "c.mp4", size=SMALL, progress=seen.append)
+    asked = "stream=width,height:format=duration"
+    told = subprocess.run(
+        ["ffprobe", "-v", "error", "-show_entries", asked, "-of", "json", tmp_path / "c.mp4"],
+        capture_output=True, check=True,
+    )  # fmt: skip
+    facts = json.loads(told.stdout)
+    assert (facts["streams"][0]["width"], facts["streams"][0]["height"]) == SMALL
+    assert float(facts["format"]["duration"]) == pytest.approx(done.time_s + 2.0, abs=0.2)
+    assert seen == sorted(seen) and seen[-1] == 1.0
+    # The pair drives over the floor: frames differ, and the last one has the ending.
+    frame = tmp_path / "last.png"
+    subprocess.run(
+        ["ffmpeg", "-v", "error", "-sseof", "-0.5", "-i", tmp_path / "c.mp4",
+         "-frames:v", "1", "-update", "1", frame], check=True,
+    )  # fmt: skip
+    with Studio(done, SMALL) as studio:
+        first, last = studio.picture(0), studio.picture(len(studio._times) - 1)
+    with Image.open(frame) as image:
+        shown = np.asarray(image.convert("RGB"), dtype=int)
+    assert np.abs(shown - np.asarray(last)).mean() < 4 < np.abs(shown - np.asarray(first)).mean()
+
+
+def test_a_still_is_taken_where_something_goes_on(done: pb.Carry, tmp_path: Path) -> None:
+    first = done.corrections[0]
+    assert first.start_s <= telling_row(done) * 0.01 <= first.end_s
+    save_still(done, tmp_path / "c.png", size=SMALL)
+    with Image.open(tmp_path / "c.png") as image:
+        assert image.size == SMALL
+    quiet = pb.carry("paper", "none", world="mujoco", overrides={"task.distance_m": 0.02})
+    assert 0 < telling_row(quiet) < 100
+
+
+def test_a_carry_without_states_has_no_film(tmp_path: Path) -> None:
+    with pytest.raises(pb.PalmbotsError, match="world mujoco, with record=True"):
+        save_film(pb.carry("paper"), tmp_path / "c.mp4")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--video", "--out", "x"], "--world mujoco with it"),
+        (["--world", "mujoco", "--video"], "--out DIR with it"),
+        (["--view"], "--world mujoco with it"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(
+    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["carry", *arguments]) == 2
+    ran = capsys.readouterr()
+    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+
+
+@pytest.mark.parametrize(
+    ("option", "environment", "told"),
+    [
+        ("--video", {"MUJOCO_GL": "disable"}, "film: nothing to render with"),
+        ("--view", {"DISPLAY": "", "WAYLAND_DISPLAY": ""}, "--view: there is no screen"),
+    ],
+)
+def test_where_nothing_can_be_shown_one_line_says_so(
+    option: str, environment: dict[str, str], told: str, tmp_path: Path
+) -> None:
+    ran = subprocess.run(
+        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", option, "--out",
+         str(tmp_path), "--animation", "none", "--set", "task.distance_m=0.02"],
+        env=os.environ | environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 2
+    assert ran.stderr.count("\n") == 1 and told in ran.stderr
+    assert not list(tmp_path.glob("*3d*")) and not list(tmp_path.glob(".palmbots*"))
+
+
+def test_the_command_writes_film_and_still(tmp_path: Path) -> None:
+    status = cli.run(
+        ["carry", "--world", "mujoco", "--video", "--out", str(tmp_path), "--animation", "none",
+         "--set", "task.distance_m=0.02"]
+    )  # fmt: skip
+    assert status == 0
+    assert {"carry-3d.mp4", "carry-3d.png"} <= {p.name for p in tmp_path.iterdir()}

@@ -1,0 +1,138 @@
+"""The dynamic world agrees with the quasistatic one, and its contact settings are why."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import palmbots as pb
+from palmbots import cli
+from palmbots.dynamic import trials
+from palmbots.dynamic.settings import DEFAULT, Contact, Engine
+from palmbots.dynamic.trials import State
+from palmbots.dynamic.validation import Validation, validate
+from palmbots.modes import modes
+from palmbots.scene import Scene
+
+# What MuJoCo does unless it is told otherwise.
+PLAIN = Engine(
+    palm=Contact((0.02, 1.0), (0.9, 0.95, 0.001)),
+    cone="pyramidal",
+    impratio=1.0,
+    integrator="Euler",
+)
+
+
+@pytest.fixture(scope="module")
+def done() -> Validation:
+    return validate(states=60, seeds=2)
+
+
+def test_the_chosen_contacts_hold_still() -> None:
+    assert max(map(abs, trials.creep())) <= 0.25e-3
+
+
+def test_the_default_contacts_do_not() -> None:
+    assert max(map(abs, trials.creep(PLAIN, 5.0))) > 1e-3
+
+
+def test_softer_friction_creeps_in_proportion() -> None:
+    """Creep is the price of impratio: a tenth of it, ten times the creep."""
+    ten = replace(DEFAULT, impratio=DEFAULT.impratio / 10)
+    fast, slow = (max(map(abs, trials.creep(e, 10.0))) for e in (ten, DEFAULT))
+    assert fast > 5 * slow
+
+
+def test_the_contact_that_must_slide_slides(done: Validation) -> None:
+    own = done.agreement[0]
+    assert own.engine == "MuJoCo"
+    assert own.decisive_n > 90
+    assert own.decisive_rate == 1.0
+    assert own.rate > 0.95
+
+
+def test_the_peers_are_tried_in_the_same_states(done: Validation) -> None:
+    names = [one.engine for one in done.agreement]
+    assert names == ["MuJoCo", "pymunk", "Box2D"] and done.missing == ()
+    assert len({one.n for one in done.agreement}) == 1
+    assert done.agreement[1].decisive_rate > 0.97
+    assert 0.8 < done.agreement[2].decisive_rate < 1.0  # the skin of its polygons
+
+
+def test_switch_lines_tilts_and_carries_agree(done: Validation) -> None:
+    closing = [line for line in done.lines if line.closing]
+    for line in closing:
+        assert line.known_m is not None and line.seen_m is not None
+        assert line.seen_m == pytest.approx(line.known_m, abs=1e-3)
+    assert closing[0].known_m is not None and abs(closing[0].known_m) > 3e-3
+    for tilt in done.tilts:
+        assert tilt.seen_m == pytest.approx(tilt.known_m, abs=0.8e-3)
+    assert max(abs(t.known_m[0]) for t in done.tilts) > 1.2e-3
+    for pair in done.pairs:
+        assert pair.outcome == ("delivered", "delivered")
+        assert pair.rms_m[1] == pytest.approx(pair.rms_m[0], rel=0.4)
+    assert done.holds
+
+
+def test_expectations_are_those_of_the_modes() -> None:
+    """`expected` asks the world; `modes` knows by itself."""
+    for state in trials.grid(0.25)[::37]:
+        scene = trials.scene_of(Scene(), state)
+        found = modes(scene, p_left_m=state.contacts[0], p_right_m=state.contacts[1])
+        for closing, pair in ((True, found.closing), (False, found.opening)):
+            assert pair is not None
+            slides = {"left": pair[0] != "ST", "right": pair[1] != "ST"}
+            told = trials.expected(trials.spec_of(scene), closing)
+            assert (
+                told
+                == {(True, False): "left", (False, True): "right", (True, True): "both"}[
+                    slides["left"], slides["right"]
+                ]
+            )
+
+
+def test_a_state_near_a_switch_line_is_not_decisive() -> None:
+    on_it = State(0.3, 0.125, (15.0, 15.0), (0.0, 0.0))
+    off_it = State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0))
+    sure = [
+        trials.is_decisive(trials.spec_of(trials.scene_of(Scene(), state)), True)
+        for state in (on_it, off_it)
+    ]
+    assert sure == [False, True]
+    spec = trials.spec_of(trials.scene_of(Scene(), off_it))
+    assert not trials.is_decisive(spec, True, math.radians(15))
+    assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
+
+
+def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["validate", "--states", "3", "--seeds", "1", "--out", str(tmp_path)]
+    status = cli.run([*arguments, "--set", "task.distance_m=0.1", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert status == (0 if told["holds"] else 1)
+    assert len(told["carries"]) == 1 and len(told["agreement"]) == 3
+    picture = Image.open(tmp_path / "validation.png")
+    assert picture.width > 1000 and len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--states", "0"], "states: value is 0; allowed: 1 to 720"),
+        (["--seeds", "0"], "seeds: value is 0; allowed: 1 to 1000"),
+        (["--controller", "nobody"], "allowed: none, centralized, distributed, resilient"),
+        (["--set", "bumps.rate_per_m=1"], "dynamic.ridges"),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["validate", *arguments]) == 2
+    ran = capsys.readouterr()
+    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+
+
+def test_validate_is_part_of_the_package() -> None:
+    assert pb.validate is validate

@@ -1,0 +1,156 @@
+"""The dynamic world at rest and in motion, against statics and what was commanded."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from palmbots.dynamic.world import MujocoWorld
+from palmbots.scene import Scene, load_scene
+
+STEEP = (math.radians(15), math.radians(15))
+
+
+def world_of(changes: dict[str, object] | None = None) -> MujocoWorld:
+    return MujocoWorld(load_scene("paper", changes))
+
+
+@pytest.mark.parametrize("name", sorted(pb.objects()))
+def test_at_rest_the_palms_bear_the_weight_within_the_friction_cones(name: str) -> None:
+    world = world_of({"object": name})
+    world.sight()
+    measured, scene = world.measured, world.scene
+    up = 0.0
+    for k, side in enumerate(("left", "right")):
+        palm = scene.palm_of(side)
+        angle = world.wrists()[k]
+        up += measured.force[k] * math.cos(angle) - measured.drag[k] * math.sin(angle)
+        assert abs(measured.drag[k]) <= palm.friction * measured.force[k] * 1.001
+    assert up == pytest.approx(scene.object.mass_kg * 9.80665, rel=0.01)
+
+
+def test_at_rest_the_palms_stand_at_their_angles() -> None:
+    world = world_of()
+    sight = world.sight()
+    assert sight is not None
+    assert world.wrists() == pytest.approx(STEEP, abs=math.radians(0.02))
+    left, right = (world.data.body(f"{s}_palm").xmat.reshape(3, 3) for s in ("left", "right"))
+    for mat, sense in ((left, -1), (right, 1)):
+        assert sense * math.atan2(mat[2, 0], mat[0, 0]) == pytest.approx(STEEP[0], abs=1e-3)
+
+
+def driven(world: MujocoWorld, speed: float, seconds: float) -> None:
+    for _ in range(round(seconds / world.scene.control.period_s)):
+        world.move((speed, speed), STEEP)
+        world.sight()
+
+
+def test_robots_drive_as_fast_as_they_are_told() -> None:
+    world = world_of()
+    driven(world, 0.06, 1.0)
+    before = world.advance
+    driven(world, 0.06, 2.0)
+    assert (world.advance - before) / 2.0 == pytest.approx(0.06, rel=0.002)
+    assert world.measured.slip == pytest.approx((0.0, 0.0), abs=3e-4)  # 0.3 % of radius is dent
+
+
+def test_unequal_wheels_do_not_lead_astray() -> None:
+    """A mismatch of 4 % would turn a robot by 0.04 · 0.3 m / 0.22 m = 3° on its way of 0.3 m."""
+    world = world_of({"dynamic.wheel_mismatch": 0.04})
+    driven(world, 0.06, 5.0)
+    assert 0.0 < max(map(abs, world.measured.yaw)) < math.radians(0.3)
+
+
+def test_wheels_slip_on_ice() -> None:
+    world = world_of({"dynamic.floor_friction": 0.005})
+    driven(world, 0.2, 0.5)
+    assert world.advance < 0.5 * 0.2 * 0.5
+    assert min(world.measured.slip) > 0.05
+
+
+def test_robots_on_a_slope_neither_roll_nor_lag() -> None:
+    world = world_of({"task.slope_deg": 5.0})
+    before = world.advance
+    for _ in range(200):
+        world.move((0.0, 0.0), STEEP)
+    assert world.advance - before == pytest.approx(0.0, abs=2e-4)
+
+
+def test_a_ridge_pitches_each_robot_once_a_wheel() -> None:
+    world = world_of({"dynamic.ridges": [{"at_m": 0.4, "height_m": 0.003, "length_m": 0.05}]})
+    pitches = []
+    for _ in range(850):
+        world.move((0.1, 0.1), STEEP)
+        world.sight()
+        pitches.append(world.measured.pitch)
+    for k in (0, 1):
+        tilt = [p[k] for p in pitches]
+        # 3 mm over the 12 cm between wheels and caster, one way and then the other.
+        assert max(tilt) == pytest.approx(0.003 / 0.12, rel=0.15)
+        assert min(tilt) == pytest.approx(-0.003 / 0.12, rel=0.15)
+
+
+def test_a_simulation_out_of_hand_is_told_and_leaves_no_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    world = world_of()
+    world.data.qvel[0] = 1e12
+    with pytest.raises(pb.PalmbotsError, match=r"unstable at 0.01 s; allowed: a smaller dynamic"):
+        world.move((0.0, 0.0), STEEP)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("step", [0.0005, 0.001, 0.002, 0.005])
+def test_no_grip_and_no_load_do_not_let_motors_run_away(step: float) -> None:
+    """Explicit servos: on ice, and with the object far away, everything stays calm at any step."""
+    world = world_of({"dynamic.step_s": step, "dynamic.floor_friction": 0.001})
+    at = world.model.joint("object").qposadr[0]
+    world.data.qpos[at + 2] += 1.0
+    for tick in range(20):
+        world.move((0.2, 0.2), (STEEP[0] - 0.002 * tick, STEEP[1]))
+    assert abs(world.data.qvel[:6]).max() < 0.3
+    wheels = [
+        world.data.joint(f"{s}_{w}").qvel[0]
+        for s in ("left", "right")
+        for w in ("port", "starboard")
+    ]
+    assert max(map(abs, wheels)) < 1.5 * 0.2 / 0.04
+    assert world.wrists()[0] == pytest.approx(STEEP[0] - 0.038, abs=0.01)
+
+
+def test_an_object_let_go_is_told() -> None:
+    apart = world_of()
+    ends = []
+    for _ in range(300):
+        apart.move((-0.2, 0.2), STEEP)
+        ends.append(apart._end(apart._contacts(), (True, True)))
+    assert "off-palm" in ends
+    gone = world_of()
+    told = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
+    assert told[20] == "" and told[29] == "lifting"
+
+
+def test_light_pressure_closes_no_switch() -> None:
+    assert signs({"start.left_m": 0.03, "dynamic.press_n": 0.1}) == {1}
+    assert signs({"start.left_m": 0.03, "dynamic.press_n": 100.0}) == {0}
+
+
+def signs(changes: dict[str, object]) -> set[int]:
+    scene = load_scene("paper", {"robot.noise_m_s": 0.0, "task.timeout_s": 0.2} | changes)
+    done = pb.carry(scene, "none", world="mujoco")
+    assert done.trace is not None
+    return set(done.trace["sign"].sel(side="left").to_numpy().tolist())
+
+
+def test_the_world_is_the_same_seen_from_the_other_side() -> None:
+    """A mirrored start gives the mirrored motion, up to the solver's tolerance."""
+    scene = Scene()
+    one = MujocoWorld(load_scene(scene, {"start.left_m": 0.02, "start.right_m": -0.01}))
+    two = MujocoWorld(load_scene(scene, {"start.left_m": -0.01, "start.right_m": 0.02}))
+    for _ in range(60):
+        one.move((0.02, -0.03), (STEEP[0], math.radians(10)))
+        two.move((0.03, -0.02), (math.radians(10), STEEP[1]))
+    assert one._contacts() == pytest.approx(two._contacts()[::-1], abs=2e-5)
+    assert abs(one._contacts()[1] + 0.01) > 0.02  # it has moved
