@@ -26,10 +26,13 @@ from machine import processor
 import palmbots as pb
 from palmbots.studies.campaign import Campaign
 from palmbots.studies.design import design
+from palmbots.studies.layout import Chunk
 from palmbots.studies.local import carry_locally
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import cut_of
 from palmbots.studies.store import opened
+from palmbots.studies.tally import Tally
+from palmbots.studies.work import Block
 
 RESULT = Path(__file__).parent / "results" / "studies.csv"
 
@@ -94,8 +97,8 @@ def carrying(threads: int) -> Carried:
     ):
         write = store.write
 
-        def timed(*what: Any) -> None:
-            write(*what)
+        def timed(chunk: Chunk, block: Block, tally: Tally) -> None:
+            write(chunk, block, tally)
             writing[0] = time.thread_time()  # the thread does nothing else
 
         store.write = timed
