@@ -143,6 +143,23 @@ def test_a_worker_with_another_version_is_refused(long: Path, tmp_path: Path) ->
     assert marks(tmp_path / "study")
 
 
+def test_two_cuts_of_one_study_do_not_meet(long: Path, whole: str, tmp_path: Path) -> None:
+    """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
+    with scheduler() as address, worker(address):
+        running = [
+            subprocess.Popen(
+                command(
+                    long, "--out", tmp_path / n, "--chunk", n, "--scheduler", address, "--json"
+                ),
+                stdout=subprocess.PIPE, text=True,
+            )
+            for n in ("500", "700")
+        ]  # fmt: skip
+        for process in running:
+            out, _ = process.communicate(timeout=2 * TIMEOUT_S)
+            assert f'"hash": "{whole}"' in out
+
+
 def test_nobody_there(long: Path, tmp_path: Path) -> None:
     done = study(long, "--out", tmp_path / "a", "--scheduler", "tcp://127.0.0.1:9")
     refused(done, "--scheduler tcp://127.0.0.1:9: cannot be reached", "dask scheduler")

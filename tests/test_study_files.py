@@ -1,5 +1,6 @@
 """Study files: what they mean, and the one line about what is wrong with one."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +197,37 @@ def test_bad_arguments(
     assert said.err.count("\n") == 1
     for word in words:
         assert word in said.err
+
+
+@pytest.mark.parametrize(
+    ("missing", "arguments", "extra"),
+    [
+        ("zarr", [], "study"),
+        ("distributed", ["--local-cluster", "1"], "cluster"),
+        ("scipy.stats.qmc", [], "study"),
+        ("SALib.sample.sobol", [], "study"),
+    ],
+)
+def test_a_missing_package_is_asked_for(
+    missing: str,
+    arguments: list[str],
+    extra: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kind = {"scipy.stats.qmc": "sobol", "SALib.sample.sobol": "sobol-indices"}.get(missing)
+    text = f'[design]\nkind = "{kind}"\npoints = 2\n' if kind else ""
+    file = tmp_path / "study.toml"
+    file.write_text("[vary]\nrobot.noise_m_s = { from = 0.01, to = 0.02 }\n" + text if kind else "")
+    monkeypatch.setitem(sys.modules, missing, None)
+    out = tmp_path / "out"
+    assert cli.run(["study", str(file), "--out", str(out), *arguments]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f"the package {missing.split('.')[0]} is missing" in said
+    assert f"pip install 'palmbots[{extra}]'" in said
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("name", ready_studies())

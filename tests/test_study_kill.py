@@ -66,6 +66,7 @@ def test_killed_again_and_again_the_result_is_the_same(
     assert told["hash"] == whole
     assert told["carries"] == 9600
     assert told["resumed"] == 200 * len(kept)
+    assert not [path for path in root.rglob("*") if path.suffix in (".part", ".partial")]
 
 
 def test_killed_while_it_begins(long: Path, whole: str, tmp_path: Path) -> None:

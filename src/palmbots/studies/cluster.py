@@ -7,7 +7,9 @@ Workers need the package in the same version, and no files.
 
 import contextlib
 import dataclasses
+import hashlib
 import logging
+import pickle
 import zlib
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -54,32 +56,55 @@ def carry_on_cluster(
                 while len(out) < room and (given := campaign.next()) is not None:
                     chunk, work = given
                     packed = dataclasses.replace(work, table=zlib.compress(work.table, 1))
-                    name = f"palmbots-{campaign.points.identity}-{chunk.number}"
-                    out[client.submit(carry_packed, packed, key=name, pure=True)] = chunk
+                    out[client.submit(carry_packed, packed, key=_name(packed))] = chunk
                 if not out:
                     break
                 done = distributed.wait(list(out), return_when="FIRST_COMPLETED").done
                 for future in done:
-                    chunk, block = out.pop(future), future.result()
+                    chunk, block = out.pop(future), _result(future)
                     tally = tally_of(block)
                     campaign.store.write(chunk, block, tally)
                     campaign.record(chunk, tally)
                 report(campaign.done / max(campaign.due, 1))
-        except distributed.KilledWorker:
-            raise PalmbotsError(
-                "study: a chunk killed several workers one after the other; what was finished is "
-                "kept; allowed: a smaller --chunk in a new --out, or workers with more memory"
-            ) from None
-        except (
-            distributed.CancelledError,
-            distributed.comm.CommClosedError,
-            distributed.client.FutureCancelledError,
-        ):
+        except _lost(distributed):
             raise PalmbotsError(
                 f"--scheduler {scheduler}: was lost; what was finished is kept: start it again and "
                 "run the same command"
             ) from None
     report(1.0)
+
+
+def _name(work: Work) -> str:
+    """The same for equal work, so that nothing is carried twice; another one for any other."""
+    told = hashlib.blake2b(pickle.dumps(work), digest_size=16)
+    return f"palmbots-{told.hexdigest()}"
+
+
+def _result(future: Any) -> Block:
+    """What a worker gives. Raises `PalmbotsError` where it has failed."""
+    distributed = needed("distributed", "cluster")
+    try:
+        return future.result()
+    except (PalmbotsError, *_lost(distributed)):
+        raise
+    except distributed.KilledWorker:
+        raise PalmbotsError(
+            "study: a chunk killed several workers one after the other; what was finished is "
+            "kept; allowed: a smaller --chunk in a new --out, or workers with more memory"
+        ) from None
+    except Exception as error:
+        raise PalmbotsError(
+            f"study: a worker failed: {type(error).__name__}: {error}; what was finished is kept"
+        ) from None
+
+
+def _lost(distributed: Any) -> tuple[type[Exception], ...]:
+    """What is raised where the scheduler is gone."""
+    return (
+        distributed.CancelledError,
+        distributed.comm.CommClosedError,
+        distributed.client.FutureCancelledError,
+    )
 
 
 @contextlib.contextmanager

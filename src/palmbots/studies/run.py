@@ -143,6 +143,8 @@ def run_study(
         KeyboardInterrupt: Ctrl-C. Finished chunks are kept.
     """
     needed("zarr", "study")
+    if scheduler is not None or local_cluster is not None:
+        needed("distributed", "cluster")
     threads = checked_threads(threads)
     began = time.monotonic()
     points = design(plan, lambda f: report("checking scenes", f))

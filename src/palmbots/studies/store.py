@@ -141,6 +141,7 @@ def opened(root: Path, points: Points, cut: Layout, chosen: bool) -> Iterator[St
                 )
             cut = there_cut
         folder(place / _MARKS)
+        _tidy(place)
         with _told(root):
             if not (place / _RESULTS).exists():
                 part = place / f"{_RESULTS}.part"
@@ -149,6 +150,18 @@ def opened(root: Path, points: Points, cut: Layout, chosen: bool) -> Iterator[St
                 os.rename(part, place / _RESULTS)
             arrays = Arrays(place / _RESULTS, points)
         yield Store(root, points, cut, arrays)
+
+
+def _tidy(place: Path) -> None:
+    """Remove what a killed process had begun to write and not yet given its name."""
+    with _told(place):
+        for pattern in (
+            f"{_RESULTS}/**/*.partial",
+            f"{_MARKS}/.palmbots-*.part",
+            ".palmbots-*.part",
+        ):
+            for path in place.glob(pattern):
+                path.unlink(missing_ok=True)
 
 
 def read_record(place: Path) -> dict[str, Any]:
