@@ -49,10 +49,32 @@ def test_a_row_is_made_of_single_carries() -> None:
     assert row.drop_rate == drops / len(seeds)
     assert row.interval == wilson(drops, len(seeds))
     assert row.stall_rate == 0
+    assert row.stall_interval == wilson(0, len(seeds))
+    means = [np.mean([p**2 for p in c.contact_rms_m.values()]) for c in carries]
+    half = 1.959963984540054 * np.std(means, ddof=1) / math.sqrt(len(seeds))
+    squares_ends = tuple(end**2 for end in row.rms_interval_m)
+    assert squares_ends == pytest.approx((np.mean(means) - half, np.mean(means) + half))
+    assert (row.messages_per_m, row.bytes_per_s) == (0, 0)
     assert row.rms_m == pytest.approx(math.sqrt(np.mean(squares)), rel=1e-12)
     (row,) = pb.compare(values=[0.05], controllers=["distributed"], carries=10).rows
-    counts = [len(pb.carry(seed=s, record=False).corrections) for s in range(10)]
-    assert row.corrections == pytest.approx(np.mean(counts))
+    carries = [pb.carry(seed=s, record=False) for s in range(10)]
+    assert row.corrections == pytest.approx(np.mean([len(c.corrections) for c in carries]))
+    sent, way = sum(c.messages for c in carries), sum(c.distance_m for c in carries)
+    assert row.messages_per_m == pytest.approx(sent / way)
+    assert row.bytes_per_s == pytest.approx(28 * sent / sum(c.time_s for c in carries))
+
+
+def test_the_interval_of_messages_covers() -> None:
+    """Of the intervals of many small comparisons about 95 % hold the ratio of very many carries."""
+    whole = pb.compare(values=[0.05], controllers=["distributed"], carries=4000, seed=10**6).rows[0]
+    inside, tries = 0, 100
+    for i in range(tries):
+        (row,) = pb.compare(
+            values=[0.05], controllers=["distributed"], carries=20, seed=20 * i
+        ).rows
+        low, high = row.messages_interval_per_m
+        inside += low <= whole.messages_per_m <= high
+    assert 85 <= inside <= 99
 
 
 def test_stalled_carries_are_no_drops() -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palmbots.batch import DELIVERED, DROPPED, cores, run_seeds
 from palmbots.bounds import bounds_of
@@ -13,6 +14,7 @@ from palmbots.carry import CONTROLLERS, PRECISIONS, one_of
 from palmbots.errors import PalmbotsError, SceneError, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
+from palmbots.wire import PACKET_SIZE
 
 __all__ = ["Comparison", "Row", "compare", "wilson"]
 
@@ -20,6 +22,10 @@ DEFAULT_SWEEP = "radio.latency_s"
 DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 
 _Z95 = 1.959963984540054  # 97.5 % quantile of the normal distribution
+
+
+Interval = tuple[float, float]
+"""95 %."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +38,19 @@ class Row:
     n: int
     """Carries."""
     drop_rate: float
-    interval: tuple[float, float]
+    interval: Interval
     """Wilson's 95 % interval of the drop rate."""
     stall_rate: float
+    stall_interval: Interval
+    """Wilson's too."""
     rms_m: float
     """Root mean square of both contact coordinates; of a dropped carry until it was dropped."""
+    rms_interval_m: Interval
+    messages_per_m: float
+    """Of all robots and the station, sent."""
+    messages_interval_per_m: Interval
+    bytes_per_s: float
+    """What these packets are on the wire, each of 28 bytes; a radio's rate is the limit of it."""
     corrections: float
     """Mean number of corrections a carry."""
 
@@ -137,6 +151,9 @@ def _cell(
     run = run_seeds(lower(scene), controller, seed, n, precision, threads=cores())
     dropped = int(np.count_nonzero(run["outcome"] == DROPPED))
     delivered = int(np.count_nonzero(run["outcome"] == DELIVERED))
+    square, low, high = _ratio(np.mean(run["contact_rms_m"] ** 2, axis=1), np.ones(n))
+    sent = run["messages"].astype(float)
+    messages, *messages_interval = _ratio(sent, run["distance_m"])
     return Row(
         controller=controller,
         key=key,
@@ -145,9 +162,29 @@ def _cell(
         drop_rate=dropped / n,
         interval=wilson(dropped, n),
         stall_rate=(n - dropped - delivered) / n,
-        rms_m=float(np.sqrt(np.mean(run["contact_rms_m"] ** 2))),
+        stall_interval=wilson(n - dropped - delivered, n),
+        rms_m=math.sqrt(square),
+        rms_interval_m=(math.sqrt(low), math.sqrt(high)),
+        messages_per_m=messages,
+        messages_interval_per_m=(messages_interval[0], messages_interval[1]),
+        bytes_per_s=PACKET_SIZE * _ratio(sent, run["time_s"])[0],
         corrections=float(np.mean(run["corrections"])),
     )
+
+
+def _ratio(of: NDArray[Any], to: NDArray[Any]) -> tuple[float, float, float]:
+    """The ratio of two sums over carries and its 95 % interval, from the carries' scatter about it.
+
+    No less than 0; of a single carry the ratio alone.
+    """
+    total = float(np.sum(to))
+    if total <= 0:  # nobody got anywhere
+        return 0.0, 0.0, 0.0
+    n, ratio = len(of), float(np.sum(of)) / total
+    half = 0.0
+    if n > 1:
+        half = _Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
+    return ratio, max(ratio - half, 0.0), ratio + half
 
 
 def wilson(events: int, n: int, z: float = _Z95) -> tuple[float, float]:

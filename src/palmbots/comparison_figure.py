@@ -1,4 +1,4 @@
-"""The picture of a comparison: drop rate and contact rms over the swept key."""
+"""The picture of a comparison: drops, stalls, contact rms and messages over the swept key."""
 
 import os
 from pathlib import Path
@@ -26,38 +26,53 @@ LOOK = {
 }
 
 
+# Label, field of a row, field of its interval, factor.
+_PANELS = (
+    ("dropped [%]", "drop_rate", "interval", 100),
+    ("stalled [%]", "stall_rate", "stall_interval", 100),
+    ("contact rms [mm]", "rms_m", "rms_interval_m", 1e3),
+    ("messages per metre", "messages_per_m", "messages_interval_per_m", 1),
+)
+
+
 def draw(comparison: "Comparison") -> Figure:
-    """Two panels over the swept key: drop rate with its 95 % interval, and contact rms."""
+    """Four panels over the swept key: drops, stalls, contact rms and messages, with intervals."""
     with styled():
-        figure = Figure(figsize=(7.2, 3.4), layout="constrained")
-        drops, rms = figure.subplots(1, 2)
-        for controller in dict.fromkeys(row.controller for row in comparison.rows):
-            rows = [row for row in comparison.rows if row.controller == controller]
-            colour, marker, line = LOOK.get(controller, ("#CC79A7", "D", "-."))
-            x = [row.value for row in rows]
-            rate = np.array([100 * row.drop_rate for row in rows])
-            ends = np.array([row.interval for row in rows]).T * 100
-            look = {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5}
-            drops.errorbar(
-                x,
-                rate,
-                yerr=np.clip(np.abs(ends - rate), 0, None),
-                capsize=2,
-                elinewidth=0.8,
-                label=controller,
-                **look,
-            )
-            rms.plot(x, [1e3 * row.rms_m for row in rows], label=controller, **look)
+        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+        panels = figure.subplots(2, 2, sharex=True).ravel()
+        for axes, (label, field, interval, factor) in zip(panels, _PANELS, strict=True):
+            for controller in dict.fromkeys(row.controller for row in comparison.rows):
+                rows = [row for row in comparison.rows if row.controller == controller]
+                colour, marker, line = LOOK.get(controller, ("#CC79A7", "D", "-."))
+                y = factor * np.array([getattr(row, field) for row in rows])
+                ends = factor * np.array([getattr(row, interval) for row in rows]).T
+                axes.errorbar(
+                    [row.value for row in rows],
+                    y,
+                    yerr=np.clip(np.abs(ends - y), 0, None),
+                    capsize=2,
+                    elinewidth=0.8,
+                    label=controller,
+                    color=colour,
+                    marker=marker,
+                    linestyle=line,
+                    markersize=4.5,
+                )
+            axes.set_ylabel(label)
+            if factor == 100:
+                axes.set_ylim(-3, 103)
+        panels[2].set_ylim(bottom=0)
+        panels[3].set_yscale("symlog", linthresh=10)
+        most = max(row.messages_per_m for row in comparison.rows)
+        panels[3].set_ylim(-1, 2 * most + 10)
+        for axes in panels[2:]:
+            axes.set_xlabel(axis_label(comparison.key))
         carries = counted(comparison.rows[0].n, "carry")
-        label = axis_label(comparison.key)
-        drops.set(xlabel=label, ylabel="dropped, with 95 % interval [%]", ylim=(-3, 103))
-        rms.set(xlabel=label, ylabel="contact rms [mm]")
-        rms.set_ylim(bottom=0)
         figure.legend(
-            *drops.get_legend_handles_labels(),
+            *panels[0].get_legend_handles_labels(),
             loc="outside upper center",
             ncols=4,
-            title=f"{carries} a point, the same seeds for every controller",
+            title=f"{carries} a point, the same seeds for every controller; bars: 95 % intervals",
         )
         return figure
 

@@ -266,8 +266,9 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         ("controller", "left"),
         ("value", "right"),
         ("dropped (95 %)", "right"),
-        ("rms", "right"),
-        ("corrections", "right"),
+        ("rms (95 %)", "right"),
+        ("messages/m", "right"),
+        ("B/s", "right"),
     )
     for name, justify in columns:
         table.add_column(name, justify=justify, no_wrap=True)
@@ -275,12 +276,14 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
     for row in done.rows:
         if last is not None and row.controller != last:
             table.add_section()
+        half_rms = 0.5 * (row.rms_interval_m[1] - row.rms_interval_m[0])
         table.add_row(
             row.controller if row.controller != last else "",
             _exactly(row.value),
             _rate(row.drop_rate, row.interval),
-            _mm(row.rms_m),
-            f"{row.corrections:.1f}",
+            f"{1e3 * row.rms_m:.1f} ± {1e3 * half_rms:.1f} mm",
+            f"{row.messages_per_m:.0f}",
+            f"{row.bytes_per_s:.0f}",
         )
         last = row.controller
     # A terminal that is too narrow may break lines, but nobody cuts numbers.
@@ -290,10 +293,20 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
     stalled = sum(round(row.stall_rate * row.n) for row in done.rows)
     if stalled:
         console.print(f"{counted(stalled, 'carry')} stalled: neither arrived nor dropped in time")
+    busiest = max(row.bytes_per_s for row in done.rows)
+    console.print(
+        f"B/s: packets of 28 bytes on the air; the most is {8e2 * busiest / _RADIO_BITS_S:.1f} % "
+        f"of a radio of {_RADIO_BITS_S // 1000} kbit/s",
+        style=_QUIET,
+        soft_wrap=True,
+    )
     for refusal in done.refused:
         console.print(f"resilient refused {refusal}", soft_wrap=True)
     if written is not None:
         files_written(console, [written])
+
+
+_RADIO_BITS_S = 250_000  # of a small packet radio, IEEE 802.15.4 for example
 
 
 def _exactly(value: float) -> str:
