@@ -43,7 +43,7 @@ BAD = [
     (
         "[rodio]\nloss = 0.15",
         "rodio: { loss = 0.15 } is given to an unknown key; did you mean radio? allowed at the "
-        "top: object, palm, robot, tactile, control, radio, faults, bumps, start, task",
+        "top: object, palm, robot, tactile, control, radio, faults, bumps, start, task, dynamic",
     ),
     (
         "[control]\nxyz = 1",

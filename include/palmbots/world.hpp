@@ -108,7 +108,8 @@ class World {
   }
 
  private:
-  static constexpr int most_changes = 6;  // of grip in a step: a bound on work
+  static constexpr int most_changes = 6;     // of grip in a step: a bound on work
+  static constexpr int most_reversals = 16;  // in a step, likewise
 
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
@@ -187,6 +188,7 @@ class World {
       Real look = longest_look();
       Slide direction = Slide::stick;
       bool known = false;  // the direction, from the event that ended the last piece
+      int reversals = 0;
       for (result.pieces = 1;; ++result.pieces) {
         const bool give_up = result.pieces >= 200;  // a bound on work; tests show it is not met
         const Real goal = done + look >= Real(1) || give_up ? Real(1) : done + look;
@@ -206,7 +208,10 @@ class World {
         }
         look = longest_look();
         const auto at = [&](Real t) { return state(t, slider, direction, now); };
-        const auto [event, when] = first_event(done, goal, then, slider, direction, give_up, at);
+        // A contact right at its pivot, on a palm that turns, would go to and fro by a rounding error.
+        const bool reverses = reversals < most_reversals;
+        const auto [event, when] =
+            first_event(done, goal, then, slider, direction, give_up, reverses, at);
         switch (event) {
           case Event::none:
             if (slider != Slider::both) world.pose_.tied = Real(0);
@@ -226,6 +231,7 @@ class World {
             direction = direction == Slide::up ? Slide::down : Slide::up;
             world.pose_.tied = Real(0);
             known = true;
+            ++reversals;
             break;
           case Event::tie:
             now = at(when);
@@ -246,7 +252,7 @@ class World {
     // The earliest event between `done` and `goal`, given the state at `goal` if there were none.
     template <class At>
     Happening first_event(Real done, Real goal, const State& then, Slider slider, Slide direction,
-                          bool give_up, At at) const {
+                          bool give_up, bool reverses, At at) const {
       Happening first{Event::none, goal};
       const auto note = [&](Event event, Real when) {
         if (first.event == Event::none || when < first.when) first = {event, when};
@@ -259,7 +265,7 @@ class World {
       const auto drives_on = [&](const State& s) {
         return direction == Slide::up ? -drive(s) : drive(s);
       };
-      if (turning && direction != Slide::stick) {
+      if (turning && direction != Slide::stick && reverses) {
         const Real last = drives_on(then);
         if (last < Real(0)) {
           note(Event::reversal, root(done, goal, last, [&](Real t) { return drives_on(at(t)); }));
