@@ -5,15 +5,16 @@
 'delivered'
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from palmbots import wire
 from palmbots.carry import Carry, Correction, Letter, Touch, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
-from palmbots.dynamic.validation import Validation, validate
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.feasibility import feasible_modes
-from palmbots.log import Log, read_log, write_log
 from palmbots.modes import MODES, ContactModes, States, modes, states
 from palmbots.object_files import objects
 from palmbots.rare import DropRate, rare
@@ -22,10 +23,14 @@ from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.certificate import Certificate, certify
 from palmbots.stability.design import Design, design
-from palmbots.studies.run import open_results as open_study
-from palmbots.studies.run import study
 from palmbots.touching import Contact, contacts
 from palmbots.version import __version__
+
+if TYPE_CHECKING:
+    from palmbots.dynamic.validation import Validation, validate
+    from palmbots.log import Log, read_log, write_log
+    from palmbots.studies.run import open_results as open_study
+    from palmbots.studies.run import study
 
 __all__ = [
     "MODES",
@@ -74,3 +79,25 @@ __all__ = [
     "wire",
     "write_log",
 ]
+
+# Where names come from whose modules take long to import and that few programs use.
+_LATER = {
+    "Log": ("palmbots.log", "Log"),
+    "Validation": ("palmbots.dynamic.validation", "Validation"),
+    "open_study": ("palmbots.studies.run", "open_results"),
+    "read_log": ("palmbots.log", "read_log"),
+    "study": ("palmbots.studies.run", "study"),
+    "validate": ("palmbots.dynamic.validation", "validate"),
+    "write_log": ("palmbots.log", "write_log"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATER:
+        raise AttributeError(f"module 'palmbots' has no attribute {name!r}")
+    module, attribute = _LATER[name]
+    return getattr(importlib.import_module(module), attribute)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -9,10 +9,11 @@ import numpy as np
 from palmbots.carry import Carry, carry
 from palmbots.errors import PalmbotsError
 from palmbots.geometry import SIDES
-from palmbots.log import Log, read_log
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from palmbots.log import Log
 
 __all__ = ["Replay", "replay"]
 
@@ -31,7 +32,7 @@ class Replay:
     trace_hash: str  #: of the new run
     logged_hash: str  #: as the log has it
     difference: str | None  #: the first thing that differs, in one line
-    log: Log
+    log: "Log"
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots replay --json`` prints."""
@@ -55,6 +56,8 @@ def replay(path: str | os.PathLike[str]) -> Replay:
     Raises `PalmbotsError` for a log that cannot be read, or that cannot be run here (a controller
     that is no part of palmbots, or a scene this version refuses).
     """
+    from palmbots.log import read_log  # its formats take long to import
+
     log = read_log(path)
     try:
         again = carry(
@@ -108,7 +111,7 @@ def _bits(values: np.ndarray) -> np.ndarray:
     return values.view(np.uint64) if values.dtype == np.float64 else values
 
 
-def _other_difference(log: Log, again: Carry) -> str | None:
+def _other_difference(log: "Log", again: Carry) -> str | None:
     for name in _FACTS:
         before, now = getattr(log, name), getattr(again, name)
         if before != now:
