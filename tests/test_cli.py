@@ -181,9 +181,9 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         title, *rows = plain.splitlines()
         assert title.strip() == "robot.left.acceleration_m_s2: 1 carry a value, seeds from 0"
         assert "…" not in plain
-        for word in ("controller", "value", "dropped (95 %)", "rms", "corrections"):
+        for word in ("controller", "value", "dropped (95 %)", "rms (95 %)", "messages/m", "B/s"):
             assert word in rows[1]
-        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 14.4 mm │         0.0 │" in plain
+        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 14.4 ± 0.0 mm │          0 │   0 │" in plain
 
 
 def test_an_animation_of_an_earlier_carry_is_removed(tmp_path: Path) -> None:
