@@ -119,12 +119,13 @@ def test_the_two_modules_have_other_lanes() -> None:
     assert (base.lanes_double, base.lanes_float) == (2, 4)
 
 
-def test_lanes_of_the_larger_processors_under_sanitizers() -> None:
-    """`test_core` runs the same program, by g++, with the lanes of any processor."""
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+def test_lanes_of_the_larger_processors_under_sanitizers(compiler: str) -> None:
+    """`test_core` runs the same program with the lanes of any processor."""
     if not _core.has_v3():
         pytest.skip("this processor has no level x86-64-v3")
     source = ROOT / "tests" / "core" / "lanes_test.cpp"
-    program = compile_cxx(source, ["-O1", "-march=x86-64-v3", *SANITIZERS], "clang++")
+    program = compile_cxx(source, ["-O1", "-march=x86-64-v3", *SANITIZERS], compiler)
     done = subprocess.run([program], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
 
