@@ -22,7 +22,7 @@ from rich.table import Table
 from palmbots import _core
 from palmbots.batch import run_seeds
 from palmbots.lowering import lower
-from palmbots.scene import Scene
+from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "carry.csv"
@@ -34,9 +34,22 @@ PEERS = {
 }
 
 
-def palmbots_us(controller: str, precision: str) -> float:
+# What is timed here: its name, the controller, and scene keys other than the default's.
+CASES: list[tuple[str, str, dict[str, object]]] = [
+    ("distributed", "distributed", {}),
+    ("centralized", "centralized", {}),
+    ("resilient", "resilient", {}),
+    ("none", "none", {}),
+    ("distributed, palms 1 cm above their pivots", "distributed", {"palm.pivot_offset_m": 0.01}),
+    ("distributed, 1 % of messages lost", "distributed", {"radio.loss": 0.01}),
+    ("distributed, false readings", "distributed", {"tactile.false_rate": 0.001}),
+    ("resilient, one reboot", "resilient", {"faults.reboots": 1}),
+]
+
+
+def palmbots_us(controller: str, keys: dict[str, object], precision: str) -> float:
     """Microseconds a carry, trace and hash off: the median of several runs of many carries."""
-    spec = lower(Scene())
+    spec = lower(load_scene("paper", keys))
     times = []
     for _ in range(REPEATS):
         start = time.perf_counter()
@@ -60,11 +73,11 @@ def main() -> None:
     """Time everything, print a table and write the CSV."""
     console = Console()
     rows: list[tuple[str, str, float, str]] = []
-    for controller in ("distributed", "centralized", "none"):
+    for name, controller, keys in CASES:
         for precision in ("double", "float"):
             rows.append(
-                (f"palmbots, {controller}, {precision}", __version__,
-                 palmbots_us(controller, precision), "")
+                (f"palmbots, {name}, {precision}", __version__,
+                 palmbots_us(controller, keys, precision), "")
             )  # fmt: skip
     rows.append(("palmbots, distributed, double, one by one", __version__, one_by_one_us(), ""))
     for name, (engine, version) in PEERS.items():

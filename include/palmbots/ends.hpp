@@ -86,12 +86,12 @@ template <class Real>
   const Real left_up = tie(fixture.moments, cones[left].up, cones[right].down).at(span);
   const Real right_up = tie(fixture.moments, cones[left].down, cones[right].up).at(span);
   MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     const MaskOf<Real> on_palm = within(contacts[side], fixture.half_length[side]);
     const Real arm = fixture.moments.lift_arm(side, span.dx, mirrored(side, span.dy));
     const MaskOf<Real> clear = fixture.clear[side].contains(reach(span, side, palms[side]));
     held = held & on_palm & (arm >= Real(0)) & clear;
-  }
+  });
   return held;
 }
 

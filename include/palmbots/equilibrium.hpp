@@ -52,8 +52,10 @@ struct Moments {
   PerSide<Real> lift;   // the tilt of `lift_arm` [m]
   Real slope;           // s [1]
 
-  static constexpr Moments of(const Load<Real>& load) {
-    const Real s = load.slope;
+  static constexpr Moments of(const Load<Real>& load) { return of(load, load.slope); }
+
+  // The same under another sideways specific force.
+  static constexpr Moments of(const Load<Real>& load, Real s) {
     return {load.width,
             {load.com_right + s * load.com_height, load.com_left - s * load.com_height},
             load.com_height + s * (Real(0.5) * (load.com_left - load.com_right)),
@@ -150,13 +152,6 @@ constexpr Tie<Real> tie(const Moments<Real>& load, Edge<Real> l, Edge<Real> r) {
               (half_push + half_push) * (l.vertical * r.vertical),
           ((l.lateral * r.lateral) * load.width + half_push * (lateral_left - lateral_right)) +
               load.tilt * (lateral_left + lateral_right)};
-}
-
-// The same load with a further sideways specific force, such as an acceleration / g.
-template <class Real>
-constexpr Load<Real> pushed(Load<Real> load, Real push) {
-  load.slope = load.slope + push;
-  return load;
 }
 
 // True where an edge bounds no squeeze, because its cone contains the line to the other contact:

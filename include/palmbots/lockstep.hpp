@@ -11,7 +11,7 @@
 #include <bit>
 #include <optional>
 
-#include "palmbots/lanes.hpp"
+#include "palmbots/lane_noise.hpp"
 #include "palmbots/recorder.hpp"
 
 namespace palmbots {
@@ -70,6 +70,7 @@ class Lockstep {
     std::size_t changes = 0;  // of any reader, at most
     V goal;                   // midpoint × travel sense at which the carry is delivered
     V sensed;                 // what each lane's team was last told, as one number
+    Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
     std::array<std::uint64_t, n> wake{};
     std::array<std::uint64_t, n> timeout{};
@@ -103,8 +104,9 @@ class Lockstep {
         load(pack, l, one);
         pack.busy |= 1U << l;
       }
-      if ((pack.busy >> l & 1) != 0) draw_block(pack, l, tick);
+      if ((pack.busy >> l & 1) != 0) collect(pack, l, tick);
     }
+    if (pack.busy != 0) draw_noise(pack.dice, tick, pack.noise);
     plan(pack);
     return more;
   }
@@ -141,20 +143,17 @@ class Lockstep {
     pack.sensed.raw[l] = Real(-1);  // nothing yet
     const auto i = static_cast<std::size_t>(l);
     const std::uint64_t start = pack.lanes[i].start;
+    pack.dice.seed[i] = one.seed_;
+    pack.dice.start[i] = start;
+    pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
     pack.wake[i] = start;
     pack.timeout[i] = start + one.spec_.timeout_ticks - 1;
   }
 
-  void draw_block(Pack& pack, int l, std::uint64_t tick) {
-    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
-    One& one = *lane.carry;
+  void collect(Pack& pack, int l, std::uint64_t tick) {
+    One& one = *pack.lanes[static_cast<std::size_t>(l)].carry;
     take(pack, l, tick);
-    one.next_block();
-    for (const std::size_t side : {left, right}) {
-      for (std::uint32_t k = 0; k < block_ticks; ++k) {
-        pack.noise[side][k].raw[l] = one.noise_[side][k];
-      }
-    }
+    one.collect();
     put_lane(pack.tally, l, one.tally_);
   }
 
@@ -180,10 +179,13 @@ class Lockstep {
   }
 
   template <class Done>
-  [[gnu::always_inline]] void step(Pack& pack, std::uint64_t tick, Done& done) {
-    const PerSide<V> touched = where_touched(pack);
-    think(pack, tick, touched);
-    pack.tally.add(touched);
+  [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick, Done& done) {
+    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
+    if (on_more == 0) [[likely]] {
+      sense(pack, tick, pack.pose.stance.contacts);
+    } else {
+      sense(pack, tick, where_touched(pack, on_more));
+    }
     const std::size_t k = tick % block_ticks;
     const V before = pack.robots.midpoint;
     const Actuation<V> act =
@@ -195,23 +197,30 @@ class Lockstep {
     std::uint32_t over = (gone >= pack.goal).bits() & pack.busy;
     if ((rest | over) == 0 && tick < pack.first_timeout) [[likely]]
       return;
-    each(rest | over | timed_out(pack, tick), [&](int l) {
-      finish(pack, l, tick, (rest >> l & 1) != 0, act, Real(before.raw[l]), done);
-    });
+    // A copy of its own, so that the common tick keeps it in registers.
+    const Unusual what{act, before, rest};
+    each(rest | over | timed_out(pack, tick), [&](int l) { finish(pack, l, tick, what, done); });
   }
+
+  struct Unusual {
+    Actuation<V> act;
+    V midpoint;            // before it
+    std::uint32_t undone;  // lanes whose step the world has to take apart
+  };
 
   // The end of a tick that is not like the others.
   template <class Done>
-  [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, bool unusual,
-                                const Actuation<V>& act, Real before, Done& done) {
+  [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, const Unusual& what,
+                                Done& done) {
     Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
     One& one = *lane.carry;
     take(pack, l, tick);
-    const Actuation<Real> own = take_lane(act, l);
+    const Actuation<Real> own = take_lane(what.act, l);
     Advance<Real> step;
-    if (unusual) {
+    if ((what.undone >> l & 1) != 0) {
       step = one.world_.take_apart(own.change, own.angles);
-      if (step.end != End::none) one.robots_.midpoint = before + own.travel * step.fraction;
+      if (step.end != End::none)
+        one.robots_.midpoint = Real(what.midpoint.raw[l]) + own.travel * step.fraction;
       put_lane(pack.pose, l, one.world_.pose());
       one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
     }
@@ -222,11 +231,16 @@ class Lockstep {
     done(lane.index, one);
   }
 
-  // Where the palms are touched: as World::touched().
-  [[gnu::always_inline]] PerSide<V> where_touched(const Pack& pack) const {
+  // What is sensed and measured with the palms touched there.
+  [[gnu::always_inline]] void sense(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
+    think(pack, tick, touched);
+    pack.tally.add(touched);
+  }
+
+  // Where the palms are touched, as World::touched(), if some objects rest on more than two vertices.
+  [[gnu::noinline]] static PerSide<V> where_touched(const Pack& pack, std::uint32_t on_more) {
     PerSide<V> touched = pack.pose.stance.contacts;
-    const std::uint32_t rest = (pack.pose.rests != V(0)).bits() & pack.busy;
-    each(rest, [&](int l) {
+    each(on_more, [&](int l) {
       const PerSide<Real> at = pack.lanes[static_cast<std::size_t>(l)].carry->world_.touched();
       for (const std::size_t side : {left, right}) touched[side].raw[l] = at[side];
     });
@@ -246,15 +260,15 @@ class Lockstep {
     const auto& stance = pack.pose.stance;
     PerSide<V> signs{pack.reader.signs[0], pack.reader.signs[0]};
     for (std::size_t i = 0; i < pack.changes; ++i) {
-      for (const std::size_t side : {left, right}) {
+      on_both_sides([&](std::size_t side) {
         signs[side] =
             select(touched[side] >= pack.reader.from[i], pack.reader.signs[i + 1], signs[side]);
-      }
+      });
     }
     PerSide<LaneMask<Real, n>> turned;
-    for (const std::size_t side : {left, right}) {
+    on_both_sides([&](std::size_t side) {
       turned[side] = stance.palms[side].angle == pack.robots.goal_angle[side];
-    }
+    });
     const V sensed = (signs[left] + V(3) * signs[right]) +
                      (select(turned[left], V(9), V(0)) + select(turned[right], V(18), V(0)));
     std::uint32_t asked = (sensed != pack.sensed).bits() & pack.busy;

@@ -50,12 +50,11 @@ struct Tally {
   PerSide<Real> peak;        // largest |p| [m]
 
   constexpr void add(const PerSide<Real>& contacts) {
-    for (const std::size_t side : {left, right}) {
+    on_both_sides([&](std::size_t side) {
       const Real p = contacts[side];
-      const Real size = select(p < Real(0), -p, p);
       square_sum[side] = square_sum[side] + p * p;
-      peak[side] = select(size > peak[side], size, peak[side]);
-    }
+      peak[side] = larger(larger(p, -p), peak[side]);
+    });
   }
 };
 

@@ -69,6 +69,18 @@ inline Halves times(Halves x, std::uint32_t by) {
 #endif
 }
 
+// philox() of several counters and keys side by side; the upper halves of the words mean nothing.
+inline std::array<Halves, 4> philox(std::array<Halves, 4> counter, Halves k0, Halves k1) {
+  for (int round = 0; round < 10; ++round) {
+    const Halves a = times(counter[0], 0xD2511F53);
+    const Halves b = times(counter[2], 0xCD9E8D57);
+    counter = {(b >> 32) ^ counter[1] ^ k0, b, (a >> 32) ^ counter[3] ^ k1, a};
+    k0 += 0x9E3779B9;
+    k1 += 0xBB67AE85;
+  }
+  return counter;
+}
+
 }  // namespace detail
 
 // The words of n ticks, two apart: draw(seed, tick + 2 i, stream) for i < n, word by word. Several
@@ -87,22 +99,12 @@ inline WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stre
     for (std::size_t i = 0; i < width; ++i) {
       ticks[i] = tick + 2 * static_cast<std::uint32_t>(first + i);
     }
-    Halves c[4]{std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)};
-    auto k0 = static_cast<std::uint32_t>(seed);
-    auto k1 = static_cast<std::uint32_t>(seed >> 32);
-    for (int round = 0; round < 10; ++round) {
-      const Halves a = detail::times(c[0], 0xD2511F53);
-      const Halves b = detail::times(c[2], 0xCD9E8D57);
-      c[0] = (b >> 32) ^ c[1] ^ k0;
-      c[1] = b;
-      c[2] = (a >> 32) ^ c[3] ^ k1;
-      c[3] = a;
-      k0 += 0x9E3779B9;
-      k1 += 0xBB67AE85;
-    }
+    const std::array<Halves, 4> words = detail::philox(
+        {std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)},
+        Halves{} + seed, Halves{} + (seed >> 32));
     for (std::size_t word = 0; word < 4; ++word) {
       for (std::size_t i = 0; i < width; ++i) {
-        rows[word][first + i] = static_cast<std::uint32_t>(c[word][i]);
+        rows[word][first + i] = static_cast<std::uint32_t>(words[word][i]);
       }
     }
   }
@@ -115,13 +117,16 @@ constexpr Real unit_uniform(std::uint32_t word) {
   return Real(word >> 8) * Real(1.0 / 16777216.0);
 }
 
+// Two uniforms on {0 … 65535} have mean 65535 and variance 2 (65536² − 1) / 12.
+template <class Real>
+inline constexpr Real unit_noise_scale = Real(3.737624730023707e-05);
+
 // Mean 0, variance 1, symmetric to the last bit, |x| < 2.45: the sum of two 16-bit uniforms. The
 // Ornstein–Uhlenbeck filter it drives hides the shape.
 template <class Real>
 constexpr Real unit_noise(std::uint32_t word) {
   const auto sum = static_cast<std::int32_t>((word & 0xFFFF) + (word >> 16));
-  // Two uniforms on {0 … 65535} have mean 65535 and variance 2 (65536² − 1) / 12.
-  return Real(sum - 65535) * Real(3.737624730023707e-05);
+  return Real(sum - 65535) * unit_noise_scale<Real>;
 }
 
 }  // namespace palmbots

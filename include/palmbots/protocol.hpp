@@ -127,7 +127,11 @@ class Distributed {
     return {doing[static_cast<int>(state_)].command, entry.send, entry.read};
   }
 
-  constexpr bool operator==(const Distributed&) const = default;
+  // Whether it would stay as it is and send nothing, however often it got this.
+  bool rests(Input in) const {
+    const Entry& entry = lookup.entries[index(state_, in.sign, in.letter, in.turned)];
+    return entry.next == state_ && entry.send == Letter::none && !entry.read;
+  }
 
   State state() const { return state_; }
   const Doing& now() const { return doing[static_cast<int>(state_)]; }

@@ -81,14 +81,22 @@ template <class Real>
                                                       const PerSide<PalmAngle<Real>>& palms,
                                                       const PerSide<Real>& random) {
   Actuation<Real> done{};
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     robots.speeds[side] =
         robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);
-    // A robot that stands does not wander.
-    const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
-    const MaskOf<Real> held = stands & (robots.brakes[side] != Real(0));
-    if (any(held)) robots.speeds[side] = select(held, Real(0), robots.speeds[side]);
     done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
+  });
+  // A robot that stands does not wander.
+  const auto held = [&](std::size_t side) {
+    const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
+    const MaskOf<Real> braked = robots.brakes[side] != Real(0);
+    return stands & braked;
+  };
+  const MaskOf<Real> left_held = held(left);
+  const MaskOf<Real> right_held = held(right);
+  if (any(left_held | right_held)) {
+    robots.speeds[left] = select(left_held, Real(0), robots.speeds[left]);
+    robots.speeds[right] = select(right_held, Real(0), robots.speeds[right]);
   }
   const Real together = robots.speeds[left] + robots.speeds[right];
   done.change = (robots.speeds[right] - robots.speeds[left]) * robots.period;

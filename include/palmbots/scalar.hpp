@@ -148,6 +148,11 @@ constexpr Real exp_minus(Real x) {
   return sum;
 }
 
+template <class V>
+constexpr V larger(V x, V y) {
+  return select(x > y, x, y);
+}
+
 // Is |x| ≤ most?
 template <class V>
 constexpr MaskOf<V> within(V x, V most) {

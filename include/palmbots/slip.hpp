@@ -24,13 +24,13 @@ constexpr Real drive_rate(const PerSide<PalmAngle<Real>>& palms, const PerSide<R
                           const PerSide<Real>& turn) {
   PerSide<Real> along{};
   PerSide<Real> lift{};
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     const PalmAngle<Real>& palm = palms[side];
     const Real p = contacts[side];
     const Real o = offset[side];
     along[side] = (p * palm.sin + o * palm.cos) * turn[side];
     lift[side] = (p * palm.cos - o * palm.sin) * turn[side];
-  }
+  });
   return span.dx * (change - (along[left] + along[right])) + span.dy * (lift[right] - lift[left]);
 }
 

@@ -26,10 +26,11 @@ struct Pose {
   V rests;  // 1: the object rests on more, or on something else, than its two vertices
 };
 
-// The load as it counts for which contact lets go first: with the push.
+// The load as it counts for which contact lets go first: with the push, a further sideways specific
+// force (an acceleration / g).
 template <class V>
 constexpr Moments<V> moments_under(const Fixture<V>& fixture, V push) {
-  return Moments<V>::of(pushed(fixture.load, push));
+  return Moments<V>::of(fixture.load, fixture.load.slope + push);
 }
 
 // What a step did, where it is done.
@@ -47,18 +48,18 @@ template <class V>
 constexpr PerSide<Edge<V>> edges_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms,
                                     V way) {
   PerSide<Edge<V>> edges{};
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * fixture.friction[side]);
-  }
+  });
   return edges;
 }
 
 template <class V>
 constexpr PerSide<Cone<V>> cones_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms) {
   PerSide<Cone<V>> cones{};
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, fixture.friction[side]);
-  }
+  });
   return cones;
 }
 
@@ -106,21 +107,18 @@ template <class V>
   if (any((pose.tied != V(0)) | (pose.rests != V(0)))) {
     good = good & (pose.tied * way <= V(0)) & (pose.rests == V(0));
   }
-  for (const std::size_t side : {left, right}) {
+  on_both_sides([&](std::size_t side) {
     good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
-  }
+  });
 
   PerSide<PalmAngle<V>> turned = palms;
   if (some_turn) {
     const V longest(longest_turn<typename ScalarOf<V>::type>);
-    for (const std::size_t side : {left, right}) good = good & within(turn[side], longest);
+    on_both_sides([&](std::size_t side) { good = good & within(turn[side], longest); });
     if (!any(good)) return {good, closing, on_left};
-    for (const std::size_t side : {left, right}) {
-      const Mask turns = side == left ? left_turns : right_turns;
-      if (any(turns)) {
-        turned[side] = detail::select<V>(turns, PalmAngle<V>::at(angles[side]), palms[side]);
-      }
-    }
+    // A palm that does not turn has its sine and cosine already: what is found anew are the same bits.
+    if (any(left_turns)) turned[left] = PalmAngle<V>::at(angles[left]);
+    if (any(right_turns)) turned[right] = PalmAngle<V>::at(angles[right]);
   }
   // Seen from the side of the contact that slides.
   const V separation = pose.stance.separation + change;
@@ -144,22 +142,29 @@ template <class V>
   const V still_behind = tie_after.at(span) * way;
   good = good & (select(on_left, still_behind, -still_behind) < V(0));
   Mask held(good);
-  for (const std::size_t side : {left, right}) {
-    held = held & within(after[side], fixture.safe_reach);
-  }
+  on_both_sides([&](std::size_t side) { held = held & within(after[side], fixture.safe_reach); });
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
   if (any(good & (!held))) {
     held = held | plainly_held(fixture, detail::cones_at(fixture, turned), turned, after, span);
   }
   good = good & held;
 
-  pose.stance.separation = select(good, separation, pose.stance.separation);
-  for (const std::size_t side : {left, right}) {
-    pose.stance.palms[side] = detail::select<V>(good, turned[side], pose.stance.palms[side]);
-    pose.stance.contacts[side] = select(good, after[side], pose.stance.contacts[side]);
+  const auto settle = [&](auto&& kept) {
+    pose.stance.separation = kept(separation, pose.stance.separation);
+    on_both_sides([&](std::size_t side) {
+      PalmAngle<V>& palm = pose.stance.palms[side];
+      palm = {kept(turned[side].angle, palm.angle), kept(turned[side].sin, palm.sin),
+              kept(turned[side].cos, palm.cos)};
+      pose.stance.contacts[side] = kept(after[side], pose.stance.contacts[side]);
+    });
+    pose.span = {kept(span.dx, pose.span.dx), kept(span.dy, pose.span.dy)};
+    pose.tied = kept(V(0), pose.tied);
+  };
+  if (all(good)) [[likely]] {
+    settle([](V now, V) { return now; });
+  } else {
+    settle([&](V now, V then) { return select(good, now, then); });
   }
-  pose.span = {select(good, span.dx, pose.span.dx), select(good, span.dy, pose.span.dy)};
-  pose.tied = select(good, V(0), pose.tied);
   return {good, closing, on_left};
 }
 

@@ -3,7 +3,6 @@
 // and gets commands.
 #pragma once
 
-#include <concepts>
 #include <utility>
 
 #include "palmbots/faults.hpp"
@@ -178,16 +177,10 @@ class Pair {
   template <class Log>
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<Letter> letters{};
-    settled_ = true;
     for (const std::size_t side : {left, right}) {
       if (faults_.any() && !runs(tick, side)) continue;
-      const Letter* letter = inbox_[side].oldest(tick);
-      const Controller before = controllers_[side];
-      const auto out = controllers_[side].step(
-          {sensed[side].sign, letter != nullptr ? *letter : Letter::none, sensed[side].turned});
-      if (out.read && letter != nullptr) inbox_[side].pop();
-      settled_ =
-          settled_ && !out.read && out.send == Letter::none && same(before, controllers_[side]);
+      const auto out = controllers_[side].step(input(tick, side, sensed[side]));
+      if (out.read && inbox_[side].oldest(tick) != nullptr) inbox_[side].pop();
       commands_[side] = out.command;
       letters[side] = out.send;
     }
@@ -200,6 +193,8 @@ class Pair {
       log(Posted{tick, received, static_cast<std::uint8_t>(side),
                  static_cast<std::uint8_t>(other(side)), letters[side]});
     }
+    settled_ = rests(controllers_[left], input(tick, left, sensed[left])) &&
+               rests(controllers_[right], input(tick, right, sensed[right]));
     return commands_;
   }
 
@@ -210,8 +205,7 @@ class Pair {
   Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }
   Activity activity(std::size_t side) const { return activity_of(name(side), side); }
 
-  // A controller whose step depends on its state and input alone, and changed neither, will not until
-  // a letter comes.
+  // Robots that stay as they are with what they sense and hear now will until a letter comes.
   std::uint32_t wake(std::uint32_t tick) const {
     if (!settled_ || faults_.any()) return tick + 1;
     const std::uint32_t l = inbox_[left].next_arrival(tick);
@@ -220,11 +214,17 @@ class Pair {
   }
 
  private:
-  static bool same(const Controller& before, const Controller& now) {
-    if constexpr (std::equality_comparable<Controller>) {
-      return before == now;
+  Distributed::Input input(std::uint32_t tick, std::size_t side, const Sensed& sensed) const {
+    const Letter* letter = inbox_[side].oldest(tick);
+    return {sensed.sign, letter != nullptr ? *letter : Letter::none, sensed.turned};
+  }
+
+  // A controller that does not say may always have something to do.
+  static bool rests(const Controller& controller, const Distributed::Input& in) {
+    if constexpr (requires { controller.rests(in); }) {
+      return controller.rests(in);
     } else {
-      return false;  // it may know more than it shows
+      return false;
     }
   }
 
@@ -241,7 +241,7 @@ class Pair {
 
   PerSide<Controller> controllers_;
   PerSide<Controller> asleep_;   // as they are after a boot
-  bool settled_ = false;         // the last step changed nothing
+  bool settled_ = false;         // with the same input they would stay as they are
   PerSide<Link<Letter>> inbox_;  // of each robot
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Radio radio_;

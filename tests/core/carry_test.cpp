@@ -119,6 +119,45 @@ void test_paper_box_arrives() {
   }
 }
 
+// The same algorithm, but it does not say when it has nothing to do: so it is asked in every tick.
+struct Restless {
+  Distributed robot;
+  Distributed::Output step(const Distributed::Input& in) {
+    ++steps;
+    return robot.step(in);
+  }
+  const Distributed::Doing& now() const { return robot.now(); }
+  static inline long steps = 0;
+};
+
+// Robots that are asked only when they have something to do carry as those that are always asked,
+// whatever the radio does.
+void test_robots_that_rest_miss_nothing() {
+  Spec spec = paper_spec();
+  for (PalmSpec& palm : spec.palms) palm.offset = 0.01;
+  long ticks = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    spec.jitter = seed % 2 == 0 ? 0 : 0.05;
+    spec.loss = seed % 3 == 0 ? 0 : 0.003;
+    Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+    // A copy is a letter that nobody waits for.
+    if (seed % 4 == 1) channel.duplicate_words = Channel::words_of(0.2);
+    Carry<double, Pair<Distributed>, NoRecorder> one(
+        spec, seed, Pair<Distributed>({}, channel, seed, right), NoRecorder{});
+    Carry<double, Pair<Restless>, NoRecorder> other(
+        spec, seed, Pair<Restless>({}, channel, seed, right), NoRecorder{});
+    one.run();
+    other.run();
+    const Metrics &a = one.metrics(), &b = other.metrics();
+    CHECK(a.outcome == b.outcome && a.time_ticks == b.time_ticks && a.square_sum == b.square_sum);
+    CHECK(a.corrections == b.corrections && a.waiting_ticks == b.waiting_ticks);
+    CHECK(a.waits_since == b.waits_since && a.longest_correction == b.longest_correction);
+    CHECK(one.team().traffic.sent == other.team().traffic.sent);
+    ticks += other.ticks();
+  }
+  CHECK(Restless::steps == 2 * ticks);
+}
+
 // A fork onto a carry's own seed changes nothing; onto another one the past stays and the rest differs.
 template <class Team>
 void test_forks(const Spec& spec, const Team& team) {
@@ -155,5 +194,6 @@ int main() {
   test_the_counter_counts();
   test_no_allocation_by_any_team();
   test_paper_box_arrives();
+  test_robots_that_rest_miss_nothing();
   test_forks_of_any_team();
 }
