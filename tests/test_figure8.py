@@ -104,7 +104,7 @@ def test_a_carry_that_ends_at_once(overrides):
 @pytest.mark.parametrize("controller", ["none", "centralized", "distributed", "resilient"])
 def test_every_controller_is_drawn(controller):
     """With each kind of letter it says, and a mark for it in the key; repeated beacons are not."""
-    done = pb.carry("figure8", controller)
+    done = pb.carry("figure8", controller, overrides={"radio.loss": 0.02})
     letters = {m.letter for m in done.letters}
     assert letters == {
         "none": set(), "centralized": set(), "distributed": {"TiltUp", "Ack", "TiltDown"},
@@ -113,6 +113,8 @@ def test_every_controller_is_drawn(controller):
     figure = figure8.draw(done)
     keys = [axes.get_legend() for axes in figure.axes] + figure.legends
     assert letters <= {t.get_text() for key in keys if key for t in key.get_texts()}
+    figure.canvas.draw()
+    assert all(key.get_window_extent().x1 < figure.bbox.x1 for key in figure.legends)
     news = [m for m, new in letters_told(done) if new]
     if controller == "resilient":
         for one, two in itertools.pairwise([m for m in news if m.sender == "left"]):
