@@ -11,7 +11,7 @@ from cxx import ROOT, SANITIZERS, compile_cxx
 
 CORE = ROOT / "tests" / "core"
 PROGRAMS = sorted(CORE.glob("*_test.cpp"))
-# These take longer to optimize than to run: team, for one, compiles in 11 s or in 4 s and runs in 2 s.
+# These take longer to optimize than to run: team compiles in 11 s, or in 4 s and then runs in 2 s.
 BRIEF = {"faults_test", "parcel_test", "radio_test", "team_test"}
 
 
