@@ -10,7 +10,7 @@ import pytest
 import palmbots as pb
 from palmbots import figure8
 from palmbots.errors import PalmbotsError
-from palmbots.figure8_story import correction_bars, runs, stagger
+from palmbots.figure8_story import correction_bars, letters_told, runs, stagger
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +99,29 @@ def test_a_carry_that_ends_at_once(overrides):
     figure = figure8.draw(done)
     assert f"dropped: {done.reason}" in texts(figure)
     assert overlaps(figure) == []
+
+
+@pytest.mark.parametrize("controller", ["none", "centralized", "distributed", "resilient"])
+def test_every_controller_is_drawn(controller):
+    """With each kind of letter it says, and a mark for it in the key; repeated beacons are not."""
+    done = pb.carry("figure8", controller, overrides={"radio.loss": 0.02})
+    letters = {m.letter for m in done.letters}
+    assert letters == {
+        "none": set(), "centralized": set(), "distributed": {"TiltUp", "Ack", "TiltDown"},
+        "resilient": {"TiltUp", "Ack", "TiltDown", "Closing", "Raised"},
+    }[controller]  # fmt: skip
+    figure = figure8.draw(done)
+    keys = [axes.get_legend() for axes in figure.axes] + figure.legends
+    assert letters <= {t.get_text() for key in keys if key for t in key.get_texts()}
+    figure.canvas.draw()
+    assert all(key.get_window_extent().x1 < figure.bbox.x1 for key in figure.legends)
+    news = [m for m, new in letters_told(done) if new]
+    if controller == "resilient":
+        for one, two in itertools.pairwise([m for m in news if m.sender == "left"]):
+            assert one.letter != two.letter
+        assert 10 < len(news) < len(done.letters) / 5
+    else:
+        assert news == list(done.letters)
 
 
 def test_too_many_corrections_are_not_labelled(delivered):

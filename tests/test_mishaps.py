@@ -1,10 +1,11 @@
-"""`radio.script`: what befalls a chosen message, and no other."""
+"""What befalls messages on the way: `radio.script` one that is chosen, `radio.corruption` any."""
 
 from typing import Any
 
 import pytest
 
 import palmbots as pb
+from palmbots.compare import wilson
 
 ASSISTED: dict[str, Any] = {
     "robot.noise_m_s": 0.0,
@@ -89,3 +90,62 @@ def test_bad_input_is_one_line(mishap: dict[str, Any], says: str) -> None:
         pb.load_scene("paper", {"radio.script": [mishap]})
     assert "radio.script" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+# --- damaged packets ---
+
+
+@pytest.mark.parametrize("controller", ["centralized", "distributed", "resilient"])
+def test_a_damaged_packet_is_delivered_counted_and_ignored(controller: str) -> None:
+    """All damaged: each is delivered, none lost, all rejected, and the robots do what they do on a
+    radio that loses all."""
+    damaged = pb.carry("paper", controller, overrides={"radio.corruption": 1.0})
+    lost = pb.carry("paper", controller, overrides={"radio.loss": 1.0})
+    assert damaged.messages > 0
+    assert damaged.messages_lost == 0
+    for link in damaged.links.values():
+        assert link.rejected == link.delivered == link.sent
+        assert (link.lost, link.duplicated, link.late) == (0, 0, 0)
+    assert {letter.received_s for letter in damaged.letters} <= {None}
+    assert damaged.trace_hash == lost.trace_hash
+
+
+@pytest.mark.parametrize("controller", ["centralized", "resilient"])
+def test_as_many_packets_are_damaged_as_said(controller: str) -> None:
+    """Binomial; nothing else is rejected where nothing is doubled or overtakes."""
+    carry = pb.carry("paper", controller, overrides={"radio.corruption": 0.1})
+    assert carry.outcome == "delivered"
+    for link in carry.links.values():
+        low, high = wilson(link.rejected, link.sent, z=4)
+        assert low < 0.1 < high
+        assert link.delivered == link.sent
+    unread = sum(letter.received_s is None for letter in carry.letters)
+    if carry.letters:
+        assert unread == sum(link.rejected for link in carry.links.values())
+
+
+def test_a_damaged_letter_hangs_table_2_like_a_lost_one() -> None:
+    hung = 0
+    for seed in range(12):
+        carry = pb.carry("paper", seed=seed, overrides={"radio.corruption": 0.1})
+        warned = [w for w in carry.warnings if "does not come (a letter came damaged)" in w]
+        damaged = sum(link.rejected for link in carry.links.values())
+        assert damaged == sum(letter.received_s is None for letter in carry.letters)
+        assert bool(damaged) or not warned
+        hung += bool(warned)
+    assert hung > 6
+
+
+def test_damage_leaves_other_chances_as_they_are() -> None:
+    """It has random numbers of its own: the same reports, one a tick, are lost and doubled with it
+    and without."""
+    keys = {"radio.loss": 0.1, "radio.duplicate": 0.1, "task.timeout_s": 5.0}
+    plain, damaged = (
+        pb.carry("paper", "centralized", overrides=keys | {"radio.corruption": share}).links
+        for share in (0.0, 0.2)
+    )
+    for name in ("left_to_station", "right_to_station"):
+        assert plain[name].sent == damaged[name].sent == 500
+        assert plain[name].lost == damaged[name].lost > 20
+        assert plain[name].duplicated == damaged[name].duplicated > 20
+        assert plain[name].rejected == 0 < damaged[name].rejected

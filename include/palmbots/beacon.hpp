@@ -19,7 +19,7 @@ namespace palmbots {
 
 // When something was sent: in which life of the sender, and at which tick of it.
 struct Stamp {
-  std::uint16_t epoch = 0;  // 0: never
+  std::uint32_t epoch = 0;  // 0: never
   std::uint32_t tick = 0;
 
   constexpr bool after(const Stamp& that) const {
@@ -42,7 +42,7 @@ inline constexpr std::uint16_t ageless = 0xFFFF;
 class Ear {
  public:
   // A robot in its `epoch`-th life, from 1: the number must outlive a reboot.
-  constexpr explicit Ear(std::uint16_t epoch) : now_{epoch, 0} {}
+  constexpr explicit Ear(std::uint32_t epoch) : now_{epoch, 0} {}
 
   constexpr void tick(std::uint16_t elapsed) { now_.tick += elapsed; }
 

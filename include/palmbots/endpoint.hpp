@@ -46,12 +46,20 @@ class Endpoint {
     return true;
   }
 
-  // What a packet says, if it is to be acted upon; counts it in any case.
+  // Numbers may be left out, so that they can be a count of something else, as control ticks: the
+  // next packet bears this number, unless one as high has been used already.
+  constexpr void skip_to(std::uint32_t sequence) {
+    if (next_.sequence != 0 && sequence > next_.sequence) next_.sequence = sequence;
+  }
+
+  // What a packet says, if it is to be acted upon; counts it in any case. An unanswered one is given
+  // too: its sender's newest word, and whoever goes on acting on an older one acts on a word that
+  // the sender may have forgotten in a boot (parcel.hpp, `hear`).
   constexpr Decoded receive(std::span<const std::uint8_t> bytes) {
     Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
     if (decoded.verdict == Verdict::accepted) {
-      const Verdict verdict = judge(decoded.packet);
-      if (verdict != Verdict::accepted) decoded = {verdict, {}};
+      decoded.verdict = judge(decoded.packet);
+      if (decoded.verdict == Verdict::stale) decoded.packet = {};
     }
     ++counts_[static_cast<std::size_t>(decoded.verdict)];
     return decoded;

@@ -48,17 +48,17 @@ class Faults {
 
   bool any() const { return count_ > 0; }
 
+  // Whether a robot's program runs at a tick, by the schedule alone: never `boots` (Power).
   Host host(std::uint32_t tick, std::size_t side) const {
     Host host = Host::runs;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
-      if (f.side != side || tick < f.from || tick > f.to) continue;
-      if (f.kind == FaultKind::freeze && tick < f.to && tick < f.off_from && host != Host::off) {
+      if (f.side != side || !f.covers(tick)) continue;
+      if (f.kind == FaultKind::freeze && tick < f.off_from && host != Host::off) {
         host = Host::frozen;
       }
       if (f.kind == FaultKind::reboot || (f.kind == FaultKind::freeze && tick >= f.off_from)) {
-        if (tick < f.to) host = Host::off;
-        if (tick == f.to && host == Host::runs && f.off_from < f.to) host = Host::boots;
+        host = Host::off;
       }
     }
     return host;
@@ -117,6 +117,23 @@ class Faults {
   std::array<Fault, capacity> list_{};
   std::size_t count_ = 0;
   std::uint64_t seed_ = 0;
+};
+
+// Which robots have been off since they last ran. A program that was off boots when it runs next,
+// whatever has kept it from running meanwhile.
+class Power {
+ public:
+  // Asked once a tick and robot.
+  Host host(const Faults& faults, std::uint32_t tick, std::size_t side) {
+    const Host host = faults.host(tick, side);
+    if (host == Host::off) was_off_[side] = true;
+    if (host != Host::runs || !was_off_[side]) return host;
+    was_off_[side] = false;
+    return Host::boots;
+  }
+
+ private:
+  PerSide<bool> was_off_{};
 };
 
 }  // namespace palmbots

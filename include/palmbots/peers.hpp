@@ -85,7 +85,7 @@ class Peers {
 
   // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
   bool runs(std::uint32_t tick, std::size_t side) {
-    const Host host = faults_.host(tick, side);
+    const Host host = power_.host(faults_, tick, side);
     if (host == Host::off) {
       inbox_[side].drop(tick);
       commands_[side] = switched_off(commands_[side]);
@@ -100,7 +100,7 @@ class Peers {
 
   Resilient::Times times_;
   PerSide<Resilient> robots_;
-  PerSide<std::uint16_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
+  PerSide<std::uint32_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
   PerSide<bool> assisted_{};
   PerSide<Ear> ears_{Ear(1), Ear(1)};
   PerSide<double> rate_;     // of the robots' clocks
@@ -111,6 +111,7 @@ class Peers {
   PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
   Radio radio_;
   Faults faults_;
+  Power power_;
 };
 
 }  // namespace palmbots

@@ -40,6 +40,7 @@ enum class Stream : std::uint32_t {
   radio = 3,
   collision = 4,
   fault = 5,
+  corruption = 6,
 };
 
 // The random words of one tick. `lane` separates equal uses of one stream (which robot, which link).

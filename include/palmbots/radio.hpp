@@ -48,6 +48,7 @@ struct Channel {
   double jitter_ticks = 0;
   std::uint64_t loss_words = 0;       // of 2³²
   std::uint64_t duplicate_words = 0;  // of 2³²
+  std::uint64_t corrupt_words = 0;    // of 2³²
   bool reorders = false;
   double burst_share = 0;
   double burst_rate = 0;     // 1/((1 − s) m), per tick
@@ -116,8 +117,18 @@ class Link {
   // Returns the tick of arrival, or 0 if the message is lost. A full line loses the message.
   std::uint32_t send(std::uint32_t now, Payload payload, const Channel& channel,
                      const Words& words) {
-    if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return 0;
-    if (channel.loses(words) || tail_ - head_ == capacity) return 0;
+    return takes(now, channel, words) ? put(now, payload, channel, words) : 0;
+  }
+
+  // Whether a message that is sent now will arrive: no burst, no loss, and there is room.
+  bool takes(std::uint32_t now, const Channel& channel, const Words& words) {
+    if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return false;
+    return !channel.loses(words) && tail_ - head_ < capacity;
+  }
+
+  // Puts one that will on its way; returns the tick of arrival.
+  std::uint32_t put(std::uint32_t now, const Payload& payload, const Channel& channel,
+                    const Words& words) {
     return put(now + channel.ticks(words), payload, channel.reorders);
   }
 

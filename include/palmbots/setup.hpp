@@ -57,6 +57,7 @@ Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
 inline Channel channel_of(const Spec& spec) {
   Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
   channel.duplicate_words = Channel::words_of(spec.duplicate);
+  channel.corrupt_words = Channel::words_of(spec.corruption);
   channel.reorders = spec.reorders != 0;
   channel.burst_share = spec.burst_share;
   channel.burst_rate = spec.period / ((1 - spec.burst_share) * spec.burst_mean);

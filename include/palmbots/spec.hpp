@@ -94,6 +94,7 @@ struct Spec {
   double jitter = 0;
   double loss = 0;
   double duplicate = 0;
+  double corruption = 0;
   std::uint32_t reorders = 0;
   double burst_share = 0;  // of the time in which a link is dead
   double burst_mean = 0.1;

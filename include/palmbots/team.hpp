@@ -3,9 +3,11 @@
 // and gets commands.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "palmbots/faults.hpp"
+#include "palmbots/parcel.hpp"
 #include "palmbots/policy.hpp"
 #include "palmbots/protocol.hpp"
 #include "palmbots/radio.hpp"
@@ -33,7 +35,7 @@ struct Activity {
   PerSide<std::int8_t> sense{};  // of each contact: +1 positive, −1 negative, 0 left alone
 };
 
-// One message, for the log. A lost one has received == 0.
+// One message, for the log. One that is lost, or comes damaged, has received == 0.
 struct Posted {
   std::uint32_t sent;
   std::uint32_t received;
@@ -42,13 +44,13 @@ struct Posted {
   Letter letter;
 };
 
-// Counts of messages. What was not lost is delivered, and so is each copy.
+// Counts of messages. What was not lost is delivered, and so is each copy, damaged or not.
 struct LinkCounts {
   std::uint32_t sent = 0;
   std::uint32_t lost = 0;
   std::uint32_t duplicated = 0;
-  std::uint32_t late = 0;      // heard, but too old to count
-  std::uint32_t rejected = 0;  // a copy, or older than one heard before
+  std::uint32_t late = 0;      // heard by the resilient algorithm, but too old to count
+  std::uint32_t rejected = 0;  // damaged; by that algorithm also a copy, or older than one heard
 };
 
 struct Traffic {
@@ -93,17 +95,22 @@ class Radio {
     const Mishap* mishap = channel_.mishap(sender, counts.sent);
     const bool lost = mishap != nullptr && mishap->fate == Fate::lost;
     const bool late = mishap != nullptr && mishap->fate == Fate::late;
-    std::uint32_t received = 0;
-    if (!collides && !lost && !channel_.is_dead(static_cast<std::uint32_t>(sender), tick)) {
-      received = link.send(late ? tick + mishap->late : tick, payload, channel_, words);
-    }
-    if (received == 0) {
+    if (collides || lost || channel_.is_dead(static_cast<std::uint32_t>(sender), tick) ||
+        !link.takes(tick, channel_, words)) {
       ++traffic.lost;
       ++counts.lost;
-    } else if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
+      return 0;
+    }
+    std::uint32_t received = 0;
+    if (channel_.corrupt_words > 0 && damages(payload, tick, sender, robot, lane, counts.sent)) {
+      ++counts.rejected;
+    } else {
+      received = link.put(late ? tick + mishap->late : tick, payload, channel_, words);
+    }
+    if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
       ++counts.duplicated;
     }
-    if (received != 0 && mishap != nullptr && mishap->fate == Fate::copied) {
+    if (mishap != nullptr && mishap->fate == Fate::copied) {
       link.send_again(tick + mishap->late, payload, channel_, words);
       ++counts.duplicated;
     }
@@ -111,6 +118,20 @@ class Radio {
   }
 
  private:
+  // Whether the message comes damaged and is turned away: it is made into its packet, some bytes of
+  // which become noise, and the receiver's decoder reads what is left of it (parcel.hpp).
+  template <class Payload>
+  bool damages(const Payload& payload, std::uint32_t tick, std::size_t sender, std::size_t robot,
+               std::uint32_t lane, std::uint32_t number) const {
+    const Words words = draw(seed_, tick, Stream::corruption, lane);
+    if (words[0] >= channel_.corrupt_words) return false;
+    constexpr bool reports = std::is_same_v<Payload, Centralized::Report>;
+    const std::size_t receiver = reports ? 2 : (sender == 2 ? robot : other(sender));
+    const wire::Envelope envelope{
+        static_cast<wire::Role>(sender), static_cast<wire::Role>(receiver), 0, {1, number}, {}};
+    return wire::damaged(wire::packet_of(payload, envelope), words) != wire::Verdict::accepted;
+  }
+
   Channel channel_;
   std::uint64_t seed_;
   std::size_t leader_;
@@ -230,7 +251,7 @@ class Pair {
 
   // Whether a robot's program runs; one that boots has forgotten everything.
   bool runs(std::uint32_t tick, std::size_t side) {
-    const Host host = faults_.host(tick, side);
+    const Host host = power_.host(faults_, tick, side);
     if (host == Host::off) {
       inbox_[side].drop(tick);
       commands_[side] = switched_off(commands_[side]);
@@ -246,6 +267,7 @@ class Pair {
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Radio radio_;
   Faults faults_;
+  Power power_;
 };
 
 // Two robots that report to a station every tick and do what its newest packet says.
@@ -317,7 +339,7 @@ class Station {
  private:
   // Whether a robot's program runs; one that boots drives on until it hears from the station.
   bool runs(std::uint32_t tick, std::size_t side) {
-    const Host host = faults_.host(tick, side);
+    const Host host = power_.host(faults_, tick, side);
     if (host == Host::off) {
       down_[side].drop(tick);
       commands_[side] = switched_off(commands_[side]);
@@ -335,6 +357,7 @@ class Station {
   Palm obeyed_[2]{Palm::steep, Palm::steep};
   Radio radio_;
   Faults faults_;
+  Power power_;
 };
 
 }  // namespace palmbots

@@ -209,7 +209,7 @@ constexpr bool same_tag(std::uint64_t a, std::uint64_t b) {
 
 struct Decoded {
   Verdict verdict;
-  Packet packet;  // all zero unless accepted
+  Packet packet;  // all zero unless accepted, or unanswered (endpoint.hpp)
 };
 
 // What a receiver of a pair makes of some bytes. The version comes first, so that another one may

@@ -116,6 +116,7 @@ void bind_spec(nb::module_& m) {
       .def_rw("jitter", &Spec::jitter)
       .def_rw("loss", &Spec::loss)
       .def_rw("duplicate", &Spec::duplicate)
+      .def_rw("corruption", &Spec::corruption)
       .def_prop_rw(
           "reorders", [](const Spec& s) { return s.reorders != 0; },
           [](Spec& s, bool reorders) { s.reorders = reorders ? 1 : 0; })

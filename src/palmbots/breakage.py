@@ -89,6 +89,8 @@ class Radio(Section):
     """Mean length of such a burst."""
     duplicate: Fraction = 0.0
     """Probability that a packet comes twice, the copy with a delay of its own."""
+    corruption: Fraction = 0.0
+    """Probability that a packet's bytes are damaged on the way; its receiver ignores it."""
     airtime_s: Delay = 0.0
     """Half duplex: two robots that send in the same control period, at random instants of it, lose
     both packets if they are closer than this; 0: no collisions."""

@@ -94,7 +94,7 @@ class Letter:
 
     sent_s: float
     received_s: float | None
-    """When it is there to be read; None if it was lost."""
+    """When it is there to be read; None if it was lost, or came damaged."""
     sender: Literal["left", "right"]
     receiver: Literal["left", "right"]
     letter: str
@@ -112,7 +112,7 @@ class LinkCounts:
     late: int
     """Heard by the resilient algorithm, but too old to count."""
     rejected: int
-    """Ignored by it: a copy, or older than one heard before."""
+    """Came damaged; or was ignored by the resilient algorithm: a copy, or older than one heard."""
 
 
 @dataclass(frozen=True)
@@ -356,13 +356,14 @@ def _resting(run: Any) -> list[str]:
 
 def _hanging(run: Any, scene: Scene) -> list[str]:
     """Robots still waiting at the end where letters were lost: for ever, as far as one can see."""
-    if run.messages_lost == 0:
+    damaged = any(rejected for *_, rejected in run.links)
+    if run.messages_lost == 0 and not damaged:
         return []
     longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
     names = {"": "a letter", "Ack": "an Ack", "TiltDown": "a TiltDown"}
     return [
         f"{side} has waited since {since:.1f} s for {names[letter]} that does not come "
-        "(a letter was lost)"
+        f"(a letter {'was lost' if run.messages_lost else 'came damaged'})"
         for side, (since, lasts, letter) in zip(_SIDES, run.hanging, strict=True)
         if lasts > longest
     ]

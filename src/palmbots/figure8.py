@@ -171,14 +171,15 @@ def _head(figure: Figure, view: _View, left_in: float, height_in: float) -> None
         Patch(fc=ZERO, alpha=0.25, label="zero zone"),
         *story.message_key(carry),
     ]
+    crowded = len(entries) > 7  # the resilient algorithm has more letters
     figure.legend(
         handles=entries,
         loc="upper left",
         bbox_to_anchor=(x, 1 - 0.4 / height_in),
         ncols=len(entries),
         borderaxespad=0,
-        handlelength=2.2,
-        columnspacing=1.2,
+        handlelength=1.5 if crowded else 2.2,
+        columnspacing=0.8 if crowded else 1.2,
         handletextpad=0.5,
     )
 

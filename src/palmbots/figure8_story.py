@@ -1,11 +1,12 @@
 """The top panel of Figure 8: who corrects what, who assists, and which messages pass.
 
 The left robot's row is above, the right robot's below. Labels stand outside the rows, on as many
-levels as they need not to collide; one that finds no room is left out.
+levels as they need not to collide; one that finds no room is left out. What the resilient algorithm
+repeats all the time is left out too: its messages are those that say something new.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,13 +21,21 @@ from palmbots.style import DROP, HATCH, HUE, INK, QUIET
 if TYPE_CHECKING:
     from palmbots.carry import Carry, Letter
 
-__all__ = ["Bar", "correction_bars", "draw_story", "message_key", "runs", "stagger"]
+__all__ = [
+    "Bar",
+    "correction_bars",
+    "draw_story",
+    "letters_told",
+    "message_key",
+    "runs",
+    "stagger",
+]
 
 _ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
 _MOST_PER_INCH = 10  # bars; where there are more, letters and messages would be a blot
-_MARKERS = {"TiltUp": "^", "Ack": "o", "TiltDown": "v"}
+_MARKERS = {"TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D"}
 
 
 def stagger(centres: Sequence[float], widths: Sequence[float], levels: int) -> list[int | None]:
@@ -43,6 +52,17 @@ def stagger(centres: Sequence[float], widths: Sequence[float], levels: int) -> l
             ends[level] = centre + width / 2
         chosen.append(level)
     return chosen
+
+
+def letters_told(carry: "Carry") -> Iterator[tuple["Letter", bool]]:
+    """Every letter, and whether it says something else than its sender's last one.
+
+    Table 2 says nothing twice in a row: there every letter counts.
+    """
+    last = {"left": "", "right": ""}
+    for letter in carry.letters:
+        yield letter, carry.controller != "resilient" or letter.letter != last[letter.sender]
+        last[letter.sender] = letter.letter
 
 
 def message_key(carry: "Carry") -> list[Line2D]:
@@ -73,7 +93,7 @@ def draw_story(panel: Axes, carry: "Carry", start: float, end: float, width_in: 
     for row in ("left", "right"):
         mine = [bar for bar in bars if bar.row == row]
         tallest = max(tallest, _draw_row(panel, mine, row, size, second_per_inch, (start, end)))
-    letters = [m for m in carry.letters if start <= m.sent_s <= end]
+    letters = [m for m, news in letters_told(carry) if news and start <= m.sent_s <= end]
     if legible:
         _draw_letters(panel, letters, end, size)
     if not shown:

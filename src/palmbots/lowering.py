@@ -47,6 +47,7 @@ def lower(scene: Scene) -> _core.Spec:
     spec.jitter = scene.radio.jitter_s
     spec.loss = scene.radio.loss
     spec.duplicate = scene.radio.duplicate
+    spec.corruption = scene.radio.corruption
     spec.reorders = scene.radio.reorder
     spec.burst_share = scene.radio.burst_share
     spec.burst_mean = scene.radio.burst_s

@@ -139,6 +139,8 @@ def carry_report(
             f"{sum(t.end_s - t.start_s for t in done.touches):.2f} s in all"
         )
     lost = f", {done.messages_lost} lost" if done.messages_lost else ""
+    if done.scene.radio.corruption > 0:
+        lost += f", {sum(link.rejected for link in done.links.values())} rejected"
     bumps = f"   {counted(done.bumps, 'bump')}" if done.bumps else ""
     messages = counted(done.messages, "message")
     console.print(f"{messages}{lost}{bumps}   trace {done.trace_hash}", style=_QUIET)

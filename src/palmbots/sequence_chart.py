@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from palmbots.errors import PalmbotsError
-from palmbots.figure8_story import runs
+from palmbots.figure8_story import letters_told, runs
 from palmbots.files import whole_file
 from palmbots.geometry import SIDES
 from palmbots.style import DROP, HATCH, HUE, INK, QUIET, styled
@@ -52,7 +52,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     start, end = window or (0.0, last)
     if not (math.isfinite(start) and math.isfinite(end) and start < end):
         raise PalmbotsError(f"chart: window is {window}; allowed: (from_s, to_s) with from < to")
-    told = [told for told in _told(carry) if start <= told[0].sent_s <= end]
+    told = [told for told in letters_told(carry) if start <= told[0].sent_s <= end]
     named = sum(1 for _, news in told if news)
     columns = math.ceil(max((end - start) / 8.0, named * _DENSE / _TALL * 1.5, 1.0))
     columns = min(columns, _MOST_COLUMNS)
@@ -91,17 +91,6 @@ def save(
     stamp = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with styled(), whole_file(path) as stream:  # no date inside: the same carry, the same file
         figure.savefig(stream, format=suffix[1:], metadata=stamp[suffix])
-
-
-def _told(carry: "Carry") -> Iterator[tuple["Letter", bool]]:
-    """Every letter, and whether it says something else than its sender's last one.
-
-    Table 2 says nothing twice in a row: there every letter counts.
-    """
-    last = dict.fromkeys(SIDES, "")
-    for letter in carry.letters:
-        yield letter, carry.controller != "resilient" or letter.letter != last[letter.sender]
-        last[letter.sender] = letter.letter
 
 
 def _copies(carry: "Carry") -> Iterator["Letter"]:

@@ -208,6 +208,43 @@ void test_copies() {
   CHECK(std::abs(delay / copies - 7.5) < 5 * 2.9 / std::sqrt(double(copies)));
 }
 
+// A line that is full takes no copy either, and keeps what it has.
+void test_a_full_line_takes_no_copy() {
+  Channel slow{double(palmbots::max_delay_ticks), 0, 0};
+  slow.duplicate_words = Channel::words_of(1.0);
+  slow.reorders = true;
+  constexpr Words doubled{~0U, 0, 0, 0};
+  Link<int> full;
+  int sent = 0;
+  while (full.send(0, sent, slow, doubled) != 0) ++sent;
+  CHECK(!full.send_copy(0, -1, slow, doubled));
+  full.send_again(0, -2, slow, doubled);
+  for (int i = 0; i < sent; ++i) {  // also: what arrives together does so in the order of sending
+    CHECK(full.oldest(palmbots::max_delay_ticks) != nullptr);
+    CHECK(*full.oldest(palmbots::max_delay_ticks) == i);
+    full.pop();
+  }
+  CHECK(full.oldest(~0U) == nullptr);
+  CHECK(full.send_copy(300, 7, slow, doubled));
+  full.send_again(301, 8, slow, doubled);
+  CHECK(*full.oldest(600) == 7);
+  full.pop();
+  CHECK(*full.oldest(600) == 8);
+}
+
+// Any one chance is reason enough to draw.
+void test_what_is_random() {
+  const Channel plain = Channel::of(0.05, 0, 0, 0.01);
+  CHECK(!plain.is_random());
+  CHECK(Channel::of(0.05, 0.01, 0, 0.01).is_random());
+  CHECK(Channel::of(0.05, 0, 0.01, 0.01).is_random());
+  Channel doubles = plain;
+  doubles.duplicate_words = 1;
+  Channel bursts = plain;
+  bursts.burst_share = 0.1;
+  CHECK(doubles.is_random() && bursts.is_random());
+}
+
 void test_outages() {
   Channel channel = Channel::of(0.02, 0, 0, 0.01);
   channel.outages[0] = {1, 100, 200};
@@ -230,5 +267,7 @@ int main() {
   test_bursts();
   test_reordering();
   test_copies();
+  test_a_full_line_takes_no_copy();
+  test_what_is_random();
   test_outages();
 }
