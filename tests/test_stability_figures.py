@@ -18,6 +18,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 import palmbots as pb
+from palmbots import side_by_side
 from palmbots.errors import PalmbotsError
 from palmbots.sections import SIDES, Side
 from palmbots.stability.analysis import Analysis
@@ -361,11 +362,14 @@ def test_figure_7_reads_as_the_rule_says(paper: Analysis) -> None:
 
 
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
-def test_files_are_whole_and_the_same(kind: Any, tmp_path: Path, paper: Analysis) -> None:
+def test_files_are_whole_and_the_same(
+    kind: Any, tmp_path: Path, paper: Analysis, monkeypatch: pytest.MonkeyPatch
+) -> None:
     start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind]
     written = save_all(paper, tmp_path / "one", kind)
     assert [path.name for path in written] == [f"figure{k}.{kind}" for k in range(2, 8)]
     assert sorted(written) == sorted((tmp_path / "one").iterdir())  # no temporary file is left
+    monkeypatch.setattr(side_by_side, "can_fork", lambda: False)  # one process draws all
     for first, second in zip(written, save_all(paper, tmp_path / "two", kind), strict=True):
         assert first.read_bytes().startswith(start)
         assert first.read_bytes() == second.read_bytes()
