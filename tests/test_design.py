@@ -212,6 +212,18 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert "allowed" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_the_map_as_vectors(kind: str, start: bytes, tmp_path: Path) -> None:
+    words = ["design", "--region", "palm", "--resolution-deg", "2", "--format", kind]
+    for name in ("one", "two"):
+        assert run([*words, "--out", str(tmp_path / name)]) == 0
+    files = [(tmp_path / name / f"design.{kind}").read_bytes() for name in ("one", "two")]
+    assert files[0].startswith(start)
+    assert files[0] == files[1]
+    assert run(["design", "--format", "gif", "--out", str(tmp_path / "three")]) == 2
+    assert not (tmp_path / "three").exists()
+
+
 def test_of_equals_the_pair_that_turns_least() -> None:
     """On the whole palm many pairs reach its end; the quickest of them is taken."""
     found = pb.design("paper", maximize="region", region_m="palm", resolution_deg=1.0)

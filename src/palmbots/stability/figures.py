@@ -26,6 +26,7 @@ from palmbots.side_by_side import both
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.drawing import (
     MM,
+    SAVING,
     Array,
     State,
     View,
@@ -44,13 +45,6 @@ from palmbots.style import HATCH, HUE, INK, LINE, PALE, QUIET, styled
 __all__ = ["Kind", "draw_all", "figure5", "figure6", "save_all"]
 
 Kind = Literal["png", "svg", "pdf"]
-
-# No date inside: the same analysis, the same file. Strong compression takes longer than drawing.
-_SAVING: dict[Kind, dict[str, Any]] = {
-    "png": {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},
-    "svg": {"metadata": {"Date": None}},
-    "pdf": {"metadata": {"CreationDate": None}},
-}
 _STABLE: dict[str, Any] = {"fc": PALE["zero"], "ec": "none", "alpha": 0.7, "zorder": 0.5}
 _FAILS: dict[str, Any] = {"fc": "white", "ec": QUIET, "lw": 0, "hatch": "xxxx", "zorder": 0.6}
 
@@ -107,8 +101,8 @@ def save_all(
     """
     if kind not in get_args(Kind):
         raise PalmbotsError(f"kind: value is {show(kind)}; allowed: {', '.join(get_args(Kind))}")
-    place = writable_folder(folder)
     states = _states(analysis, p_m)  # may refuse, before anything is written
+    place = writable_folder(folder)
     # Drawing takes most of the time, and each half about as long as the other.
     one, two = both(
         lambda: _saved(_of_states(*states), place, kind),
@@ -122,7 +116,7 @@ def _saved(figures: _Figures, folder: Path, kind: Kind) -> list[Path]:
     for name, figure in figures:
         path = folder / f"{name}.{kind}"
         with styled(), whole_file(path) as stream:
-            figure.savefig(stream, format=kind, **_SAVING[kind])
+            figure.savefig(stream, format=kind, **SAVING[kind])
         written.append(path)
     return written
 
