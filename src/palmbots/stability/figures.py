@@ -144,17 +144,6 @@ def _mirrored(at: Situation) -> bool:
 # Figure 5
 
 
-def _region(at: Situation, number: int, shallow: Side) -> tuple[Pair, Pair]:
-    """The contacts (left, right) for which a property is needed [m]."""
-    ends = [list(c) for c in at.contacts]
-    side = SIDES.index(shallow)
-    if number == 1:
-        ends[side][1] = min(ends[side][1], at.beyond)
-    else:
-        ends[1 - side][0] = max(ends[1 - side][0], -at.beyond)
-    return (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])
-
-
 def _rectangle(x: Pair, y: Pair) -> Array:
     return MM * np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])
 
@@ -217,7 +206,7 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
 
     half = at.half_length
     square = _rectangle((-half[0], half[0]), (-half[1], half[1]))
-    region = _rectangle(*_region(at, number, shallow))
+    region = _rectangle(*at.region(number, shallow))
     view.fill(region, **_look(shallow), zorder=1.5, gid="region")
     view.line(*square, square[0], colour=INK, width=1.0)
     heights = region @ gain
