@@ -1,5 +1,6 @@
 """What an envelope of conditions permits: property 0 and ranges, against brute force."""
 
+import math
 from itertools import product
 from typing import Any
 
@@ -127,13 +128,15 @@ def test_clearance_of_a_box_by_hand() -> None:
         beyond = float(rng.choice([0.0, rng.uniform(0, 0.05)]))
         at = situation_of(pb.load_scene("paper"), beyond_m=beyond)
         shallow = float(rng.uniform(2, 10))
-        flat, steep = np.radians((shallow, shallow + rng.choice([0.2, 0.4, rng.uniform(1, 30)])))
+        flat, steep = map(
+            math.radians, (shallow, shallow + rng.choice([0.2, 0.4, rng.uniform(1, 30)]))
+        )
         poses: list[tuple[tuple[float, float], int, Side]] = [
             ((flat, flat), 0, "left"),
             ((steep, steep), 0, "left"),
+            *(((flat, steep), number, "left") for number in (1, 2)),
+            *(((steep, flat), number, "right") for number in (1, 2)),
         ]
-        for number in (1, 2):
-            poses += [((flat, steep), number, "left"), ((steep, flat), number, "right")]
         least: list[float] = []
         for angles, number, side in poses:
             left, right = contacts(at, number, side)
