@@ -232,3 +232,12 @@ def test_of_equals_the_pair_that_turns_least() -> None:
     assert int(best.sum()) > 3
     turns = (found.map["steep"] - found.map["shallow"]).where(best)
     assert found.steep_deg - found.shallow_deg == float(turns.min())
+
+
+def test_the_search_stays_within_the_limits_of_the_angles() -> None:
+    found = pb.design("paper", angles_deg=(2.0, 17.0), resolution_deg=1.0, least_clearance_deg=0.0)
+    for name in ("shallow", "steep"):
+        assert float(found.map[name].min()) >= 2.0
+        assert float(found.map[name].max()) <= 17.0
+    assert float(found.map["shallow"].min()) == 2.0
+    assert float(found.map["steep"].max()) == 17.0
