@@ -212,6 +212,18 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert "allowed" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_the_map_as_vectors(kind: str, start: bytes, tmp_path: Path) -> None:
+    words = ["design", "--region", "palm", "--resolution-deg", "2", "--format", kind]
+    for name in ("one", "two"):
+        assert run([*words, "--out", str(tmp_path / name)]) == 0
+    files = [(tmp_path / name / f"design.{kind}").read_bytes() for name in ("one", "two")]
+    assert files[0].startswith(start)
+    assert files[0] == files[1]
+    assert run(["design", "--format", "gif", "--out", str(tmp_path / "three")]) == 2
+    assert not (tmp_path / "three").exists()
+
+
 def test_of_equals_the_pair_that_turns_least() -> None:
     """On the whole palm many pairs reach its end; the quickest of them is taken."""
     found = pb.design("paper", maximize="region", region_m="palm", resolution_deg=1.0)
@@ -220,3 +232,12 @@ def test_of_equals_the_pair_that_turns_least() -> None:
     assert int(best.sum()) > 3
     turns = (found.map["steep"] - found.map["shallow"]).where(best)
     assert found.steep_deg - found.shallow_deg == float(turns.min())
+
+
+def test_the_search_stays_within_the_limits_of_the_angles() -> None:
+    found = pb.design("paper", angles_deg=(2.0, 17.0), resolution_deg=1.0, least_clearance_deg=0.0)
+    for name in ("shallow", "steep"):
+        assert float(found.map[name].min()) >= 2.0
+        assert float(found.map[name].max()) <= 17.0
+    assert float(found.map["shallow"].min()) == 2.0
+    assert float(found.map["steep"].max()) == 17.0

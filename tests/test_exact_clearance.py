@@ -74,3 +74,23 @@ def test_no_palm_is_touched_beyond_its_end() -> None:
         end = part(just("-5", "5"), just(p, "0"))
         with pytest.raises(Wrong, match="not inside its palm"):
             prove_touching(LEFT, 0, end, LEVEL, thing(BOX, 1))
+
+
+def test_a_palm_that_may_be_level_reaches_out_as_far_as_a_level_one() -> None:
+    """Neither end of its angles is level, but one between them is."""
+    angles = (between("-30", "30"), just("0")[0])
+    contacts = just("0", "0")
+    with pytest.raises(Wrong, match="may touch"):
+        prove_clear(LEFT, part(angles, contacts), LEVEL, walled("-0.074"))
+    prove_clear(LEFT, part(angles, contacts), LEVEL, walled("-0.0751"))
+
+
+@pytest.mark.parametrize("angles", [between("10", "40"), between("-40", "-10")])
+def test_the_flattest_of_its_angles_reaches_out_farthest(
+    angles: tuple[Fraction, Fraction],
+) -> None:
+    """0.075 m · cos 10° = 0.0739 m."""
+    turning = part((angles, just("0")[0]), just("0", "0"))
+    with pytest.raises(Wrong, match="may touch"):
+        prove_clear(LEFT, turning, LEVEL, walled("-0.0735"))
+    prove_clear(LEFT, turning, LEVEL, walled("-0.0742"))

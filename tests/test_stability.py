@@ -94,13 +94,24 @@ def random_situation(rng: np.random.Generator) -> Situation:
     return situation_of(scene)
 
 
+def uneven(rng: np.random.Generator) -> Situation:
+    """As designs have it: corrections run on past p = 0; and no two ends of the region alike."""
+    at = random_situation(rng)
+    half = min(at.half_length)
+    at = at.with_(beyond=float(rng.choice([0.0, rng.uniform(0.0, half)])))
+    if rng.random() < 0.5:
+        return at
+    low, high = -half * rng.uniform(0, 1, 2), half * rng.uniform(0, 1, 2)
+    return at.with_(contacts=((low[0], high[0]), (low[1], high[1])))
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_permitted_com_against_brute_force(seed: int) -> None:
     """Just inside the interval every contact behaves; just outside one of them does not."""
     rng = np.random.default_rng(seed)
     tried = 0
     for _ in range(150):
-        at = random_situation(rng)
+        at = uneven(rng)
         for number, shallow in STEEP_CASES:
             low, high = permitted(at.envelope(), number, shallow, at.angles)
             angles = at.palms(shallow)
@@ -118,34 +129,6 @@ def test_permitted_com_against_brute_force(seed: int) -> None:
             for x in (low - step, high + step):
                 assert not happens(at, number, shallow, angles, grid, com_x=x).all(), (at, number)
     assert tried > 200
-
-
-def test_property_zero_against_brute_force() -> None:
-    rng = np.random.default_rng(7)
-    held = 0
-    for _ in range(150):
-        at = random_situation(rng)
-        at = at.with_(friction=(at.friction[0] * rng.uniform(0.05, 0.6), at.friction[1]))
-        low, high = permitted(at.envelope(), 0, "left", at.angles)
-        x = 0.5 * (low + high) if low <= high else at.com[0]
-        every = True
-        for shallow in SIDES:
-            for turn in np.linspace(0, 1, 9):
-                first, last = at.angles[SIDES.index(shallow)]
-                angle = first + turn * (last - first)
-                palms = list(at.palms(shallow))
-                palms[SIDES.index(shallow)] = angle
-                for number in (1, 2):
-                    grid = contacts(at, number, shallow)
-                    every &= bool(
-                        happens(at, 0, shallow, (palms[0], palms[1]), grid, com_x=x).all()
-                    )
-        for k in (0, 1):
-            palms = (at.angles[0][k], at.angles[1][k])
-            every &= bool(happens(at, 0, "left", palms, contacts(at, 0, "left"), com_x=x).all())
-        assert every == (low <= high), at
-        held += low <= high
-    assert 20 < held < 130
 
 
 @pytest.mark.parametrize("common", [True, False])

@@ -1,11 +1,8 @@
 """Figures 2 to 7: they show what the analysis found, for any scene, legibly and reproducibly."""
 
 import math
-import subprocess
-import sys
 from collections.abc import Iterator
 from itertools import combinations, product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +19,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.sections import SIDES, Side
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.drawing import clipped, state_of
-from palmbots.stability.figures import draw_all, figure5, figure6, save_all
+from palmbots.stability.figures import draw_all, figure5, figure6
 from palmbots.stability.forms import failing
 from palmbots.stability.geometry_figures import figure3, figure4
 from palmbots.stability.sensor_figure import figure7, readings
@@ -358,41 +355,3 @@ def test_figure_7_reads_as_the_rule_says(paper: Analysis) -> None:
     assert figure.axes[0].get_xlim() == figure.axes[1].get_xlim()[::-1]  # outward on either side
     given = pb.analyze("paper", overrides={"tactile.zones": ZONES})
     assert "assumed" not in " ".join(rows(figure7(given.scene.tactile, given.situation.spec)))
-
-
-@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
-def test_files_are_whole_and_the_same(kind: Any, tmp_path: Path, paper: Analysis) -> None:
-    start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind]
-    written = save_all(paper, tmp_path / "one", kind)
-    assert [path.name for path in written] == [f"figure{k}.{kind}" for k in range(2, 8)]
-    assert sorted(written) == sorted((tmp_path / "one").iterdir())  # no temporary file is left
-    for first, second in zip(written, save_all(paper, tmp_path / "two", kind), strict=True):
-        assert first.read_bytes().startswith(start)
-        assert first.read_bytes() == second.read_bytes()
-
-
-def test_refusals(tmp_path: Path, paper: Analysis) -> None:
-    with pytest.raises(PalmbotsError, match='kind: value is "gif"; allowed: png, svg, pdf'):
-        save_all(paper, tmp_path, "gif")  # pyright: ignore[reportArgumentType]
-    with pytest.raises(PalmbotsError, match=r"p_m: right value is 0\.08; allowed: on the palm"):
-        save_all(paper, tmp_path, p_m=(0.0, 0.08))
-    assert list(tmp_path.iterdir()) == []
-    # Palms much longer than the region: the object reaches across in the region only.
-    outline = [[0.0, 0.0], [0.03, 0.0], [0.03, 0.03], [0.0, 0.03]]
-    small = {"vertices_m": outline, "com_m": [0.015, 0.01]}
-    table = {"object": small, "palm": {"length_m": 0.3, "steep_deg": 30.0}}
-    found = pb.analyze(table, region_m=(-0.01, 0.01))
-    check(draw_all(found))
-    with pytest.raises(PalmbotsError, match="less than the object's width"):
-        draw_all(found, (-0.1, 0.1))
-
-
-def test_pyplot_stays_out_and_the_callers_settings_stay() -> None:
-    code = (
-        "import sys, matplotlib as m; before = m.rcParams['font.size'], m.rcParams['axes.grid']\n"
-        "import palmbots as pb; from palmbots.stability.figures import draw_all\n"
-        "draw_all(pb.analyze())\n"
-        "assert 'matplotlib.pyplot' not in sys.modules\n"
-        "assert before == (m.rcParams['font.size'], m.rcParams['axes.grid'])\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)

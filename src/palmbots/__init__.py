@@ -8,7 +8,6 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from palmbots import wire
 from palmbots.carry import Carry, Correction, Letter, Touch, carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
@@ -21,14 +20,15 @@ from palmbots.rare import DropRate, rare
 from palmbots.replay import Replay, replay
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
-from palmbots.stability.certificate import Certificate, certify
-from palmbots.stability.design import Design, design
 from palmbots.touching import Contact, contacts
 from palmbots.version import __version__
 
 if TYPE_CHECKING:
+    from palmbots import wire
     from palmbots.dynamic.validation import Validation, validate
     from palmbots.log import Log, read_log, write_log
+    from palmbots.stability.certificate import Certificate, certify
+    from palmbots.stability.design import Design, design
     from palmbots.studies.run import open_results as open_study
     from palmbots.studies.run import study
 
@@ -82,12 +82,17 @@ __all__ = [
 
 # Where names come from whose modules take long to import and that few programs use.
 _LATER = {
+    "Certificate": ("palmbots.stability.certificate", "Certificate"),
+    "Design": ("palmbots.stability.design", "Design"),
     "Log": ("palmbots.log", "Log"),
     "Validation": ("palmbots.dynamic.validation", "Validation"),
+    "certify": ("palmbots.stability.certificate", "certify"),
+    "design": ("palmbots.stability.design", "design"),
     "open_study": ("palmbots.studies.run", "open_results"),
     "read_log": ("palmbots.log", "read_log"),
     "study": ("palmbots.studies.run", "study"),
     "validate": ("palmbots.dynamic.validation", "validate"),
+    "wire": ("palmbots.wire", ""),
     "write_log": ("palmbots.log", "write_log"),
 }
 
@@ -96,7 +101,8 @@ def __getattr__(name: str) -> Any:
     if name not in _LATER:
         raise AttributeError(f"module 'palmbots' has no attribute {name!r}")
     module, attribute = _LATER[name]
-    return getattr(importlib.import_module(module), attribute)
+    found = importlib.import_module(module)
+    return getattr(found, attribute) if attribute else found
 
 
 def __dir__() -> list[str]:

@@ -22,22 +22,33 @@ def analyze(
         tuple[float, float] | None,
         typer.Option("--region-m", metavar="LOW HIGH", help="Contacts [default: whole palms]."),
     ] = None,
+    p_left_m: Annotated[
+        float | None, typer.Option(help="Contact of the state drawn in Figures 2 to 4.")
+    ] = None,
+    p_right_m: Annotated[float | None, typer.Option(help="Likewise, on the right palm.")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Say whether the two properties hold, by how much, and what would break them."""
     from palmbots.carry import one_of
+    from palmbots.errors import PalmbotsError
     from palmbots.stability.analysis import analyze as run_analysis
     from palmbots.stability.report import analysis_report
 
     one_of("--format", kind, ("png", "svg", "pdf"))
+    chosen = None
+    if p_left_m is not None or p_right_m is not None:
+        chosen = p_left_m or 0.0, p_right_m or 0.0
+        if figures is None:
+            raise PalmbotsError(
+                "--p-left-m, --p-right-m: choose the state that is drawn; allowed: with --figures"
+            )
     found = run_analysis(scene_of(scene, changes), region_m=region_m)
     written: list[Path] = []
     if figures is not None:
-        from palmbots.files import folder
         from palmbots.stability.figures import save_all
 
-        written = save_all(found, folder(figures), cast("Any", kind))
+        written = save_all(found, figures, cast("Any", kind), chosen)
     if as_json:
         print(json.dumps(found.summary(), allow_nan=False))
     else:
@@ -161,13 +172,16 @@ def design(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write design.png, design.json (certificate)."),
     ] = None,
+    kind: Annotated[str, typer.Option("--format", help="png, svg or pdf.")] = "png",
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Find the palm angles that tolerate most, with a certificate."""
+    from palmbots.carry import one_of
     from palmbots.stability.design import design as run_design
     from palmbots.stability.report import design_report
 
+    one_of("--format", kind, ("png", "svg", "pdf"))
     where: Any = region if region in ("implied", "palm") else _pair("--region", region)
     found = run_design(
         scene_of(scene, changes),
@@ -188,7 +202,7 @@ def design(
         from palmbots.stability.design_figure import save
 
         target = folder(out)
-        written.append(target / "design.png")
+        written.append(target / f"design.{kind}")
         save(found, written[0])
         if found.certificate.verdict == "holds":
             written.append(target / "design.json")

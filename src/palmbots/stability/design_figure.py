@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palmbots.files import whole_file
+from palmbots.stability.drawing import SAVING
 from palmbots.style import INK, QUIET, styled
 
 if TYPE_CHECKING:
@@ -110,4 +111,4 @@ def save(found: "Design", path: str | os.PathLike[str]) -> None:
     """Write the picture; the ending says its kind: png, svg or pdf."""
     kind = os.fspath(path).rsplit(".", 1)[-1]
     with styled(), whole_file(path) as file:
-        draw(found).savefig(file, format=kind)
+        draw(found).savefig(file, format=kind, **SAVING[kind])

@@ -22,8 +22,20 @@ from palmbots.errors import PalmbotsError, show
 from palmbots.files import folder as writable_folder
 from palmbots.files import whole_file
 from palmbots.sections import SIDES, Side
+from palmbots.side_by_side import both
 from palmbots.stability.analysis import Analysis
-from palmbots.stability.drawing import MM, Array, View, clipped, headline, panel, sheet, state_of
+from palmbots.stability.drawing import (
+    MM,
+    SAVING,
+    Array,
+    State,
+    View,
+    clipped,
+    headline,
+    panel,
+    sheet,
+    state_of,
+)
 from palmbots.stability.forms import failing
 from palmbots.stability.geometry_figures import figure2, figure3, figure4
 from palmbots.stability.sensor_figure import figure7
@@ -33,13 +45,6 @@ from palmbots.style import HATCH, HUE, INK, LINE, PALE, QUIET, styled
 __all__ = ["Kind", "draw_all", "figure5", "figure6", "save_all"]
 
 Kind = Literal["png", "svg", "pdf"]
-
-# No date inside: the same analysis, the same file. Strong compression takes longer than drawing.
-_SAVING: dict[Kind, dict[str, Any]] = {
-    "png": {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},
-    "svg": {"metadata": {"Date": None}},
-    "pdf": {"metadata": {"CreationDate": None}},
-}
 _STABLE: dict[str, Any] = {"fc": PALE["zero"], "ec": "none", "alpha": 0.7, "zorder": 0.5}
 _FAILS: dict[str, Any] = {"fc": "white", "ec": QUIET, "lw": 0, "hatch": "xxxx", "zorder": 0.6}
 
@@ -56,20 +61,31 @@ def draw_all(analysis: Analysis, p_m: Pair | None = None) -> dict[str, Figure]:
     Raises:
         PalmbotsError: a contact is beyond its palm, or the object does not reach across.
     """
-    return dict(_figures(analysis, p_m))
+    return dict(_of_states(*_states(analysis, p_m))) | dict(_of_regions(analysis))
 
 
-def _figures(analysis: Analysis, p_m: Pair | None) -> Iterator[tuple[str, Figure]]:
-    """One after the other, so that a figure is saved while its texts are still in the cache."""
+def _states(analysis: Analysis, p_m: Pair | None) -> tuple[State, State]:
+    """The states of Figure 2, and of Figures 3 and 4."""
     at = analysis.situation
     ends = at.contacts[0][0], at.contacts[1][1]
-    state, clear = (state_of(at, p_m or (f * ends[0], f * ends[1])) for f in (0.25, 0.6))
+    clear, state = (state_of(at, p_m or (f * ends[0], f * ends[1])) for f in (0.6, 0.25))
+    return clear, state
+
+
+_Figures = Iterator[tuple[str, Figure]]
+"""One after the other, so that a figure is saved while its texts are still in the cache."""
+
+
+def _of_states(clear: State, state: State) -> _Figures:
     yield "figure2", figure2(clear)
     yield "figure3", figure3(state)
     yield "figure4", figure4(state)
+
+
+def _of_regions(analysis: Analysis) -> _Figures:
     yield "figure5", figure5(analysis)
     yield "figure6", figure6(analysis)
-    yield "figure7", figure7(analysis.scene.tactile, at.spec)
+    yield "figure7", figure7(analysis.scene.tactile, analysis.situation.spec)
 
 
 def save_all(
@@ -77,7 +93,7 @@ def save_all(
 ) -> list[Path]:
     """Write the figures to a folder, each file whole or not at all.
 
-    The same analysis gives the same files.
+    The same analysis gives the same files. Where a fork is safe, two processes draw.
 
     Raises:
         PalmbotsError: the kind is none of png, svg and pdf, a file cannot be written, or as
@@ -85,12 +101,22 @@ def save_all(
     """
     if kind not in get_args(Kind):
         raise PalmbotsError(f"kind: value is {show(kind)}; allowed: {', '.join(get_args(Kind))}")
+    states = _states(analysis, p_m)  # may refuse, before anything is written
     place = writable_folder(folder)
+    # Drawing takes most of the time, and each half about as long as the other.
+    one, two = both(
+        lambda: _saved(_of_states(*states), place, kind),
+        lambda: _saved(_of_regions(analysis), place, kind),
+    )
+    return one + two
+
+
+def _saved(figures: _Figures, folder: Path, kind: Kind) -> list[Path]:
     written: list[Path] = []
-    for name, figure in _figures(analysis, p_m):
-        path = place / f"{name}.{kind}"
+    for name, figure in figures:
+        path = folder / f"{name}.{kind}"
         with styled(), whole_file(path) as stream:
-            figure.savefig(stream, format=kind, **_SAVING[kind])
+            figure.savefig(stream, format=kind, **SAVING[kind])
         written.append(path)
     return written
 
@@ -116,17 +142,6 @@ def _mirrored(at: Situation) -> bool:
 
 
 # Figure 5
-
-
-def _region(at: Situation, number: int, shallow: Side) -> tuple[Pair, Pair]:
-    """The contacts (left, right) for which a property is needed [m]."""
-    ends = [list(c) for c in at.contacts]
-    side = SIDES.index(shallow)
-    if number == 1:
-        ends[side][1] = min(ends[side][1], at.beyond)
-    else:
-        ends[1 - side][0] = max(ends[1 - side][0], -at.beyond)
-    return (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])
 
 
 def _rectangle(x: Pair, y: Pair) -> Array:
@@ -191,7 +206,7 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
 
     half = at.half_length
     square = _rectangle((-half[0], half[0]), (-half[1], half[1]))
-    region = _rectangle(*_region(at, number, shallow))
+    region = _rectangle(*at.region(number, shallow))
     view.fill(region, **_look(shallow), zorder=1.5, gid="region")
     view.line(*square, square[0], colour=INK, width=1.0)
     heights = region @ gain
