@@ -83,7 +83,9 @@ def _view(carry: "Carry", window: tuple[float, float] | None) -> _View:
         raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {last:g} s")
     shown = sum(1 for c in carry.corrections if c.end_s >= start and c.start_s <= end)
     width = min(max(6.3, 0.28 * (end - start), 0.27 * shown), 12.0)
-    return _View(carry, lower(carry.scene), carry.trace.isel(time=rows), start, end, width)
+    return _View(
+        carry, lower(carry.scene, unrolled=True), carry.trace.isel(time=rows), start, end, width
+    )
 
 
 def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:

@@ -159,7 +159,7 @@ class _Channels:
 
     def write(self, carry: Carry, trace: "xr.Dataset") -> None:
         """Everything in the order of time."""
-        spec = lower(carry.scene)
+        spec = lower(carry.scene, unrolled=True)
         instants = [round(time * 1e9) for time in trace["time"].to_numpy().tolist()]
 
         parts = solids(carry.scene, spec)

@@ -49,7 +49,7 @@ class Layout:
 
 def layout(scene: Scene) -> Layout:
     """The start as the quasistatic world has it: palms steep, the contacts where the scene says."""
-    spec = lower(scene)
+    spec = lower(scene, unrolled=True)
     world = _core.World(spec)
     half = world.separation / 2
     palm, p = spec.palms[0], spec.start[0]

@@ -21,6 +21,7 @@ __all__ = [
     "WHEEL_WIDTH",
     "Chassis",
     "add_robot",
+    "axle_out",
     "box_inertia",
     "chassis",
     "wheel_inertia",
@@ -32,6 +33,7 @@ __all__ = [
 TIP = 1e-4  # m, radius of the balls that touch: a point but for rounding
 CASTER, WHEEL_WIDTH = 0.015, 0.02  # m; assumed
 _WHEEL_KG = 0.05
+_AXLE = 0.2  # m, outward of the pivot, where the scene does not say; assumed
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,20 @@ class Chassis:
         return self.pivot[0] - self.shoulder[0], self.pivot[1] - self.shoulder[1]
 
 
-def chassis(height: float) -> Chassis:
-    """The places on a robot whose pivot is `height` above the floor [m]."""
-    low = CLEARANCE
+def axle_out(scene: Scene) -> float:
+    """How far outward of the pivot the wheels stand [m]."""
+    if scene.dynamic.axle_m is not None:
+        return scene.dynamic.axle_m
+    return 0.0 if scene.task.path.is_curved else _AXLE
+
+
+def chassis(height: float, axle: float = _AXLE) -> Chassis:
+    """The places on a robot whose pivot is `height` above the floor and whose wheels stand `axle`
+    outward of it [m]. The caster is at the other side of the centre of mass."""
+    low, middle = CLEARANCE, BODY_GAP + BODY_SIZE / 2
     return Chassis(
-        axle=0.05,
-        caster=-0.07,
+        axle=0.05 if axle == _AXLE else axle - middle,
+        caster=-0.07 if axle > middle + 0.02 else 0.07,
         track=BODY_SIZE + 0.02,
         com=(0.02, low + 0.06),
         shoulder=(0.03 - BODY_SIZE / 2, low + BODY_SIZE - 0.03),
@@ -87,7 +97,7 @@ def add_robot(
 ) -> None:
     """Add the robot of one side whose pivot is at x = `pivot` [m], `height` [m] above the floor."""
     out = -1.0 if side == "left" else 1.0
-    keys, frame = scene.dynamic, chassis(height)
+    keys, frame = scene.dynamic, chassis(height, axle_out(scene))
     body = ET.SubElement(
         world, "body", name=f"{side}_body", pos=numbers(pivot - out * frame.pivot[0], 0.0, 0.0)
     )

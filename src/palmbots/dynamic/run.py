@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from palmbots import _core
+from palmbots.dynamic.curved import world_of
 from palmbots.dynamic.settings import DEFAULT, Engine
 from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
 from palmbots.lowering import lower
@@ -24,6 +25,14 @@ _COLUMNS = {
     "slip": ("m/s", "by how much the wheels run ahead of the robot"),
     "pitch": ("rad", "pitch of the robot's body, its outward end up"),
     "yaw": ("rad", "heading of the robot's body, anticlockwise seen from above"),
+    "across": (
+        "m",
+        "contact coordinate across the palm, to the left seen from left to right robot",
+    ),
+    "pivot_x": ("m", "place of the pivot on the floor, x"),
+    "pivot_y": ("m", "place of the pivot on the floor, y, to the left of x"),
+    "vertex_x": ("m", "place of the middle of the contact edge, x"),
+    "vertex_y": ("m", "place of the middle of the contact edge, y"),
 }
 
 
@@ -54,8 +63,8 @@ def run(
     the world at the start and after every tick, `progress` now and then with the fraction of the
     way.
     """
-    world = MujocoWorld(scene, engine, measures=record or watch is not None)
-    crew = _core.Crew(lower(scene), controller, seed, world.sight(first=True), SLACK)
+    world = world_of(scene, engine, measures=record or watch is not None)
+    crew = _core.Crew(lower(scene, unrolled=True), controller, seed, world.sight(first=True), SLACK)
     kept: list[Measured] = []
     states = [world.state()] if record else []
     if watch is not None:

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, model_validator
 from palmbots.errors import SceneError, show
 from palmbots.quantities import Range, fault, whole
 from palmbots.scene import Scene, load_scene
-from palmbots.sections import Section
+from palmbots.section import Section
 
 __all__ = ["Axis", "Levels", "Span", "axes_of", "scene_at"]
 

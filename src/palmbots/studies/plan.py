@@ -21,7 +21,7 @@ from palmbots.errors import PalmbotsError, SceneError, show
 from palmbots.quantities import Range, fault, from_list, whole
 from palmbots.scene import Scene, load_scene
 from palmbots.scene_files import read_table
-from palmbots.sections import Section
+from palmbots.section import Section
 from palmbots.studies.axes import Span, axes_of
 
 __all__ = ["Design", "Plan", "Seeds", "Stop", "Study", "load_plan", "ready_studies"]
