@@ -63,8 +63,8 @@ class Dynamic(Section):
     """Dynamic world: share by which a robot's left wheel is larger than its right one; what holds
     its heading has to make up for it."""
     axle_m: Axle | None = None
-    """Dynamic world: how far outward of the palm's pivot the wheels stand; not set: 0.2, on a curved
-    path 0, below the palm, since each robot's axle is what keeps to the path."""
+    """Dynamic world: how far outward of the palm's pivot the wheels stand; not set: 0.2, and on a
+    curved path 0, below the palm, since a robot's axle is what keeps to the path."""
     floor_friction: Friction = 0.8
     """Dynamic world: Coulomb coefficient between wheels and floor."""
     ridges: Ridges = ()
