@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.path_keys import Path, Point
 
-__all__ = ["EASE_M", "LEAD_M", "RADIUS_M", "SWEEP_DEG", "Curve", "Spot", "curve_of"]
+__all__ = ["EASE_M", "LEAD_M", "RADIUS_M", "SWEEP_DEG", "Curve", "Spot", "curve_of", "scipy_part"]
 
 RADIUS_M, SWEEP_DEG, EASE_M, LEAD_M = 2.0, 45.0, 0.1, 0.1  # where the scene does not say
 _STEP_M = 0.002  # between two samples; a chord of it lies 2 µm off a circle of 0.25 m
@@ -163,7 +163,7 @@ def _arc(start: float, bend: float, sweep: float, ease: float) -> list[tuple[flo
 
 def _integrated(curvature: NDArray[np.float64], step: float) -> Curve:
     """A curve from its curvature: heading and place are its first and second integral."""
-    simpson = _scipy("integrate").cumulative_simpson
+    simpson = scipy_part("integrate").cumulative_simpson
     heading = np.concatenate(([0.0], np.cumsum(0.5 * (curvature[1:] + curvature[:-1])) * step))
     if len(curvature) < 3:
         return Curve(step, step * np.arange(len(curvature)), heading * 0, heading, curvature)
@@ -177,7 +177,7 @@ def _through(points: tuple[Point, ...]) -> Curve:
     """The natural cubic spline through points, over the length of their chords."""
     places = np.array(points)
     chords = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
-    spline = _scipy("interpolate").CubicSpline(chords, places, bc_type="natural")
+    spline = scipy_part("interpolate").CubicSpline(chords, places, bc_type="natural")
     u = np.linspace(0.0, chords[-1], max(_FINEST, math.ceil(4 * chords[-1] / _STEP_M)) + 1)
     pace = np.hypot(*spline(u, 1).T)
     if pace.min() < 1e-3:
@@ -185,7 +185,7 @@ def _through(points: tuple[Point, ...]) -> Curve:
             "task.path.waypoints_m: turns back on the spot; allowed: waypoints that a smooth curve "
             "can follow"
         )
-    s = np.asarray(_scipy("integrate").cumulative_simpson(pace, x=u, initial=0.0), dtype=float)
+    s = np.asarray(scipy_part("integrate").cumulative_simpson(pace, x=u, initial=0.0), dtype=float)
     if s[-1] > _LONGEST_M:
         raise SceneError(
             f"task.path.waypoints_m: lead {s[-1]:.0f} m far; allowed: at most {_LONGEST_M:g} m"
@@ -200,7 +200,7 @@ def _through(points: tuple[Point, ...]) -> Curve:
     return Curve(float(even[1]), cos * x + sin * y, cos * y - sin * x, heading - heading[0], bend)
 
 
-def _scipy(part: str) -> Any:
+def scipy_part(part: str) -> Any:
     """A part of SciPy, which comes with the extra of the dynamic world."""
     import importlib
 

@@ -66,8 +66,13 @@ class Scene(Section):
     dynamic: Dynamic = Dynamic()
 
     def palm_of(self, side: Side) -> PalmParameters:
-        """The palm of one side, `palm.left` or `palm.right` put over `palm`."""
-        return self.palm.of(side)
+        """The palm of one side, `palm.left` or `palm.right` put over `palm`; as wide as its lips ask
+        for."""
+        palm = self.palm.of(side)
+        if palm.lip_height_m > 0:
+            wide = self.object.depth_m + 2 * palm.lip_clearance_m
+            return palm.model_copy(update={"width_m": wide})
+        return palm
 
     def robot_of(self, side: Side) -> RobotParameters:
         """The robot of one side, `robot.left` or `robot.right` put over `robot`."""

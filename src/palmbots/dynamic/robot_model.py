@@ -17,6 +17,7 @@ from palmbots.xml_text import numbers, rgba
 
 __all__ = [
     "CASTER",
+    "LIP",
     "TIP",
     "WHEEL_WIDTH",
     "Chassis",
@@ -30,6 +31,7 @@ __all__ = [
     "wheel_servo",
 ]
 
+LIP = 0.004  # m, thickness of the lips along a palm's sides
 TIP = 1e-4  # m, radius of the balls that touch: a point but for rounding
 CASTER, WHEEL_WIDTH = 0.015, 0.02  # m; assumed
 _WHEEL_KG = 0.05
@@ -222,6 +224,14 @@ def _palm(
             ET.SubElement(
                 body, "geom", {"class": "touch"}, name=f"{side}_{end}_{name}", type="sphere",
                 size=numbers(TIP), pos=numbers(x, y, offset - TIP),
+            )  # fmt: skip
+    if palm.lip_height_m > 0:
+        high = palm.lip_height_m / 2
+        for name, y in (("starboard", -wide - LIP / 2), ("port", wide + LIP / 2)):
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=f"{side}_lip_{name}", type="box",
+                size=numbers(half, LIP / 2, high), pos=numbers(0.0, y, offset + high),
+                rgba=rgba(HUE[side], 0.5), group="1",
             )  # fmt: skip
     ET.SubElement(body, "site", name=f"{side}_pivot", size="0.004", rgba=rgba(INK), group="1")
     _drive(actuators, f"{side}_wrist", WRIST)

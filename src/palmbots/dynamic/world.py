@@ -234,8 +234,8 @@ class MujocoWorld:
         for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
             of_object = [k for k in pair if m.geom_bodyid[k] == thing]
             of_palm = [k for k in pair if self._is_palm[k]]
-            if not of_object:
-                continue
+            if not of_object or any("_lip_" in m.geom(k).name for k in pair):
+                continue  # lips hold sideways; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
             vertex = m.geom(of_object[0]).name.startswith(
                 f"vertex_{(0, spec.contact_right)[side]}_"
