@@ -66,8 +66,8 @@ class Scene(Section):
     dynamic: Dynamic = Dynamic()
 
     def palm_of(self, side: Side) -> PalmParameters:
-        """The palm of one side, `palm.left` or `palm.right` put over `palm`; as wide as its lips ask
-        for."""
+        """The palm of one side, `palm.left` or `palm.right` put over `palm`, as wide as its lips
+        ask for."""
         palm = self.palm.of(side)
         if palm.lip_height_m > 0:
             wide = self.object.depth_m + 2 * palm.lip_clearance_m

@@ -10,10 +10,10 @@ contacts stick nothing happens. Where one slides:
   both ends of it turns it outward too.
 
 With θ_k, friction angle φ_k and load V_k of each palm, H is the smaller upper end V tan(θ + φ) of
-the squeeze intervals on closing and the larger lower end V tan(θ − φ) on opening (docs/mechanics),
-and N_k = V_k cos θ_k + H sin θ_k. On each palm the load is shared by the two ends of the edge. They
-differ in height by warp h = 2 c (tan θ_R − tan θ_L) sin β, c half the supported length: with contacts
-that give way by δ under their share of the weight, the middles of pressure lie ± c h / (4 δ) off the
+the squeeze intervals on closing, the larger lower end V tan(θ − φ) on opening (docs/mechanics), and
+N_k = V_k cos θ_k + H sin θ_k. On each palm the two ends of the edge share the load. They differ in
+height by a warp h = 2 c (tan θ_R − tan θ_L) sin β, c half the supported length: with contacts that
+give way by δ under their share of the weight, the middles of pressure lie ± c h / (4 δ) off the
 object's, at most at the ends. Given these forces, quasistatic motion is that of least power
 (Peshkin and Sanderson 1989): friction μ N |slip| and weight V times the height gained, over the
 object's velocity (v_x, v_y, ω) with the palms driven together or apart.
@@ -121,9 +121,11 @@ def slip(
 def _least_power(
     place: Array, drive: Array, axes: Array, bound: Array, slope: Array, scale: float
 ) -> Array:
-    """The slips v of all contacts (…, palm, end, x and y) that cost least: the sum of bound |A v| and
-    slope · v, over the object's velocity. By weighted least squares, again and again, with weights
-    bound / |A v|: each round lowers the power."""
+    """The slips v of all contacts (…, palm, end, x and y) that cost least power.
+
+    The power is the sum of bound |A v| and slope · v, over the object's velocity. By least squares
+    with weights bound / |A v|, again and again: each round lowers it.
+    """
     one, none = np.ones_like(bound), np.zeros_like(bound)
     # v = J q − drive, where q is v_x, v_y and the turning speed times `scale`.
     jacobian = np.stack(

@@ -24,7 +24,7 @@ from palmbots.geometry import SIDES
 from palmbots.path import LEAD_M, Curve, Spot, curve_of
 from palmbots.scene import Scene
 
-__all__ = ["CurvedWorld", "Line", "fit_edges", "line_of", "world_of"]
+__all__ = ["CurvedWorld", "Line", "edges_of", "fit_edges", "line_of", "world_of"]
 
 _AHEAD = 0.1  # m, within which a robot aims to be back on its path
 _GAIN = 5.0  # 1/s, with which it turns to its heading

@@ -27,7 +27,7 @@ _COLUMNS = {
     "yaw": ("rad", "heading of the robot's body, anticlockwise seen from above"),
     "across": (
         "m",
-        "contact coordinate across the palm, to the left seen from left to right robot",
+        "contact coordinate across the palm, to the left seen from left robot to right",
     ),
     "pivot_x": ("m", "place of the pivot on the floor, x"),
     "pivot_y": ("m", "place of the pivot on the floor, y, to the left of x"),
@@ -56,8 +56,9 @@ def run(
     record: bool = False,
     watch: Watch | None = None,
     progress: Callable[[float], None] | None = None,
-) -> tuple[Any, Physics | None]:
-    """Carry once; returns what the core kept of it, and with `record` what else there is to keep.
+) -> tuple[Any, Physics | None, tuple[float, float]]:
+    """Carry once; returns what the core kept of it, with `record` what else there is to keep, and
+    how far contacts came across their palms [m].
 
     `controller` is what the core takes: a name, or a pair of step functions. `watch` is called with
     the world at the start and after every tick, `progress` now and then with the fraction of the
@@ -82,7 +83,7 @@ def run(
         if progress is not None and round(world.time_s / scene.control.period_s) % 20 == 0:
             progress(min(1.0, abs(world.advance) / way))
     if not record:
-        return crew.run(), None
+        return crew.run(), None, world.across_peak
     kept.append(
         kept[-1] if kept else world.measured
     )  # a tick's row is its start; the last has none
@@ -90,4 +91,4 @@ def run(
         name: (np.array([getattr(row, name) for row in kept]), unit, meaning)
         for name, (unit, meaning) in _COLUMNS.items()
     }
-    return crew.run(), Physics(columns, np.array(states), engine)
+    return crew.run(), Physics(columns, np.array(states), engine), world.across_peak

@@ -1,13 +1,13 @@
-"""The sideways budget of a curved path: how far the object will slip across its palms, before driving.
+"""The sideways budget of a curved path: how far the object will slip across its palms.
 
-Which contact slides how far, when and at which palm angles is what the quasistatic world tells of the
-path unrolled, seed by seed (it is exact and takes milliseconds). How far a contact that slides
-slips across its palm follows from statics (`askew`), at the askewness that the path has there. Both
-together, tick by tick, give the drift of each contact; nothing is fitted.
+Told before driving. Which contact slides how far, when and at which palm angles is what the
+quasistatic world tells of the path unrolled, seed by seed: it is exact and takes milliseconds. How
+far a contact that slides slips across its palm follows from statics (`askew`), at the askewness
+that the path has there. Both together, tick by tick, give the drift of each contact.
 
 The budget is what may be used up: half of a palm's width, where the object tips over its side.
-Lips stop the drift instead; they need room for an object that stands askew, half a palm's length ×
-tan β, or they jam.
+Lips stop the drift instead. The object stands askew between them, so that over half of a palm's
+length l it needs l tan β more room, of both sides together, or it jams.
 """
 
 import math
@@ -32,7 +32,7 @@ from palmbots.scene import Scene
 __all__ = ["SEEDS", "Budget", "Forecast", "forecast", "lip_room"]
 
 SEEDS = 16
-_NEAR = 0.7  # of the budget, from where on a path is warned of
+_NEAR = 0.7  # of the budget, from where on a path is warned of: predictions run low by a quarter
 _BETAS = np.linspace(0.0, 1.0, 5)  # of the path's largest askewness
 _ASIDES = np.linspace(-1.0, 1.0, 5)  # of the palm's half
 
@@ -52,7 +52,7 @@ class Budget:
     """The largest β of the path."""
     lips: bool
     lip_room_m: float
-    """The least clearance of lips that do not jam: half a palm's length × tan β."""
+    """The least clearance of lips that do not jam."""
 
     @property
     def verdict(self) -> str:
@@ -67,11 +67,37 @@ class Budget:
         """What ``--json`` prints of it."""
         return asdict(self) | {"verdict": self.verdict}
 
+    def told(self) -> str:
+        """The same in one line."""
+        what = "lips leave" if self.lips else "the object tips at"
+        return (
+            f"sideways, predicted over {self.seeds} seeds: {_mm(self.mean_m)} in the mean, "
+            f"{_mm(self.most_m)} at most; {what} {_mm(self.budget_m)} (palms askew by up to "
+            f"{self.askew_deg:.1f}°)"
+        )
+
+    def refusal(self) -> str:
+        """What is said of a path beyond the budget."""
+        return (
+            f"task.path: the object would slip {_mm(self.mean_m)} sideways and tip at "
+            f"{_mm(self.budget_m)}; allowed: larger radii, a shorter way, wider palms, lips "
+            f"(palm.lip_height_m=0.03 palm.lip_clearance_m={self._clearance():g}), or "
+            "--beyond-budget"
+        )
+
+    def _clearance(self) -> float:
+        """A clearance for lips, with some room to spare."""
+        return math.ceil(1e3 * (1.25 * self.lip_room_m + 2e-3)) / 1e3
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.1f} mm"
+
 
 def lip_room(scene: Scene, line: Line | None = None) -> float:
-    """The least clearance [m] of lips on the scene's path: half a palm's length × tan β."""
+    """The least clearance [m] of lips on the scene's path: a quarter of a palm's length × tan β."""
     beta = _askewness(line or line_of(scene))
-    return max(scene.palm_of(side).length_m for side in SIDES) / 2 * math.tan(beta)
+    return max(scene.palm_of(side).length_m for side in SIDES) / 4 * math.tan(beta)
 
 
 def _askewness(line: Line) -> float:
@@ -96,7 +122,7 @@ class Forecast:
         self.lips = all(palm.lip_height_m > 0 for palm in palms)
         self.lip_room = lip_room(scene, self.line)
         for side, palm in zip(SIDES, palms, strict=True):
-            if 0 < palm.lip_height_m and palm.lip_clearance_m < self.lip_room:
+            if palm.lip_height_m > 0 and palm.lip_clearance_m < self.lip_room:
                 raise SceneError(
                     f"palm.lip_clearance_m: {palm.lip_clearance_m:g} ({side}) is too tight: the "
                     f"object stands askew by {math.degrees(self.askew):.1f} degrees and would jam; "
@@ -168,7 +194,7 @@ class _Rates:
         self._table[:, :, :, 0] = 0.0  # on a straight path nothing drives the object to one side
 
     def at(self, up: Sequence[float], closing: bool, beta: float, aside: float) -> float:
-        """The rate where palms are up by shares from shallow (0) to steep (1), towards the centre."""
+        """The rate, towards the centre; `up`: shares from shallow (0) to steep (1)."""
         table = self._table
         b = min(beta / self._askew, 1.0) * (len(_BETAS) - 1)
         a = (min(max(aside / self._half, -1.0), 1.0) + 1) / 2 * (len(_ASIDES) - 1)
@@ -200,8 +226,7 @@ def forecast(
     known = Forecast(scene, controller)
     most: list[float] = []
     for seed in range(seeds):
-        drift = known.seed(seed).mean(axis=1)
-        most.append(float(np.abs(drift).max()))
+        most.append(float(np.abs(known.seed(seed)).max()))
         if progress is not None:
             progress((seed + 1) / seeds)
     return Budget(
