@@ -63,7 +63,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=12)
     seeds = parser.parse_args().seeds
     console = Console(width=120)
-    rows: list[tuple[object, ...]] = []
+    rows: list[tuple[str, int, str, str, float, float, float]] = []
     with Progress(console=Console(stderr=True)) as bar:
         task = bar.add_task("carrying", total=seeds * len(CASES))
         for name, keys in CASES.items():

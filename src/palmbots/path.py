@@ -115,7 +115,7 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
             )
         return curve
     if path.kind == "straight":
-        return _integrated(np.zeros(2), _STEP_M)
+        return _integrated(np.zeros(3), _STEP_M)
     radius = RADIUS_M if path.radius_m is None else path.radius_m
     if radius < spread:
         raise SceneError(
@@ -133,7 +133,8 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
         )
     count = max(_FINEST, math.ceil(knots[-1][0] / _STEP_M))
     s = np.linspace(0.0, knots[-1][0], count + 1)
-    return _integrated(np.interp(s, *zip(*knots, strict=True)), float(s[1]))
+    corners, bends = np.array(knots).T
+    return _integrated(np.interp(s, corners, bends), float(s[1]))
 
 
 def _sweep(path: Path, whole: float) -> float:
@@ -165,11 +166,7 @@ def _integrated(curvature: NDArray[np.float64], step: float) -> Curve:
     """A curve from its curvature: heading and place are its first and second integral."""
     simpson = scipy_part("integrate").cumulative_simpson
     heading = np.concatenate(([0.0], np.cumsum(0.5 * (curvature[1:] + curvature[:-1])) * step))
-    if len(curvature) < 3:
-        return Curve(step, step * np.arange(len(curvature)), heading * 0, heading, curvature)
-    x, y = (
-        np.asarray(simpson(f(heading), dx=step, initial=0.0), dtype=float) for f in (np.cos, np.sin)
-    )
+    x, y = (simpson(f(heading), dx=step, initial=0.0) for f in (np.cos, np.sin))
     return Curve(step, x, y, heading, curvature)
 
 
@@ -177,6 +174,10 @@ def _through(points: tuple[Point, ...]) -> Curve:
     """The natural cubic spline through points, over the length of their chords."""
     places = np.array(points)
     chords = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
+    if chords[-1] > _LONGEST_M:
+        raise SceneError(
+            f"task.path.waypoints_m: lead {chords[-1]:.0f} m far; allowed: at most {_LONGEST_M:g} m"
+        )
     spline = scipy_part("interpolate").CubicSpline(chords, places, bc_type="natural")
     u = np.linspace(0.0, chords[-1], max(_FINEST, math.ceil(4 * chords[-1] / _STEP_M)) + 1)
     pace = np.hypot(*spline(u, 1).T)
@@ -185,11 +186,7 @@ def _through(points: tuple[Point, ...]) -> Curve:
             "task.path.waypoints_m: turns back on the spot; allowed: waypoints that a smooth curve "
             "can follow"
         )
-    s = np.asarray(scipy_part("integrate").cumulative_simpson(pace, x=u, initial=0.0), dtype=float)
-    if s[-1] > _LONGEST_M:
-        raise SceneError(
-            f"task.path.waypoints_m: lead {s[-1]:.0f} m far; allowed: at most {_LONGEST_M:g} m"
-        )
+    s = scipy_part("integrate").cumulative_simpson(pace, x=u, initial=0.0)
     even = np.linspace(0.0, s[-1], max(_FINEST, math.ceil(s[-1] / _STEP_M)) + 1)
     u = np.interp(even, s, u)
     (x, y), (dx, dy), (ddx, ddy) = (spline(u, n).T for n in (0, 1, 2))

@@ -69,7 +69,7 @@ class Path(Section):
     @model_validator(mode="before")
     @classmethod
     def _read(cls, data: Any) -> Any:
-        """Points from the file, and the kind that goes without saying."""
+        """Points from the file, and what goes without saying."""
         if not isinstance(data, dict):
             return data
         data = dict(data)
@@ -79,6 +79,8 @@ class Path(Section):
             data["waypoints_m"] = read_points(name)
         if data.get("waypoints_m") is not None:
             data.setdefault("kind", "waypoints")
+        if data.get("kind") in ("arc", "s") and data.get("turn") is None:
+            data["turn"] = "left"
         return data
 
     @model_validator(mode="after")

@@ -27,13 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["GIVE_M", "Pair", "Slip", "slip"]
+__all__ = ["Pair", "Slip", "slip"]
 
 Array = NDArray[np.float64]
-
-GIVE_M = 0.31e-3
-"""How far a contact of the dynamic world gives way under its share of the weight; measured at rest
-(tests/dynamic/test_askew.py), whatever the object weighs."""
 
 _SMOOTH = 1e-3  # of the driving speed, over which friction turns round
 _ROUNDS, _ENOUGH = 400, 1e-5
@@ -52,7 +48,8 @@ class Pair:
     """Half of the edge that lies on a palm [m]."""
     com_height: float
     """Above the contacts [m]."""
-    give: float = GIVE_M
+    give: float
+    """How far a contact gives way under its share of the weight [m]."""
 
 
 @dataclass(frozen=True)

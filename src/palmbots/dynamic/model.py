@@ -124,7 +124,7 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     balls, slabs = _object(world, scene, at, outline)
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])
-    lips = {
+    lips: dict[Side, tuple[str, ...]] = {
         side: tuple(f"{side}_lip_{end}" for end in ("port", "starboard"))
         for side in SIDES
         if scene.palm_of(side).lip_height_m > 0

@@ -152,6 +152,13 @@ def _wheels(
             wheel, "geom", {"class": "touch"}, name=f"{side}_{name}", type="sphere",
             size=numbers(radius),
         )  # fmt: skip
+        if abs(axle) > BODY_SIZE / 2 + radius:  # it stands clear of the body: a fork holds it
+            inner = math.copysign(BODY_SIZE / 2, axle)
+            ET.SubElement(
+                body, "geom", type="box", rgba=rgba(QUIET),
+                size=numbers(abs(axle - inner) / 2 + 0.008, 0.004, 0.008),
+                pos=numbers((axle + inner) / 2, across - math.copysign(0.016, across), radius),
+            )  # fmt: skip
         _drive(actuators, f"{side}_{name}", servo)
 
 

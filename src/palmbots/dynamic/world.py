@@ -182,6 +182,11 @@ class MujocoWorld:
         return self._contacts()
 
     @property
+    def lifts(self) -> tuple[float, float]:
+        """Heights of the contact edges' middles above their palms [m]; < 0: palms give way."""
+        return self._lifts()
+
+    @property
     def advance(self) -> float:
         """Of the midpoint of the pivots since the start, towards +x [m]."""
         return self._midpoint() - self._origin
