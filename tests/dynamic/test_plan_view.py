@@ -24,7 +24,7 @@ def done() -> pb.Carry:
 def test_the_plan_shows_tracks_and_object_where_they_were(done: pb.Carry) -> None:
     figure = plan_view.draw(done)
     (panel,) = figure.axes
-    tracks = {line.get_linestyle(): line for line in panel.lines if len(line.get_xdata()) > 500}
+    tracks = {line.get_linestyle(): line for line in panel.lines if np.size(line.get_xdata()) > 500}
     assert done.trace is not None
     left = tracks["-"]
     assert np.asarray(left.get_xdata()) == pytest.approx(done.trace["pivot_x"].sel(side="left"))
