@@ -223,7 +223,7 @@ def test_without_scipy_one_line_says_what_to_install(monkeypatch: pytest.MonkeyP
         curve(kind="arc")
 
 
-@pytest.mark.parametrize("command", ["carry", "compare", "analyze", "rare", "modes"])
+@pytest.mark.parametrize("command", ["carry", "compare", "analyze", "certify", "design", "rare"])
 def test_the_planar_world_refuses_a_curved_path_in_one_line(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -231,3 +231,21 @@ def test_the_planar_world_refuses_a_curved_path_in_one_line(
     told = capsys.readouterr()
     assert told.out == "" and told.err.count("\n") == 1
     assert "allowed: straight, or carry --world mujoco" in told.err
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'scene = "paper"\n[set]\ntask.path.kind = "arc"\n[vary]\nrobot.noise_m_s = [0.01, 0.02]\n',
+        'scene = "paper"\n[vary]\ntask.path.kind = ["straight", "arc"]\n',
+    ],
+)
+def test_a_study_of_curved_paths_is_refused_before_anything_is_written(
+    text: str, tmp_path: File, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "curves.toml").write_text(text + "[seeds]\ncount = 2\n")
+    out = tmp_path / "results"
+    assert cli.run(["study", str(tmp_path / "curves.toml"), "--out", str(out)]) == 2
+    told = capsys.readouterr()
+    assert told.err.count("\n") == 1 and "is a curved path" in told.err
+    assert not out.exists()
