@@ -1,6 +1,7 @@
 """The dynamic world on curved paths: robots on their line, the object on askew palms, lips."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import palmbots as pb
 from palmbots.dynamic.curved import CurvedWorld, line_of, world_of
 from palmbots.dynamic.world import MujocoWorld
+from palmbots.replay import replay
 from palmbots.scene import Scene, load_scene
 
 STEEP = (math.radians(15), math.radians(15))
@@ -193,3 +195,12 @@ def test_controllers_are_unchanged(controller: str) -> None:
 def test_what_no_curve_can_have_is_refused(keys: dict[str, Any], told: str) -> None:
     with pytest.raises(pb.SceneError, match=told):
         line_of(load_scene(scene_with(), keys))
+
+
+def test_a_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:
+    points = {"task.path.waypoints_m": [[0, 0], [0.4, 0.02], [0.8, 0.2]], "task.distance_m": 0.3}
+    done = pb.carry("paper", world="mujoco", seed=4, overrides=points)
+    pb.write_log(done, tmp_path / "carry.mcap")
+    again = replay(tmp_path / "carry.mcap")
+    assert again.identical, again.difference
+    assert again.log.across_peak_m == done.across_peak_m
