@@ -43,7 +43,7 @@ def main() -> None:
             delivered = 0
             for seed in range(n):
                 began = time.process_time()
-                done, _ = run(scene, "distributed", seed)
+                done, *_ = run(scene, "distributed", seed)
                 if value == 0.3:
                     times.append(time.process_time() - began)
                 delivered += done.outcome == "delivered"

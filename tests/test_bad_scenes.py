@@ -25,7 +25,8 @@ M = "a number in m"
 SIMPLE = "allowed: a simple polygon, whose edges share nothing but the vertices between them"
 LOWER = "allowed: [left, right], two lower corners of the outline's convex hull"
 PALM_KEYS = (
-    "length_m, width_m, pivot_offset_m, friction, slip_deg, shallow_deg, steep_deg, rate_deg_s, "
+    "length_m, width_m, lip_height_m, lip_clearance_m, pivot_offset_m, friction, slip_deg, "
+    "shallow_deg, steep_deg, rate_deg_s, "
     "left, right"
 )
 BAD = [
@@ -38,7 +39,7 @@ BAD = [
     (
         "[task]\nloss = 0.15",
         "task.loss: 0.15 is given to an unknown key; did you mean radio.loss? "
-        "allowed in task: distance_m, slope_deg, timeout_s, direction, inertia",
+        "allowed in task: distance_m, slope_deg, timeout_s, direction, inertia, path",
     ),
     (
         "[rodio]\nloss = 0.15",

@@ -35,8 +35,9 @@ def test_the_default_is_the_scene_paper_which_gives_every_key():
     assert load_scene("paper") == PAPER
     given_keys = {
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
-    }
+    } - {"task.path"} | {f"task.path.{key}" for key in PAPER.task.path.model_dump()}
     optional = {"palm.slip_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
+    optional |= {"dynamic.axle_m"} | {k for k in KEYS if k.startswith("task.path.")}
     assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
 
 

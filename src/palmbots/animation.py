@@ -70,7 +70,7 @@ def _plan(carry: "Carry", fps: float) -> tuple[Stage, list[Moment]]:
     """The stage and the moments to show: the last row at or before each frame, then the end."""
     trace = carry.trace
     assert trace is not None
-    spec = lower(carry.scene)
+    spec = lower(carry.scene, unrolled=True)
     times = trace["time"].to_numpy()
     lasts = float(times[-1] - times[0])
     faster = max(1, math.ceil(lasts / _LONGEST_FILM_S))

@@ -9,13 +9,15 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots.quantities import Range, fault, from_list
-from palmbots.sections import Friction, Mass, Place, Section, Size
+from palmbots.section import Section
+from palmbots.sections import Friction, Mass, Place, Size
 
 __all__ = ["Dynamic", "Ridge"]
 
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
 Height = Annotated[float, BeforeValidator(Range("m", least=0.0001, most=0.05))]
 Step = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=0.005))]
+Axle = Annotated[float, BeforeValidator(Range("m", least=0, most=0.25))]
 Mismatch = Annotated[float, BeforeValidator(Range(least=-0.2, most=0.2))]
 
 
@@ -60,6 +62,9 @@ class Dynamic(Section):
     wheel_mismatch: Mismatch = 0.0
     """Dynamic world: share by which a robot's left wheel is larger than its right one; what holds
     its heading has to make up for it."""
+    axle_m: Axle | None = None
+    """Dynamic world: how far outward of the palm's pivot the wheels stand; not set: 0.2, and on a
+    curved path 0, below the palm, since a robot's axle is what keeps to the path."""
     floor_friction: Friction = 0.8
     """Dynamic world: Coulomb coefficient between wheels and floor."""
     ridges: Ridges = ()

@@ -46,7 +46,7 @@ def bounds_of(scene: Scene) -> Bounds:
 
     Raises `SceneError`, one line, for a scene in which the algorithm cannot keep the object.
     """
-    told: dict[str, Any] = _core.resilient_bounds(lower(scene))
+    told: dict[str, Any] = _core.resilient_bounds(lower(scene, unrolled=True))
     problem = told.pop("problem")
     bounds = Bounds(**told)
     if problem:

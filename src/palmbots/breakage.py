@@ -8,7 +8,8 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots.quantities import Fraction, Range, Switch, fault, from_list, whole
-from palmbots.sections import Moment, Section, Side
+from palmbots.section import Section
+from palmbots.sections import Moment, Side
 
 __all__ = ["Fault", "Faults", "Mishap", "Outage", "Radio"]
 

@@ -154,6 +154,10 @@ class Carry:
     letters: tuple[Letter, ...]
     physics: "Physics | None" = None
     """What only the dynamic world keeps, for films (None with ``record=False``)."""
+    across_peak_m: dict[str, float] | None = None
+    """How far the contacts came across their palms, at most: the coordinate of the middle of each
+    contact edge, to the left seen from the left robot to the right one (None where the world is
+    planar)."""
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots carry --json`` prints."""
@@ -179,6 +183,7 @@ class Carry:
             "bumps": self.bumps,
             "warnings": list(self.warnings),
             "trace_hash": self.trace_hash,
+            "across_peak_m": self.across_peak_m,
             "controller": self.controller,
             "world": self.world,
             "precision": self.precision,
@@ -242,12 +247,12 @@ def carry(
         from palmbots.dynamic.run import run as run_in_mujoco
 
         one_of("precision (world mujoco)", precision, ("double",))
-        run, physics = run_in_mujoco(
+        run, physics, across = run_in_mujoco(
             chosen, core_controller, seed, record=record, watch=watch, progress=progress
         )
     else:
         run = _core.run(lower(chosen), core_controller, seed, precision, record)
-        physics = None
+        physics, across = None, None
     return Carry(
         scene=chosen,
         controller=name,
@@ -279,6 +284,7 @@ def carry(
             for sent, got, sender, receiver, letter in run.letters
         ),
         physics=physics,
+        across_peak_m=None if across is None else _by_side(across),
     )
 
 

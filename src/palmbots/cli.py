@@ -106,6 +106,10 @@ def carry(
     view: Annotated[
         bool, typer.Option("--view", help="Watch the dynamic world in MuJoCo's viewer.")
     ] = False,
+    beyond: Annotated[
+        bool,
+        typer.Option("--beyond-budget", help="Drive a curved path that will drop the object."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Carry the object once and say how it went. Exit status 1: it did not arrive."""
@@ -129,6 +133,9 @@ def carry(
     before = warnings_before(chosen, controller)
     for warning in before:
         print(f"palmbots: warning: {warning}", file=sys.stderr)
+    budget = None
+    if world == "mujoco" and chosen.task.path.is_curved:
+        budget = dynamic.sideways_budget(chosen, controller, quiet=as_json, anyway=beyond)
     lasts_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
     with dynamic.watching(view) as watch, progress("carrying", as_json, lasts_s) as report:
         done = run_carry(
@@ -144,10 +151,13 @@ def carry(
     written, removed = [], []
     if out is not None:
         written, removed = _write_carry(done, out, video or "gif", quiet=as_json)
+        if world == "mujoco" and chosen.task.path.is_curved:
+            written.append(dynamic.write_plan(done, out))
         if film:
             written += dynamic.write_film(done, out, quiet=as_json)
     if as_json:
-        print(json.dumps(done.summary(), allow_nan=False))
+        foreseen = None if budget is None else budget.summary()
+        print(json.dumps(done.summary() | {"sideways": foreseen}, allow_nan=False))
     else:
         carry_report(done, scene, [w for w in done.warnings if w not in before], written, removed)
     return DONE if done.outcome == "delivered" else FAILED
@@ -176,6 +186,8 @@ def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Pa
             )
     # An animation of an earlier carry would pass for one of this.
     others = [target / f"carry.{kind}" for kind in ("gif", "mp4") if kind != video]
+    if not done.scene.task.path.is_curved:
+        others.append(target / "plan.png")
     if not done.letters:
         others.append(target / "message_sequence.png")
     return written, [path for path in others if remove(path)]

@@ -43,6 +43,7 @@ _HEIGHTS = {  # inches of each panel
     "left sensor": 0.3,
     "right": 1.1,
     "right sensor": 0.3,
+    "across": 0.9,
     "palms": 0.85,
     "separation": 0.8,
     "speeds": 1.2,
@@ -83,7 +84,9 @@ def _view(carry: "Carry", window: tuple[float, float] | None) -> _View:
         raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {last:g} s")
     shown = sum(1 for c in carry.corrections if c.end_s >= start and c.start_s <= end)
     width = min(max(6.3, 0.28 * (end - start), 0.27 * shown), 12.0)
-    return _View(carry, lower(carry.scene), carry.trace.isel(time=rows), start, end, width)
+    return _View(
+        carry, lower(carry.scene, unrolled=True), carry.trace.isel(time=rows), start, end, width
+    )
 
 
 def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
@@ -94,11 +97,14 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     view = _view(carry, window)
     with styled():
         left, right, top, bottom, gap = 0.95, 0.2, 0.72, 0.45, 0.09
-        height = top + bottom + sum(_HEIGHTS.values()) + gap * (len(_HEIGHTS) - 1)
+        tall_of = dict(_HEIGHTS)
+        if not carry.scene.task.path.is_curved:
+            del tall_of["across"]
+        height = top + bottom + sum(tall_of.values()) + gap * (len(tall_of) - 1)
         figure = Figure(figsize=(left + view.width_in + right, height))
         panels: dict[str, Axes] = {}
         level = height - top
-        for name, tall in _HEIGHTS.items():
+        for name, tall in tall_of.items():
             box = (
                 left / figure.get_figwidth(),
                 (level - tall) / height,
@@ -114,6 +120,8 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         for side in SIDES:
             _draw_contact(panels[side], view, side, reach)
             _draw_sensor(panels[f"{side} sensor"], view, side)
+        if "across" in panels:
+            _draw_across(panels["across"], view)
         _draw_palms(panels["palms"], view)
         _draw_separation(panels["separation"], view)
         _draw_speeds(panels["speeds"], view)
@@ -221,6 +229,30 @@ def _draw_sensor(panel: Axes, view: _View, side: Side) -> None:
     panel.set_yticks([-1, 0, 1], ["−", "0", "+"])
     panel.grid(False)
     panel.set_ylabel("sensor", size=7)
+
+
+def _draw_across(panel: Axes, view: _View) -> None:
+    """Coordinate across the palms in mm; the object tips, or meets a lip, at the lines."""
+    scene = view.carry.scene
+    palm = min((scene.palm_of(side) for side in SIDES), key=lambda p: p.width_m)
+    edge = 1e3 * (palm.lip_clearance_m if palm.lip_height_m > 0 else palm.width_m / 2)
+    reach = 0.0
+    for side in SIDES:
+        across = view.series("across", side) * 1e3
+        panel.plot(view.time, across, color=HUE[side], ls=LINE[side])
+        reach = max(reach, np.abs(across).max())
+    panel.axhline(0, color=QUIET, lw=0.5)
+    reach = max(1.15 * reach, 1.0)
+    if reach > 0.3 * edge:
+        reach = max(reach, 1.2 * edge)
+        for end in (-edge, edge):
+            panel.axhline(end, color=DROP, lw=0.9)
+        what = "lips" if palm.lip_height_m > 0 else "sides of the palm"
+        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
+        note = f"{what}, ±{edge:.0f} mm"
+        panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
+    panel.set_ylim(-reach, reach)
+    panel.set_ylabel("across\npalm (mm)")
 
 
 def _draw_palms(panel: Axes, view: _View) -> None:

@@ -50,7 +50,7 @@ _SCENE_INTERVAL_S = 0.04  # between two pictures of the three-dimensional scene
 _TEXTS = ("controller", "world", "precision", "version", "outcome", "trace_hash")
 _VALUES = (
     "seed", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
-    "messages_lost", "waiting_s", "bumps", "warnings", "links", "bounds",
+    "messages_lost", "waiting_s", "bumps", "warnings", "links", "bounds", "across_peak_m",
 )  # fmt: skip
 
 # Variable of the trace, field of the message.
@@ -101,6 +101,7 @@ class Log:
     trace_hash: str
     trace: "xr.Dataset"
     letters: tuple[Letter, ...]
+    across_peak_m: dict[str, float] | None
 
 
 # --- writing ----------------------------------------------------------------------------------
@@ -159,7 +160,7 @@ class _Channels:
 
     def write(self, carry: Carry, trace: "xr.Dataset") -> None:
         """Everything in the order of time."""
-        spec = lower(carry.scene)
+        spec = lower(carry.scene, unrolled=True)
         instants = [round(time * 1e9) for time in trace["time"].to_numpy().tolist()]
 
         parts = solids(carry.scene, spec)
@@ -314,7 +315,8 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     letters = [LetterEvent.FromString(m) for m in messages.get("/messages", [])]
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
-    told |= {name: json.loads(facts[name]) for name in ("scene", *_VALUES)}
+    # Logs from before there were curved paths say nothing of what is across.
+    told |= {name: json.loads(facts.get(name, "null")) for name in ("scene", *_VALUES)}
     told["touches"] = tuple(Touch(**touch) for touch in json.loads(facts["touches"]))
     told["warnings"] = tuple(told["warnings"])
     told["links"] = {name: LinkCounts(**counts) for name, counts in told["links"].items()}

@@ -10,11 +10,12 @@ import math
 
 from palmbots import _core
 from palmbots.breakage import Fault
+from palmbots.errors import SceneError, show
 from palmbots.frame import object_frame
 from palmbots.scene import Scene
 from palmbots.sections import SIDES, PalmParameters, RobotParameters, Tactile
 
-__all__ = ["lower"]
+__all__ = ["lower", "refuse_curved"]
 
 _RADIANS_PER_DEGREE = math.pi / 180
 _FATES = ("lost", "late", "copied")
@@ -24,8 +25,23 @@ _FAULTS = ("reboot", "freeze", "stuck", "flicker", "station")  # in the core's o
 _PER_MILLION = 1e-6
 
 
-def lower(scene: Scene) -> _core.Spec:
-    """The core's description of a scene; left is index 0, right index 1."""
+def refuse_curved(scene: Scene) -> None:
+    """Raise `SceneError` for a path on which planar mechanics say nothing."""
+    if scene.task.path.is_curved:
+        raise SceneError(
+            f"task.path.kind: {show(scene.task.path.kind)} is a curved path, and the quasistatic "
+            "world and its mechanics are planar; allowed: straight, or carry --world mujoco"
+        )
+
+
+def lower(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
+    """The core's description of a scene; left is index 0, right index 1.
+
+    The core is planar. With `unrolled` a curved path counts as the straight line of its length;
+    without, `SceneError` says that it takes another world.
+    """
+    if not unrolled:
+        refuse_curved(scene)
     spec = _core.Spec()
     thing = scene.object
     frame = object_frame(thing.vertices_m, thing.contacts, thing.com_m)

@@ -36,7 +36,7 @@ _GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
 _ANY_WIDTH = 10_000  # columns: a pipe or a file has no edge at which to break or cut a line
 
 _REASONS = {
-    "off-palm": "a contact ran past the end of its palm",
+    "off-palm": "a contact ran past an end or a side of its palm",
     "sliding": "no squeeze balances the object: it slides on both palms",
     "flush": "a palm and an edge of the object are in the same place",
     "tip": "the end of a palm is in the object",
@@ -110,6 +110,8 @@ def carry_report(
     table.add_row("", Text("left", style="bold"), Text("right", style="bold"))
     table.add_row("contact rms", *(_mm(done.contact_rms_m[s]) for s in _SIDES))
     table.add_row("contact peak", *(_mm(done.contact_peak_m[s]) for s in _SIDES))
+    if done.across_peak_m is not None and done.scene.task.path.is_curved:
+        table.add_row("across, at most", *(_mm(done.across_peak_m[s]) for s in _SIDES))
     if done.messages and done.controller != "centralized":
         table.add_row("waited", *(f"{done.waiting_s[s]:.1f} s" for s in _SIDES))
     console.print(table)

@@ -66,8 +66,13 @@ class Scene(Section):
     dynamic: Dynamic = Dynamic()
 
     def palm_of(self, side: Side) -> PalmParameters:
-        """The palm of one side, `palm.left` or `palm.right` put over `palm`."""
-        return self.palm.of(side)
+        """The palm of one side, `palm.left` or `palm.right` put over `palm`, as wide as its lips
+        ask for."""
+        palm = self.palm.of(side)
+        if palm.lip_height_m > 0:
+            wide = self.object.depth_m + 2 * palm.lip_clearance_m
+            return palm.model_copy(update={"width_m": wide})
+        return palm
 
     def robot_of(self, side: Side) -> RobotParameters:
         """The robot of one side, `robot.left` or `robot.right` put over `robot`."""
@@ -111,6 +116,7 @@ class Scene(Section):
                 broken["robot"] = other_side(broken["robot"])
         table["start"] = {"left_m": self.start.right_m, "right_m": self.start.left_m}
         task["direction"] = "backward" if task["direction"] == "forward" else "forward"
+        task["path"] = self.task.path.mirrored().model_dump()
         return Scene.model_validate(table)
 
     def to_toml(self) -> str:
@@ -121,7 +127,19 @@ class Scene(Section):
     def _check(self) -> Self:
         self._check_time()
         self._check_start()
+        self._check_path()
         return self
+
+    def _check_path(self) -> None:
+        """A radius that no placing of the robots permits; the rest is for `path` to say."""
+        radius, least = self.task.path.radius_m, self.object.width_m
+        if radius is not None and radius < least:
+            raise fault(
+                radius,
+                f"is too tight for robots that stand {least:g} m apart",
+                f"a number in m, from {least:g} to 10000",
+                "task.path.radius_m",
+            )
 
     def _check_time(self) -> None:
         period = self.control.period_s
@@ -164,8 +182,7 @@ class Scene(Section):
                 )
             angle = math.radians(palm.steep_deg)
             heights.append(place * math.sin(angle) + palm.pivot_offset_m * math.cos(angle))
-        (lx, ly), (rx, ry) = (self.object.vertices_m[k] for k in self.object.contacts)
-        width = math.hypot(rx - lx, ry - ly)
+        width = self.object.width_m
         if abs(heights[1] - heights[0]) > 0.99 * width:
             raise fault(
                 [self.start.left_m, self.start.right_m],

@@ -4,24 +4,17 @@ The defaults are the scene `paper`. Given by the paper (section 5.1): the box wi
 centre of mass, the size of the palms, 5° and 15°, 1.5 m at 0.06 m/s. All else is assumed.
 A key that ends in ``_deg`` is in degrees, any other in the SI unit of its suffix. Seen from the
 side, x points from the left robot to the right one; "outward" is away from the partner.
-
-None means "not set". It is left out when a section is dumped, so that a dump is valid TOML too.
 """
 
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import BeforeValidator, model_validator
 
 from palmbots import _core
+from palmbots.path_keys import Path
 from palmbots.quantities import Angle, Fraction, Index, Range, Switch, fault, from_list
+from palmbots.section import Section
 from palmbots.standing import check_standing
 
 __all__ = [
@@ -34,10 +27,10 @@ __all__ = [
     "Palm",
     "PalmOverride",
     "PalmParameters",
+    "Path",
     "Robot",
     "RobotOverride",
     "RobotParameters",
-    "Section",
     "Side",
     "Start",
     "Tactile",
@@ -90,16 +83,6 @@ def other_side(side: Side) -> Side:
     return "right" if side == "left" else "left"
 
 
-class Section(BaseModel):
-    """A table of the scene: immutable, unknown keys refused, nothing converted."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-    @model_serializer(mode="wrap")
-    def _without_unset(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {k: v for k, v in dump(self).items() if v is not None and v != {}}
-
-
 class Object(Section):
     """[object] An extruded polygon seen from the side, in any frame and turned in any way."""
 
@@ -113,6 +96,12 @@ class Object(Section):
     depth_m: Size = 0.1
     """Length of the extrusion, across the direction of travel."""
 
+    @property
+    def width_m(self) -> float:
+        """Distance of the two contact vertices, about that of the robots' pivots."""
+        (lx, ly), (rx, ry) = (self.vertices_m[k] for k in self.contacts)
+        return math.hypot(rx - lx, ry - ly)
+
     @model_validator(mode="after")
     def _check(self) -> Self:
         check_standing(self.vertices_m, self.contacts, self.com_m)
@@ -125,7 +114,12 @@ class PalmParameters(Section):
     length_m: Size = 0.15
     """Along the direction of travel; contacts lie within ± half of it."""
     width_m: Size = 0.07
-    """Across the direction of travel."""
+    """Across the direction of travel; with lips as wide as the object and twice the clearance."""
+    lip_height_m: Extent = 0.0
+    """Dynamic world: height of the lips along both sides of the palm, which keep the object from
+    slipping sideways; 0: none."""
+    lip_clearance_m: Extent = 0.01
+    """Dynamic world: room between each lip and the object; lips too close jam on curved paths."""
     pivot_offset_m: Shift = 0.0
     """Distance of the palm's surface above its pivot, along the palm's normal."""
     friction: Friction = 0.3
@@ -146,6 +140,8 @@ class PalmOverride(Section):
 
     length_m: Size | None = None
     width_m: Size | None = None
+    lip_height_m: Extent | None = None
+    lip_clearance_m: Extent | None = None
     pivot_offset_m: Shift | None = None
     friction: Friction | None = None
     slip_deg: SlipAngle | None = None
@@ -374,6 +370,7 @@ class Task(Section):
     inertia: Switch = True
     """Whether the accelerations of the pair take part in deciding which contact lets go first;
     false: they are neglected, as the paper assumes."""
+    path: Path = Path()
 
 
 def _merged(base: Section, override: Section) -> dict[str, Any]:

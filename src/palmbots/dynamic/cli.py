@@ -1,6 +1,7 @@
 """The commands of the dynamic world: `palmbots export`, `validate` and `speed`."""
 
 import json
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,12 +19,14 @@ from palmbots.cli_options import (
     progress,
     scene_of,
 )
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
 
 if TYPE_CHECKING:
     from palmbots.carry import Carry
+    from palmbots.dynamic.sideways import Budget
+    from palmbots.scene import Scene
 
-__all__ = ["export", "speed", "validate", "watching", "write_film"]
+__all__ = ["export", "sideways_budget", "speed", "validate", "watching", "write_film", "write_plan"]
 
 
 @contextmanager
@@ -36,6 +39,40 @@ def watching(wanted: bool) -> Iterator[Callable[[Any], None] | None]:
 
     with Viewer() as viewer:
         yield viewer.show
+
+
+def sideways_budget(scene: "Scene", controller: str, quiet: bool, anyway: bool) -> "Budget":
+    """Tell how far the object will slip sideways on a curved path; warn near the end of the budget.
+
+    Raises `SceneError` beyond it, unless `anyway`, and where lips would jam.
+    """
+    from palmbots.carry import CONTROLLERS, one_of
+    from palmbots.dynamic.sideways import forecast
+    from palmbots.report import console_for_people
+
+    one_of("controller", controller, CONTROLLERS)
+    with progress("predicting", quiet) as report:
+        budget = forecast(scene, controller, progress=report)
+    if budget.verdict == "beyond" and not anyway:
+        raise SceneError(budget.refusal())
+    if not quiet:
+        console_for_people().print(budget.told(), style="dim", soft_wrap=True)
+    if budget.verdict != "kept":
+        print(
+            "palmbots: warning: the path takes up much of the sideways budget: "
+            f"{1e3 * budget.most_m:.0f} of {1e3 * budget.budget_m:.0f} mm for the worst seed",
+            file=sys.stderr,
+        )
+    return budget
+
+
+def write_plan(done: "Carry", out: Path) -> Path:
+    """The carry seen from above; returns what was written."""
+    from palmbots.dynamic.plan_view import save
+    from palmbots.files import folder
+
+    save(done, folder(out) / "plan.png")
+    return folder(out) / "plan.png"
 
 
 def write_film(done: "Carry", out: Path, quiet: bool) -> list[Path]:

@@ -3,9 +3,11 @@
 Nothing is simulated again: every frame is a state that the carry kept. Drawn into it are, at each
 palm, the friction cone (green: the contact sticks, purple: it slides) and the force on the object
 (an arrow, 25 mm for each newton), both moved to the near side, where the object does not hide them.
-The camera goes with the pair and looks along +y.
+The camera goes with the pair and looks across it. On a curved path it turns with the pair, looks
+more from above, and the path is drawn on the floor.
 """
 
+import itertools
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from palmbots.dynamic.curved import Line, edges_of, fit_edges, line_of
 from palmbots.dynamic.engine import mujoco, offscreen
 from palmbots.dynamic.model import layout, mjcf
 from palmbots.errors import PalmbotsError
@@ -35,6 +38,7 @@ _LAST_FRAME_S = 2.0
 _LONGEST_S = 60.0  # a longer carry is shown faster
 _METRES_PER_NEWTON = 0.025
 _CONE_M, _SPOKES = 0.07, 16
+_FROM_ABOVE_DEG = -28.0  # on a curved path
 
 
 class Studio:
@@ -69,6 +73,14 @@ class Studio:
         self._camera = self._mj.MjvCamera()
         self._camera.azimuth, self._camera.elevation = 96.0, -10.0
         self._camera.distance = float(trace["separation"].max()) + 0.55
+        self._line: Line | None = None
+        if carry.scene.task.path.is_curved:
+            self._line = line_of(carry.scene)
+            self._edges = edges_of(self._model, carry.scene)
+            self._way = trace["midpoint"].to_numpy()
+            self._camera.elevation = _FROM_ABOVE_DEG
+            self._camera.distance += 0.15
+        self._ahead = np.array([1.0, 0.0, 0.0])
         self._font = ImageFont.truetype(_font(), size[1] // 27)
 
     def __enter__(self) -> "Studio":
@@ -82,14 +94,32 @@ class Studio:
         d, m = self._data, self._model
         self._mj.mj_setState(m, d, self._states[row], self._kind)
         self._mj.mj_forward(m, d)
-        x = 0.5 * (d.xpos[self._palms[0]][0] + d.xpos[self._palms[1]][0])
-        self._camera.lookat[:] = (x, 0.0, self._height - 0.04)
+        one, two = (d.xpos[palm] for palm in self._palms)
+        self._camera.lookat[:] = (0.5 * (one[0] + two[0]), 0.0, self._height - 0.04)
+        if self._line is not None:
+            fit_edges(m, d, self._edges)
+            self._mj.mj_forward(m, d)
+            self._camera.lookat[1] = 0.5 * (one[1] + two[1])
+            heading = math.atan2(two[1] - one[1], two[0] - one[0])
+            self._camera.azimuth = 96.0 + math.degrees(heading)
+            self._ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
         self._renderer.update_scene(d, self._camera)
+        self._draw_path(row)
         for k in (0, 1):
             self._contact(k, int(self._motion[min(row, len(self._motion) - 1), k]))
         image = Image.fromarray(self._renderer.render())
         self._label(image, row, note)
         return image
+
+    def _draw_path(self, row: int) -> None:
+        """The line that the robots follow, around them."""
+        if self._line is None:
+            return
+        way, colour = float(self._way[row]), np.array([0.35, 0.35, 0.35, 1.0], dtype=np.float32)
+        spots = [self._line.at(way + s) for s in np.linspace(-1.0, 1.0, 61)]
+        points = [np.array([spot.x, spot.y, 0.001]) for spot in spots]
+        for start, end in itertools.pairwise(points):
+            self._bar(0.004, start, end, colour)
 
     def _contact(self, k: int, motion: int) -> None:
         """Friction cone and force at one palm, where its contacts press."""
@@ -101,6 +131,8 @@ class Studio:
             bodies = [int(m.geom_bodyid[g]) for g in contact.geom]
             if self._palms[k] not in bodies or contact.efc_address < 0:
                 continue
+            if any("_lip_" in m.geom(int(g)).name for g in contact.geom):
+                continue
             self._mj.mj_contactForce(m, d, i, six)
             sign = 1.0 if bodies[0] == self._palms[k] else -1.0  # on the object
             force += sign * (contact.frame.reshape(3, 3).T @ six[:3])
@@ -109,7 +141,10 @@ class Studio:
         if normal < 1e-3:
             return
         place /= normal
-        place[1], force[1] = self._near, 0.0
+        # To the near side of the object, and as seen from there.
+        left = np.array([-self._ahead[1], self._ahead[0], 0.0])
+        force -= left * (force @ left)
+        place += left * (self._near - (place - self._camera.lookat) @ left)
         axis = d.xmat[self._palms[k]].reshape(3, 3)
         colour = np.fromstring(rgba(BOTH if motion else ZERO, 0.9), sep=" ", dtype=np.float32)
         rim = []
@@ -124,7 +159,7 @@ class Studio:
         dark = np.fromstring(rgba(INK), sep=" ", dtype=np.float32)
         tip = place + _METRES_PER_NEWTON * force
         self._bar(0.0025, place, tip, dark)
-        across = 0.3 * np.array([force[2], 0.0, -force[0]])
+        across = 0.3 * (force[2] * self._ahead - (force @ self._ahead) * np.array([0.0, 0.0, 1.0]))
         for side in (-1, 1):  # MuJoCo's own arrows are drawn at half their length
             barb = 0.25 * _METRES_PER_NEWTON * (force + side * across * 2)
             self._bar(0.0025, tip - barb, tip, dark)

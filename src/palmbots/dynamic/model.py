@@ -23,6 +23,7 @@ from palmbots.geometry import SIDES, floor_level
 from palmbots.lowering import lower
 from palmbots.outline import turn
 from palmbots.scene import Scene
+from palmbots.sections import Side
 from palmbots.style import OBJECT, QUIET
 from palmbots.xml_text import numbers, rgba
 
@@ -49,7 +50,7 @@ class Layout:
 
 def layout(scene: Scene) -> Layout:
     """The start as the quasistatic world has it: palms steep, the contacts where the scene says."""
-    spec = lower(scene)
+    spec = lower(scene, unrolled=True)
     world = _core.World(spec)
     half = world.separation / 2
     palm, p = spec.palms[0], spec.start[0]
@@ -123,7 +124,12 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     balls, slabs = _object(world, scene, at, outline)
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])
-    _palm_pairs(contact, at, balls, slabs, engine.palm)
+    lips: dict[Side, tuple[str, ...]] = {
+        side: tuple(f"{side}_lip_{end}" for end in ("port", "starboard"))
+        for side in SIDES
+        if scene.palm_of(side).lip_height_m > 0
+    }
+    _palm_pairs(contact, at, balls, slabs, lips, engine.palm)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -254,7 +260,12 @@ def _floor_pairs(parent: ET.Element, scene: Scene, floors: list[str]) -> None:
 
 
 def _palm_pairs(
-    parent: ET.Element, at: Layout, balls: list[_Ball], slabs: list[_Slab], contact: Contact
+    parent: ET.Element,
+    at: Layout,
+    balls: list[_Ball],
+    slabs: list[_Slab],
+    lips: dict[Side, tuple[str, ...]],
+    contact: Contact,
 ) -> None:
     """Of object and palms, what can come together."""
     for k, side in enumerate(SIDES):
@@ -268,3 +279,5 @@ def _palm_pairs(
                 for end in ("inner", "outer"):
                     for y in ("near", "far"):
                         _pair(parent, slab.name, f"{side}_{end}_{y}", 3, palm.friction, contact)
+                for lip in lips.get(side, ()):
+                    _pair(parent, slab.name, lip, 3, palm.friction, contact)

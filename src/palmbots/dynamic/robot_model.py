@@ -17,10 +17,12 @@ from palmbots.xml_text import numbers, rgba
 
 __all__ = [
     "CASTER",
+    "LIP",
     "TIP",
     "WHEEL_WIDTH",
     "Chassis",
     "add_robot",
+    "axle_out",
     "box_inertia",
     "chassis",
     "wheel_inertia",
@@ -29,9 +31,11 @@ __all__ = [
     "wheel_servo",
 ]
 
+LIP = 0.004  # m, thickness of the lips along a palm's sides
 TIP = 1e-4  # m, radius of the balls that touch: a point but for rounding
 CASTER, WHEEL_WIDTH = 0.015, 0.02  # m; assumed
 _WHEEL_KG = 0.05
+_AXLE = 0.2  # m, outward of the pivot, where the scene does not say; assumed
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,20 @@ class Chassis:
         return self.pivot[0] - self.shoulder[0], self.pivot[1] - self.shoulder[1]
 
 
-def chassis(height: float) -> Chassis:
-    """The places on a robot whose pivot is `height` above the floor [m]."""
-    low = CLEARANCE
+def axle_out(scene: Scene) -> float:
+    """How far outward of the pivot the wheels stand [m]."""
+    if scene.dynamic.axle_m is not None:
+        return scene.dynamic.axle_m
+    return 0.0 if scene.task.path.is_curved else _AXLE
+
+
+def chassis(height: float, axle: float = _AXLE) -> Chassis:
+    """The places on a robot whose pivot is `height` above the floor and whose wheels stand `axle`
+    outward of it [m]. The caster is at the other side of the centre of mass."""
+    low, middle = CLEARANCE, BODY_GAP + BODY_SIZE / 2
     return Chassis(
-        axle=0.05,
-        caster=-0.07,
+        axle=0.05 if axle == _AXLE else axle - middle,
+        caster=-0.07 if axle > middle + 0.02 else 0.07,
         track=BODY_SIZE + 0.02,
         com=(0.02, low + 0.06),
         shoulder=(0.03 - BODY_SIZE / 2, low + BODY_SIZE - 0.03),
@@ -87,7 +99,7 @@ def add_robot(
 ) -> None:
     """Add the robot of one side whose pivot is at x = `pivot` [m], `height` [m] above the floor."""
     out = -1.0 if side == "left" else 1.0
-    keys, frame = scene.dynamic, chassis(height)
+    keys, frame = scene.dynamic, chassis(height, axle_out(scene))
     body = ET.SubElement(
         world, "body", name=f"{side}_body", pos=numbers(pivot - out * frame.pivot[0], 0.0, 0.0)
     )
@@ -140,6 +152,13 @@ def _wheels(
             wheel, "geom", {"class": "touch"}, name=f"{side}_{name}", type="sphere",
             size=numbers(radius),
         )  # fmt: skip
+        if abs(axle) > BODY_SIZE / 2 + radius:  # it stands clear of the body: a fork holds it
+            inner = math.copysign(BODY_SIZE / 2, axle)
+            ET.SubElement(
+                body, "geom", type="box", rgba=rgba(QUIET),
+                size=numbers(abs(axle - inner) / 2 + 0.008, 0.004, 0.008),
+                pos=numbers((axle + inner) / 2, across - math.copysign(0.016, across), radius),
+            )  # fmt: skip
         _drive(actuators, f"{side}_{name}", servo)
 
 
@@ -212,6 +231,14 @@ def _palm(
             ET.SubElement(
                 body, "geom", {"class": "touch"}, name=f"{side}_{end}_{name}", type="sphere",
                 size=numbers(TIP), pos=numbers(x, y, offset - TIP),
+            )  # fmt: skip
+    if palm.lip_height_m > 0:
+        high = palm.lip_height_m / 2
+        for name, y in (("starboard", -wide - LIP / 2), ("port", wide + LIP / 2)):
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=f"{side}_lip_{name}", type="box",
+                size=numbers(half, LIP / 2, high), pos=numbers(0.0, y, offset + high),
+                rgba=rgba(HUE[side], 0.5), group="1",
             )  # fmt: skip
     ET.SubElement(body, "site", name=f"{side}_pivot", size="0.004", rgba=rgba(INK), group="1")
     _drive(actuators, f"{side}_wrist", WRIST)

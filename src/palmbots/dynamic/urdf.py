@@ -13,6 +13,7 @@ from palmbots.dynamic.model import layout
 from palmbots.dynamic.robot_model import (
     CASTER,
     WHEEL_WIDTH,
+    axle_out,
     box_inertia,
     chassis,
     wheel_inertia,
@@ -34,7 +35,8 @@ _EFFORT = {"wheel": 2.0, "shoulder": 10.0, "wrist": 5.0}  # N m; assumed
 def robot_urdf(scene: Scene, side: Side) -> str:
     """The text of a URDF file of the robot of one side."""
     out = -1.0 if side == "left" else 1.0
-    keys, frame, palm = scene.dynamic, chassis(layout(scene).height), scene.palm_of(side)
+    keys, palm = scene.dynamic, scene.palm_of(side)
+    frame = chassis(layout(scene).height, axle_out(scene))
     root = ET.Element("robot", name=f"palmbot_{side}")
     base = ET.SubElement(root, "link", name="base")
     cube = 3 * (BODY_SIZE,)

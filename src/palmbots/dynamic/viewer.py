@@ -54,6 +54,9 @@ class Viewer:
             early = world.time_s - (time.perf_counter() - self._began)
             if early > 0:
                 time.sleep(early)
-            x = 0.5 * sum(float(world.data.body(f"{s}_palm").xpos[0]) for s in ("left", "right"))
-            self._window.cam.lookat[:] = (x, 0.0, world.layout.height - 0.04)
+            x, y = (
+                0.5 * sum(float(world.data.body(f"{s}_palm").xpos[i]) for s in ("left", "right"))
+                for i in (0, 1)
+            )
+            self._window.cam.lookat[:] = (x, y, world.layout.height - 0.04)
             self._window.sync()

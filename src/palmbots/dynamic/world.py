@@ -15,7 +15,7 @@ import numpy as np
 from palmbots import _core
 from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
-from palmbots.dynamic.robot_model import chassis
+from palmbots.dynamic.robot_model import axle_out, chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.geometry import SIDES
@@ -30,6 +30,7 @@ _STICKS = 5e-4  # m/s; what moves less along its palm sticks
 _LET_GO_S = 0.25  # an object that a palm has not felt for so long is not held any more
 _TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,14 @@ class Measured:
     """Of the robots' bodies, outward end up [rad]."""
     yaw: tuple[float, float]
     """Of the robots' bodies, anticlockwise seen from above [rad]."""
+    across: tuple[float, float]
+    """Of the middles of the contact edges on their palms, to the left seen towards +x [m]."""
+    pivot_x: tuple[float, float]
+    pivot_y: tuple[float, float]
+    """Places of the pivots on the floor [m]."""
+    vertex_x: tuple[float, float]
+    vertex_y: tuple[float, float]
+    """Places of the middles of the contact edges [m]."""
 
 
 def refuse_unknown(scene: Scene) -> None:
@@ -74,18 +83,19 @@ class MujocoWorld:
         self.steps = steps_per_tick(scene)
         self.time_s = 0.0
         self._period = scene.control.period_s
-        self._track = chassis(self.layout.height).track
+        self._track = chassis(self.layout.height, axle_out(scene)).track
         self._radius = scene.dynamic.wheel_radius_m
         left, right = self.layout.spec.palms
         self._steep = (left.steep, right.steep)
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
         self._unfelt = [0.0, 0.0]
-        self.measured = Measured(*(6 * [(0.0, 0.0)]))
+        self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
         self._origin = self._midpoint()
         self._p = self._contacts()
-        self._x = self._pivots()
+        self._x = self._ways()
+        self.across_peak = self.across
 
     # --- moving ---------------------------------------------------------------------------------
 
@@ -94,7 +104,7 @@ class MujocoWorld:
         `angles` [rad]."""
         ctrl = self.data.ctrl
         for k in (0, 1):
-            steer = 0.5 * _HEADING * self._track * self._yaw(k)
+            steer = -0.5 * self._track * self._turning(k, speeds[k])
             port, starboard = self._wheels[k]
             ctrl[port] = (speeds[k] + steer) / self._radius
             ctrl[starboard] = (speeds[k] - steer) / self._radius
@@ -115,7 +125,7 @@ class MujocoWorld:
         """What is seen now, since the last time."""
         p, before = self._contacts(), self._p
         touched, pressed, force, drag = self._feel(p)
-        x, last = self._pivots(), self._x
+        x, last = self._ways(), self._x
         self._p, self._x = p, x
         end = "" if first else self._end(p, pressed)
         least = _STICKS * self._period
@@ -126,7 +136,12 @@ class MujocoWorld:
         if self._measures:
             speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
             yaw = (self._yaw(0), self._yaw(1))
-            self.measured = Measured(force, drag, speed, self._slips(speed), self._pitches(), yaw)
+            self.measured = Measured(
+                force, drag, speed, self._slips(speed), self._pitches(), yaw, self.across,
+                *self._places(),
+            )  # fmt: skip
+        across, peak = self.across, self.across_peak
+        self.across_peak = (max(peak[0], across[0], key=abs), max(peak[1], across[1], key=abs))
         vertices = self._vertices()
         return _core.Sight(
             contacts=p,
@@ -135,9 +150,9 @@ class MujocoWorld:
             pressed=pressed,
             palms=self._palms(),
             wrists=self.wrists(),
-            separation=x[1] - x[0],
+            separation=self._separation(x),
             midpoint=0.5 * (x[0] + x[1]) - self._origin,
-            rise=vertices[1][1] - vertices[0][1],
+            rise=vertices[1][2] - vertices[0][2],
             motion=(left, right),
             end=end,
         )
@@ -165,6 +180,11 @@ class MujocoWorld:
     def contacts(self) -> tuple[float, float]:
         """The contact coordinates p [m]."""
         return self._contacts()
+
+    @property
+    def lifts(self) -> tuple[float, float]:
+        """Heights of the contact edges' middles above their palms [m]; < 0: palms give way."""
+        return self._lifts()
 
     @property
     def advance(self) -> float:
@@ -219,8 +239,8 @@ class MujocoWorld:
         for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
             of_object = [k for k in pair if m.geom_bodyid[k] == thing]
             of_palm = [k for k in pair if self._is_palm[k]]
-            if not of_object:
-                continue
+            if not of_object or any("_lip_" in m.geom(k).name for k in pair):
+                continue  # lips hold sideways; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
             vertex = m.geom(of_object[0]).name.startswith(
                 f"vertex_{(0, spec.contact_right)[side]}_"
@@ -237,33 +257,49 @@ class MujocoWorld:
                     self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
         self.time_s = 0.0  # MuJoCo's own clock goes on: that it falls back tells of a fault
 
-    def _pivots(self) -> tuple[float, float]:
+    def _turning(self, k: int, speed: float) -> float:
+        """How fast a robot is to turn, anticlockwise seen from above [rad/s]: to its heading."""
+        return -_HEADING * self._yaw(k)
+
+    def _ways(self) -> tuple[float, float]:
+        """How far along the path the pivots are, towards +x at the start [m]: their x."""
         return float(self._palm_pos[0][0]), float(self._palm_pos[1][0])
 
+    def _separation(self, ways: tuple[float, float]) -> float:
+        return ways[1] - ways[0]
+
     def _midpoint(self) -> float:
-        return 0.5 * sum(self._pivots())
+        return 0.5 * sum(self._ways())
 
-    def _vertices(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The two contact vertices (x, z)."""
-        x, z = float(self._thing_pos[0]), float(self._thing_pos[2])
-        mat = self._thing_mat
-        return (x, z), (x + self._width * float(mat[0]), z + self._width * float(mat[6]))
+    def _vertices(self) -> tuple[Point, Point]:
+        """The middles of the two contact edges (x, y, z)."""
+        x, y, z = self._thing_pos.tolist()
+        ax, _, _, ay, _, _, az, _, _ = self._thing_mat.tolist()
+        w = self._width
+        return (x, y, z), (x + w * ax, y + w * ay, z + w * az)
 
-    def _along(self, k: int, x: float, z: float) -> tuple[float, float]:
-        """A point as a palm sees it: outward along it, and above its surface."""
-        pos, mat = self._palm_pos[k], self._palm_mat[k]
-        dx, dz = x - float(pos[0]), z - float(pos[2])
-        along = dx * float(mat[0]) + dz * float(mat[6])
-        above = dx * float(mat[2]) + dz * float(mat[8]) - self._offset[k]
-        return _OUT[k] * along, above
+    def _seen(self, k: int, point: Point) -> Point:
+        """A point as a palm sees it: outward along it, across to its left, above its surface."""
+        pos, mat = self._palm_pos[k].tolist(), self._palm_mat[k].tolist()
+        dx, dz = point[0] - pos[0], point[2] - pos[2]
+        along = dx * mat[0] + dz * mat[6]
+        above = dx * mat[2] + dz * mat[8] - self._offset[k]
+        return _OUT[k] * along, point[1] - pos[1], above
 
     def _contacts(self) -> tuple[float, float]:
         left, right = self._vertices()
-        return self._along(0, *left)[0], self._along(1, *right)[0]
+        return self._seen(0, left)[0], self._seen(1, right)[0]
 
     def _lifts(self) -> tuple[float, float]:
         left, right = self._vertices()
-        return self._along(0, *left)[1], self._along(1, *right)[1]
+        return self._seen(0, left)[2], self._seen(1, right)[2]
+
+    @property
+    def across(self) -> tuple[float, float]:
+        """Where the middle of each contact edge is across its palm, to the left seen towards +x
+        [m]: no sensor feels it."""
+        left, right = self._vertices()
+        return self._seen(0, left)[1], self._seen(1, right)[1]
 
     def _palms(self) -> tuple[float, float]:
         left, right = self._palm_mat
@@ -279,6 +315,12 @@ class MujocoWorld:
     def _yaw(self, k: int) -> float:
         mat = self._body_mat[k]
         return math.atan2(float(mat[3]), float(mat[0]))
+
+    def _places(self) -> list[tuple[float, float]]:
+        """Pivots and contact edges as seen from above: x, y, x, y."""
+        one, two = (pos.tolist() for pos in self._palm_pos)
+        left, right = self._vertices()
+        return [(a[i], b[i]) for a, b in ((one, two), (left, right)) for i in (0, 1)]
 
     def _slips(self, speed: tuple[float, float]) -> tuple[float, float]:
         v = self.data.qvel
@@ -305,17 +347,16 @@ class MujocoWorld:
                 continue
             k, vertex = touching
             push, one, other = forces[address : address + 3].tolist()
-            x, _, z = places[i].tolist()
             sums[k][vertex][0] += push
-            sums[k][vertex][1] += push * self._along(k, x, z)[0]
+            sums[k][vertex][1] += push * self._seen(k, places[i].tolist())[0]
             if not self._measures:
                 continue
             frame, mat = frames[i], self._palm_mat[k]
             # MuJoCo's force acts on the second geom; the palm takes it or gives it.
             sign = 1.0 if self._is_palm[pair[1]] else -1.0
-            fx = one * float(frame[3]) + other * float(frame[6])
-            fz = one * float(frame[5]) + other * float(frame[8])
-            drag[k] += sign * _OUT[k] * (fx * float(mat[0]) + fz * float(mat[6]))
+            fx, fy, fz = (one * float(frame[3 + i]) + other * float(frame[6 + i]) for i in range(3))
+            along = fx * float(mat[0]) + fy * float(mat[3]) + fz * float(mat[6])
+            drag[k] += sign * _OUT[k] * along
         touched, pressed, force = list(p), [False, False], [0.0, 0.0]
         for k in (0, 1):
             force[k] = sums[k][0][0] + sums[k][1][0]
@@ -335,7 +376,7 @@ class MujocoWorld:
         """Why the object is not held any more; empty if it is."""
         if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
             return "off-palm"
-        if float(self._thing_mat[0]) < math.cos(_TURNED):
+        if float(self._thing_mat[8]) < math.cos(_TURNED):
             return "tipping"
         for k in (0, 1):
             self._unfelt[k] = 0.0 if pressed[k] else self._unfelt[k] + self._period

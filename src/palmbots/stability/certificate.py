@@ -15,6 +15,7 @@ from os import PathLike
 from typing import Any, Literal
 
 from palmbots.files import write_whole
+from palmbots.lowering import refuse_curved
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.box import Box, box_of, text
 from palmbots.stability.parts import CLAIMS, Obligation, Part, halved, obligations
@@ -134,4 +135,5 @@ def certify(
         PalmbotsError: an interval is upside down or beyond what a scene allows.
     """
     chosen: Scene = load_scene(scene, overrides)
+    refuse_curved(chosen)
     return prove(box_of(chosen, **uncertainty), claims, most_parts=most_parts)

@@ -13,9 +13,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots.errors import SceneError, show
+from palmbots.lowering import refuse_curved
 from palmbots.quantities import Range, fault, whole
 from palmbots.scene import Scene, load_scene
-from palmbots.sections import Section
+from palmbots.section import Section
 
 __all__ = ["Axis", "Levels", "Span", "axes_of", "scene_at"]
 
@@ -124,6 +125,7 @@ def scene_at(base: Scene, keys: Sequence[str], values: Sequence[Any], called: st
     given = dict(zip(keys, values, strict=True))
     plain = {key: value for key, value in given.items() if not _INDEXED.fullmatch(key)}
     scene = load_scene(base, plain, called=called)
+    refuse_curved(scene)
     entries: dict[str, list[Any]] = {}
     for key, value in given.items():
         indexed = _INDEXED.fullmatch(key)

@@ -18,10 +18,11 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from palmbots.carry import CONTROLLERS
 from palmbots.complaints import complaint
 from palmbots.errors import PalmbotsError, SceneError, show
+from palmbots.lowering import refuse_curved
 from palmbots.quantities import Range, fault, from_list, whole
 from palmbots.scene import Scene, load_scene
 from palmbots.scene_files import read_table
-from palmbots.sections import Section
+from palmbots.section import Section
 from palmbots.studies.axes import Span, axes_of
 
 __all__ = ["Design", "Plan", "Seeds", "Stop", "Study", "load_plan", "ready_studies"]
@@ -205,7 +206,9 @@ def _base(study: Study, at: Path, called: str) -> Scene:
             "or a table"
         )
     try:
-        return load_scene(source, study.set, called=f"{called} set:")
+        scene = load_scene(source, study.set, called=f"{called} set:")
+        refuse_curved(scene)  # before anything is written
+        return scene
     except PalmbotsError as error:
         text = str(error)
         raise SceneError(text if text.startswith(called) else f"{called} scene: {text}") from None

@@ -1,0 +1,139 @@
+"""A carry on a curved path seen from above: the path, both pivots' tracks, the object on its way.
+
+x to the right and y up, metres. The object is drawn in even steps of the way, between its two
+contact edges, with arrows that show how far it has slipped across its palms, ten times as long as
+in truth.
+"""
+
+import math
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+
+from palmbots.dynamic.curved import Line, line_of
+from palmbots.errors import PalmbotsError
+from palmbots.files import whole_file
+from palmbots.geometry import SIDES
+from palmbots.style import DROP, HUE, INK, LINE, OBJECT, QUIET, styled
+
+if TYPE_CHECKING:
+    from palmbots.carry import Carry
+
+__all__ = ["draw", "save"]
+
+_SHOWN = 7  # times that the object is drawn
+_LONGER = 10.0  # than in truth, the arrows of the slip
+_WIDE_IN, _LEAST_IN, _MOST_IN = 6.5, 2.0, 8.0
+
+
+def draw(carry: "Carry") -> Figure:
+    """The plan view. Raises `PalmbotsError` for a carry without trace, or on a straight path."""
+    if carry.trace is None or "pivot_x" not in carry.trace:
+        raise PalmbotsError(
+            "plan view: this carry has no places on the floor; allowed: world mujoco, record=True"
+        )
+    if not carry.scene.task.path.is_curved:
+        raise PalmbotsError("plan view: the path is straight; allowed: a task.path with a curve")
+    line = line_of(carry.scene)
+    trace = carry.trace
+    names = ("pivot_x", "pivot_y", "vertex_x", "vertex_y", "across")
+    px, py, vx, vy, across = (trace[n].transpose("time", "side").to_numpy() for n in names)
+    with styled():
+        low = np.array([min(px.min(), vx.min()), min(py.min(), vy.min())]) - 0.16
+        high = np.array([max(px.max(), vx.max()), max(py.max(), vy.max())]) + 0.16
+        size = high - low
+        tall = float(np.clip(_WIDE_IN * size[1] / size[0], _LEAST_IN, _MOST_IN))
+        figure = Figure(figsize=(_WIDE_IN + 0.9, tall + 1.35))
+        panel = figure.add_axes(
+            (
+                0.65 / figure.get_figwidth(),
+                0.45 / figure.get_figheight(),
+                _WIDE_IN / figure.get_figwidth(),
+                tall / figure.get_figheight(),
+            )
+        )
+        _draw_path(panel, line, trace["midpoint"].to_numpy())
+        rows = _rows(trace["midpoint"].to_numpy())
+        depth = carry.scene.object.depth_m
+        for row in rows:
+            _draw_object(panel, vx[row], vy[row], across[row], depth)
+        for k, side in enumerate(SIDES):
+            panel.plot(px[:, k], py[:, k], color=HUE[side], ls=LINE[side], lw=1.4)
+            panel.plot(px[rows, k], py[rows, k], "o", color=HUE[side], ms=3)
+        panel.set_aspect("equal")
+        panel.set_xlim(low[0], high[0])
+        panel.set_ylim(low[1], high[1])
+        panel.set_xlabel("x (m)")
+        panel.set_ylabel("y (m)")
+        _head(figure, carry)
+    return figure
+
+
+def save(carry: "Carry", path: str | os.PathLike[str]) -> None:
+    """Write the plan view to `path` as PNG; the file appears whole or not at all."""
+    figure = draw(carry)
+    with styled(), whole_file(path) as stream:
+        figure.savefig(stream, format="png", metadata={"Software": None})
+
+
+def _rows(ways: np.ndarray) -> list[int]:
+    """Rows of the trace at even steps of the way, the first and the last one among them."""
+    gone = np.maximum.accumulate(np.abs(ways))
+    wanted = np.linspace(0.0, gone[-1], _SHOWN)
+    return sorted({min(int(np.searchsorted(gone, w)), len(ways) - 1) for w in wanted})
+
+
+def _draw_path(panel: Axes, line: Line, ways: np.ndarray) -> None:
+    reach = line.spread / 2 + 0.1
+    spots = [line.at(w) for w in np.linspace(ways.min() - reach, ways.max() + reach, 400)]
+    panel.plot([s.x for s in spots], [s.y for s in spots], color=QUIET, lw=4, alpha=0.35, zorder=0)
+
+
+def _draw_object(
+    panel: Axes, x: np.ndarray, y: np.ndarray, across: np.ndarray, depth: float
+) -> None:
+    """The object from its two contact edges, and its slip across."""
+    dx, dy = x[1] - x[0], y[1] - y[0]
+    long = math.hypot(dx, dy)
+    aside = np.array([-dy, dx]) / long
+    ends = np.array([[x[0], y[0]], [x[1], y[1]]])
+    side = 0.5 * depth * aside
+    corners = [ends[0] - side, ends[1] - side, ends[1] + side, ends[0] + side]
+    panel.add_patch(Polygon(corners, closed=True, fc=OBJECT, ec=INK, lw=0.5, alpha=0.55, zorder=1))
+    for end, slip in zip(ends, across, strict=True):
+        if abs(slip) < 2e-4:
+            continue
+        tip = end + _LONGER * slip * aside
+        panel.annotate(
+            "", tip, end,
+            arrowprops={"arrowstyle": "-|>", "color": DROP, "lw": 1.0, "shrinkA": 0, "shrinkB": 0,
+                        "mutation_scale": 7}, zorder=4,
+        )  # fmt: skip
+
+
+def _head(figure: Figure, carry: "Carry") -> None:
+    high, wide = figure.get_figheight(), figure.get_figwidth()
+    ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
+    first = f"{carry.controller}: {ending} after {carry.time_s:.1f} s and {carry.distance_m:.2f} m"
+    told = [f"seed {carry.seed}", "from above"]
+    if carry.across_peak_m is not None:
+        left, right = (1e3 * carry.across_peak_m[side] for side in SIDES)
+        told.insert(0, f"across the palms at most left {left:.1f}, right {right:.1f} mm")
+    x = 0.65 / wide
+    figure.text(x, 1 - 0.1 / high, first, va="top", weight="bold", size=9)
+    figure.text(x, 1 - 0.28 / high, "  ·  ".join(told), va="top", size=7.5)
+    handles = [
+        Line2D([], [], color=QUIET, lw=4, alpha=0.35, label="path"),
+        *(Line2D([], [], color=HUE[s], ls=LINE[s], label=f"{s} pivot") for s in SIDES),
+        Patch(fc=OBJECT, ec=INK, lw=0.5, alpha=0.55, label="object"),
+        Line2D([], [], color=DROP, lw=1.0, label=f"slip across, {_LONGER:g} × as long"),
+    ]
+    figure.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(x, 1 - 0.44 / high),
+        ncols=len(handles), borderaxespad=0, handlelength=2.0, columnspacing=1.2,
+    )  # fmt: skip
