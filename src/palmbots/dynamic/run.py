@@ -12,7 +12,7 @@ from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 
-__all__ = ["Physics", "Watch", "run"]
+__all__ = ["Keeper", "Physics", "Watch", "run"]
 
 Watch = Callable[[MujocoWorld], None]
 
@@ -56,8 +56,7 @@ def run(
     """
     world = MujocoWorld(scene, engine, measures=record or watch is not None)
     crew = _core.Crew(lower(scene), controller, seed, world.sight(first=True), SLACK)
-    kept: list[Measured] = []
-    states = [world.state()] if record else []
+    keeper = Keeper(world) if record else None
     if watch is not None:
         watch(world)
     way = scene.task.distance_m
@@ -65,20 +64,33 @@ def run(
         speeds, angles, *_ = crew.command()
         world.move(speeds, angles)
         crew.observe(world.sight())
-        if record:
-            kept.append(world.measured)
-            states.append(world.state())
+        if keeper is not None:
+            keeper.keep(world)
         if watch is not None:
             watch(world)
         if progress is not None and round(world.time_s / scene.control.period_s) % 20 == 0:
             progress(min(1.0, abs(world.advance) / way))
-    if not record:
-        return crew.run(), None
-    kept.append(
-        kept[-1] if kept else world.measured
-    )  # a tick's row is its start; the last has none
-    columns = {
-        name: (np.array([getattr(row, name) for row in kept]), unit, meaning)
-        for name, (unit, meaning) in _COLUMNS.items()
-    }
-    return crew.run(), Physics(columns, np.array(states), engine)
+    return crew.run(), None if keeper is None else keeper.physics(world, engine)
+
+
+class Keeper:
+    """Keeps what only this world knows, tick after tick."""
+
+    def __init__(self, world: MujocoWorld) -> None:
+        """`world` is at its start."""
+        self._kept: list[Measured] = []
+        self._states = [world.state()]
+
+    def keep(self, world: MujocoWorld) -> None:
+        """What the last tick came to."""
+        self._kept.append(world.measured)
+        self._states.append(world.state())
+
+    def physics(self, world: MujocoWorld, engine: Engine) -> Physics:
+        """All of it. A tick's row is its start, so the last row repeats the last tick."""
+        rows = [*self._kept, self._kept[-1] if self._kept else world.measured]
+        columns = {
+            name: (np.array([getattr(row, name) for row in rows]), unit, meaning)
+            for name, (unit, meaning) in _COLUMNS.items()
+        }
+        return Physics(columns, np.array(self._states), engine)
