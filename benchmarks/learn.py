@@ -24,7 +24,7 @@ from palmbots.learn.meaning import action
 from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "learn.csv"
-STEPS, RUNS, EPISODES = {"quasistatic": 20_000, "mujoco": 300}, 3, 200
+STEPS, RUNS, EPISODES = {"quasistatic": 20_000, "mujoco": 300}, 3, 100
 NOISES = (0.01, 0.02, 0.03, 0.04)
 
 
