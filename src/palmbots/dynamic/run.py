@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from palmbots import _core
+from palmbots.dynamic.columns import COLUMNS
 from palmbots.dynamic.settings import DEFAULT, Engine
 from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
 from palmbots.lowering import lower
@@ -15,16 +16,6 @@ from palmbots.scene import Scene
 __all__ = ["Keeper", "Physics", "Watch", "run"]
 
 Watch = Callable[[MujocoWorld], None]
-
-# Unit and meaning of the fields of Measured, which the trace holds too.
-_COLUMNS = {
-    "force": ("N", "force of the object on each palm, along its normal"),
-    "drag": ("N", "force of the object on each palm, along it, outward"),
-    "speed": ("m/s", "speed of the pivot over the following tick"),
-    "slip": ("m/s", "by how much the wheels run ahead of the robot"),
-    "pitch": ("rad", "pitch of the robot's body, its outward end up"),
-    "yaw": ("rad", "heading of the robot's body, anticlockwise seen from above"),
-}
 
 
 @dataclass(frozen=True)
@@ -91,6 +82,6 @@ class Keeper:
         rows = [*self._kept, self._kept[-1] if self._kept else world.measured]
         columns = {
             name: (np.array([getattr(row, name) for row in rows]), unit, meaning)
-            for name, (unit, meaning) in _COLUMNS.items()
+            for name, (unit, meaning) in COLUMNS.items()
         }
         return Physics(columns, np.array(self._states), engine)
