@@ -2,8 +2,9 @@
 
     .venv/bin/python benchmarks/jerks.py [SEEDS]
 
-Carries the default scene at 4 cm/s of noise, with control periods of 20 to 2.5 ms, and with the pair's
-acceleration averaged over some time before the world sees it (first order). Prints how many arrive.
+Carries the default scene at 4 cm/s of noise, with control periods of 20 to 2.5 ms, and with the
+pair's acceleration averaged over some time before the world sees it (first order). Prints how many
+arrive.
 """
 
 import math
