@@ -55,6 +55,7 @@ bench: $(VENV)/bench.done $(VENV)/extension.done  ## speed against named peers; 
 	$(BIN)/python benchmarks/wire.py
 	$(BIN)/python benchmarks/dynamic.py
 	$(BIN)/python benchmarks/curves.py
+	$(BIN)/python benchmarks/learn.py
 
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -m palmbots._core -o src/palmbots/_core.pyi

@@ -74,15 +74,23 @@ class Carry {
 
   // One control period.
   void tick() {
+    if (open()) act(sense());
+  }
+
+  // The same in two halves, for somebody who decides in between. First bumps; tells whether the object is
+  // still held.
+  [[gnu::always_inline]] bool open() {
     if (metrics_.end == End::none && (spec_.bump_count > 0 || spec_.bump_rate > 0)) bump();
-    if (metrics_.end != End::none) {
-      metrics_.outcome = Result::dropped;
-      metrics_.time_ticks = double(tick_);
-      collect();
-      metrics_.close(tick_);
-      return;
-    }
-    const PerSide<Sensed> sensed = sense();
+    if (metrics_.end == End::none) return true;
+    metrics_.outcome = Result::dropped;
+    metrics_.time_ticks = double(tick_);
+    collect();
+    metrics_.close(tick_);
+    return false;
+  }
+
+  // Then all else, with what the robots sense now.
+  [[gnu::always_inline]] void act(const PerSide<Sensed>& sensed) {
     if (sensed != sensed_ || tick_ >= wake_) think(sensed);
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
@@ -115,6 +123,26 @@ class Carry {
     const Real move =
         command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
     return (command.rest ? Real(0) : nominal_[side]) + move;
+  }
+
+  // What the robots sense, bumps done.
+  PerSide<Sensed> sense() const {
+    PerSide<Sensed> sensed{};
+    const Stance<Real>& now = world_.stance();
+    const PerSide<Real> at = world_.touched();
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const Real p = at[side];
+      const std::size_t lane = side == leader() ? 0 : 2;
+      sensed[side].sign = tactile_.has_false_readings()
+                              ? tactile_.sign(p, words[lane], words[lane + 1])
+                              : tactile_.sign(p);
+      if (faults_.any()) [[unlikely]]
+        sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
+      sensed[side].turned = now.palms[side].angle == robots_.goal_angle[side];
+    }
+    return sensed;
   }
 
  private:
@@ -171,25 +199,6 @@ class Carry {
         noise_[side][2 * i + 1] = unit_noise<Real>(words[2 + lane][i]);
       }
     }
-  }
-
-  PerSide<Sensed> sense() const {
-    PerSide<Sensed> sensed{};
-    const Stance<Real>& now = world_.stance();
-    const PerSide<Real> at = world_.touched();
-    Words words{};
-    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
-    for (const std::size_t side : {left, right}) {
-      const Real p = at[side];
-      const std::size_t lane = side == leader() ? 0 : 2;
-      sensed[side].sign = tactile_.has_false_readings()
-                              ? tactile_.sign(p, words[lane], words[lane + 1])
-                              : tactile_.sign(p);
-      if (faults_.any()) [[unlikely]]
-        sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
-      sensed[side].turned = now.palms[side].angle == robots_.goal_angle[side];
-    }
-    return sensed;
   }
 
   // Scripted bumps that are due, and random ones: for each robot a chance in proportion to the way.

@@ -93,6 +93,25 @@ class Crew {
 
   bool done() const { return metrics_.outcome != Result::running; }
 
+  // What the robots sense where the world was last seen.
+  PerSide<Sensed> sense() const {
+    PerSide<Sensed> sensed{};
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t first = 2 * lane(side);
+      // Where nothing presses hard enough no switch is closed, which reads as 0.
+      const double p = sight_.pressed[side] ? sight_.touched[side] : 0.0;
+      sensed[side].sign = tactile_.has_false_readings()
+                              ? tactile_.sign(p, words[first], words[first + 1])
+                              : tactile_.sign(p);
+      if (faults_.any()) sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
+      const double off = sight_.wrists[side] - robots_.goal_angle[side];
+      sensed[side].turned = off <= slack_ && off >= -slack_;
+    }
+    return sensed;
+  }
+
   // What wheels and wrists do until the next tick.
   Actuation<double> command() {
     recorder_.make_room();
@@ -135,6 +154,7 @@ class Crew {
     finish();
   }
 
+  std::uint32_t ticks() const { return tick_; }
   const Spec& spec() const { return spec_; }
   const Team& team() const { return team_; }
   const Metrics& metrics() const { return metrics_; }
@@ -152,24 +172,6 @@ class Crew {
 
  private:
   std::size_t lane(std::size_t side) const { return side == leader_of(spec_) ? 0 : 1; }
-
-  PerSide<Sensed> sense() const {
-    PerSide<Sensed> sensed{};
-    Words words{};
-    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
-    for (const std::size_t side : {left, right}) {
-      const std::size_t first = 2 * lane(side);
-      // Where nothing presses hard enough no switch is closed, which reads as 0.
-      const double p = sight_.pressed[side] ? sight_.touched[side] : 0.0;
-      sensed[side].sign = tactile_.has_false_readings()
-                              ? tactile_.sign(p, words[first], words[first + 1])
-                              : tactile_.sign(p);
-      if (faults_.any()) sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
-      const double off = sight_.wrists[side] - robots_.goal_angle[side];
-      sensed[side].turned = off <= slack_ && off >= -slack_;
-    }
-    return sensed;
-  }
 
   void think(const PerSide<Sensed>& sensed) {
     sensed_ = sensed;

@@ -221,6 +221,17 @@ class Pair {
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
 
+  // Whether a robot's program runs in a tick that is still to come, and the letter that it will find.
+  bool is_on(std::uint32_t tick, std::size_t side) const {
+    if (!faults_.any()) return true;
+    const Host host = faults_.host(tick, side);
+    return host == Host::runs || host == Host::boots;
+  }
+  Letter letter(std::uint32_t tick, std::size_t side) const {
+    const Letter* oldest = is_on(tick, side) ? inbox_[side].oldest(tick) : nullptr;
+    return oldest != nullptr ? *oldest : Letter::none;
+  }
+
   char name(std::size_t side) const { return controllers_[side].now().name; }
   bool waits(std::size_t side) const { return controllers_[side].now().waits; }
   Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }

@@ -27,6 +27,7 @@ void bind_controllers(nb::module_& m);
 void bind_run(nb::module_& m);
 void bind_splitting(nb::module_& m);
 void bind_crew(nb::module_& m);
+void bind_episode(nb::module_& m);
 void bind_wire(nb::module_& m);
 void bind_wrench(nb::module_& m);
 

@@ -70,6 +70,10 @@ template <class T>
 PerSide<T> sides(std::pair<T, T> pair) {
   return {pair.first, pair.second};
 }
+template <class T>
+std::pair<T, T> pair_of(const PerSide<T>& both) {
+  return {both[left], both[right]};
+}
 using Two = std::pair<double, double>;
 
 // Owns a crew; a class of its own, since nanobind makes objects in place.
@@ -106,7 +110,14 @@ void bind_crew(nb::module_& m) {
           },
           nb::arg("contacts"), nb::arg("lift"), nb::arg("touched"), nb::arg("pressed"),
           nb::arg("palms"), nb::arg("wrists"), nb::arg("separation"), nb::arg("midpoint"),
-          nb::arg("rise"), nb::arg("motion"), nb::arg("end") = "", nb::arg("fraction") = 1.0);
+          nb::arg("rise"), nb::arg("motion"), nb::arg("end") = "", nb::arg("fraction") = 1.0)
+      .def_prop_ro("contacts", [](const Sight& s) { return pair_of(s.contacts); })
+      .def_prop_ro("lift", [](const Sight& s) { return pair_of(s.lift); })
+      .def_prop_ro("palms", [](const Sight& s) { return pair_of(s.palms); })
+      .def_prop_ro("motion", [](const Sight& s) { return pair_of(s.motion); })
+      .def_ro("separation", &Sight::separation)
+      .def_ro("midpoint", &Sight::midpoint)
+      .def_ro("rise", &Sight::rise);
 
   nb::class_<CrewHandle>(m, "Crew", "Both robots without their world: command, move, observe.")
       .def(

@@ -25,6 +25,7 @@ NB_MODULE(_core, m) {
   palmbots::bindings::bind_run(m);
   palmbots::bindings::bind_splitting(m);
   palmbots::bindings::bind_crew(m);
+  palmbots::bindings::bind_episode(m);
   palmbots::bindings::bind_wire(m);
   palmbots::bindings::bind_wrench(m);
 }

@@ -604,6 +604,27 @@ class Sight:
 
     def __init__(self, contacts: tuple[float, float], lift: tuple[float, float], touched: tuple[float, float], pressed: tuple[bool, bool], palms: tuple[float, float], wrists: tuple[float, float], separation: float, midpoint: float, rise: float, motion: tuple[int, int], end: str = '', fraction: float = 1.0) -> None: ...
 
+    @property
+    def contacts(self) -> tuple[float, float]: ...
+
+    @property
+    def lift(self) -> tuple[float, float]: ...
+
+    @property
+    def palms(self) -> tuple[float, float]: ...
+
+    @property
+    def motion(self) -> tuple[int, int]: ...
+
+    @property
+    def separation(self) -> float: ...
+
+    @property
+    def midpoint(self) -> float: ...
+
+    @property
+    def rise(self) -> float: ...
+
 class Crew:
     """Both robots without their world: command, move, observe."""
 
@@ -625,6 +646,88 @@ class Crew:
 
     def run(self) -> Run:
         """The finished carry; takes the trace with it."""
+
+class Episode:
+    """A carry in the quasistatic world whose robots are told what to do."""
+
+    def __init__(self, spec: Spec, seed: int, record: bool = False) -> None: ...
+
+    @property
+    def outcome(self) -> str:
+        """running, delivered, dropped or stalled."""
+
+    @property
+    def ticks(self) -> int: ...
+
+    @property
+    def contacts(self) -> tuple[float, float]: ...
+
+    @property
+    def lift(self) -> tuple[float, float]: ...
+
+    @property
+    def palms(self) -> tuple[float, float]: ...
+
+    @property
+    def motion(self) -> tuple[int, int]:
+        """Over the last tick: contacts slide down -1, stick 0, slide up +1."""
+
+    @property
+    def separation(self) -> float: ...
+
+    @property
+    def rise(self) -> float:
+        """Of the right contact vertex over the left one [m]."""
+
+    @property
+    def midpoint(self) -> float: ...
+
+    @property
+    def sent(self) -> int:
+        """Letters so far."""
+
+    def seen(self) -> tuple[tuple[int, bool, int, bool, bool], tuple[int, bool, int, bool, bool]]:
+        """
+        Of each robot (sign, palm turned, letter that is there, program runs, it has just begun anew) in the tick to come.
+        """
+
+    def step(self, left: tuple[int, int, int], right: tuple[int, int, int], ticks: int = 1) -> tuple[str, int, int, float, tuple[float, float]]:
+        """
+        So many ticks with (palm, move, letter to send) of each robot. What is there to be read is read in the first of them, in which letters go out too. Returns (outcome, ticks and letters so far, midpoint [m], contacts [m]).
+        """
+
+    def run(self) -> Run:
+        """What became of it; takes the trace with it."""
+
+class ToldCrew:
+    """A crew whose robots are told what to do."""
+
+    def __init__(self, spec: Spec, seed: int, first: Sight, slack: float = 0.0) -> None: ...
+
+    @property
+    def done(self) -> bool: ...
+
+    @property
+    def outcome(self) -> str: ...
+
+    @property
+    def ticks(self) -> int: ...
+
+    @property
+    def sent(self) -> int: ...
+
+    def seen(self) -> tuple[tuple[int, bool, int, bool, bool], tuple[int, bool, int, bool, bool]]: ...
+
+    def tell(self, left: tuple[int, int, int], right: tuple[int, int, int]) -> None:
+        """(palm, move, letter to send) of each robot, from the next command on."""
+
+    def command(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """(Speeds [m/s] towards +x, palm angles [rad] at the end of the tick.)"""
+
+    def observe(self, sight: Sight) -> None: ...
+
+    def run(self) -> Run:
+        """What became of it; takes the trace with it."""
 
 def wire_layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""

@@ -31,6 +31,7 @@ __all__ = [
     "LinkCounts",
     "Touch",
     "carry",
+    "finished",
     "trace_dataset",
 ]
 
@@ -241,7 +242,8 @@ def carry(
     else:
         core_controller = adapted_pair(controller)
         name = getattr(controller, "__name__", type(controller).__name__)
-    bounds = bounds_of(chosen) if name == "resilient" else None
+    if name == "resilient":
+        bounds_of(chosen)  # before anything runs: it refuses scenes
     run: Any  # the compiled module's stub knows the shapes of Python types, not their contents
     if world == "mujoco":
         from palmbots.dynamic.run import run as run_in_mujoco
@@ -253,9 +255,28 @@ def carry(
     else:
         run = _core.run(lower(chosen), core_controller, seed, precision, record)
         physics, across = None, None
+    return finished(
+        run, chosen, name, world, seed, record,
+        precision=precision, physics=physics, across=across,
+    )  # fmt: skip
+
+
+def finished(
+    run: Any,
+    scene: Scene,
+    controller: str,
+    world: str,
+    seed: int,
+    record: bool,
+    *,
+    precision: str = "double",
+    physics: "Physics | None" = None,
+    across: tuple[float, float] | None = None,
+) -> Carry:
+    """A carry that the core has run, with its trace if `record`."""
     return Carry(
-        scene=chosen,
-        controller=name,
+        scene=scene,
+        controller=controller,
         world=world,
         precision=precision,
         seed=seed,
@@ -272,11 +293,11 @@ def carry(
         ),
         messages=run.messages,
         messages_lost=run.messages_lost,
-        links=_links(run.links, name),
-        bounds=bounds,
+        links=_links(run.links, controller),
+        bounds=bounds_of(scene) if controller == "resilient" else None,
         waiting_s=_by_side(run.waiting_s),
         bumps=run.bumps,
-        warnings=(*warnings_before(chosen, name), *_warnings_after(run, chosen, name)),
+        warnings=(*warnings_before(scene, controller), *_warnings_after(run, scene, controller)),
         trace_hash=run.trace_hash,
         trace=trace_dataset(run.trace, physics.columns if physics else {}) if record else None,
         letters=tuple(

@@ -30,10 +30,11 @@ from palmbots import log_scene
 from palmbots.bounds import Bounds
 from palmbots.carry import Carry, Correction, Letter, LinkCounts, Touch
 from palmbots.carry import trace_dataset as trace_dataset
+from palmbots.dynamic.columns import COLUMNS, LOGGED
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
 from palmbots.geometry import SIDES, place_rows
-from palmbots.log_schema import CorrectionEvent, LetterEvent, PairState, RobotState
+from palmbots.log_schema import CorrectionEvent, LetterEvent, PairState, RobotDynamics, RobotState
 from palmbots.lowering import lower
 from palmbots.solids import contact_balls, solids, urdf
 
@@ -170,6 +171,7 @@ class _Channels:
         ordered = trace.transpose("time", "side")
         robots = [ordered[name].to_numpy().tolist() for name, _ in _ROBOT_FIELDS]
         pair = [ordered[name].to_numpy().tolist() for name, _ in _PAIR_FIELDS]
+        dynamics = [ordered[n].to_numpy().tolist() for n, _ in LOGGED if n in ordered]
         motions = ordered["motion"].to_numpy().tolist()
         step = max(1, round(_SCENE_INTERVAL_S / spec.period))
         shown = sorted({*range(0, len(instants), step), len(instants) - 1})
@@ -184,6 +186,12 @@ class _Channels:
                 columns = zip(_ROBOT_FIELDS, robots, strict=True)
                 state = RobotState(**{field: column[row][k] for (_, field), column in columns})
                 self._put(f"/{side}", state, instant)
+                if dynamics:
+                    columns = zip(LOGGED, dynamics, strict=True)
+                    state = RobotDynamics(
+                        **{field: column[row][k] for (_, field), column in columns}
+                    )
+                    self._put(f"/{side}/dynamics", state, instant)
             columns = zip(_PAIR_FIELDS, pair, strict=True)
             state = PairState(**{field: column[row] for (_, field), column in columns})
             self._put("/pair", state, instant)
@@ -312,6 +320,20 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     trace["case"] = np.ascontiguousarray(trace["case"].astype("S1")).view(np.uint8)
     for _, field in _PAIR_FIELDS:
         trace[field] = np.array([getattr(state, field) for state in pair])
+    dynamics = [
+        [RobotDynamics.FromString(m) for m in messages.get(f"/{side}/dynamics", [])]
+        for side in SIDES
+    ]
+    if any(len(states) not in (0, len(pair)) for states in dynamics):
+        raise PalmbotsError("the log lacks samples of the dynamic world")
+    more = {
+        name: (
+            np.array([[getattr(s, field) for s in states] for states in dynamics]).T,
+            *COLUMNS[name],
+        )
+        for name, field in LOGGED
+        if all(dynamics)
+    }
     letters = [LetterEvent.FromString(m) for m in messages.get("/messages", [])]
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
@@ -323,7 +345,7 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     told["bounds"] = None if told["bounds"] is None else Bounds(**told["bounds"])
     return Log(
         **told,
-        trace=trace_dataset(trace),
+        trace=trace_dataset(trace, more),
         corrections=tuple(
             Correction(c.label, c.robot, c.case, c.assistant or None, c.start_s, c.end_s)
             for c in corrections

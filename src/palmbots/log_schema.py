@@ -9,7 +9,7 @@ from typing import Any
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-__all__ = ["CorrectionEvent", "LetterEvent", "PairState", "RobotState"]
+__all__ = ["CorrectionEvent", "LetterEvent", "PairState", "RobotDynamics", "RobotState"]
 
 _Field = descriptor_pb2.FieldDescriptorProto
 _KINDS = {
@@ -31,6 +31,21 @@ _MESSAGES = {
         ("sign", "sint32"),
         ("motion", "sint32"),
         ("case", "string"),
+    ),
+    # What only the dynamic world knows of one robot at one tick: the object's force on the palm
+    # along its normal and along it outward, how far wheels run ahead, how the body leans and heads,
+    # where the contact is across the palm, and the pivot and the contact edge on the floor.
+    "RobotDynamics": (
+        ("force_n", "double"),
+        ("drag_n", "double"),
+        ("slip_m_s", "double"),
+        ("pitch_rad", "double"),
+        ("yaw_rad", "double"),
+        ("across_m", "double"),
+        ("pivot_x_m", "double"),
+        ("pivot_y_m", "double"),
+        ("vertex_x_m", "double"),
+        ("vertex_y_m", "double"),
     ),
     # Both: time, distance of the pivots, way of their midpoint, angle of the object.
     "PairState": (
@@ -79,6 +94,7 @@ def _classes() -> dict[str, Any]:
 
 _made = _classes()
 RobotState: Any = _made["RobotState"]
+RobotDynamics: Any = _made["RobotDynamics"]
 PairState: Any = _made["PairState"]
 LetterEvent: Any = _made["LetterEvent"]
 CorrectionEvent: Any = _made["CorrectionEvent"]

@@ -54,6 +54,7 @@ class Moment:
     message: Message | None
     ending: str | None  #: what to say of the outcome, once it is reached
     good: bool  #: whether the outcome is a delivery
+    does: tuple[str, str] | None = None  #: what each robot does, where no case tells
 
 
 class Stage:
@@ -91,6 +92,10 @@ class Stage:
         self._write(draw, moment)
         self._point(draw, moment)
         return image
+
+    def move(self, placement: Placement) -> None:
+        """Show another placement from here on, to the same scale."""
+        self._placement = self._world.placement = placement
 
     # --- what never changes -------------------------------------------------------------------
 
@@ -155,7 +160,8 @@ class Stage:
         draw.text((WIDTH - 12, 8), f"{way:.2f} m", INK, _font(14, True), anchor="ra")
         for k, side in enumerate(SIDES):
             case = moment.case[k]
-            text = _CASES.get(case, f"case {case}") if case else "carries on"
+            text = moment.does[k] if moment.does is not None else "carries on"
+            text = _CASES.get(case, f"case {case}") if case else text
             place, anchor = ((12, 34), "la") if k == 0 else ((WIDTH - 12, 34), "ra")
             shade = HUE[side] if case else QUIET
             draw.text(place, f"{side}: {text}", shade, _font(14, bool(case)), anchor=anchor)

@@ -53,6 +53,11 @@ def test_the_same_seed_gives_the_same_bits(done: pb.Carry, tmp_path: Path) -> No
     again = replay(tmp_path / "carry.mcap")
     assert again.identical, again.difference
     assert again.log.world == "mujoco"
+    assert done.trace is not None
+    assert set(again.log.trace.data_vars) == set(done.trace.data_vars)
+    for name in ("force", "drag", "slip", "pitch", "yaw"):
+        logged, own = again.log.trace[name], done.trace[name]
+        assert np.array_equal(logged, own) and logged.attrs == own.attrs and own.any(), name
     other = pb.carry("paper", "distributed", seed=1, world="mujoco", record=False)
     assert other.trace_hash != done.trace_hash
 

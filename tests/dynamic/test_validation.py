@@ -15,7 +15,7 @@ from palmbots.dynamic.settings import DEFAULT, Contact, Engine
 from palmbots.dynamic.trials import State
 from palmbots.dynamic.validation import Validation, validate
 from palmbots.modes import modes
-from palmbots.scene import Scene
+from palmbots.scene import Scene, load_scene
 
 # What MuJoCo does unless it is told otherwise.
 PLAIN = Engine(
@@ -105,6 +105,18 @@ def test_a_state_near_a_switch_line_is_not_decisive() -> None:
     spec = trials.spec_of(trials.scene_of(Scene(), off_it))
     assert not trials.is_decisive(spec, True, math.radians(15))
     assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
+
+
+def test_it_says_how_often_carries_arrive(done: Validation) -> None:
+    told = done.delivery
+    assert (told.n, told.delivered) == (2, 2) and told.interval[1] == 1.0
+    assert told.known == told.slow == 1.0  # at the default noise nothing is dropped
+    assert (
+        validate(
+            load_scene("paper", {"task.distance_m": 0.1, "palm.rate_deg_s": 0.2}), states=1, seeds=1
+        ).delivery.slow
+        is None
+    )  # four times slower is slower than a palm may turn
 
 
 def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -84,6 +84,13 @@ def validation_report(done: "Validation", written: Sequence[Path]) -> None:
     peaks = [1e3 * max(p.peak_m[k] for p in pairs) for k in (0, 1)]
     table.add_row("contact peak, largest (mm)", *(f"{peak:.1f}" for peak in peaks))
     console.print(table)
+    told = done.delivery
+    low, high = told.interval
+    slow = "" if told.slow is None else f", {100 * told.slow:.1f} % in slow motion"
+    console.print(
+        f"mujoco delivers {100 * low:.0f} to {100 * high:.0f} % (95 %), the quasistatic world "
+        f"{100 * told.known:.1f} %{slow}"
+    )
     if alike < len(pairs):
         console.print(f"  {len(pairs) - alike} of them ended otherwise", style=_QUIET)
     files_written(console, written)

@@ -8,32 +8,15 @@ import numpy as np
 
 from palmbots import _core
 from palmbots.dynamic.curved import world_of
+from palmbots.dynamic.columns import COLUMNS
 from palmbots.dynamic.settings import DEFAULT, Engine
 from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 
-__all__ = ["Physics", "Watch", "run"]
+__all__ = ["Keeper", "Physics", "Watch", "run"]
 
 Watch = Callable[[MujocoWorld], None]
-
-# Unit and meaning of the fields of Measured, which the trace holds too.
-_COLUMNS = {
-    "force": ("N", "force of the object on each palm, along its normal"),
-    "drag": ("N", "force of the object on each palm, along it, outward"),
-    "speed": ("m/s", "speed of the pivot over the following tick"),
-    "slip": ("m/s", "by how much the wheels run ahead of the robot"),
-    "pitch": ("rad", "pitch of the robot's body, its outward end up"),
-    "yaw": ("rad", "heading of the robot's body, anticlockwise seen from above"),
-    "across": (
-        "m",
-        "contact coordinate across the palm, to the left seen from left robot to right",
-    ),
-    "pivot_x": ("m", "place of the pivot on the floor, x"),
-    "pivot_y": ("m", "place of the pivot on the floor, y, to the left of x"),
-    "vertex_x": ("m", "place of the middle of the contact edge, x"),
-    "vertex_y": ("m", "place of the middle of the contact edge, y"),
-}
 
 
 @dataclass(frozen=True)
@@ -66,8 +49,7 @@ def run(
     """
     world = world_of(scene, engine, measures=record or watch is not None)
     crew = _core.Crew(lower(scene, unrolled=True), controller, seed, world.sight(first=True), SLACK)
-    kept: list[Measured] = []
-    states = [world.state()] if record else []
+    keeper = Keeper(world) if record else None
     if watch is not None:
         watch(world)
     way = scene.task.distance_m
@@ -75,20 +57,34 @@ def run(
         speeds, angles, *_ = crew.command()
         world.move(speeds, angles)
         crew.observe(world.sight())
-        if record:
-            kept.append(world.measured)
-            states.append(world.state())
+        if keeper is not None:
+            keeper.keep(world)
         if watch is not None:
             watch(world)
         if progress is not None and round(world.time_s / scene.control.period_s) % 20 == 0:
             progress(min(1.0, abs(world.advance) / way))
-    if not record:
-        return crew.run(), None, world.across_peak
-    kept.append(
-        kept[-1] if kept else world.measured
-    )  # a tick's row is its start; the last has none
-    columns = {
-        name: (np.array([getattr(row, name) for row in kept]), unit, meaning)
-        for name, (unit, meaning) in _COLUMNS.items()
-    }
-    return crew.run(), Physics(columns, np.array(states), engine), world.across_peak
+    physics = None if keeper is None else keeper.physics(world, engine)
+    return crew.run(), physics, world.across_peak
+
+
+class Keeper:
+    """Keeps what only this world knows, tick after tick."""
+
+    def __init__(self, world: MujocoWorld) -> None:
+        """`world` is at its start."""
+        self._kept: list[Measured] = []
+        self._states = [world.state()]
+
+    def keep(self, world: MujocoWorld) -> None:
+        """What the last tick came to."""
+        self._kept.append(world.measured)
+        self._states.append(world.state())
+
+    def physics(self, world: MujocoWorld, engine: Engine) -> Physics:
+        """All of it. A tick's row is its start, so the last row repeats the last tick."""
+        rows = [*self._kept, self._kept[-1] if self._kept else world.measured]
+        columns = {
+            name: (np.array([getattr(row, name) for row in rows]), unit, meaning)
+            for name, (unit, meaning) in COLUMNS.items()
+        }
+        return Physics(columns, np.array(self._states), engine)

@@ -15,18 +15,31 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from palmbots.batch import DELIVERED, run_seeds
 from palmbots.carry import carry
 from palmbots.compare import wilson
 from palmbots.dynamic import trials
 from palmbots.dynamic.peers import PEERS, peer_trials
+from palmbots.dynamic.slow_motion import slow_motion
 from palmbots.dynamic.trials import Slides, State
 from palmbots.dynamic.world import refuse_unknown
-from palmbots.errors import PalmbotsError, show
+from palmbots.errors import PalmbotsError, SceneError, show
+from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 
-__all__ = ["Agreement", "Pairing", "SwitchLine", "Tilt", "Trial", "Validation", "validate"]
+__all__ = [
+    "Agreement",
+    "Delivery",
+    "Pairing",
+    "SwitchLine",
+    "Tilt",
+    "Trial",
+    "Validation",
+    "validate",
+]
 
 LEAST_AGREEMENT, MOST_CREEP_M = 0.99, 0.25e-3
+_KNOWN, _SLOWER = 1000, 4.0  # carries of the quasistatic world, and its slow motion
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)
 _LINE_PLACES = (-0.04, 0.0, 0.04)
 _WIDEST_COM = 0.035  # m, off the middle
@@ -93,6 +106,21 @@ class Pairing:
     corrections: tuple[int, int]
 
 
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """How often carries arrive: the paired ones in MuJoCo, many in the quasistatic world."""
+
+    n: int
+    delivered: int
+    interval: tuple[float, float]
+    """Wilson's 95 % interval of the rate in MuJoCo."""
+    known_n: int
+    known: float
+    """Rate in the quasistatic world."""
+    slow: float | None
+    """The same in slow motion, where accelerations matter little; None where keys forbid it."""
+
+
 @dataclass(frozen=True)
 class Validation:
     """All of it."""
@@ -104,6 +132,7 @@ class Validation:
     lines: tuple[SwitchLine, ...]
     tilts: tuple[Tilt, ...]
     pairs: tuple[Pairing, ...]
+    delivery: Delivery
     creep_m: tuple[float, float]
     missing: tuple[str, ...]
     """Peers that are not installed."""
@@ -127,6 +156,7 @@ class Validation:
             "switch_lines": [asdict(line) for line in self.lines],
             "tilts": [asdict(t) for t in self.tilts],
             "carries": [asdict(p) for p in self.pairs],
+            "delivery": asdict(self.delivery),
             "creep_m": self.creep_m,
             "controller": self.controller,
             "missing": list(self.missing),
@@ -202,6 +232,7 @@ def validate(
         lines=tuple(lines),
         tilts=tuple(tilts),
         pairs=tuple(pairs),
+        delivery=_delivery(base, controller, pairs),
         creep_m=trials.creep(),
         missing=tuple(name for name in PEERS if name not in peers),
     )
@@ -270,6 +301,19 @@ def _switch(left_slides: Callable[[float], bool], halvings: int) -> float | None
         else:
             high = middle
     return 0.5 * (low + high)
+
+
+def _delivery(base: Scene, controller: str, pairs: list[Pairing]) -> Delivery:
+    def rate(scene: Scene) -> float:
+        ends = run_seeds(lower(scene), controller, 0, _KNOWN, "double")["outcome"]
+        return float((ends == DELIVERED).mean())
+
+    try:
+        slow = rate(slow_motion(base, _SLOWER))
+    except SceneError:
+        slow = None
+    n, arrived = len(pairs), sum(p.outcome[1] == "delivered" for p in pairs)
+    return Delivery(n, arrived, wilson(arrived, n), _KNOWN, rate(base), slow)
 
 
 def _pair(base: Scene, controller: str, seed: int) -> Pairing:

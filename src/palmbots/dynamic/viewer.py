@@ -3,6 +3,7 @@
 import importlib
 import os
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Any
@@ -13,11 +14,13 @@ from palmbots.errors import PalmbotsError
 
 __all__ = ["Viewer"]
 
+_PATIENCE_S = 10.0  # for a window to close
+
 
 class Viewer:
     """A window; `show` is what `palmbots.carry(watch=...)` calls. Use as a context.
 
-    Closing the window ends nothing: the carry goes on unseen.
+    Closing the window ends nothing: the carry goes on unseen. Tab and shift-Tab show its panels.
     """
 
     def __init__(self) -> None:
@@ -29,6 +32,7 @@ class Viewer:
             )
         self._viewer: Any = importlib.import_module("mujoco.viewer")
         self._window: Any = None
+        self._threads: list[threading.Thread] = []
         self._began = 0.0
 
     def __enter__(self) -> "Viewer":
@@ -42,11 +46,17 @@ class Viewer:
     ) -> None:
         if self._window is not None:
             self._window.close()
+        for thread in self._threads:  # whoever ends while one still draws ends with an X error
+            thread.join(_PATIENCE_S)
 
     def show(self, world: MujocoWorld) -> None:
         """Bring the window up to date, not before it is time for it."""
         if self._window is None:
-            self._window = self._viewer.launch_passive(world.model, world.data)
+            others = set(threading.enumerate())
+            self._window = self._viewer.launch_passive(
+                world.model, world.data, show_left_ui=False, show_right_ui=False
+            )
+            self._threads = [t for t in threading.enumerate() if t not in others]
             self._window.cam.azimuth, self._window.cam.elevation = 96.0, -10.0
             self._window.cam.distance = 1.0
             self._began = time.perf_counter() - world.time_s

@@ -1,0 +1,114 @@
+"""MuJoCo's viewer on a real (virtual) screen, EGL and OSMesa, the progress bar of a terminal."""
+
+import json
+import os
+import pty
+import re
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+CARRY = [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco"]
+BOX = (212, 180, 100)
+
+
+def count(pixels: np.ndarray) -> int:
+    """Pixels that look like the box."""
+    return int((np.abs(pixels.astype(int) - np.array(BOX)).max(axis=2) <= 40).sum())
+
+
+def seen(screen: Path) -> np.ndarray:
+    """What Xvfb shows now: its framebuffer is a file in the format XWD."""
+    raw = screen.read_bytes()
+    head = struct.unpack(">25I", raw[:100])
+    start, wide, high, bits, row, colours = (head[k] for k in (0, 4, 5, 11, 12, 19))
+    assert bits == 32
+    place = start + 12 * colours
+    rows = np.frombuffer(raw, np.uint8, high * row, place).reshape(high, row // 4, 4)
+    return rows[:, :wide, 2::-1]
+
+
+@pytest.fixture
+def screen(tmp_path: Path) -> Iterator[tuple[str, Path]]:
+    """A screen of its own: the value of DISPLAY, and the file that holds what it shows."""
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x700x24", "-fbdir", str(tmp_path)],
+        pass_fds=[write], stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    os.close(write)
+    with os.fdopen(read) as told:
+        number = told.readline().strip()
+    try:
+        yield f":{number}", tmp_path / "Xvfb_screen0"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def test_the_viewer_shows_the_carry_and_closes_in_peace(screen: tuple[str, Path]) -> None:
+    display, shown = screen
+    assert count(seen(shown)) == 0
+    run = subprocess.Popen(
+        [*CARRY, "--view", "--json", "--set", "task.distance_m=0.25"],
+        env=os.environ | {"DISPLAY": display}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    most = 0
+    while run.poll() is None:
+        most = max(most, count(seen(shown)))
+        time.sleep(0.1)
+    out, err = run.communicate()
+    assert (run.returncode, err) == (0, "")
+    assert json.loads(out)["outcome"] == "delivered"
+    assert 5_000 < most < 200_000  # of 700,000 pixels
+    assert count(seen(shown)) == 0  # the window is gone
+
+
+def test_egl_and_osmesa_draw_the_same(tmp_path: Path) -> None:
+    """The library that draws is the one asked for, and it makes no difference to see."""
+    program = (
+        "import sys, palmbots as pb\n"
+        "from palmbots.dynamic.film import save_still\n"
+        "done = pb.carry(world='mujoco', overrides={'task.distance_m': 0.02})\n"
+        "save_still(done, sys.argv[1])\n"
+        "print(*(k for k in ('egl', 'osmesa') if f'mujoco.{k}' in sys.modules))\n"
+    )
+    pictures = []
+    for kind in ("egl", "osmesa"):
+        path = tmp_path / f"{kind}.png"
+        told = subprocess.run(
+            [sys.executable, "-c", program, path], env=os.environ | {"MUJOCO_GL": kind},
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        assert told.stdout.split() == [kind]
+        with Image.open(path) as image:
+            pictures.append(np.asarray(image.convert("RGB")).astype(int))
+    assert count(pictures[0]) > 10_000
+    assert np.abs(pictures[0] - pictures[1]).mean() < 2
+
+
+def test_a_terminal_is_told_how_much_faster_than_real_time_it_goes() -> None:
+    ours, theirs = pty.openpty()
+    run = subprocess.Popen(
+        [*CARRY, "--set", "task.distance_m=0.5"], stdout=subprocess.DEVNULL, stderr=theirs,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
+    )  # fmt: skip
+    os.close(theirs)
+    told = b""
+    try:
+        while piece := os.read(ours, 4096):
+            told += piece
+    except OSError:  # so Linux tells that the other end is closed
+        pass
+    os.close(ours)
+    assert run.wait() == 0
+    factors = [float(x) for x in re.findall(r"carrying, ([\d.]+) × real time", told.decode())]
+    assert factors and 0.1 < factors[-1] < 1000

@@ -1,0 +1,119 @@
+"""The paper's algorithm as a policy is the paper's algorithm as a controller."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots.errors import PalmbotsError
+from palmbots.learn import carry_v0
+from palmbots.learn.baseline import Baseline, play
+
+HARD = {
+    "robot.noise_m_s": 0.02,
+    "object.com_m": [0.118, 0.06],
+    "palm.left.friction": 0.25,
+    "tactile.false_rate": 0.003,
+    "radio.jitter_s": 0.05,
+    "radio.duplicate": 0.1,
+    "bumps.rate_per_m": 3.0,
+    "task.slope_deg": 0.5,
+    "task.direction": "backward",
+}
+OVERTAKING = {"radio.jitter_s": 0.2, "radio.reorder": True, "robot.noise_m_s": 0.015}
+LOSING = {"radio.loss": 0.05}
+FROZEN = {
+    "faults.script": [
+        {"kind": "freeze", "robot": "left", "at_s": 2.0, "for_s": 0.3},  # the watchdog restarts it,
+        {"kind": "freeze", "robot": "right", "at_s": 5.0, "for_s": 0.08},
+        {"kind": "stuck", "robot": "right", "at_s": 6, "for_s": 0.5, "reads": "0"},
+    ]
+}
+# Everything but `case`: which of its cases a policy is in is not told to the environment.
+SAME = (
+    "contact", "lift", "palm", "speed", "commanded", "separation", "midpoint", "object", "sign",
+    "motion",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "overrides", [{}, HARD, OVERTAKING, LOSING, FROZEN], ids=lambda o: str(len(o))
+)
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_it_is_the_carry_to_the_last_bit(overrides: dict[str, Any], seed: int) -> None:
+    known = pb.carry("paper", "distributed", seed=seed, overrides=overrides)
+    env = carry_v0.parallel_env("paper", overrides=overrides, record=True)
+    played = play(env, seed=seed)
+    done = env.carry("distributed")
+    assert (done.outcome, done.reason) == (
+        known.outcome,
+        known.reason,
+    ) and played.outcome == known.outcome
+    assert done.trace_hash == known.trace_hash and done.time_s == known.time_s
+    assert done.letters == known.letters and done.links == known.links
+    assert done.bumps == known.bumps and done.touches == known.touches
+    assert done.contact_rms_m == known.contact_rms_m
+    assert done.trace is not None and known.trace is not None
+    for name in SAME:
+        assert np.array_equal(done.trace[name], known.trace[name]), name
+
+
+def test_those_carries_are_not_all_alike() -> None:
+    """They hold deliveries and drops, losses, copies and bumps."""
+    ends, bumps, lost = set(), 0, 0
+    for overrides in (HARD, LOSING):
+        for seed in range(4):
+            known = pb.carry("paper", "distributed", seed=seed, overrides=overrides, record=False)
+            ends.add(known.outcome)
+            bumps += known.bumps
+            lost += known.messages_lost
+    assert len(ends) >= 2 and bumps > 5 and lost > 1
+
+
+def test_it_is_the_carry_in_mujoco_too() -> None:
+    short = {"task.distance_m": 0.3}
+    known = pb.carry("paper", "distributed", world="mujoco", seed=0, overrides=short)
+    env = carry_v0.parallel_env("paper", overrides=short, world="mujoco", record=True)
+    play(env, seed=0)
+    done = env.carry("distributed")
+    assert done.trace_hash == known.trace_hash and len(known.corrections) > 3
+    assert done.trace is not None and known.trace is not None
+    assert np.array_equal(done.trace["force"], known.trace["force"])
+    assert done.physics is not None and known.physics is not None
+    assert np.array_equal(done.physics.states, known.physics.states)
+
+
+def test_slower_decisions_cost_reward() -> None:
+    """A hundred decisions a second, ten, four: the contacts wander farther."""
+    rms = []
+    for ticks in (1, 10, 25):
+        env = carry_v0.parallel_env(ticks_per_step=ticks)
+        squares = []
+        for seed in range(6):
+            play(env, seed=seed)
+            squares += [p**2 for p in env.carry().contact_rms_m.values()]
+        rms.append(float(np.mean(squares)) ** 0.5)
+    assert rms[0] < rms[1] < rms[2]
+
+
+def test_it_earns_more_than_doing_nothing() -> None:
+    class Nothing:
+        def act(self, observation: Any) -> Any:
+            return np.zeros(3, np.int64)
+
+    env = carry_v0.parallel_env()
+    paper = [play(env, seed=seed) for seed in range(5)]
+    nothing = [play(env, Nothing, seed=seed) for seed in range(5)]
+    assert {one.outcome for one in paper} == {"delivered"}
+    assert all(1.99 < one.returned < 2 for one in paper)
+    assert max(one.returned for one in nothing) < min(one.returned for one in paper)
+    drops = [one for one in nothing if one.outcome == "dropped"]
+    assert drops and all(-1.1 < one.returned < 0 for one in drops)
+
+
+def test_it_needs_letters() -> None:
+    env = carry_v0.parallel_env(messages=False)
+    with pytest.raises(PalmbotsError, match="needs letters; allowed: messages=True"):
+        play(env, seed=0)
+    assert Baseline().act(np.array([0, -1, 1, 0, 0, 0, 0])).tolist() == [0, 0, 0]

@@ -1,0 +1,331 @@
+"""The environment: PettingZoo's own tests, and what it promises besides."""
+
+import copy
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
+from pettingzoo.utils.conversions import aec_to_parallel
+
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.learn import carry_v0
+from palmbots.learn.meaning import ACTION, OBSERVATION, action
+
+SHORT = {"task.distance_m": 0.1}
+
+
+def short(**keys: Any) -> Any:
+    return carry_v0.parallel_env("paper", overrides=SHORT, **keys)
+
+
+# Recommendations that it does not follow: agents are called as everywhere here, and an action has
+# parts that mean something.
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:We recommend agents to be named:UserWarning"),
+    pytest.mark.filterwarnings("ignore:Action space for each agent probably:UserWarning"),
+]
+KINDS = [
+    {},
+    {"messages": False},
+    {"ticks_per_step": 10},
+    {"world": "mujoco", "ticks_per_step": 10},
+]
+
+
+@pytest.mark.parametrize("keys", KINDS, ids=repr)
+def test_pettingzoo_accepts_it(keys: dict[str, Any]) -> None:
+    parallel_api_test(short(**keys), num_cycles=200)
+
+
+@pytest.mark.parametrize("keys", KINDS, ids=repr)
+def test_pettingzoo_accepts_it_with_agents_in_turn(keys: dict[str, Any]) -> None:
+    api_test(carry_v0.env("paper", overrides=SHORT, **keys), num_cycles=200)
+    parallel_api_test(aec_to_parallel(carry_v0.raw_env(overrides=SHORT, **keys)), num_cycles=50)
+
+
+@pytest.mark.parametrize("keys", KINDS, ids=repr)
+def test_the_same_seed_is_the_same_episode(keys: dict[str, Any]) -> None:
+    parallel_seed_test(lambda: short(**keys), num_cycles=60)
+    seed_test(lambda: carry_v0.env("paper", overrides=SHORT, **keys), num_cycles=60)
+
+
+def contacts_of(env: Any, actions: int = 200) -> list[float]:
+    for _ in range(actions):
+        env.step({name: np.zeros(3, np.int64) for name in env.agents})
+    return env.state()[:2].tolist()
+
+
+def test_other_seeds_are_other_episodes() -> None:
+    env = carry_v0.parallel_env()
+    found = []
+    for seed in (0, 1, None, None):
+        _, infos = env.reset(seed=seed)
+        found.append((infos["left"]["seed"], *contacts_of(env)))
+    assert len({f[1] for f in found}) == 4
+    assert [f[0] for f in found[:2]] == [0, 1]
+    env.reset(seed=1)  # what comes after a seed depends on it
+    assert env.reset()[1]["left"]["seed"] == found[2][0]
+    env.reset(seed=found[2][0])  # each can be had again by its own
+    assert contacts_of(env) == list(found[2][1:])
+
+
+def test_what_is_seen_and_done() -> None:
+    talk, mute = short(), short(messages=False)
+    assert talk.observation_space("left").shape == (7,)
+    assert talk.action_space("right").nvec.tolist() == [2, 3, 4]
+    assert mute.observation_space("left").shape == (4,)
+    assert mute.action_space("right").nvec.tolist() == [2, 3]
+    assert (len(OBSERVATION), len(ACTION)) == (7, 3)
+
+
+@pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
+def test_a_robot_sees_its_own_palm_its_move_and_letters_after_the_latency(world: str) -> None:
+    env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0}, world=world)
+    seen, _ = env.reset(seed=0)
+    assert {name: one.tolist() for name, one in seen.items()} == {
+        "left": [0, -1, 1, 0, 0, 0, 0],
+        "right": [0, -1, 1, 0, 0, 0, 0],
+    }
+    say = action("shallow", "away", "Ack")
+    hold = action("shallow", "hold")
+    still = action("steep", "hold")
+    seen, *_ = env.step({"left": say, "right": still})
+    assert seen["left"].tolist() == [0, 1, 0, 1, 0, 0, 0]
+    heard, turned = [], []
+    for tick in range(1, 40):
+        heard += [tick] * int(seen["right"][6] == 1)
+        assert seen["right"][4:].sum() == (tick == 5) and not seen["left"][4:].any()
+        turned += [tick] * int(seen["left"][2] == 1)
+        seen, *_ = env.step({"left": hold, "right": still})
+        assert seen["left"].tolist()[1:4:2] == [1, 0]
+    assert heard == [5]  # 0.05 s of latency, once
+    # 10 degrees at 50 degrees a second are 20 ticks; a real wrist lags and has some slack.
+    assert turned[0] == 20 if world == "quasistatic" else 18 <= turned[0] <= 24
+
+
+def test_a_letter_goes_out_once_in_a_long_step() -> None:
+    env = carry_v0.parallel_env(record=True, ticks_per_step=20, overrides=SHORT)
+    env.reset(seed=0)
+    steps = 0
+    while env.agents:
+        env.step({name: action("steep", "hold", "TiltUp") for name in env.agents})
+        steps += 1
+    done = env.carry()
+    assert done.messages == 2 * steps
+    assert {letter.letter for letter in done.letters} == {"TiltUp"}
+
+
+def test_without_messages_the_radio_is_silent() -> None:
+    env = short(messages=False, record=True)
+    env.reset(seed=3)
+    while env.agents:
+        env.step({name: env.action_space(name).sample() for name in env.agents})
+    assert env.carry().messages == 0
+
+
+def ended(env: Any, seed: int, move: str = "hold") -> tuple[Any, ...]:
+    env.reset(seed=seed)
+    last: tuple[Any, ...] = ()
+    while env.agents:
+        order = action("steep", move)  # type: ignore[arg-type]
+        last = env.step(dict.fromkeys(env.agents, order))
+    return last
+
+
+def test_how_episodes_end() -> None:
+    quiet = {"robot.noise_m_s": 0.0, "task.distance_m": 0.1}
+    _, rewards, terminal, cut, infos = ended(carry_v0.parallel_env(overrides=quiet), 0)
+    assert terminal == {"left": True, "right": True} and cut == {"left": False, "right": False}
+    assert infos["left"]["outcome"] == "delivered" and rewards["left"] == rewards["right"] > 1
+
+    _, rewards, terminal, cut, infos = ended(carry_v0.parallel_env(), 0, "away")
+    assert all(terminal.values()) and not any(cut.values())
+    assert infos["right"]["outcome"] == "dropped" and rewards["left"] < -0.9
+
+    late = carry_v0.parallel_env(overrides=quiet | {"task.timeout_s": 0.5})
+    _, rewards, terminal, cut, infos = ended(late, 0)
+    assert not any(terminal.values()) and all(cut.values())
+    assert infos["left"]["outcome"] == "stalled" and abs(rewards["left"]) < 0.1
+    assert late.step({}) == ({}, {}, {}, {}, {})
+
+
+def test_the_return_is_what_the_reward_says() -> None:
+    """From the recorded trace, by the formula in `palmbots.learn.reward`."""
+    weights = carry_v0.Rewards(progress=2.0, centring=5.0, delivered=0.5, letter=0.01)
+    env = carry_v0.parallel_env(
+        record=True, rewards=weights, overrides={"task.distance_m": 0.3, "palm.left.length_m": 0.2}
+    )
+    random = np.random.default_rng(0)
+    env.reset(seed=4)
+    paid = 0.0
+    while env.agents:
+        send = int(random.integers(4)) if random.random() < 0.1 else 0
+        order = np.array([0, 0, send])
+        _, rewards, *_ = env.step({"left": order, "right": np.zeros(3, np.int64)})
+        paid += rewards["left"]
+    done = env.carry()
+    assert done.trace is not None and done.outcome == "delivered"
+    way = float(done.trace["midpoint"][-1])
+    p = done.trace["contact"].to_numpy()[1:] / [0.1, 0.075]
+    centring = 5.0 * (0.01 * 0.06 / 0.3) * float((p**2).mean(axis=1).sum())
+    assert paid == pytest.approx(2.0 * way / 0.3 - centring + 0.5 - 0.01 * done.messages, rel=1e-9)
+    assert done.messages > 5
+
+
+def test_a_carry_may_have_another_scene() -> None:
+    env = short()
+    _, infos = env.reset(seed=1, options={"overrides": {"start.left_m": 0.03}})
+    assert env.state()[0] == 0.03 and infos["left"]["seed"] == 1
+    env.reset(seed=1)
+    assert env.state()[0] == 0.0
+
+
+def test_bumps_are_seen_before_anything_is_done() -> None:
+    bump = {"bumps.script": [{"at_s": 0.0, "robot": "left", "shift_m": 0.01}]}
+    env = carry_v0.parallel_env(overrides=bump)
+    seen, _ = env.reset(seed=0)
+    assert seen["left"][0] == 1 and seen["right"][0] == 0
+
+
+def test_a_robot_that_does_not_run_does_not_obey() -> None:
+    freeze = {"faults.script": [{"kind": "freeze", "robot": "left", "at_s": 0.05, "for_s": 0.05}]}
+    env = carry_v0.parallel_env(overrides=freeze)
+    _, infos = env.reset(seed=0)
+    runs = []
+    for _ in range(15):
+        runs.append(infos["left"]["runs"])
+        *_, infos = env.step({name: np.zeros(3, np.int64) for name in env.agents})
+    assert [k for k, one in enumerate(runs) if not one] == [5, 6, 7, 8, 9]
+
+
+def test_it_looks_like_the_animation() -> None:
+    for world in ("quasistatic", "mujoco"):
+        env = short(render_mode="rgb_array", world=world)
+        env.reset(seed=0)
+        first = env.render()
+        for _ in range(30):
+            env.step({name: np.array([1, 1, 1]) for name in env.agents})
+        later = env.render()
+        assert first is not None and later is not None
+        assert first.shape == later.shape and first.dtype == np.uint8 and first.shape[2] == 3
+        assert (first != later).any()
+    assert short().render() is None
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        ({"world": "gazebo"}, 'world: value is "gazebo"; allowed: quasistatic, mujoco'),
+        ({"messages": "no"}, 'messages: value is "no"; allowed: true, false'),
+        ({"ticks_per_step": 0}, "ticks_per_step: value is 0; allowed: 1 to 1000"),
+        ({"ticks_per_step": True}, "ticks_per_step: value is true; allowed: 1 to 1000"),
+        ({"render_mode": "human"}, 'render_mode: value is "human"; allowed: rgb_array, or None'),
+        ({"overrides": {"robot.speed": 1}}, "robot.speed"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(keys: dict[str, Any], says: str) -> None:
+    with pytest.raises(PalmbotsError) as told:
+        carry_v0.parallel_env(**keys)
+    assert says in str(told.value) and "\n" not in str(told.value)
+
+
+def test_an_object_that_is_not_held_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"not held at the start \(sliding\)"):
+        carry_v0.parallel_env(overrides={"palm.friction": 0.01, "object.com_m": [0.2, 0.04]})
+
+
+@pytest.mark.parametrize(
+    "action", [[0, 3, 0], [0, 0], [0, 0, 0, 0], [-1, 0, 0], 5, None, ["a", 0, 0]]
+)
+def test_a_wrong_action_is_refused_and_nothing_happens(action: Any) -> None:
+    env = short()
+    env.reset(seed=0)
+    before = env.state()
+    with pytest.raises(
+        PalmbotsError, match=r"action of right: .* allowed: palm 0 to 1, move 0 to 2"
+    ):
+        env.step({"left": [0, 0, 0], "right": action})
+    assert (env.state() == before).all()
+
+
+def test_wrong_calls_are_refused() -> None:
+    env = short()
+    with pytest.raises(PalmbotsError, match="call reset first"):
+        env.state()
+    with pytest.raises(SceneError, match=r"noise"):
+        env.reset(options={"overrides": {"noise": 1}})
+    for seed in (-1, 2**64, 0.5, True):
+        with pytest.raises(PalmbotsError, match=r"seed: .* allowed"):
+            env.reset(seed=seed)  # type: ignore[arg-type]
+    env.reset(seed=2**64 - 1)
+    with pytest.raises(PalmbotsError, match="still under way"):
+        env.carry()
+    ended(env, 0)
+    assert env.carry().trace is None
+    with pytest.raises(PalmbotsError, match="given away"):
+        env.carry()
+    wrong: list[dict[str, Any]] = [{"progress": -1}, {"letter": float("nan")}, {"dropped": "much"}]
+    for weights in wrong:
+        with pytest.raises(PalmbotsError, match=r"rewards: .* allowed"):
+            carry_v0.Rewards(**weights)
+
+
+def test_a_state_is_what_the_world_is() -> None:
+    env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0})
+    env.reset(seed=0)
+    for _ in range(100):
+        env.step({name: np.zeros(3, np.int64) for name in env.agents})
+    left, right, one, other, separation, rise, gone, rest = env.state()
+    assert (left, right) == (0, 0) and one == other == pytest.approx(np.radians(15))
+    assert separation == pytest.approx(0.25) and rise == 0
+    assert gone == pytest.approx(0.06 - 0.06 * 0.06 / 0.5 / 2, abs=1e-3)
+    assert gone + rest == pytest.approx(1.5)
+    assert env.state_space.contains(env.state())
+
+
+def test_without_pettingzoo_one_line_says_what_to_install() -> None:
+    program = (
+        "import sys; sys.modules['pettingzoo'] = None\n"
+        "from palmbots.errors import PalmbotsError\n"
+        "try:\n    from palmbots.learn import carry_v0\n"
+        "except PalmbotsError as error:\n    print(error)"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert told.stdout == (
+        "learn: the package pettingzoo is missing; run: pip install 'palmbots[learn]'\n"
+    )
+
+
+def test_many_at_once_are_the_single_ones() -> None:
+    """As docs/learning.md shows it: SuperSuit's vector of environments, both robots in each."""
+    import supersuit
+
+    single = carry_v0.parallel_env(ticks_per_step=10)
+    many: Any = supersuit.concat_vec_envs_v1(
+        supersuit.pettingzoo_env_to_vec_env_v1(single), 3, num_cpus=0, base_class="gymnasium"
+    )
+    seen, _ = many.reset(seed=5)  # the environments get the seeds 5, 6, 7
+    assert seen.shape == (6, 7)
+    moving = np.tile([action("steep", "away"), action("steep", "hold")], (3, 1))
+    alone = [carry_v0.parallel_env(ticks_per_step=10) for _ in range(3)]
+    for seed, env in zip((5, 6, 7), alone, strict=True):
+        env.reset(seed=seed)
+    paid = np.zeros(6)
+    for _ in range(20):
+        seen, paid, *_ = many.step(moving)
+        for k, env in enumerate(alone):
+            one, reward, *_ = env.step(dict(zip(("left", "right"), moving[:2], strict=True)))
+            assert (seen[2 * k] == one["left"]).all() and (seen[2 * k + 1] == one["right"]).all()
+            assert paid[2 * k] == pytest.approx(reward["left"])
+    assert len(set(paid[::2].tolist())) == 3
+
+
+def test_spaces_stay_the_same_objects() -> None:
+    env = short()
+    assert env.action_space("left") is env.action_space("left")
+    assert copy.copy(env.possible_agents) == ["left", "right"]
