@@ -1,8 +1,11 @@
 """Designed angles against brute force, their certificates, and what is refused."""
 
+import itertools
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,35 +21,29 @@ from palmbots.stability.situation import Situation, situation_of
 from test_stability import contacts, happens
 
 
+def demands(at: Situation) -> Iterator[tuple[int, Any, Any, Any]]:
+    """All that has to hold: property, shallow palm, palm angles, contacts at the corners."""
+    for shallow in SIDES:
+        for number in (0, 1, 2):
+            for pose in at.poses(number, shallow) if number == 0 else [None]:
+                palms = at.palms(shallow) if pose is None else pose.angles
+                for region in (1, 2) if number == 0 else (number,):
+                    alike = number == 0 and abs(palms[0] - palms[1]) < 1e-12
+                    yield number, shallow, palms, contacts(at, 0 if alike else region, shallow, 2)
+
+
 def brute_tolerance(at: Situation, angles: tuple[float, float], frictions: list[float]) -> float:
     """How far c_x may be from the scene's, by trying it every 0.4 mm at the region's corners."""
     steps = np.arange(0, 160) * 4e-4
     pair = at.with_(angles=(angles, angles))
     good = np.ones(len(steps), bool)
-    for mu in frictions:
-        for shallow in SIDES:
-            for number in (0, 1, 2):
-                for pose in pair.poses(number, shallow) if number == 0 else [None]:
-                    palms = pair.palms(shallow) if pose is None else pose.angles
-                    for region in (1, 2) if number == 0 else (number,):
-                        alike = number == 0 and abs(palms[0] - palms[1]) < 1e-12
-                        p = contacts(pair, 0 if alike else region, shallow, 2)
-                        for sign in (-1, 1):
-                            x = at.com[0] + sign * steps
-                            good &= (
-                                happens(
-                                    pair,
-                                    number,
-                                    shallow,
-                                    palms,
-                                    (p[0][..., None], p[1][..., None]),
-                                    com_x=x,
-                                    friction_left=mu,
-                                    friction_right=mu,
-                                )
-                                .reshape(-1, len(steps))
-                                .all(axis=0)
-                            )
+    for number, shallow, palms, p in demands(pair):
+        places = (p[0][..., None], p[1][..., None])
+        for mu in frictions:
+            for x in (at.com[0] - steps, at.com[0] + steps):
+                given = {"com_x": x, "friction_left": mu, "friction_right": mu}
+                held = happens(pair, number, shallow, palms, places, **given)
+                good &= held.reshape(-1, len(steps)).all(axis=0)
     return -1.0 if not good[0] else float(steps[np.argmin(good)] if not good.all() else steps[-1])
 
 
@@ -75,6 +72,71 @@ def test_the_answer_is_that_of_a_brute_force_search() -> None:
                 best = max(best, brute)
     assert checked > 40
     assert found.tolerance == pytest.approx(best, abs=6e-4)
+
+
+def holds_everywhere(at: Situation, frictions: list[float], slopes: list[float]) -> bool:
+    """Properties 0, 1 and 2, either palm shallow, tried state by state."""
+    mu, slope = np.meshgrid(frictions, slopes)
+    given = {"friction_left": mu, "friction_right": mu, "slope": slope}
+    for number, shallow, palms, p in demands(at):
+        places = (p[0][..., None, None], p[1][..., None, None])
+        if not happens(at, number, shallow, palms, places, **given).all():
+            return False
+    return True
+
+
+def wrong_by(at: Situation, quantity: str, by: float) -> list[Situation]:
+    """The extremes where one quantity of a palm or of the region is off by `by`."""
+    if quantity == "region":
+        return [at.with_(contacts=((-by, by), (-by, by)))]
+    if quantity == "angle":
+        return [
+            at.with_(
+                angles=tuple((s + e, t + e) for (s, t), e in zip(at.angles, errors, strict=True))
+            )
+            for errors in itertools.product((-by, 0.0, by), repeat=2)
+        ]
+    return [at]
+
+
+def holds_with_an_error(at: Situation, quantity: str, by: float) -> bool:
+    """Whether everything holds with one quantity off by as much as `by`, either way."""
+    frictions, slopes = [at.friction[0]], [at.slope]
+    if quantity == "friction":
+        frictions = list(np.linspace(max(0.0, at.friction[0] - by), at.friction[0] + by, 5))
+    if quantity == "slope":
+        slopes = [at.slope - by, at.slope, at.slope + by]
+    return all(holds_everywhere(wrong, frictions, slopes) for wrong in wrong_by(at, quantity, by))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "step"),
+    [("friction", 0.01), ("slope", 0.005), ("region", 1e-3), ("angle", math.radians(0.2))],
+)
+def test_every_tolerance_is_that_of_a_scan(quantity: str, step: float) -> None:
+    region = (-0.025, 0.025)
+    found = pb.design(
+        "paper", maximize=quantity, region_m=region, resolution_deg=4.0, angles_deg=(1.0, 37.0)
+    )
+    at = situation_of(found.scene, region)
+    equal = 0
+    for i, shallow in enumerate(found.map["shallow"].to_numpy()):
+        for j, steep in enumerate(found.map["steep"].to_numpy()):
+            mine = float(found.map["tolerance"][i, j])
+            if not (steep - shallow >= 4.9 and (i + 2 * j) % 5 == 0 and mine > 0):
+                continue
+            pair = (math.radians(shallow), math.radians(steep))
+            here = at.with_(angles=(pair, pair))
+            least = 0.0
+            while least < mine + 3 * step and holds_with_an_error(here, quantity, least + step):
+                least += step
+            # Never more than a scan finds, and less only where the outline would touch.
+            assert mine < least + step, (shallow, steep)
+            beyond = wrong_by(here, quantity, mine + step)
+            if all(wrong.envelope().clearance(wrong.angles) >= 0 for wrong in beyond):
+                assert mine > least - step, (shallow, steep)
+                equal += 1
+    assert equal >= 3
 
 
 def test_more_tolerant_than_the_papers_angles() -> None:

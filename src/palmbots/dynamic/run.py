@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from palmbots import _core
-from palmbots.dynamic.curved import world_of
 from palmbots.dynamic.columns import COLUMNS
+from palmbots.dynamic.curved import world_of
 from palmbots.dynamic.settings import DEFAULT, Engine
 from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
 from palmbots.lowering import lower
