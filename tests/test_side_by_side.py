@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -23,10 +25,25 @@ def refuse() -> int:
     raise PalmbotsError(f"refused in {os.getpid()}")
 
 
+@pytest.fixture
+def forks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fork whatever threads other tests have left in this process."""
+    monkeypatch.setattr(side_by_side, "can_fork", lambda: True)
+
+
+@pytest.mark.usefixtures("forks")
 def test_each_job_has_its_process() -> None:
-    assert can_fork()
     first, second = both(os.getpid, os.getpid)
     assert first == os.getpid() != second
+
+
+def test_a_process_with_one_thread_and_two_cores_forks() -> None:
+    program = (
+        "import os; os.sched_getaffinity = lambda _: {0, 1}\n"
+        "from palmbots.side_by_side import can_fork; print(can_fork())"
+    )
+    told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert told.stdout.split() == ["True"], told.stderr
 
 
 def test_other_threads_forbid_the_fork() -> None:
@@ -56,6 +73,7 @@ def test_errors_of_either_job_arrive(monkeypatch: pytest.MonkeyPatch, forks: boo
     assert str(error.value).endswith(f" {os.getpid()}") != forks
 
 
+@pytest.mark.usefixtures("forks")
 def test_after_an_error_nothing_goes_on(tmp_path: Path) -> None:
     """The child has ended when the error arrives: its file is there, and nobody is left."""
     path = tmp_path / "second"
@@ -76,6 +94,7 @@ def test_after_an_error_nothing_goes_on(tmp_path: Path) -> None:
         os.waitpid(-1, os.WNOHANG)
 
 
+@pytest.mark.usefixtures("forks")
 def test_a_killed_child_is_made_up_for(capfd: pytest.CaptureFixture[str]) -> None:
     parent = os.getpid()
 

@@ -125,11 +125,16 @@ class Power {
  public:
   // Asked once a tick and robot.
   Host host(const Faults& faults, std::uint32_t tick, std::size_t side) {
-    const Host host = faults.host(tick, side);
+    const Host host = next(faults, tick, side);
     if (host == Host::off) was_off_[side] = true;
-    if (host != Host::runs || !was_off_[side]) return host;
-    was_off_[side] = false;
-    return Host::boots;
+    if (host == Host::boots) was_off_[side] = false;
+    return host;
+  }
+
+  // What host() will say in the tick to come.
+  Host next(const Faults& faults, std::uint32_t tick, std::size_t side) const {
+    const Host host = faults.host(tick, side);
+    return host == Host::runs && was_off_[side] ? Host::boots : host;
   }
 
  private:

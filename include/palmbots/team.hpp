@@ -223,9 +223,11 @@ class Pair {
 
   // Whether a robot's program runs in a tick that is still to come, and the letter that it will find.
   bool is_on(std::uint32_t tick, std::size_t side) const {
-    if (!faults_.any()) return true;
-    const Host host = faults_.host(tick, side);
+    const Host host = power_.next(faults_, tick, side);
     return host == Host::runs || host == Host::boots;
+  }
+  bool boots(std::uint32_t tick, std::size_t side) const {
+    return power_.next(faults_, tick, side) == Host::boots;
   }
   Letter letter(std::uint32_t tick, std::size_t side) const {
     const Letter* oldest = is_on(tick, side) ? inbox_[side].oldest(tick) : nullptr;

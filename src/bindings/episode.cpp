@@ -59,13 +59,12 @@ Pair<Told> team_of(const Spec& spec, std::uint64_t seed, const PerSide<Order>& o
 
 // What both robots see in the tick to come.
 template <class Carry>
-std::pair<Seen, Seen> seen_of(const Carry& carry, const Faults& faults) {
+std::pair<Seen, Seen> seen_of(const Carry& carry) {
   const PerSide<Sensed> sensed = carry.sense();
   const auto one = [&](std::size_t side) {
     return Seen{static_cast<int>(sensed[side].sign), sensed[side].turned,
                 static_cast<int>(carry.team().letter(carry.ticks(), side)),
-                carry.team().is_on(carry.ticks(), side),
-                faults.any() && faults.host(carry.ticks(), side) == Host::boots};
+                carry.team().is_on(carry.ticks(), side), carry.team().boots(carry.ticks(), side)};
   };
   return {one(left), one(right)};
 }
@@ -99,7 +98,7 @@ struct Begun {
 
 class Episode {
  public:
-  Episode(const Spec& spec, std::uint64_t seed, bool record) : faults_(Faults::of(spec, seed)) {
+  Episode(const Spec& spec, std::uint64_t seed, bool record) {
     if (record) {
       with_.emplace<Begun<TraceRecorder>>(spec, seed, orders_);
     } else {
@@ -133,7 +132,7 @@ class Episode {
   }
 
   std::pair<Seen, Seen> seen() {
-    return visit([&](auto& begun) { return seen_of(begun.carry, faults_); });
+    return visit([&](auto& begun) { return seen_of(begun.carry); });
   }
 
   Run run() {
@@ -150,26 +149,23 @@ class Episode {
 
  private:
   PerSide<Order> orders_{};
-  Faults faults_;
   std::variant<std::monostate, Begun<NoRecorder>, Begun<TraceRecorder>> with_;
 };
 
 class ToldCrew {
  public:
   ToldCrew(const Spec& spec, std::uint64_t seed, const Sight& first, double slack)
-      : faults_(Faults::of(spec, seed)),
-        crew_(spec, seed, team_of(spec, seed, orders_), slack, first) {}
+      : crew_(spec, seed, team_of(spec, seed, orders_), slack, first) {}
   ToldCrew(const ToldCrew&) = delete;
   ToldCrew& operator=(const ToldCrew&) = delete;
 
   PerSide<Order>& orders() { return orders_; }
   Crew<Pair<Told>>& crew() { return crew_; }
   bool done() const { return crew_.done(); }
-  std::pair<Seen, Seen> seen() const { return seen_of(crew_, faults_); }
+  std::pair<Seen, Seen> seen() const { return seen_of(crew_); }
 
  private:
   PerSide<Order> orders_{};
-  Faults faults_;
   Crew<Pair<Told>> crew_;
 };
 

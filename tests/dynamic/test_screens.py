@@ -82,10 +82,12 @@ def test_egl_and_osmesa_draw_the_same(tmp_path: Path) -> None:
         "print(*(k for k in ('egl', 'osmesa') if f'mujoco.{k}' in sys.modules))\n"
     )
     pictures = []
+    # MuJoCo writes its choice of library there, too; a test before may have made it draw.
+    clean = {k: v for k, v in os.environ.items() if k != "PYOPENGL_PLATFORM"}
     for kind in ("egl", "osmesa"):
         path = tmp_path / f"{kind}.png"
         told = subprocess.run(
-            [sys.executable, "-c", program, path], env=os.environ | {"MUJOCO_GL": kind},
+            [sys.executable, "-c", program, path], env=clean | {"MUJOCO_GL": kind},
             capture_output=True, text=True, check=True,
         )  # fmt: skip
         assert told.stdout.split() == [kind]
