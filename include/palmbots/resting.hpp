@@ -14,6 +14,8 @@
 // `push` decides which contacts slide, not whether the object is held. Source: MECHANICS sections 5, 6.
 #pragma once
 
+#include <array>
+
 #include "palmbots/grip.hpp"
 #include "palmbots/locate.hpp"
 #include "palmbots/slip.hpp"
@@ -215,11 +217,16 @@ class Instant {
   }
   // The palm with more contacts besides its vertex; the mirror must not matter, and left comes first
   // only where all is alike.
-  std::size_t leading(const PerSide<std::size_t>& beside) const {
-    if (beside[left] != beside[right]) return beside[left] > beside[right] ? left : right;
-    const Real steeper = stance_.palms[left].angle - stance_.palms[right].angle;
-    if (steeper != Real(0)) return steeper > Real(0) ? left : right;
-    return stance_.contacts[right] > stance_.contacts[left] ? right : left;
+  std::size_t leading(const PerSide<std::size_t>& beside,
+                      const PerSide<std::size_t>& stuck = {}) const {
+    const auto ranks = [&](std::size_t side) {
+      return std::array<Real, 8>{
+          Real(beside[side]),     stance_.palms[side].angle,
+          stance_.contacts[side], Real(stuck[side]),
+          rig_.friction[side],    rig_.offset[side],
+          rig_.half_length[side], side == left ? rig_.load.com_left : rig_.load.com_right};
+    };
+    return ranks(right) > ranks(left) ? right : left;
   }
 
   static Hold<Real> hold(const TouchPoint<Real>& p) {
@@ -248,14 +255,16 @@ class Instant {
   Grip<Real> grip_in(const Motions& m) const {
     Grip<Real> grip{};
     PerSide<std::size_t> beside{};
+    PerSide<std::size_t> stuck{};
     for (std::size_t i = 0; i < supports_.count; ++i) {
       if (m[i] == Motion::leave) continue;
       const TouchPoint<Real>& p = point(i);
       beside[p.support.side] += own(p) ? 0 : 1;
+      stuck[p.support.side] += m[i] == Motion::stick ? 1 : 0;
       grip.holds[grip.count++] = {p.support.side,        p.palm_end, p.feature, p.place,
                                   m[i] == Motion::stick, Real(0)};
     }
-    grip.first = leading(beside);
+    grip.first = leading(beside, stuck);
     remember(rig_, stance_, grip);
     return grip;
   }
