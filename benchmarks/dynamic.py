@@ -3,8 +3,7 @@
     .venv/bin/python benchmarks/dynamic.py
 
 Carries of the default scene at several frictions, and at higher noise, where carries begin to fail,
-in both worlds over the same seeds; in the quasistatic one also in slow motion, four times slower,
-where accelerations matter little. Prints tables and writes benchmarks/results/dynamic.csv.
+in both worlds over the same seeds. Prints tables and writes benchmarks/results/dynamic.csv.
 """
 
 import csv
@@ -12,7 +11,6 @@ import datetime
 import statistics
 import time
 from pathlib import Path
-from typing import Any
 
 from machine import compiler, processor
 from rich.console import Console
@@ -22,14 +20,13 @@ from palmbots.batch import DELIVERED, run_seeds
 from palmbots.compare import wilson
 from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.run import run
-from palmbots.dynamic.slow_motion import slow_motion
 from palmbots.lowering import lower
 from palmbots.scene import load_scene
 from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "dynamic.csv"
 FRICTIONS, SEEDS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8), 12
-NOISES, MANY, KNOWN, SLOWER = (0.02, 0.025, 0.03, 0.04), 60, 4000, 4.0
+NOISES, MANY, KNOWN = (0.02, 0.025, 0.03, 0.04), 120, 4000
 
 
 def main() -> None:
@@ -52,19 +49,15 @@ def main() -> None:
                 delivered += done.outcome == "delivered"
                 bar.advance(task)
             low, high = wilson(delivered, n)
-            told: list[Any] = []
-            for pace in (1.0, SLOWER):
-                spec = lower(slow_motion(scene, pace))
-                known = run_seeds(spec, "distributed", 0, KNOWN, "double")["outcome"]
-                rate = float((known == DELIVERED).mean())
-                alike = int((known[:n] == DELIVERED).sum())
-                told += [alike, KNOWN, rate, low <= rate <= high]
-            rows.append((key, value, n, delivered, low, high, *told))
+            known = run_seeds(lower(scene), "distributed", 0, KNOWN, "double")["outcome"]
+            rate = float((known == DELIVERED).mean())
+            alike = int((known[:n] == DELIVERED).sum())
+            inside = low <= rate <= high
+            rows.append((key, value, n, delivered, low, high, alike, KNOWN, rate, inside))
             console.print(
-                f"{key} = {value:<5g} mujoco delivers {delivered:2d} of {n} "
-                f"({100 * low:5.1f} to {100 * high:5.1f} %), quasistatic {told[0]:2d} of the same "
-                f"and {100 * told[2]:6.2f} % of {KNOWN}, in slow motion {told[4]:2d} and "
-                f"{100 * told[6]:6.2f} %"
+                f"{key} = {value:<5g} mujoco delivers {delivered:3d} of {n:3d} "
+                f"({100 * low:5.1f} to {100 * high:5.1f} %), quasistatic {alike:3d} of the same "
+                f"and {100 * rate:6.2f} % of {KNOWN}"
             )
     best, median = min(times), statistics.median(times)
     console.print(f"a carry of 25 s takes {best:.2f} s at best, {median:.2f} s in the median")
@@ -72,9 +65,8 @@ def main() -> None:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("key", "value", "n", "delivered", "low", "high",
                         "quasistatic_same_seeds", "quasistatic_n",
-                        "quasistatic_rate", "inside", "slow_same_seeds", "slow_n", "slow_rate",
-                        "slow_inside", "best_s", "median_s", "machine", "compiler",
-                        "palmbots", "mujoco", "date"))  # fmt: skip
+                        "quasistatic_rate", "inside", "best_s", "median_s", "machine",
+                        "compiler", "palmbots", "mujoco", "date"))  # fmt: skip
         stamp = (f"{best:.3f}", f"{median:.3f}", processor(), compiler(), __version__,
                  mujoco().__version__, datetime.date.today().isoformat())  # fmt: skip
         for row in rows:

@@ -179,6 +179,7 @@ def scene_tables(draw: st.DrawFn) -> dict[str, Any]:
         "slope_deg": draw(st.just(0.0) | numbers(-5, 5)),
         "direction": draw(st.sampled_from(["forward", "backward"])),
         "inertia": draw(st.booleans()),
+        "inertia_lag_s": draw(st.just(0.05) | st.just(0.0) | numbers(0.001, 1)),
     }
     if draw(st.booleans()):
         task["timeout_s"] = draw(numbers(0.5, 30))

@@ -39,7 +39,8 @@ BAD = [
     (
         "[task]\nloss = 0.15",
         "task.loss: 0.15 is given to an unknown key; did you mean radio.loss? "
-        "allowed in task: distance_m, slope_deg, timeout_s, direction, inertia, path",
+        "allowed in task: distance_m, slope_deg, timeout_s, direction, inertia, inertia_lag_s, "
+        "path",
     ),
     (
         "[rodio]\nloss = 0.15",

@@ -169,7 +169,7 @@ def test_bad_input_is_one_line_and_exit_status_2(
 def test_a_carry_by_robots_that_hang_says_so() -> None:
     result = palmbots("carry", "--set", "radio.loss=1")
     assert "(2 unanswered)" in result.stdout
-    assert "warning: left has waited since 0.8 s for an Ack that does not come" in result.stdout
+    assert "warning: left has waited since 0.9 s for an Ack that does not come" in result.stdout
     assert "unanswered" not in palmbots("carry").stdout
 
 
@@ -199,7 +199,7 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "…" not in plain
         for word in ("controller", "value", "dropped (95 %)", "rms (95 %)", "messages/m", "B/s"):
             assert word in rows[1]
-        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 14.4 ± 0.0 mm │          0 │   0 │" in plain
+        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 26.4 ± 0.0 mm │          0 │   0 │" in plain
 
 
 def test_an_animation_of_an_earlier_carry_is_removed(tmp_path: Path) -> None:

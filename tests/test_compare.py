@@ -36,7 +36,7 @@ def test_rows() -> None:
 
 def test_a_row_is_made_of_single_carries() -> None:
     """The carries of a row are those that `carry` gives, with the same seeds."""
-    key, value, seeds = "robot.noise_m_s", 0.02, range(5, 25)
+    key, value, seeds = "robot.noise_m_s", 0.01, range(5, 25)
     (row,) = pb.compare(
         key=key, values=[value], controllers=["none"], carries=len(seeds), seed=seeds[0]
     ).rows

@@ -251,12 +251,15 @@ def test_robots_that_hang_are_warned_of() -> None:
         ("c", "Ack"): (shallow, "a TiltDown"),
     }
     seen = set()
-    for seed in range(12):
+    for seed in range(30):
         carry = carried("distributed", seed, radio__loss=0.1)
         hangs = []
         for k, side in enumerate(("left", "right")):
             case, palm = column(carry, "case")[-2, k], column(carry, "palm")[-1, k]
-            letter = [m for m in carry.letters if m.sender == side][-1]
+            sent = [m for m in carry.letters if m.sender == side]
+            if not sent:
+                continue
+            letter = sent[-1]
             angle, what = waits.get((case, letter.letter), (None, ""))
             nominal = column(carry, "commanded")[-2, k] == pytest.approx(0.06)
             if palm == angle and nominal and carry.time_s - letter.sent_s > 2.1:
@@ -273,7 +276,7 @@ def test_robots_that_hang_are_warned_of() -> None:
 
 def test_a_controller_in_python_that_hangs_is_warned_of_too() -> None:
     lost = pb.carry("paper", pb.Distributed, overrides={"radio.loss": 1.0})
-    assert "left has waited since 0.8 s for a letter that does not come" in lost.warnings[0]
+    assert "left has waited since 0.9 s for a letter that does not come" in lost.warnings[0]
 
 
 def test_nobody_hangs_where_nothing_is_lost() -> None:

@@ -14,7 +14,7 @@ PALM = ("length", "offset", "friction", "shallow", "steep", "rate")
 ROBOT = ("speed", "correction", "acceleration", "max_speed", "noise", "noise_tau", "bias")
 SHARED = (
     "width", "com_height", "contact_right", "zones", "false_rate", "period", "latency", "jitter",
-    "loss", "distance", "inertia", "timeout_ticks", "bump_rate", "bump_max",
+    "loss", "distance", "inertia", "inertia_lag", "timeout_ticks", "bump_rate", "bump_max",
 )  # fmt: skip
 
 
@@ -48,7 +48,7 @@ def test_the_papers_box():
     assert (spec.latency, spec.jitter, spec.loss) == (0.05, 0, 0)
     assert (spec.distance, spec.slope, spec.direction, spec.timeout_ticks) == (1.5, 0, 1, 5000)
     assert (spec.start, spec.bumps, spec.bump_rate, spec.bump_max) == ((0, 0), [], 0, 0.004)
-    assert spec.inertia == 1
+    assert (spec.inertia, spec.inertia_lag) == (1, 0.05)
 
 
 def test_keys_arrive_where_they_belong():
@@ -71,6 +71,7 @@ def test_keys_arrive_where_they_belong():
                 ],
                 "start.right_m": 0.03,
                 "task.inertia": False,
+                "task.inertia_lag_s": 0,
                 "task.timeout_s": 7.004,
             },
         )
@@ -81,7 +82,7 @@ def test_keys_arrive_where_they_belong():
     assert spec.zones == [(1, 0.01, 0.05), (0, -0.01, 0.02), (-1, -0.05, -0.01)]
     assert spec.bumps == [(1, True, 2, 0.01), (0, False, 0.5, -0.02), (0, False, 0, 0)]
     assert spec.start == (0, 0.03)
-    assert (spec.inertia, spec.timeout_ticks) == (0, 700)
+    assert (spec.inertia, spec.inertia_lag, spec.timeout_ticks) == (0, 0, 700)
 
 
 @pytest.mark.parametrize(("direction", "sign"), [("forward", 1), ("backward", -1)])

@@ -190,21 +190,25 @@ def back_at_work(carry: Carry, over_s: float) -> tuple[float, float, int]:
 def test_a_robot_that_fails_comes_back(robot: str, kind: str, for_s: float) -> None:
     """After the fault both stand until they hear each other and have corrected what the stop has
     shifted: a round trip before and after, the way at the correction speed, and for each correction
-    a palm up and down, three letters and brakes. Noise of 1 cm/s may take half of that speed."""
+    a palm up and down, three letters and brakes. Noise of 1 cm/s may take half of that speed.
+    A contact right at the edge of the zero zone, now in, now out by hundredths of a millimetre as
+    palms turn, makes for more corrections: one fault of 500."""
     at = (3.0, 9.0, 15.0)
     faults = [{"kind": kind, "robot": robot, "at_s": s, "for_s": for_s} for s in at]
     turn, letter, brakes = 0.2, 0.05 + 0.01, 0.06
     starts = {"start.left_m": 0.002, "start.right_m": -0.001}
-    for keys, speed, most in ((CALM | starts, 0.03, 3), ({}, 0.015, 8)):
+    for keys, speed, most in ((CALM | starts, 0.03, 3), ({}, 0.015, 5)):
+        numbers = []
         for seed in range(1 if keys else 4):
             carry = carried(keys | {"faults.script": faults}, seed=seed)
             assert carry.outcome == "delivered"
             assert carry.bounds is not None
             for start in at:
                 stood, off, corrections = back_at_work(carry, start + for_s)
-                assert corrections <= most
+                numbers.append(corrections)
                 bound = 2 * carry.bounds.shortest_lease_s + off / speed
                 assert stood <= bound + corrections * (2 * turn + 3 * letter + brakes), start
+        assert sum(number > most for number in numbers) <= (0 if keys else 1)
 
 
 def test_a_reboot_while_assisting_keeps_the_palm_up() -> None:

@@ -28,17 +28,8 @@ class Carry {
         recorder_(std::move(recorder)) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
-    robots_.travel_sense = Real(spec.direction);
-    robots_.period = Real(spec.period);
-    // The object goes with the mean of the two robots; a push is an acceleration in units of g.
-    if (spec.inertia != 0) robots_.inertia = Real(0.5 / (spec.period * standard_gravity));
+    robots_ = robots_of<Real>(spec, seed);
     for (const std::size_t side : {left, right}) {
-      robots_.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
-      robots_.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
-      // Noise is under way when the carry starts: its first value has its lasting spread.
-      const Words words = draw(seed, ~0U, Stream::noise);
-      robots_.wheels[side].noise =
-          Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader() ? 0 : 1]);
       full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
@@ -100,10 +91,10 @@ class Carry {
     recorder_.before(*this, sensed);
     const Advance<Real>& step = world_.advance(act.change, act.angles, act.push);
     metrics_.observe(tick_, world_.touches(), !world_.grip().none());
-    robots_.midpoint =
-        robots_.midpoint + (step.end == End::none ? act.travel : act.travel * step.fraction);
+    const Real before = robots_.midpoint;
+    robots_.midpoint = before + (step.end == End::none ? act.travel : act.travel * step.fraction);
     recorder_.after(*this);
-    finish_tick(step, act.travel);
+    finish_tick(step, before);
   }
 
   std::uint32_t ticks() const { return tick_; }
@@ -231,7 +222,8 @@ class Carry {
     }
   }
 
-  void finish_tick(const Advance<Real>& step, Real travel) {
+  // `before`: where the midpoint was.
+  void finish_tick(const Advance<Real>& step, Real before) {
     const double gone = double(robots_.midpoint) * spec_.direction;
     if (step.end != End::none) {
       metrics_.end = step.end;
@@ -241,7 +233,7 @@ class Carry {
       metrics_.outcome = Result::delivered;
       // The instant inside the tick at which the distance was reached.
       const double over = gone - spec_.distance;
-      const double way = double(travel) * spec_.direction;
+      const double way = (double(robots_.midpoint) - double(before)) * spec_.direction;
       metrics_.time_ticks = double(tick_) + (way > 0 ? 1 - over / way : 1);
     } else if (tick_ + 1 >= spec_.timeout_ticks) {
       metrics_.outcome = Result::stalled;

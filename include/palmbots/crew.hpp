@@ -67,14 +67,8 @@ class Crew {
         faults_(Faults::of(spec, seed)),
         team_(std::move(team)),
         sight_(first) {
-    robots_.travel_sense = spec.direction;
-    robots_.period = spec.period;
-    if (spec.inertia != 0) robots_.inertia = 0.5 / (spec.period * standard_gravity);
+    robots_ = robots_of<double>(spec, seed);
     for (const std::size_t side : {left, right}) {
-      robots_.wheels[side] = wheels_of<double>(spec.robots[side], spec.period);
-      robots_.wrists[side] = wrist_of<double>(spec.palms[side], spec.period);
-      const Words words = draw(seed, ~0U, Stream::noise);
-      robots_.wheels[side].noise = spec.robots[side].noise * unit_noise<double>(words[lane(side)]);
       full_move_[side] = spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0);
       set_points_[side] = PalmAngle<double>::at(spec.palms[side].steep);
     }

@@ -51,6 +51,9 @@ struct Wrist {
   }
 };
 
+// A push that has faded to this is none [1].
+inline constexpr double least_push = 1e-6;
+
 // Both robots: how they drive, and how far the pair has come.
 template <class Real>
 struct Robots {
@@ -62,8 +65,11 @@ struct Robots {
   Real travel_sense;         // ±1: the direction of travel along x
   Real period;               // of control [s]
   Real inertia;              // push per change of the sum of the speeds [s/m]
+  Real push_memory;          // e^(−T/τ) of the lag with which accelerations count
+  Real push_share;           // 1 − that
   PerSide<Real> speeds;      // over the last tick, towards +x [m/s]
   Real together;             // their sum [m/s]
+  Real push;                 // sideways specific force of their acceleration, lagged [1]
   Real midpoint;             // of the pivots, from where it started, towards +x [m]
 };
 
@@ -100,7 +106,13 @@ template <class Real>
   }
   const Real together = robots.speeds[left] + robots.speeds[right];
   done.change = (robots.speeds[right] - robots.speeds[left]) * robots.period;
-  done.push = robots.inertia * (together - robots.together);
+  const Real jerked = robots.inertia * (together - robots.together);
+  robots.push = robots.push_memory * robots.push + robots.push_share * jerked;
+  const MaskOf<Real> steady = jerked == Real(0);
+  if (any(steady)) {
+    robots.push = select(steady & within(robots.push, Real(least_push)), Real(0), robots.push);
+  }
+  done.push = robots.push;
   done.travel = Real(0.5) * together * robots.period;
   robots.together = together;
   return done;

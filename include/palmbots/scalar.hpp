@@ -7,7 +7,9 @@
 // Real is double or float throughout the core.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -48,27 +50,37 @@ struct SinCos {
 
 namespace detail {
 
-// c[0] + c[1] y + … + c[7] y⁷ by Estrin's scheme: a third of the waiting of Horner's.
-template <class V, class Real = typename ScalarOf<V>::type>
-constexpr V polynomial(V y, const Real (&c)[8]) {
+// c[0] + c[1] y + … by Estrin's scheme: a third of the waiting of Horner's.
+template <class V, class Real, std::size_t n>
+constexpr V polynomial(V y, const std::array<Real, n>& c) {
+  static_assert(n == 4 || n == 5 || n == 8);
   const V y2 = y * y;
   const V low = (V(c[0]) + V(c[1]) * y) + (V(c[2]) + V(c[3]) * y) * y2;
+  if constexpr (n == 4) return low;
+  if constexpr (n == 5) return low + V(c[4]) * (y2 * y2);
   const V high = (V(c[4]) + V(c[5]) * y) + (V(c[6]) + V(c[7]) * y) * y2;
   return low + high * (y2 * y2);
 }
 
-// Taylor series on |x| ≤ π/4; the first term left out is below 1e-18 there.
+// −1/first!, +1/(first + 2)!, −1/(first + 4)!, …
+template <class Real, std::size_t n>
+constexpr std::array<Real, n> taylor(int first) {
+  std::array<Real, n> c{};
+  double factorial = 1;
+  for (int k = 2; k <= first; ++k) factorial *= k;
+  for (std::size_t i = 0; i < n; ++i) {
+    c[i] = Real(i % 2 == 0 ? -1 : 1) / Real(factorial);
+    factorial *= (first + 1) * (first + 2);
+    first += 2;
+  }
+  return c;
+}
+
+// On |x| ≤ π/4 the first term left out is below 1e-18 in double, and below 2e-9 in float.
 template <class V>
 constexpr V sin_kernel(V x) {
   using Real = typename ScalarOf<V>::type;
-  constexpr Real c[8] = {Real(-1) / Real(6),
-                         Real(1) / Real(120),
-                         Real(-1) / Real(5040),
-                         Real(1) / Real(362880),
-                         Real(-1) / Real(39916800),
-                         Real(1) / Real(6227020800),
-                         Real(-1) / Real(1307674368000),
-                         Real(1) / Real(355687428096000)};
+  constexpr auto c = taylor<Real, sizeof(Real) == 8 ? 8 : 4>(3);
   const V y = x * x;
   return x + (x * y) * polynomial(y, c);
 }
@@ -76,10 +88,7 @@ constexpr V sin_kernel(V x) {
 template <class V>
 constexpr V cos_kernel(V x) {
   using Real = typename ScalarOf<V>::type;
-  constexpr Real c[8] = {Real(-1) / Real(2),           Real(1) / Real(24),
-                         Real(-1) / Real(720),         Real(1) / Real(40320),
-                         Real(-1) / Real(3628800),     Real(1) / Real(479001600),
-                         Real(-1) / Real(87178291200), Real(1) / Real(20922789888000)};
+  constexpr auto c = taylor<Real, sizeof(Real) == 8 ? 8 : 5>(2);
   const V y = x * x;
   return V(1) + y * polynomial(y, c);
 }

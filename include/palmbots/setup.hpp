@@ -41,9 +41,15 @@ Stance<Real> stance_of(const Spec& spec, const Rig<Real>& rig) {
   return stance;
 }
 
+// What is left of a first-order lag after a period.
+template <class Real>
+Real memory_of(double period, double lag) {
+  return lag > 0 ? exp_minus(Real(period / lag)) : Real(0);
+}
+
 template <class Real>
 Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
-  const Real memory = robot.noise_tau > 0 ? exp_minus(Real(period / robot.noise_tau)) : Real(0);
+  const Real memory = memory_of<Real>(period, robot.noise_tau);
   const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
   return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
           drive};
@@ -52,6 +58,29 @@ Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
 template <class Real>
 Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
+}
+
+inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
+
+// Both robots before they start.
+template <class Real>
+Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
+  Robots<Real> robots{};
+  robots.travel_sense = Real(spec.direction);
+  robots.period = Real(spec.period);
+  // The object goes with the mean of the two robots; a push is an acceleration in units of g.
+  if (spec.inertia != 0) robots.inertia = Real(0.5 / (spec.period * standard_gravity));
+  robots.push_memory = memory_of<Real>(spec.period, spec.inertia_lag);
+  robots.push_share = Real(1) - robots.push_memory;
+  // Noise is under way when the carry starts: its first value has its lasting spread.
+  const Words words = draw(seed, ~0U, Stream::noise);
+  for (const std::size_t side : {left, right}) {
+    robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
+    robots.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
+    robots.wheels[side].noise =
+        Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
+  }
+  return robots;
 }
 
 inline Channel channel_of(const Spec& spec) {
@@ -76,7 +105,5 @@ inline Channel channel_of(const Spec& spec) {
   }
   return channel;
 }
-
-inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
 
 }  // namespace palmbots

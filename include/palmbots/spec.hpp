@@ -111,9 +111,10 @@ struct Spec {
   std::uint32_t random_reboots = 0;  // in each carry
   double reboot = 0.5;               // what one of them takes
   double distance = 1.5;
-  double slope = 0;      // specific force towards −x
-  double inertia = 1;    // 0: accelerations do not count, as the paper assumes
-  double direction = 1;  // +1: the right robot leads, −1: the left one
+  double slope = 0;           // specific force towards −x
+  double inertia = 1;         // 0: accelerations do not count, as the paper assumes
+  double inertia_lag = 0.05;  // the time over which they are averaged [s]
+  double direction = 1;       // +1: the right robot leads, −1: the left one
   std::uint64_t timeout_ticks = 5000;
   double start[2]{};
   std::array<BumpSpec, max_bumps> bumps{};

@@ -190,6 +190,7 @@ void bind_spec(nb::module_& m) {
       .def_rw("distance", &Spec::distance)
       .def_rw("slope", &Spec::slope)
       .def_rw("inertia", &Spec::inertia)
+      .def_rw("inertia_lag", &Spec::inertia_lag)
       .def_rw("direction", &Spec::direction)
       .def_rw("timeout_ticks", &Spec::timeout_ticks)
       .def_prop_rw(

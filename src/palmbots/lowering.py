@@ -98,6 +98,7 @@ def lower(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     # Uphill in travel pulls the object back: towards −x when travelling forward.
     spec.slope = spec.direction * _core.tangent(_radians(task.slope_deg)) + 0.0
     spec.inertia = 1.0 if task.inertia else 0.0
+    spec.inertia_lag = task.inertia_lag_s
     spec.timeout_ticks = scene.timeout_ticks
     spec.safe_reach = _core.safe_reach(spec)
     return spec

@@ -59,6 +59,7 @@ SpeedError = Annotated[float, BeforeValidator(Range("m/s", least=-1, most=1))]
 Noise = Annotated[float, BeforeValidator(Range("m/s", least=0, most=1))]
 Acceleration = Annotated[float, BeforeValidator(Range("m/s²", least=0.001, most=1000))]
 Memory = Annotated[float, BeforeValidator(Range("s", least=0.001, most=1000))]
+Lag = Annotated[float, BeforeValidator(Range("s", least=0, most=1000))]
 Period = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=1))]
 Moment = Annotated[float, BeforeValidator(Range("s", least=0, most=1_000_000))]
 Patience = Annotated[float, BeforeValidator(Range("s", least=0.001, most=1_000_000))]
@@ -370,6 +371,9 @@ class Task(Section):
     inertia: Switch = True
     """Whether the accelerations of the pair take part in deciding which contact lets go first;
     false: they are neglected, as the paper assumes."""
+    inertia_lag_s: Lag = 0.05
+    """Time over which accelerations are averaged (first order) before they count, since wheels,
+    palms and contacts give way; 0: those of each control period count as they are."""
     path: Path = Path()
 
 

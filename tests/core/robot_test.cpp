@@ -1,5 +1,6 @@
 // Wheels: limits of acceleration and speed, calibration error, noise with its closed forms.
-// Wrist: the way to an angle at a finite rate, and an exact end.
+// Wrist: the way to an angle at a finite rate, and an exact end. Both together: the push of their
+// acceleration.
 #include "palmbots/robot.hpp"
 
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "check.hpp"
 #include "palmbots/philox.hpp"
+#include "palmbots/setup.hpp"
 
 using palmbots::draw;
 using palmbots::Palm;
@@ -106,9 +108,111 @@ void test_wrist_turns_round() {
   CHECK(std::abs(wrist.step(b, wrist.target(Palm::steep)) - 0.25) < 1e-15);
 }
 
+using palmbots::actuate;
+using palmbots::Actuation;
+using palmbots::left;
+using palmbots::PalmAngle;
+using palmbots::right;
+using palmbots::Robots;
+using palmbots::robots_of;
+using palmbots::Spec;
+
+// Two robots that stand, without noise.
+template <class Real>
+Robots<Real> standing(double period, double lag) {
+  Spec spec;
+  spec.period = period;
+  spec.inertia_lag = lag;
+  for (auto& robot : spec.robots) robot.noise = 0;
+  for (auto& palm : spec.palms) palm.rate = 1;
+  return robots_of<Real>(spec, 0);
+}
+
+template <class Real>
+Real push_of(Robots<Real>& robots) {
+  const palmbots::PerSide<PalmAngle<Real>> palms{PalmAngle<Real>::at(0), PalmAngle<Real>::at(0)};
+  return actuate(robots, palms, {Real(0), Real(0)}).push;
+}
+
+// While one robot accelerates with a, the pair does with a/2: a lag that starts from nothing has
+// come to 1 − e^(−t/τ) of that, whatever the period, and fades likewise when the robot drives evenly.
+template <class Real>
+void test_push_of_a_steady_acceleration() {
+  constexpr double whole = 0.5 / 2 / palmbots::standard_gravity;
+  const double exact = 64 * double(std::numeric_limits<Real>::epsilon());
+  for (const double period : {0.02, 0.01, 0.0025}) {
+    Robots<Real> robots = standing<Real>(period, 0.05);
+    robots.goal_speed[left] = Real(0.2);
+    const int rising = int(std::lround(0.2 / 0.5 / period));
+    double push = 0;
+    for (int k = 1; k <= rising; ++k) {
+      push = double(push_of(robots));
+      CHECK(std::abs(push / whole + std::expm1(-k * period / 0.05)) < exact / period);
+    }
+    // A last rest of acceleration, by rounding.
+    if (robots.wheels[left].speed != Real(0.2)) push = double(push_of(robots));
+    for (int k = 1; k <= int(0.2 / period); ++k) {
+      const double fading = double(push_of(robots));
+      CHECK(std::abs(fading / push - std::exp(-k * period / 0.05)) < exact / period);
+    }
+    // In the end it is gone altogether: only so a symmetric object stays symmetric.
+    for (int k = 0; k < int(0.6 / period); ++k) push = double(push_of(robots));
+    CHECK(push == 0);
+  }
+}
+
+// Without a lag the acceleration of each period counts as it is.
+void test_push_without_lag() {
+  Robots<double> robots = standing<double>(0.01, 0.0);
+  robots.goal_speed[right] = -0.2;
+  for (int k = 0; k < 39; ++k) {
+    CHECK(std::abs(push_of(robots) * 2 * palmbots::standard_gravity + 0.5) < 1e-12);
+  }
+  push_of(robots);
+  push_of(robots);
+  CHECK(push_of(robots) == 0);
+}
+
+// Noise of speed σ makes pushes whose spread does not grow without end as periods get shorter, as that of
+// plain differences does: by the closed form of two first-order lags in a row.
+void test_push_of_noise() {
+  constexpr double sigma = 0.04;
+  for (const double period : {0.01, 0.0025}) {
+    Spec spec;
+    spec.period = period;
+    spec.robots[0].noise = sigma;
+    spec.robots[1].noise = 0;
+    for (auto& palm : spec.palms) palm.rate = 1;
+    Robots<double> robots = robots_of<double>(spec, 3);
+    const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
+                                                     PalmAngle<double>::at(0)};
+    constexpr int n = 400000;
+    double sum = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const auto w = draw(5, i, Stream::noise);
+      const double push = actuate(robots, palms, {unit_noise<double>(w[0]), 0.0}).push;
+      if (i >= 1000) sum += push * push;
+    }
+    // y' = p y + (1 − p) (v' − v) / T of a v with memory m has the variance
+    // σ² (1 − p)² / T² × 2 (1 − m) / ((1 + p) (1 − p m)): as T → 0, σ² / (τ (τ + τ_noise)).
+    const double m = std::exp(-period / 0.5);
+    const double p = std::exp(-period / 0.05);
+    const double exact =
+        sigma * (1 - p) / period * std::sqrt(2 * (1 - m) / ((1 + p) * (1 - p * m)));
+    const double limit = sigma / std::sqrt(0.05 * (0.05 + 0.5));
+    CHECK(std::abs(exact / limit - 1) < 0.06);
+    const double found = std::sqrt(sum / (n - 1000)) * 2 * palmbots::standard_gravity;
+    CHECK(std::abs(found / exact - 1) < 0.03);
+  }
+}
+
 }  // namespace
 
 int main() {
+  test_push_of_a_steady_acceleration<double>();
+  test_push_of_a_steady_acceleration<float>();
+  test_push_without_lag();
+  test_push_of_noise();
   test_acceleration_and_speed_limit<double>();
   test_acceleration_and_speed_limit<float>();
   test_bias();

@@ -85,16 +85,16 @@ def test_it_is_the_carry_in_mujoco_too() -> None:
 
 
 def test_slower_decisions_cost_reward() -> None:
-    """A hundred decisions a second, ten, four: the contacts wander farther."""
+    """A hundred decisions a second, four, two: the contacts wander farther."""
     rms = []
-    for ticks in (1, 10, 25):
+    for ticks in (1, 25, 50):
         env = carry_v0.parallel_env(ticks_per_step=ticks)
         squares = []
         for seed in range(6):
             play(env, seed=seed)
             squares += [p**2 for p in env.carry().contact_rms_m.values()]
         rms.append(float(np.mean(squares)) ** 0.5)
-    assert rms[0] < rms[1] < rms[2]
+    assert 1.2 * rms[0] < rms[1] < rms[2]
 
 
 def test_it_earns_more_than_doing_nothing() -> None:

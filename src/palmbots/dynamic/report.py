@@ -86,10 +86,9 @@ def validation_report(done: "Validation", written: Sequence[Path]) -> None:
     console.print(table)
     told = done.delivery
     low, high = told.interval
-    slow = "" if told.slow is None else f", {100 * told.slow:.1f} % in slow motion"
     console.print(
         f"mujoco delivers {100 * low:.0f} to {100 * high:.0f} % (95 %), the quasistatic world "
-        f"{100 * told.known:.1f} %{slow}"
+        f"{100 * told.known:.1f} %"
     )
     if alike < len(pairs):
         console.print(f"  {len(pairs) - alike} of them ended otherwise", style=_QUIET)

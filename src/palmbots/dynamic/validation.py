@@ -20,10 +20,9 @@ from palmbots.carry import carry
 from palmbots.compare import wilson
 from palmbots.dynamic import trials
 from palmbots.dynamic.peers import PEERS, peer_trials
-from palmbots.dynamic.slow_motion import slow_motion
 from palmbots.dynamic.trials import Slides, State
 from palmbots.dynamic.world import refuse_unknown
-from palmbots.errors import PalmbotsError, SceneError, show
+from palmbots.errors import PalmbotsError, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 
@@ -39,7 +38,7 @@ __all__ = [
 ]
 
 LEAST_AGREEMENT, MOST_CREEP_M = 0.99, 0.25e-3
-_KNOWN, _SLOWER = 1000, 4.0  # carries of the quasistatic world, and its slow motion
+_KNOWN = 1000  # carries of the quasistatic world
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)
 _LINE_PLACES = (-0.04, 0.0, 0.04)
 _WIDEST_COM = 0.035  # m, off the middle
@@ -117,8 +116,6 @@ class Delivery:
     known_n: int
     known: float
     """Rate in the quasistatic world."""
-    slow: float | None
-    """The same in slow motion, where accelerations matter little; None where keys forbid it."""
 
 
 @dataclass(frozen=True)
@@ -304,16 +301,10 @@ def _switch(left_slides: Callable[[float], bool], halvings: int) -> float | None
 
 
 def _delivery(base: Scene, controller: str, pairs: list[Pairing]) -> Delivery:
-    def rate(scene: Scene) -> float:
-        ends = run_seeds(lower(scene), controller, 0, _KNOWN, "double")["outcome"]
-        return float((ends == DELIVERED).mean())
-
-    try:
-        slow = rate(slow_motion(base, _SLOWER))
-    except SceneError:
-        slow = None
+    ends = run_seeds(lower(base), controller, 0, _KNOWN, "double")["outcome"]
+    rate = float((ends == DELIVERED).mean())
     n, arrived = len(pairs), sum(p.outcome[1] == "delivered" for p in pairs)
-    return Delivery(n, arrived, wilson(arrived, n), _KNOWN, rate(base), slow)
+    return Delivery(n, arrived, wilson(arrived, n), _KNOWN, rate)
 
 
 def _pair(base: Scene, controller: str, seed: int) -> Pairing:
