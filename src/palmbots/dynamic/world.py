@@ -7,21 +7,22 @@ press with less than `dynamic.press_n`.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from palmbots import _core
+from palmbots.dynamic.columns import Measured
 from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
 from palmbots.dynamic.robot_model import axle_out, chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
+from palmbots.dynamic.touches import Further, Kind, Rests, further_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.geometry import SIDES
 from palmbots.scene import Scene
 
-__all__ = ["SLACK", "Measured", "MujocoWorld", "refuse_unknown"]
+__all__ = ["SLACK", "MujocoWorld", "refuse_unknown"]
 
 SLACK = math.radians(0.25)  # a wrist so near to its angle has turned; assumed
 _SETTLE_S = 0.3  # before the carry, for weights to be taken up
@@ -31,32 +32,6 @@ _LET_GO_S = 0.25  # an object that a palm has not felt for so long is not held a
 _TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
 Point = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """What the trace of the dynamic world holds besides that of every world; of one tick."""
-
-    force: tuple[float, float]
-    """With which the object presses on each palm, along its normal [N]."""
-    drag: tuple[float, float]
-    """With which it drags each palm along, outward [N]."""
-    speed: tuple[float, float]
-    """Of the pivots over the tick [m/s]."""
-    slip: tuple[float, float]
-    """By how much the wheels run ahead of the robot [m/s]."""
-    pitch: tuple[float, float]
-    """Of the robots' bodies, outward end up [rad]."""
-    yaw: tuple[float, float]
-    """Of the robots' bodies, anticlockwise seen from above [rad]."""
-    across: tuple[float, float]
-    """Of the middles of the contact edges on their palms, to the left seen towards +x [m]."""
-    pivot_x: tuple[float, float]
-    pivot_y: tuple[float, float]
-    """Places of the pivots on the floor [m]."""
-    vertex_x: tuple[float, float]
-    vertex_y: tuple[float, float]
-    """Places of the middles of the contact edges [m]."""
 
 
 def refuse_unknown(scene: Scene) -> None:
@@ -90,6 +65,7 @@ class MujocoWorld:
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
         self._unfelt = [0.0, 0.0]
+        self._rests = Rests()
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
         self._origin = self._midpoint()
@@ -186,6 +162,11 @@ class MujocoWorld:
         """Heights of the contact edges' middles above their palms [m]; < 0: palms give way."""
         return self._lifts()
 
+    def touches(self, until_s: float) -> list[tuple[int, Kind, float, float]]:
+        """When, until then, the object rested on more than its two contact vertices: on which
+        palm, what began it (``flush``, ``tip``), from when to when [s]."""
+        return self._rests.rows(until_s)
+
     @property
     def advance(self) -> float:
         """Of the midpoint of the pivots since the start, towards +x [m]."""
@@ -234,18 +215,18 @@ class MujocoWorld:
         self._half = [palm.length / 2 for palm in spec.palms]
         self._width = spec.width
         self._is_palm = [str(m.geom(k).name).startswith(SIDES) for k in range(m.ngeom)]
-        # The pairs of palm and object: of which palm, and whether it is by the contact vertex.
-        self._touching: dict[tuple[int, int], tuple[int, bool]] = {}
+        # The pairs of palm and object: of which palm, and what it is if not the contact vertex.
+        self._touching: dict[tuple[int, int], tuple[int, Further | None]] = {}
         for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
             of_object = [k for k in pair if m.geom_bodyid[k] == thing]
             of_palm = [k for k in pair if self._is_palm[k]]
             if not of_object or any("_lip_" in m.geom(k).name for k in pair):
                 continue  # lips hold sideways; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
-            vertex = m.geom(of_object[0]).name.startswith(
-                f"vertex_{(0, spec.contact_right)[side]}_"
-            )
-            self._touching[pair] = self._touching[pair[::-1]] = (side, vertex)
+            name = m.geom(of_object[0]).name
+            own = name.startswith(f"vertex_{(0, spec.contact_right)[side]}_")
+            what = None if own else further_of(side, name, self.layout)
+            self._touching[pair] = self._touching[pair[::-1]] = (side, what)
 
     def _settle(self) -> None:
         """Weights are taken up, and shoulders told to hold against them."""
@@ -337,6 +318,7 @@ class MujocoWorld:
         # Of the contact vertex and of all else: force, force times place.
         sums = [[[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]]
         drag = [0.0, 0.0]
+        further: list[Further] = []
         contact, forces = self.data.contact, self.data.efc_force
         places, frames = contact.pos, contact.frame
         for i, (pair, address) in enumerate(
@@ -345,10 +327,12 @@ class MujocoWorld:
             touching = self._touching.get((pair[0], pair[1]))
             if touching is None or address < 0:
                 continue
-            k, vertex = touching
+            k, what = touching
             push, one, other = forces[address : address + 3].tolist()
-            sums[k][vertex][0] += push
-            sums[k][vertex][1] += push * self._seen(k, places[i].tolist())[0]
+            sums[k][what is None][0] += push
+            sums[k][what is None][1] += push * self._seen(k, places[i].tolist())[0]
+            if what is not None and push > 0:
+                further.append(what)
             if not self._measures:
                 continue
             frame, mat = frames[i], self._palm_mat[k]
@@ -357,6 +341,10 @@ class MujocoWorld:
             fx, fy, fz = (one * float(frame[3 + i]) + other * float(frame[6 + i]) for i in range(3))
             along = fx * float(mat[0]) + fy * float(mat[3]) + fz * float(mat[6])
             drag[k] += sign * _OUT[k] * along
+        self._rests.see(
+            self.time_s,
+            [(w.side, w.kind(self._palm_mat[w.side], self._thing_mat)) for w in further],
+        )
         touched, pressed, force = list(p), [False, False], [0.0, 0.0]
         for k in (0, 1):
             force[k] = sums[k][0][0] + sums[k][1][0]
