@@ -298,7 +298,11 @@ def finished(
         bounds=bounds_of(scene) if controller == "resilient" else None,
         waiting_s=_by_side(run.waiting_s),
         bumps=run.bumps,
-        warnings=(*warnings_before(scene, controller), *_warnings_after(run, scene, controller)),
+        warnings=(
+            *warnings_before(scene, controller),
+            *(() if left is None else left.warnings),
+            *_warnings_after(run, scene, controller),
+        ),
         trace_hash=run.trace_hash,
         trace=trace_dataset(run.trace, physics.columns if physics else {}) if record else None,
         letters=tuple(

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from palmbots.dynamic.curved import Line, edges_of, fit_edges, line_of
+from palmbots.dynamic.curved import Line, line_of
+from palmbots.dynamic.edges import edges_of, fit_edges
 from palmbots.dynamic.engine import mujoco, offscreen
 from palmbots.dynamic.model import layout, mjcf
 from palmbots.errors import PalmbotsError
@@ -63,7 +64,7 @@ class Studio:
         )
         self._ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
         self._good = carry.outcome == "delivered"
-        self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo"
+        self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo" + _sloped(carry)
         self._size = size
         self._renderer = offscreen(self._model, size)
         # Without a graphics card shadows take two thirds of the time.
@@ -73,10 +74,10 @@ class Studio:
         self._camera = self._mj.MjvCamera()
         self._camera.azimuth, self._camera.elevation = 96.0, -10.0
         self._camera.distance = float(trace["separation"].max()) + 0.55
+        self._edges = edges_of(self._model, carry.scene)
         self._line: Line | None = None
         if carry.scene.task.path.is_curved:
             self._line = line_of(carry.scene)
-            self._edges = edges_of(self._model, carry.scene)
             self._way = trace["midpoint"].to_numpy()
             self._camera.elevation = _FROM_ABOVE_DEG
             self._camera.distance += 0.15
@@ -94,11 +95,11 @@ class Studio:
         d, m = self._data, self._model
         self._mj.mj_setState(m, d, self._states[row], self._kind)
         self._mj.mj_forward(m, d)
+        fit_edges(m, d, self._edges)
+        self._mj.mj_forward(m, d)
         one, two = (d.xpos[palm] for palm in self._palms)
         self._camera.lookat[:] = (0.5 * (one[0] + two[0]), 0.0, self._height - 0.04)
         if self._line is not None:
-            fit_edges(m, d, self._edges)
-            self._mj.mj_forward(m, d)
             self._camera.lookat[1] = 0.5 * (one[1] + two[1])
             heading = math.atan2(two[1] - one[1], two[0] - one[0])
             self._camera.azimuth = 96.0 + math.degrees(heading)
@@ -246,6 +247,14 @@ def _frames(
         yield studio.picture(row, note)
         if progress is not None:
             progress(done / len(rows))
+
+
+def _sloped(carry: "Carry") -> str:
+    """The slope in words: it turns gravity, so that no picture shows it."""
+    slope = carry.scene.task.slope_deg
+    if slope == 0:
+        return ""
+    return f", {abs(slope):g}° {'uphill' if slope > 0 else 'downhill'}"
 
 
 def _font() -> str:

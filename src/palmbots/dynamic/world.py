@@ -13,6 +13,7 @@ import numpy as np
 
 from palmbots import _core
 from palmbots.dynamic.columns import Measured
+from palmbots.dynamic.edges import STAYS, edges_of, fit_edges
 from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
 from palmbots.dynamic.robot_model import axle_out, chassis
@@ -28,7 +29,7 @@ SLACK = math.radians(0.25)  # a wrist so near to its angle has turned; assumed
 _SETTLE_S = 0.3  # before the carry, for weights to be taken up
 _HEADING = 5.0  # 1/s, with which a robot steers back to its heading
 _STICKS = 5e-4  # m/s; what moves less along its palm sticks
-_LET_GO_S = 0.25  # an object that a palm has not felt for so long is not held any more
+_LET_GO_S = 0.25  # an object that a palm has not borne for so long is not held any more
 _TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
 Point = tuple[float, float, float]
@@ -64,8 +65,9 @@ class MujocoWorld:
         self._steep = (left.steep, right.steep)
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
-        self._unfelt = [0.0, 0.0]
+        self._unborne = [0.0, 0.0]
         self._rests = Rests()
+        self._loads = (0.0, 0.0)
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
         self._origin = self._midpoint()
@@ -78,6 +80,7 @@ class MujocoWorld:
     def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
         """One control period with wheels at `speeds` [m/s, towards +x] and wrists turning evenly to
         `angles` [rad]."""
+        self._fit()
         ctrl = self.data.ctrl
         for k in (0, 1):
             steer = -0.5 * self._track * self._turning(k, speeds[k])
@@ -92,7 +95,8 @@ class MujocoWorld:
         if self.data.time < before:  # MuJoCo begins anew where numbers get out of hand
             raise PalmbotsError(
                 f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
-                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or heavier robots"
+                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or masses of robots "
+                "and object that differ less"
             )
 
     # --- seeing ---------------------------------------------------------------------------------
@@ -103,7 +107,9 @@ class MujocoWorld:
         touched, pressed, force, drag = self._feel(p)
         x, last = self._ways(), self._x
         self._p, self._x = p, x
-        end = "" if first else self._end(p, pressed)
+        if first:
+            self._loads = force
+        end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
         least = _STICKS * self._period
         left, right = (
             0 if abs(now - then) < least else (1 if now > then else -1)
@@ -168,6 +174,17 @@ class MujocoWorld:
         return self._rests.rows(until_s)
 
     @property
+    def warnings(self) -> list[str]:
+        """What the start gives rise to."""
+        least = self.scene.dynamic.press_n
+        return [
+            f"the {side} palm bears {load:.2g} N at the start and dynamic.press_n is {least:g}: "
+            "its switches stay open, which reads as 0"
+            for side, load in zip(SIDES, self._loads, strict=True)
+            if load < least
+        ]
+
+    @property
     def advance(self) -> float:
         """Of the midpoint of the pivots since the start, towards +x [m]."""
         return self._midpoint() - self._origin
@@ -213,6 +230,8 @@ class MujocoWorld:
         spec = self.layout.spec
         self._offset = [palm.offset for palm in spec.palms]
         self._half = [palm.length / 2 for palm in spec.palms]
+        self._aside = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
+        self._edges = edges_of(m, self.scene)
         self._width = spec.width
         self._is_palm = [str(m.geom(k).name).startswith(SIDES) for k in range(m.ngeom)]
         # The pairs of palm and object: of which palm, and what it is if not the contact vertex.
@@ -227,6 +246,11 @@ class MujocoWorld:
             own = name.startswith(f"vertex_{(0, spec.contact_right)[side]}_")
             what = None if own else further_of(side, name, self.layout)
             self._touching[pair] = self._touching[pair[::-1]] = (side, what)
+
+    def _fit(self) -> None:
+        """Contacts where edges and palms overlap, if they have moved."""
+        if any(abs(y) > 2 * STAYS * half for y, half in zip(self.across, self._aside, strict=True)):
+            fit_edges(self.model, self.data, self._edges)
 
     def _settle(self) -> None:
         """Weights are taken up, and shoulders told to hold against them."""
@@ -360,12 +384,15 @@ class MujocoWorld:
             (drag[0], drag[1]),
         )
 
-    def _end(self, p: tuple[float, float], pressed: tuple[bool, bool]) -> str:
-        """Why the object is not held any more; empty if it is."""
+    def _end(self, p: tuple[float, float], borne: tuple[bool, bool]) -> str:
+        """Why the object is not held any more; empty if it is. `borne`: each palm bears some of
+        it."""
         if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
+            return "off-palm"
+        if any(abs(y) > half for y, half in zip(self.across, self._aside, strict=True)):
             return "off-palm"
         if float(self._thing_mat[8]) < math.cos(_TURNED):
             return "tipping"
         for k in (0, 1):
-            self._unfelt[k] = 0.0 if pressed[k] else self._unfelt[k] + self._period
-        return "lifting" if max(self._unfelt) > _LET_GO_S else ""
+            self._unborne[k] = 0.0 if borne[k] else self._unborne[k] + self._period
+        return "lifting" if max(self._unborne) > _LET_GO_S else ""
