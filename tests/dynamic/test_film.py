@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,12 @@ def test_cones_and_forces_are_drawn_in(done: pb.Carry, monkeypatch: pytest.Monke
         bare = studio.picture(sticks)
     assert count(still, green, 60) > count(bare, green, 60) + 100
     assert count(sliding, purple, 60) > count(bare, purple, 60) + 30
+
+
+def test_a_slope_is_told_since_gravity_shows_nowhere() -> None:
+    keys = {"task.distance_m": 0.001, "task.slope_deg": -3.0}
+    with Studio(pb.carry("paper", world="mujoco", overrides=keys), SMALL) as studio:
+        assert studio.name.endswith("MuJoCo, 3° downhill")
 
 
 def test_forces_drawn_are_the_weight(done: pb.Carry, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,20 +147,46 @@ def test_options_that_do_not_fit_are_refused(
     ("option", "environment", "told"),
     [
         ("--video", {"MUJOCO_GL": "disable"}, "film: nothing to render with"),
+        ("--video", {"MUJOCO_GL": "glfw", "DISPLAY": ""}, "film: nothing to render with"),
+        ("--video", {"MUJOCO_GL": "magic"}, "MUJOCO_GL: magic; allowed: egl, osmesa or unset"),
+        ("--video", {"PATH": "/none"}, "carry-3d.mp4: MP4 needs the program ffmpeg"),
         ("--view", {"DISPLAY": "", "WAYLAND_DISPLAY": ""}, "--view: there is no screen"),
+        ("--view", {"DISPLAY": ":9999"}, "--view: the screen :9999 does not answer"),
     ],
 )
 def test_where_nothing_can_be_shown_one_line_says_so(
     option: str, environment: dict[str, str], told: str, tmp_path: Path
 ) -> None:
+    """Before it carries, and with nothing written, not even MuJoCo's own log."""
     ran = subprocess.run(
-        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", option, "--out",
-         str(tmp_path), "--animation", "none", "--set", "task.distance_m=0.02"],
-        env=os.environ | environment, capture_output=True, text=True, check=False,
+        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", option, "--out", "."],
+        env=os.environ | environment, capture_output=True, text=True, check=False, cwd=tmp_path,
     )  # fmt: skip
-    assert ran.returncode == 2
+    assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr.count("\n") == 1 and told in ran.stderr
-    assert not list(tmp_path.glob("*3d*")) and not list(tmp_path.glob(".palmbots*"))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("whole_group", [True, False], ids=["as a terminal does", "alone"])
+def test_interrupted_it_leaves_no_half_of_a_film(whole_group: bool, tmp_path: Path) -> None:
+    """Ctrl-C, which a terminal sends to ffmpeg too, while frames are drawn."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", "--video",
+         "--animation", "none", "--out", str(tmp_path), "--set", "task.distance_m=0.3"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    still = tmp_path / "carry-3d.png"  # the film comes next and takes a while
+    while not (still.exists() and list(tmp_path.glob("*.part"))) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    if whole_group:
+        os.killpg(process.pid, signal.SIGINT)
+    else:
+        process.send_signal(signal.SIGINT)
+    told = process.communicate(timeout=60)
+    assert (process.returncode, *told) == (130, "", "")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"carry.png", "carry.mcap", "message_sequence.png", "carry-3d.png"}
 
 
 def test_the_command_writes_film_and_still(tmp_path: Path) -> None:
@@ -161,4 +195,9 @@ def test_the_command_writes_film_and_still(tmp_path: Path) -> None:
          "--set", "task.distance_m=0.02"]
     )  # fmt: skip
     assert status == 0
-    assert {"carry-3d.mp4", "carry-3d.png"} <= {p.name for p in tmp_path.iterdir()}
+    film = {"carry-3d.mp4", "carry-3d.png"}
+    assert film <= {p.name for p in tmp_path.iterdir()}
+    # Of the next carry it would be the wrong film.
+    command = ["carry", "--out", str(tmp_path), "--animation", "none"]
+    assert cli.run([*command, "--set", "task.distance_m=0.02"]) == 0
+    assert not film & {p.name for p in tmp_path.iterdir()}

@@ -19,7 +19,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from palmbots.dynamic.curved import Line, line_of
 from palmbots.dynamic.edges import edges_of, fit_edges
-from palmbots.dynamic.engine import mujoco, offscreen
+from palmbots.dynamic.engine import check_offscreen, mujoco, offscreen
 from palmbots.dynamic.model import layout, mjcf
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
@@ -31,7 +31,7 @@ from palmbots.xml_text import rgba
 if TYPE_CHECKING:
     from palmbots.carry import Carry
 
-__all__ = ["SIZE", "Studio", "save_film", "save_still", "telling_row"]
+__all__ = ["SIZE", "Studio", "check_film", "save_film", "save_still", "telling_row"]
 
 SIZE = (854, 480)
 _FPS = 20.0
@@ -39,6 +39,7 @@ _LAST_FRAME_S = 2.0
 _LONGEST_S = 60.0  # a longer carry is shown faster
 _METRES_PER_NEWTON = 0.025
 _CONE_M, _SPOKES = 0.07, 16
+_INSTEAD = "install ffmpeg"
 _FROM_ABOVE_DEG = -28.0  # on a curved path
 
 
@@ -194,6 +195,12 @@ class Studio:
         return f"{SIDES[k]}: sensor {sign}" + (f", case ({case})" if case else "")
 
 
+def check_film(path: str | os.PathLike[str]) -> None:
+    """Raise `PalmbotsError` where no film could be made, before there is anything to film."""
+    encoder_for(path, _INSTEAD)
+    check_offscreen()
+
+
 def save_film(
     carry: "Carry",
     path: str | os.PathLike[str],
@@ -205,7 +212,7 @@ def save_film(
 
     Raises `PalmbotsError` for a carry without states, without ffmpeg, or where nothing renders.
     """
-    encoder = encoder_for(path)
+    encoder = encoder_for(path, _INSTEAD)
     with Studio(carry, size) as studio, whole_file(path) as stream:
         images = _frames(carry, studio, progress)
         write_mp4(encoder, size, images, stream, _FPS, path, _LAST_FRAME_S)

@@ -5,6 +5,7 @@ import os
 import sys
 import threading
 import time
+import warnings
 from types import TracebackType
 from typing import Any
 
@@ -29,6 +30,11 @@ class Viewer:
         if sys.platform.startswith("linux") and not any(os.environ.get(s) for s in screens):
             raise PalmbotsError(
                 "--view: there is no screen (DISPLAY is not set); allowed: --video, a film instead"
+            )
+        if not _answers():
+            raise PalmbotsError(
+                f"--view: the screen {os.environ.get('DISPLAY') or 'of this machine'} does not "
+                "answer; allowed: one that does, or --video, a film instead"
             )
         self._viewer: Any = importlib.import_module("mujoco.viewer")
         self._window: Any = None
@@ -70,3 +76,14 @@ class Viewer:
             )
             self._window.cam.lookat[:] = (x, y, world.layout.height - 0.04)
             self._window.sync()
+
+
+def _answers() -> bool:
+    """Whether a window can be opened: where not, MuJoCo's viewer would end the whole process."""
+    glfw: Any = importlib.import_module("glfw")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        there = bool(glfw.init())
+        if there:
+            glfw.terminate()
+    return there
