@@ -14,8 +14,8 @@ from PIL import Image
 
 import palmbots as pb
 from palmbots import cli
-from palmbots.dynamic import film
 from palmbots.dynamic.film import Studio, save_film, save_still, telling_row
+from palmbots.dynamic.overlay import METRES_PER_NEWTON, Overlay
 
 SMALL = (480, 270)
 
@@ -63,7 +63,7 @@ def test_cones_and_forces_are_drawn_in(done: pb.Carry, monkeypatch: pytest.Monke
     slides = int(np.nonzero((motion != 0).any(axis=1))[0][20])
     with Studio(done, (854, 480)) as studio:
         still, sliding = studio.picture(sticks), studio.picture(slides)
-        monkeypatch.setattr(Studio, "_contact", lambda *_: None)
+        monkeypatch.setattr(Overlay, "contacts", lambda *_: None)
         bare = studio.picture(sticks)
     assert count(still, green, 60) > count(bare, green, 60) + 100
     assert count(sliding, purple, 60) > count(bare, purple, 60) + 30
@@ -77,12 +77,12 @@ def test_a_slope_is_told_since_gravity_shows_nowhere() -> None:
 
 def test_forces_drawn_are_the_weight(done: pb.Carry, monkeypatch: pytest.MonkeyPatch) -> None:
     bars = []
-    monkeypatch.setattr(Studio, "_bar", lambda _, *a: bars.append(a))
+    monkeypatch.setattr(Overlay, "bar", lambda *a: bars.append(a[2:]))
     with Studio(done, SMALL) as studio:
         studio.picture(1)
     shafts = [end - start for width, start, end, _ in bars if width == 0.0025][::3]
     assert len(shafts) == 2
-    up = sum(shaft[2] for shaft in shafts) / film._METRES_PER_NEWTON
+    up = sum(shaft[2] for shaft in shafts) / METRES_PER_NEWTON
     assert up == pytest.approx(0.5 * 9.80665, rel=0.05)
 
 

@@ -17,11 +17,18 @@ from PIL import Image
 
 CARRY = [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco"]
 BOX = (212, 180, 100)
+GREEN, PURPLE = np.array((0, 158, 115)), np.array((204, 121, 167))
 
 
 def count(pixels: np.ndarray) -> int:
     """Pixels that look like the box."""
     return int((np.abs(pixels.astype(int) - np.array(BOX)).max(axis=2) <= 40).sum())
+
+
+def cones(pixels: np.ndarray) -> int:
+    """Pixels that look like a friction cone, sticking or sliding."""
+    near = [np.abs(pixels.astype(int) - c).max(axis=2) <= 40 for c in (GREEN, PURPLE)]
+    return int((near[0] | near[1]).sum())
 
 
 def seen(screen: Path) -> np.ndarray:
@@ -61,14 +68,16 @@ def test_the_viewer_shows_the_carry_and_closes_in_peace(screen: tuple[str, Path]
         env=os.environ | {"DISPLAY": display}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
-    most = 0
+    most = drawn = 0
     while run.poll() is None:
-        most = max(most, count(seen(shown)))
+        pixels = seen(shown)
+        most, drawn = max(most, count(pixels)), max(drawn, cones(pixels))
         time.sleep(0.1)
     out, err = run.communicate()
     assert (run.returncode, err) == (0, "")
     assert json.loads(out)["outcome"] == "delivered"
     assert 5_000 < most < 200_000  # of 700,000 pixels
+    assert drawn > 100
     assert count(seen(shown)) == 0  # the window is gone
 
 

@@ -98,6 +98,11 @@ class CurvedWorld(MujocoWorld):
         fit_edges(self.model, self.data, self._edges)
         return super().sight(first)
 
+    @property
+    def way(self) -> float:
+        """How far along the path the pair's middle is, towards +x at the start [m]."""
+        return 0.5 * sum(self._where)
+
     # --- inside ---------------------------------------------------------------------------------
 
     def _find(self) -> None:

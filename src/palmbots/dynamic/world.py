@@ -66,6 +66,7 @@ class MujocoWorld:
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
         self._unborne = [0.0, 0.0]
+        self.motion = (0, 0)  # contacts over the last tick: slide inward −1, stick 0, outward 1
         self._rests = Rests()
         self._loads = (0.0, 0.0)
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
@@ -122,6 +123,7 @@ class MujocoWorld:
                 force, drag, speed, self._slips(speed), self._pitches(), yaw, self.across,
                 *self._places(),
             )  # fmt: skip
+        self.motion = (left, right)
         across, peak = self.across, self.across_peak
         self.across_peak = (max(peak[0], across[0], key=abs), max(peak[1], across[1], key=abs))
         vertices = self._vertices()
@@ -135,7 +137,7 @@ class MujocoWorld:
             separation=self._separation(x),
             midpoint=0.5 * (x[0] + x[1]) - self._origin,
             rise=vertices[1][2] - vertices[0][2],
-            motion=(left, right),
+            motion=self.motion,
             end=end,
         )
 
