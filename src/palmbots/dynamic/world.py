@@ -57,7 +57,7 @@ class MujocoWorld:
         self.model: Any = self._mj.MjModel.from_xml_string(mjcf(scene, engine))
         self.data: Any = self._mj.MjData(self.model)
         self.steps = steps_per_tick(scene)
-        self.time_s = 0.0
+        self._ticks, self.time_s = 0, 0.0
         self._period = scene.control.period_s
         self._track = chassis(self.layout.height, axle_out(scene)).track
         self._radius = scene.dynamic.wheel_radius_m
@@ -92,7 +92,8 @@ class MujocoWorld:
             self._set[k] = angles[k]
         before = self.data.time
         self._mj.mj_step(self.model, self.data, nstep=self.steps)
-        self.time_s += self._period
+        self._ticks += 1
+        self.time_s = self._ticks * self._period
         if self.data.time < before:  # MuJoCo begins anew where numbers get out of hand
             raise PalmbotsError(
                 f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
@@ -262,7 +263,10 @@ class MujocoWorld:
             if 3 * tick < 2 * ticks:
                 for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
                     self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
-        self.time_s = 0.0  # MuJoCo's own clock goes on: that it falls back tells of a fault
+        self._ticks, self.time_s = (
+            0,
+            0.0,
+        )  # MuJoCo's own clock goes on: that it falls back tells of a fault
 
     def _turning(self, k: int, speed: float) -> float:
         """How fast a robot is to turn, anticlockwise seen from above [rad/s]: to its heading."""
