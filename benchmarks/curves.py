@@ -91,7 +91,7 @@ def main() -> None:
 
 def carried(name: str, scene: Scene, seed: int) -> dict[str, Any]:
     """One carry, as a row of the CSV."""
-    done, _, across = run(scene, "distributed", seed)
+    done, _, world = run(scene, "distributed", seed)
     return {
         "case": name,
         "seed": seed,
@@ -99,7 +99,7 @@ def carried(name: str, scene: Scene, seed: int) -> dict[str, Any]:
         "reason": done.reason or "",
         "time_s": round(done.time_s, 2),
         "predicted_mm": 0.0,
-        "seen_mm": round(1e3 * max(map(abs, across)), 2),
+        "seen_mm": round(1e3 * max(map(abs, world.across_peak)), 2),
         "machine": processor(),
         "palmbots": __version__,
         "mujoco": mujoco().__version__,

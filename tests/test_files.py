@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from palmbots.errors import PalmbotsError
-from palmbots.files import folder, whole_file, write_whole
+from palmbots.files import check_folder, folder, whole_file, write_whole
 
 
 def only_line(error):
@@ -107,3 +107,17 @@ def test_folder(tmp_path):
     with pytest.raises(PalmbotsError) as error:
         folder(tmp_path / "file" / "sub")
     only_line(error)
+
+
+def test_a_folder_is_checked_before_anything_is_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    check_folder(tmp_path)
+    check_folder(tmp_path / "new" / "newer")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    with pytest.raises(PalmbotsError, match="a file has this name"):
+        check_folder(tmp_path / "file")
+    with pytest.raises(PalmbotsError, match="file is not a folder"):
+        check_folder(tmp_path / "file" / "new")
+    with pytest.raises(PalmbotsError, match="is not a folder"):
+        (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
+        check_folder(tmp_path / "gone" / "new")

@@ -64,6 +64,12 @@ def test_an_arc_without_an_angle_goes_on_beyond_the_task() -> None:
     assert curve(kind="arc", radius_m=0.5).length > 3.0
 
 
+def test_a_wide_arc_is_no_longer_than_the_task_needs() -> None:
+    wide = curve_of(Path.model_validate({"kind": "arc", "radius_m": 10_000.0}), 1.5, 0.25)
+    assert 1.5 < wide.length < 30
+    assert wide.at(1.0).curvature == pytest.approx(1e-4)
+
+
 def test_short_turns_are_cut_and_still_turn_as_far() -> None:
     short = curve(kind="arc", radius_m=0.3, angle_deg=5.0, ease_m=0.5)
     assert short.heading[-1] == pytest.approx(math.radians(5), rel=1e-3)

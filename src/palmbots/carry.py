@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from palmbots.dynamic.run import Physics
+    from palmbots.dynamic.world import MujocoWorld
 
 __all__ = [
     "CONTROLLERS",
@@ -249,15 +250,15 @@ def carry(
         from palmbots.dynamic.run import run as run_in_mujoco
 
         one_of("precision (world mujoco)", precision, ("double",))
-        run, physics, across = run_in_mujoco(
+        run, physics, left = run_in_mujoco(
             chosen, core_controller, seed, record=record, watch=watch, progress=progress
         )
     else:
         run = _core.run(lower(chosen), core_controller, seed, precision, record)
-        physics, across = None, None
+        physics, left = None, None
     return finished(
         run, chosen, name, world, seed, record,
-        precision=precision, physics=physics, across=across,
+        precision=precision, physics=physics, left=left,
     )  # fmt: skip
 
 
@@ -271,9 +272,11 @@ def finished(
     *,
     precision: str = "double",
     physics: "Physics | None" = None,
-    across: tuple[float, float] | None = None,
+    left: "MujocoWorld | None" = None,
 ) -> Carry:
-    """A carry that the core has run, with its trace if `record`."""
+    """A carry that the core has run, with its trace if `record`; `left`: the dynamic world as the
+    carry has left it."""
+    touches = run.touches if left is None else left.touches(run.time_s)
     return Carry(
         scene=scene,
         controller=controller,
@@ -288,16 +291,18 @@ def finished(
         contact_rms_m=_by_side(run.contact_rms_m),
         contact_peak_m=_by_side(run.contact_peak_m),
         corrections=_corrections(run.corrections),
-        touches=tuple(
-            Touch(_SIDES[side], kind, start, end) for side, kind, start, end in run.touches
-        ),
+        touches=tuple(Touch(_SIDES[side], kind, start, end) for side, kind, start, end in touches),
         messages=run.messages,
         messages_lost=run.messages_lost,
         links=_links(run.links, controller),
         bounds=bounds_of(scene) if controller == "resilient" else None,
         waiting_s=_by_side(run.waiting_s),
         bumps=run.bumps,
-        warnings=(*warnings_before(scene, controller), *_warnings_after(run, scene, controller)),
+        warnings=(
+            *warnings_before(scene, controller),
+            *(() if left is None else left.warnings),
+            *_warnings_after(run, scene, controller),
+        ),
         trace_hash=run.trace_hash,
         trace=trace_dataset(run.trace, physics.columns if physics else {}) if record else None,
         letters=tuple(
@@ -305,7 +310,7 @@ def finished(
             for sent, got, sender, receiver, letter in run.letters
         ),
         physics=physics,
-        across_peak_m=None if across is None else _by_side(across),
+        across_peak_m=None if left is None else _by_side(left.across_peak),
     )
 
 

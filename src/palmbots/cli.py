@@ -116,6 +116,7 @@ def carry(
     from palmbots.carry import carry as run_carry
     from palmbots.carry import one_of
     from palmbots.deadband import warnings_before
+    from palmbots.files import check_folder
     from palmbots.report import carry_report
 
     if video is not None:
@@ -130,6 +131,10 @@ def carry(
     if film and out is None:
         raise PalmbotsError("--video: where to write is not given; allowed: --out DIR with it")
     chosen = scene_of(scene, changes)
+    if out is not None:
+        check_folder(out)
+        if film:
+            dynamic.check_film(out)
     before = warnings_before(chosen, controller)
     for warning in before:
         print(f"palmbots: warning: {warning}", file=sys.stderr)
@@ -150,7 +155,7 @@ def carry(
         )
     written, removed = [], []
     if out is not None:
-        written, removed = _write_carry(done, out, video or "gif", quiet=as_json)
+        written, removed = _write_carry(done, out, video or "gif", film, quiet=as_json)
         if world == "mujoco" and chosen.task.path.is_curved:
             written.append(dynamic.write_plan(done, out))
         if film:
@@ -163,7 +168,9 @@ def carry(
     return DONE if done.outcome == "delivered" else FAILED
 
 
-def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Path], list[Path]]:
+def _write_carry(
+    done: Any, out: Path, video: str, film: bool, quiet: bool
+) -> tuple[list[Path], list[Path]]:
     """The picture, the animation and the log of a carry; returns what was written and removed."""
     from palmbots import animation, figure8, sequence_chart
     from palmbots.files import folder, remove
@@ -188,6 +195,8 @@ def _write_carry(done: Any, out: Path, video: str, quiet: bool) -> tuple[list[Pa
     others = [target / f"carry.{kind}" for kind in ("gif", "mp4") if kind != video]
     if not done.scene.task.path.is_curved:
         others.append(target / "plan.png")
+    if not film:
+        others += [target / name for name in dynamic.FILM]
     if not done.letters:
         others.append(target / "message_sequence.png")
     return written, [path for path in others if remove(path)]

@@ -18,7 +18,7 @@ from typing import BinaryIO
 
 from palmbots.errors import PalmbotsError
 
-__all__ = ["folder", "remove", "whole_file", "write_whole"]
+__all__ = ["check_folder", "folder", "remove", "whole_file", "write_whole"]
 
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:
@@ -98,6 +98,21 @@ def remove(path: Path) -> bool:
     except OSError as error:
         raise PalmbotsError(f"{path}: cannot be removed: {error.strerror or error}") from None
     return True
+
+
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """What `folder` would refuse, as far as it can be told without making anything: for what takes
+    long before it writes."""
+    place = Path(path)
+    if place.exists() and not place.is_dir():
+        raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
+    above = place.absolute()
+    while not os.path.lexists(above):
+        above = above.parent
+    if not above.is_dir():
+        raise PalmbotsError(f"{place}: cannot be written: {above} is not a folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise PalmbotsError(f"{place}: cannot be written: permission denied")
 
 
 def folder(path: str | os.PathLike[str]) -> Path:

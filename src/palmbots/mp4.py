@@ -15,11 +15,11 @@ from palmbots.errors import PalmbotsError
 __all__ = ["encoder_for", "write_mp4"]
 
 
-def encoder_for(path: str | os.PathLike[str]) -> str:
-    """Where ffmpeg is. Raises `PalmbotsError`, naming the film, where it is not."""
+def encoder_for(path: str | os.PathLike[str], instead: str = "use .gif") -> str:
+    """Where ffmpeg is. Raises `PalmbotsError`, naming the film and what to do, where it is not."""
     found = shutil.which("ffmpeg")
     if found is None:
-        raise PalmbotsError(f"{path}: MP4 needs the program ffmpeg, which is not found; use .gif")
+        raise PalmbotsError(f"{path}: MP4 needs the program ffmpeg, which is not found; {instead}")
     return found
 
 

@@ -124,9 +124,9 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
         )
     ease = EASE_M if path.ease_m is None else path.ease_m
     sense = -1.0 if path.turn == "right" else 1.0
-    knots = _arc(0.0, sense / radius, _sweep(path, way / radius), ease)
+    knots = _arc(0.0, sense / radius, _sweep(path, way, radius), ease)
     if path.kind == "s":
-        knots += _arc(knots[-1][0], -sense / radius, _sweep(path, way / radius), ease)
+        knots += _arc(knots[-1][0], -sense / radius, _sweep(path, way, radius), ease)
     if knots[-1][0] > _LONGEST_M:
         raise SceneError(
             f"task.path: is curved for {knots[-1][0]:.0f} m; allowed: at most {_LONGEST_M:g} m"
@@ -137,11 +137,11 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
     return _integrated(np.interp(s, corners, bends), float(s[1]))
 
 
-def _sweep(path: Path, whole: float) -> float:
-    """How far an arc turns [rad]: what is said, or as far as the task goes (an s: 45°)."""
+def _sweep(path: Path, way: float, radius: float) -> float:
+    """How far an arc turns [rad]: what is said, or further than the task goes (an s: 45°)."""
     if path.angle_deg is not None:
         return math.radians(path.angle_deg)
-    return math.radians(SWEEP_DEG) if path.kind == "s" else whole + 1.0
+    return math.radians(SWEEP_DEG) if path.kind == "s" else way / radius + min(1.0, 20 / radius)
 
 
 def _arc(start: float, bend: float, sweep: float, ease: float) -> list[tuple[float, float]]:

@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +14,10 @@ from PIL import Image
 
 import palmbots as pb
 from palmbots import cli
-from palmbots.dynamic import film
 from palmbots.dynamic.film import Studio, save_film, save_still, telling_row
+from palmbots.dynamic.overlay import METRES_PER_NEWTON, Overlay
 
-SMALL = (480, 270)
+SMALL, TINY = (480, 270), (240, 136)
 
 
 @pytest.fixture(scope="module")
@@ -61,33 +63,39 @@ def test_cones_and_forces_are_drawn_in(done: pb.Carry, monkeypatch: pytest.Monke
     slides = int(np.nonzero((motion != 0).any(axis=1))[0][20])
     with Studio(done, (854, 480)) as studio:
         still, sliding = studio.picture(sticks), studio.picture(slides)
-        monkeypatch.setattr(Studio, "_contact", lambda *_: None)
+        monkeypatch.setattr(Overlay, "contacts", lambda *_: None)
         bare = studio.picture(sticks)
     assert count(still, green, 60) > count(bare, green, 60) + 100
     assert count(sliding, purple, 60) > count(bare, purple, 60) + 30
 
 
+def test_a_slope_is_told_since_gravity_shows_nowhere() -> None:
+    keys = {"task.distance_m": 0.001, "task.slope_deg": -3.0}
+    with Studio(pb.carry("paper", world="mujoco", overrides=keys), SMALL) as studio:
+        assert studio.name.endswith("MuJoCo, 3° downhill")
+
+
 def test_forces_drawn_are_the_weight(done: pb.Carry, monkeypatch: pytest.MonkeyPatch) -> None:
     bars = []
-    monkeypatch.setattr(Studio, "_bar", lambda _, *a: bars.append(a))
+    monkeypatch.setattr(Overlay, "bar", lambda *a: bars.append(a[2:]))
     with Studio(done, SMALL) as studio:
         studio.picture(1)
     shafts = [end - start for width, start, end, _ in bars if width == 0.0025][::3]
     assert len(shafts) == 2
-    up = sum(shaft[2] for shaft in shafts) / film._METRES_PER_NEWTON
+    up = sum(shaft[2] for shaft in shafts) / METRES_PER_NEWTON
     assert up == pytest.approx(0.5 * 9.80665, rel=0.05)
 
 
 def test_the_film_plays_as_long_as_the_carry(done: pb.Carry, tmp_path: Path) -> None:
     seen: list[float] = []
-    save_film(done, tmp_path / "c.mp4", size=SMALL, progress=seen.append)
+    save_film(done, tmp_path / "c.mp4", size=TINY, progress=seen.append)
     asked = "stream=width,height:format=duration"
     told = subprocess.run(
         ["ffprobe", "-v", "error", "-show_entries", asked, "-of", "json", tmp_path / "c.mp4"],
         capture_output=True, check=True,
     )  # fmt: skip
     facts = json.loads(told.stdout)
-    assert (facts["streams"][0]["width"], facts["streams"][0]["height"]) == SMALL
+    assert (facts["streams"][0]["width"], facts["streams"][0]["height"]) == TINY
     assert float(facts["format"]["duration"]) == pytest.approx(done.time_s + 2.0, abs=0.2)
     assert seen == sorted(seen) and seen[-1] == 1.0
     # The pair drives over the floor: frames differ, and the last one has the ending.
@@ -96,7 +104,7 @@ def test_the_film_plays_as_long_as_the_carry(done: pb.Carry, tmp_path: Path) -> 
         ["ffmpeg", "-v", "error", "-sseof", "-0.5", "-i", tmp_path / "c.mp4",
          "-frames:v", "1", "-update", "1", frame], check=True,
     )  # fmt: skip
-    with Studio(done, SMALL) as studio:
+    with Studio(done, TINY) as studio:
         first, last = studio.picture(0), studio.picture(len(studio._times) - 1)
     with Image.open(frame) as image:
         shown = np.asarray(image.convert("RGB"), dtype=int)
@@ -139,20 +147,42 @@ def test_options_that_do_not_fit_are_refused(
     ("option", "environment", "told"),
     [
         ("--video", {"MUJOCO_GL": "disable"}, "film: nothing to render with"),
+        ("--video", {"MUJOCO_GL": "glfw", "DISPLAY": ""}, "film: nothing to render with"),
+        ("--video", {"MUJOCO_GL": "magic"}, "MUJOCO_GL: magic; allowed: egl, osmesa or unset"),
+        ("--video", {"PATH": "/none"}, "carry-3d.mp4: MP4 needs the program ffmpeg"),
         ("--view", {"DISPLAY": "", "WAYLAND_DISPLAY": ""}, "--view: there is no screen"),
+        ("--view", {"DISPLAY": ":9999"}, "--view: the screen :9999 does not answer"),
     ],
 )
 def test_where_nothing_can_be_shown_one_line_says_so(
     option: str, environment: dict[str, str], told: str, tmp_path: Path
 ) -> None:
+    """Before it carries, and with nothing written, not even MuJoCo's own log."""
     ran = subprocess.run(
-        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", option, "--out",
-         str(tmp_path), "--animation", "none", "--set", "task.distance_m=0.02"],
-        env=os.environ | environment, capture_output=True, text=True, check=False,
+        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", option, "--out", "."],
+        env=os.environ | environment, capture_output=True, text=True, check=False, cwd=tmp_path,
     )  # fmt: skip
-    assert ran.returncode == 2
+    assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr.count("\n") == 1 and told in ran.stderr
-    assert not list(tmp_path.glob("*3d*")) and not list(tmp_path.glob(".palmbots*"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_interrupted_it_leaves_no_half_of_a_film(tmp_path: Path) -> None:
+    """Ctrl-C, which a terminal sends to ffmpeg too, while frames are drawn."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco", "--video",
+         "--animation", "none", "--out", str(tmp_path), "--set", "task.distance_m=0.3"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    still = tmp_path / "carry-3d.png"  # the film comes next and takes a while
+    while not (still.exists() and list(tmp_path.glob("*.part"))) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    told = process.communicate(timeout=60)
+    assert (process.returncode, *told) == (130, "", "")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"carry.png", "carry.mcap", "message_sequence.png", "carry-3d.png"}
 
 
 def test_the_command_writes_film_and_still(tmp_path: Path) -> None:
@@ -161,4 +191,9 @@ def test_the_command_writes_film_and_still(tmp_path: Path) -> None:
          "--set", "task.distance_m=0.02"]
     )  # fmt: skip
     assert status == 0
-    assert {"carry-3d.mp4", "carry-3d.png"} <= {p.name for p in tmp_path.iterdir()}
+    film = {"carry-3d.mp4", "carry-3d.png"}
+    assert film <= {p.name for p in tmp_path.iterdir()}
+    # Of the next carry it would be the wrong film.
+    command = ["carry", "--out", str(tmp_path), "--animation", "none"]
+    assert cli.run([*command, "--set", "task.distance_m=0.02"]) == 0
+    assert not film & {p.name for p in tmp_path.iterdir()}

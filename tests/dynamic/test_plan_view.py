@@ -11,6 +11,7 @@ import palmbots as pb
 from palmbots import cli, figure8
 from palmbots.dynamic import plan_view
 from palmbots.dynamic.film import Studio
+from palmbots.dynamic.overlay import Overlay
 
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, "task.distance_m": 0.7}
 SMALL = (480, 270)
@@ -70,7 +71,7 @@ def test_the_film_turns_with_the_pair_and_shows_the_path(
     with Studio(done, SMALL) as studio:
         image = studio.picture(len(studio._times) - 1)
         turned = studio._camera.azimuth - 96.0
-        monkeypatch.setattr(Studio, "_draw_path", lambda *_: None)
+        monkeypatch.setattr(Overlay, "path", lambda *_: None)
         bare = studio.picture(len(studio._times) - 1)
     assert turned == pytest.approx(np.degrees(done.trace["yaw"][-1].mean()), abs=2)  # type: ignore[index]
     assert turned > 20

@@ -7,6 +7,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.dynamic.world import MujocoWorld
+from palmbots.geometry import SIDES
 from palmbots.scene import Scene, load_scene
 
 STEEP = (math.radians(15), math.radians(15))
@@ -60,6 +61,19 @@ def test_unequal_wheels_do_not_lead_astray() -> None:
     world = world_of({"dynamic.wheel_mismatch": 0.04})
     driven(world, 0.06, 5.0)
     assert 0.0 < max(map(abs, world.measured.yaw)) < math.radians(0.3)
+
+
+def test_an_object_that_comes_sideways_loses_no_support() -> None:
+    """Wheels that differ by a tenth shift the object by 0.8 mm across palms that it overlaps by
+    15 mm on either side."""
+    keys = {"dynamic.wheel_mismatch": 0.1, "task.distance_m": 0.3}
+    done = pb.carry("paper", world="mujoco", seed=0, overrides=keys)
+    assert done.outcome == "delivered" and done.across_peak_m is not None
+    assert 4e-4 < max(map(abs, done.across_peak_m.values())) < 2e-3
+    assert done.trace is not None and float(done.trace["lift"].min()) > -2e-3
+    even = pb.carry("paper", world="mujoco", seed=0, overrides={"task.distance_m": 0.3})
+    for side in SIDES:
+        assert done.contact_peak_m[side] == pytest.approx(even.contact_peak_m[side], abs=1e-3)
 
 
 def test_wheels_slip_on_ice() -> None:
@@ -135,6 +149,17 @@ def test_an_object_let_go_is_told() -> None:
 def test_light_pressure_closes_no_switch() -> None:
     assert signs({"start.left_m": 0.03, "dynamic.press_n": 0.1}) == {1}
     assert signs({"start.left_m": 0.03, "dynamic.press_n": 100.0}) == {0}
+
+
+def test_what_no_switch_feels_is_no_drop_but_told() -> None:
+    keys = {"dynamic.press_n": 100.0, "task.distance_m": 0.1}
+    done = pb.carry("paper", world="mujoco", record=False, overrides=keys)
+    assert (done.outcome, done.corrections) == ("delivered", ())
+    assert [w.split(";")[0] for w in done.warnings] == [
+        f"the {side} palm bears 2.4 N at the start and dynamic.press_n is 100: its switches stay "
+        "open, which reads as 0"
+        for side in SIDES
+    ]
 
 
 def signs(changes: dict[str, object]) -> set[int]:

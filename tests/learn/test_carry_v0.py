@@ -220,6 +220,8 @@ def test_it_looks_like_the_animation() -> None:
     [
         ({"world": "gazebo"}, 'world: value is "gazebo"; allowed: quasistatic, mujoco'),
         ({"messages": "no"}, 'messages: value is "no"; allowed: true, false'),
+        ({"record": "x"}, 'record: value is "x"; allowed: true, false'),
+        ({"rewards": 3}, "rewards: value is 3; allowed: carry_v0.Rewards"),
         ({"ticks_per_step": 0}, "ticks_per_step: value is 0; allowed: 1 to 1000"),
         ({"ticks_per_step": True}, "ticks_per_step: value is true; allowed: 1 to 1000"),
         ({"render_mode": "human"}, 'render_mode: value is "human"; allowed: rgb_array, or None'),

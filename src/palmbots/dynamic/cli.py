@@ -26,7 +26,20 @@ if TYPE_CHECKING:
     from palmbots.dynamic.sideways import Budget
     from palmbots.scene import Scene
 
-__all__ = ["export", "sideways_budget", "speed", "validate", "watching", "write_film", "write_plan"]
+__all__ = [
+    "FILM",
+    "check_film",
+    "export",
+    "sideways_budget",
+    "speed",
+    "validate",
+    "watching",
+    "write_film",
+    "write_plan",
+]
+
+FILM = ("carry-3d.png", "carry-3d.mp4")
+"""The still and the film, in the folder of a carry."""
 
 
 @contextmanager
@@ -75,12 +88,19 @@ def write_plan(done: "Carry", out: Path) -> Path:
     return folder(out) / "plan.png"
 
 
+def check_film(out: Path) -> None:
+    """Raise `PalmbotsError` where `write_film` could not make a film."""
+    from palmbots.dynamic import film
+
+    film.check_film(out / FILM[1])
+
+
 def write_film(done: "Carry", out: Path, quiet: bool) -> list[Path]:
     """The film and a still of a carry in the dynamic world; returns what was written."""
     from palmbots.dynamic.film import save_film, save_still
     from palmbots.files import folder
 
-    written = [folder(out) / "carry-3d.png", folder(out) / "carry-3d.mp4"]
+    written = [folder(out) / name for name in FILM]
     with progress("film", quiet) as report:
         save_still(done, written[0])
         save_film(done, written[1], progress=report)
@@ -150,9 +170,12 @@ def validate(
     from palmbots.carry import CONTROLLERS, one_of
     from palmbots.dynamic.report import validation_report
     from palmbots.dynamic.validation import validate as run_validation
+    from palmbots.files import check_folder
 
     one_of("--controller", controller, CONTROLLERS)
     chosen = scene_of(scene, changes)
+    if out is not None:
+        check_folder(out)
     with progress("validating", as_json) as report:
         done = run_validation(
             chosen, controller=controller, states=states, seeds=seeds, progress=report
@@ -184,8 +207,11 @@ def speed(
     """Find how hard and how fast the robots may go before quasistatic mechanics ends."""
     from palmbots.dynamic.report import speed_report
     from palmbots.dynamic.speed import speed_limits
+    from palmbots.files import check_folder
 
     chosen = scene_of(scene, changes)
+    if out is not None:
+        check_folder(out)
     with progress("accelerating", as_json) as report:
         done = speed_limits(chosen, seeds=seeds, progress=report)
     written = []

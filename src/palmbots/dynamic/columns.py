@@ -1,6 +1,35 @@
 """What the trace of the dynamic world holds besides what every trace holds: units and meanings."""
 
-__all__ = ["COLUMNS", "LOGGED"]
+from dataclasses import dataclass
+
+__all__ = ["COLUMNS", "LOGGED", "Measured"]
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What the trace of the dynamic world holds besides that of every world; of one tick."""
+
+    force: tuple[float, float]
+    """With which the object presses on each palm, along its normal [N]."""
+    drag: tuple[float, float]
+    """With which it drags each palm along, outward [N]."""
+    speed: tuple[float, float]
+    """Of the pivots over the tick [m/s]."""
+    slip: tuple[float, float]
+    """By how much the wheels run ahead of the robot [m/s]."""
+    pitch: tuple[float, float]
+    """Of the robots' bodies, outward end up [rad]."""
+    yaw: tuple[float, float]
+    """Of the robots' bodies, anticlockwise seen from above [rad]."""
+    across: tuple[float, float]
+    """Of the middles of the contact edges on their palms, to the left seen towards +x [m]."""
+    pivot_x: tuple[float, float]
+    pivot_y: tuple[float, float]
+    """Places of the pivots on the floor [m]."""
+    vertex_x: tuple[float, float]
+    vertex_y: tuple[float, float]
+    """Places of the middles of the contact edges [m]."""
+
 
 COLUMNS = {
     "force": ("N", "force of the object on each palm, along its normal"),

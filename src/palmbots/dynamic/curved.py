@@ -5,16 +5,14 @@ exactly: assumed) with line-of-sight guidance: it turns as the path does, and ba
 leads to the path within `_AHEAD`. Controllers know nothing of it.
 
 Ways along the path are arc lengths, towards +x at the start. Contacts lie where the object's edge
-and the palm overlap: their ends are found anew at every tick, since an object that slips sideways
-loses one of its supports; on a straight path they stay where they are.
+and the palm overlap: their ends are found anew at every tick (`edges`).
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from palmbots import _core
+from palmbots.dynamic.edges import fit_edges
 from palmbots.dynamic.model import layout
 from palmbots.dynamic.robot_model import axle_out, chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
@@ -24,7 +22,7 @@ from palmbots.geometry import SIDES
 from palmbots.path import LEAD_M, Curve, Spot, curve_of
 from palmbots.scene import Scene
 
-__all__ = ["CurvedWorld", "Line", "edges_of", "fit_edges", "line_of", "world_of"]
+__all__ = ["CurvedWorld", "Line", "line_of", "world_of"]
 
 _AHEAD = 0.1  # m, within which a robot aims to be back on its path
 _GAIN = 5.0  # 1/s, with which it turns to its heading
@@ -93,25 +91,23 @@ class CurvedWorld(MujocoWorld):
         self._where = [-half, half]  # of the axles, as ways
         at = layout(scene)
         self._axle = chassis(at.height, axle_out(scene)).axle
-        self._aside = [scene.palm_of(side).width_m / 2 for side in SIDES]
         super().__init__(scene, engine, measures)
 
-    def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
-        """As in every world; contacts are found anew before."""
-        fit_edges(self.model, self.data, self._edges)
-        super().move(speeds, angles)
-
     def sight(self, first: bool = False) -> _core.Sight:
-        """As in every world."""
+        """As in every world; contacts are found anew."""
         fit_edges(self.model, self.data, self._edges)
         return super().sight(first)
+
+    @property
+    def way(self) -> float:
+        """How far along the path the pair's middle is, towards +x at the start [m]."""
+        return 0.5 * sum(self._where)
 
     # --- inside ---------------------------------------------------------------------------------
 
     def _find(self) -> None:
         super()._find()
         self._body_pos = [self.data.body(f"{side}_body").xpos for side in SIDES]
-        self._edges = edges_of(self.model, self.scene)
         self._mj.mj_kinematics(self.model, self.data)  # before the first step nothing has a place
 
     def _turning(self, k: int, speed: float) -> float:
@@ -150,54 +146,5 @@ class CurvedWorld(MujocoWorld):
         left, right = self._palm_mat
         return -math.asin(float(left[6])), math.asin(float(right[6]))
 
-    def _end(self, p: tuple[float, float], pressed: tuple[bool, bool]) -> str:
-        if any(abs(y) > half for y, half in zip(self.across, self._aside, strict=True)):
-            return "off-palm"
-        return super()._end(p, pressed)
-
-
-@dataclass(frozen=True)
-class _Edge:
-    """A contact edge of the object and the palm below it, as places in MuJoCo's model."""
-
-    palm: int
-    """Body."""
-    half: float
-    """Half the palm's width, less what keeps balls off its very edge [m]."""
-    reach: float
-    """Half the edge's length, likewise [m]."""
-    balls: tuple[int, int]
-    """Geoms, near and far."""
-
-
-def edges_of(model: Any, scene: Scene) -> list[_Edge]:
-    """The two contact edges of a scene's object."""
-    spec = layout(scene).spec
-    found = []
-    for k, side in enumerate(SIDES):
-        vertex = (0, spec.contact_right)[k]
-        balls = tuple(model.geom(f"vertex_{vertex}_{end}").id for end in ("near", "far"))
-        half = 0.98 * float(model.geom(f"{side}_palm").size[1])
-        found.append(_Edge(model.body(f"{side}_palm").id, half, 0.49 * scene.object.depth_m, balls))
-    return found
-
-
-def fit_edges(model: Any, data: Any, edges: list[_Edge]) -> None:
-    """Move the balls by which edges touch to the ends of what lies on the palm."""
-    thing = model.body("object").id
-    origin, turn = data.xpos[thing].tolist(), data.xmat[thing].tolist()
-    for edge in edges:
-        place, axes = data.xpos[edge.palm].tolist(), data.xmat[edge.palm].tolist()
-        along, _, up = model.geom_pos[edge.balls[0]].tolist()
-        middle = [origin[i] + turn[3 * i] * along + turn[3 * i + 2] * up for i in range(3)]
-        off = sum((middle[i] - place[i]) * axes[3 * i + 1] for i in range(3))
-        slope = sum(turn[3 * i + 1] * axes[3 * i + 1] for i in range(3))
-        for ball, y in zip(edge.balls, _overlap(off, slope, edge), strict=True):
-            model.geom_pos[ball, 1] = y
-
-
-def _overlap(off: float, slope: float, edge: _Edge) -> Iterator[float]:
-    """Both ends, along the edge, of what lies over a palm whose middle it passes at `off`."""
-    ends = sorted(((-edge.half - off) / slope, (edge.half - off) / slope))
-    for end in ends:
-        yield max(-edge.reach, min(edge.reach, end))
+    def _fit(self) -> None:
+        fit_edges(self.model, self.data, self._edges)

@@ -1,13 +1,11 @@
 """Films and stills of a carry in the dynamic world, rendered off-screen by MuJoCo.
 
-Nothing is simulated again: every frame is a state that the carry kept. Drawn into it are, at each
-palm, the friction cone (green: the contact sticks, purple: it slides) and the force on the object
-(an arrow, 25 mm for each newton), both moved to the near side, where the object does not hide them.
+Nothing is simulated again: every frame is a state that the carry kept. Drawn into it are friction
+cones and forces (`overlay`).
 The camera goes with the pair and looks across it. On a curved path it turns with the pair, looks
 more from above, and the path is drawn on the floor.
 """
 
-import itertools
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -17,27 +15,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from palmbots.dynamic.curved import Line, edges_of, fit_edges, line_of
-from palmbots.dynamic.engine import mujoco, offscreen
+from palmbots.dynamic.curved import Line, line_of
+from palmbots.dynamic.edges import edges_of, fit_edges
+from palmbots.dynamic.engine import check_offscreen, mujoco, offscreen
 from palmbots.dynamic.model import layout, mjcf
+from palmbots.dynamic.overlay import Overlay
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
 from palmbots.geometry import SIDES
 from palmbots.mp4 import encoder_for, write_mp4
-from palmbots.style import BOTH, DROP, HUE, INK, ZERO
-from palmbots.xml_text import rgba
+from palmbots.style import DROP, HUE, INK, ZERO
 
 if TYPE_CHECKING:
     from palmbots.carry import Carry
 
-__all__ = ["SIZE", "Studio", "save_film", "save_still", "telling_row"]
+__all__ = ["SIZE", "Studio", "check_film", "save_film", "save_still", "telling_row"]
 
 SIZE = (854, 480)
 _FPS = 20.0
 _LAST_FRAME_S = 2.0
 _LONGEST_S = 60.0  # a longer carry is shown faster
-_METRES_PER_NEWTON = 0.025
-_CONE_M, _SPOKES = 0.07, 16
+_INSTEAD = "install ffmpeg"
 _FROM_ABOVE_DEG = -28.0  # on a curved path
 
 
@@ -54,7 +52,6 @@ class Studio:
         self._model: Any = self._mj.MjModel.from_xml_string(mjcf(carry.scene, carry.physics.engine))
         self._data: Any = self._mj.MjData(self._model)
         self._kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
-        self._friction = [math.atan(carry.scene.palm_of(side).friction) for side in SIDES]
         self._palms = [self._model.body(f"{side}_palm").id for side in SIDES]
         self._height = layout(carry.scene).height
         self._times = trace["time"].to_numpy()
@@ -63,20 +60,19 @@ class Studio:
         )
         self._ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
         self._good = carry.outcome == "delivered"
-        self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo"
+        self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo" + _sloped(carry)
         self._size = size
         self._renderer = offscreen(self._model, size)
         # Without a graphics card shadows take two thirds of the time.
         self._renderer.scene.flags[int(self._mj.mjtRndFlag.mjRND_SHADOW)] = shadows
-        palm = max(carry.scene.palm_of(side).width_m for side in SIDES)
-        self._near = -0.5 * max(palm, carry.scene.object.depth_m) - 0.01
+        self._overlay = Overlay(self._model, self._data, carry.scene)
         self._camera = self._mj.MjvCamera()
         self._camera.azimuth, self._camera.elevation = 96.0, -10.0
         self._camera.distance = float(trace["separation"].max()) + 0.55
+        self._edges = edges_of(self._model, carry.scene)
         self._line: Line | None = None
         if carry.scene.task.path.is_curved:
             self._line = line_of(carry.scene)
-            self._edges = edges_of(self._model, carry.scene)
             self._way = trace["midpoint"].to_numpy()
             self._camera.elevation = _FROM_ABOVE_DEG
             self._camera.distance += 0.15
@@ -94,85 +90,24 @@ class Studio:
         d, m = self._data, self._model
         self._mj.mj_setState(m, d, self._states[row], self._kind)
         self._mj.mj_forward(m, d)
+        fit_edges(m, d, self._edges)
+        self._mj.mj_forward(m, d)
         one, two = (d.xpos[palm] for palm in self._palms)
         self._camera.lookat[:] = (0.5 * (one[0] + two[0]), 0.0, self._height - 0.04)
         if self._line is not None:
-            fit_edges(m, d, self._edges)
-            self._mj.mj_forward(m, d)
             self._camera.lookat[1] = 0.5 * (one[1] + two[1])
             heading = math.atan2(two[1] - one[1], two[0] - one[0])
             self._camera.azimuth = 96.0 + math.degrees(heading)
             self._ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
         self._renderer.update_scene(d, self._camera)
-        self._draw_path(row)
-        for k in (0, 1):
-            self._contact(k, int(self._motion[min(row, len(self._motion) - 1), k]))
+        into = self._renderer.scene
+        if self._line is not None:
+            self._overlay.path(into, self._line, float(self._way[row]))
+        left, right = self._motion[min(row, len(self._motion) - 1)].tolist()
+        self._overlay.contacts(into, (left, right), self._camera.lookat, self._ahead)
         image = Image.fromarray(self._renderer.render())
         self._label(image, row, note)
         return image
-
-    def _draw_path(self, row: int) -> None:
-        """The line that the robots follow, around them."""
-        if self._line is None:
-            return
-        way, colour = float(self._way[row]), np.array([0.35, 0.35, 0.35, 1.0], dtype=np.float32)
-        spots = [self._line.at(way + s) for s in np.linspace(-1.0, 1.0, 61)]
-        points = [np.array([spot.x, spot.y, 0.001]) for spot in spots]
-        for start, end in itertools.pairwise(points):
-            self._bar(0.004, start, end, colour)
-
-    def _contact(self, k: int, motion: int) -> None:
-        """Friction cone and force at one palm, where its contacts press."""
-        m, d = self._model, self._data
-        place, force, normal = np.zeros(3), np.zeros(3), 0.0
-        six = np.zeros(6)
-        for i in range(d.ncon):
-            contact = d.contact[i]
-            bodies = [int(m.geom_bodyid[g]) for g in contact.geom]
-            if self._palms[k] not in bodies or contact.efc_address < 0:
-                continue
-            if any("_lip_" in m.geom(int(g)).name for g in contact.geom):
-                continue
-            self._mj.mj_contactForce(m, d, i, six)
-            sign = 1.0 if bodies[0] == self._palms[k] else -1.0  # on the object
-            force += sign * (contact.frame.reshape(3, 3).T @ six[:3])
-            place += six[0] * contact.pos
-            normal += six[0]
-        if normal < 1e-3:
-            return
-        place /= normal
-        # To the near side of the object, and as seen from there.
-        left = np.array([-self._ahead[1], self._ahead[0], 0.0])
-        force -= left * (force @ left)
-        place += left * (self._near - (place - self._camera.lookat) @ left)
-        axis = d.xmat[self._palms[k]].reshape(3, 3)
-        colour = np.fromstring(rgba(BOTH if motion else ZERO, 0.9), sep=" ", dtype=np.float32)
-        rim = []
-        spread = math.tan(self._friction[k])
-        for spoke in range(_SPOKES):
-            around = 2 * math.pi * spoke / _SPOKES
-            lean = spread * (math.cos(around) * axis[:, 0] + math.sin(around) * axis[:, 1])
-            rim.append(place + _CONE_M * (axis[:, 2] + lean))
-        for spoke in range(_SPOKES):
-            self._bar(0.0008, place, rim[spoke], colour)
-            self._bar(0.0012, rim[spoke - 1], rim[spoke], colour)
-        dark = np.fromstring(rgba(INK), sep=" ", dtype=np.float32)
-        tip = place + _METRES_PER_NEWTON * force
-        self._bar(0.0025, place, tip, dark)
-        across = 0.3 * (force[2] * self._ahead - (force @ self._ahead) * np.array([0.0, 0.0, 1.0]))
-        for side in (-1, 1):  # MuJoCo's own arrows are drawn at half their length
-            barb = 0.25 * _METRES_PER_NEWTON * (force + side * across * 2)
-            self._bar(0.0025, tip - barb, tip, dark)
-
-    def _bar(self, width: float, start: np.ndarray, end: np.ndarray, colour: np.ndarray) -> None:
-        scene = self._renderer.scene
-        if scene.ngeom >= scene.maxgeom:
-            return
-        shape = self._mj.mjtGeom.mjGEOM_CAPSULE
-        geom = scene.geoms[scene.ngeom]
-        self._mj.mjv_initGeom(geom, shape, np.zeros(3), np.zeros(3), np.zeros(9), colour)
-        self._mj.mjv_connector(geom, shape, width, start, end)
-        scene.ngeom += 1
 
     def _label(self, image: Image.Image, row: int, note: str) -> None:
         draw = ImageDraw.Draw(image)
@@ -193,6 +128,12 @@ class Studio:
         return f"{SIDES[k]}: sensor {sign}" + (f", case ({case})" if case else "")
 
 
+def check_film(path: str | os.PathLike[str]) -> None:
+    """Raise `PalmbotsError` where no film could be made, before there is anything to film."""
+    encoder_for(path, _INSTEAD)
+    check_offscreen()
+
+
 def save_film(
     carry: "Carry",
     path: str | os.PathLike[str],
@@ -204,7 +145,7 @@ def save_film(
 
     Raises `PalmbotsError` for a carry without states, without ffmpeg, or where nothing renders.
     """
-    encoder = encoder_for(path)
+    encoder = encoder_for(path, _INSTEAD)
     with Studio(carry, size) as studio, whole_file(path) as stream:
         images = _frames(carry, studio, progress)
         write_mp4(encoder, size, images, stream, _FPS, path, _LAST_FRAME_S)
@@ -246,6 +187,14 @@ def _frames(
         yield studio.picture(row, note)
         if progress is not None:
             progress(done / len(rows))
+
+
+def _sloped(carry: "Carry") -> str:
+    """The slope in words: it turns gravity, so that no picture shows it."""
+    slope = carry.scene.task.slope_deg
+    if slope == 0:
+        return ""
+    return f", {abs(slope):g}° {'uphill' if slope > 0 else 'downhill'}"
 
 
 def _font() -> str:

@@ -123,7 +123,8 @@ def _head(figure: Figure, carry: "Carry") -> None:
     told = [f"seed {carry.seed}", "from above"]
     if carry.across_peak_m is not None:
         left, right = (1e3 * carry.across_peak_m[side] for side in SIDES)
-        told.insert(0, f"across the palms at most left {left:.1f}, right {right:.1f} mm")
+        most = f"left {left:.1f}, right {right:.1f} mm".replace("-", "−")
+        told.insert(0, f"across the palms at most {most}")
     x = 0.65 / wide
     figure.text(x, 1 - 0.1 / high, first, va="top", weight="bold", size=9)
     figure.text(x, 1 - 0.28 / high, "  ·  ".join(told), va="top", size=7.5)

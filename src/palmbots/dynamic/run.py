@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from palmbots import _core
-from palmbots.dynamic.columns import COLUMNS
+from palmbots.dynamic.columns import COLUMNS, Measured
 from palmbots.dynamic.curved import world_of
 from palmbots.dynamic.settings import DEFAULT, Engine
-from palmbots.dynamic.world import SLACK, Measured, MujocoWorld
+from palmbots.dynamic.world import SLACK, MujocoWorld
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 
@@ -39,9 +39,9 @@ def run(
     record: bool = False,
     watch: Watch | None = None,
     progress: Callable[[float], None] | None = None,
-) -> tuple[Any, Physics | None, tuple[float, float]]:
+) -> tuple[Any, Physics | None, MujocoWorld]:
     """Carry once; returns what the core kept of it, with `record` what else there is to keep, and
-    how far contacts came across their palms [m].
+    the world at its end.
 
     `controller` is what the core takes: a name, or a pair of step functions. `watch` is called with
     the world at the start and after every tick, `progress` now and then with the fraction of the
@@ -64,7 +64,7 @@ def run(
         if progress is not None and round(world.time_s / scene.control.period_s) % 20 == 0:
             progress(min(1.0, abs(world.advance) / way))
     physics = None if keeper is None else keeper.physics(world, engine)
-    return crew.run(), physics, world.across_peak
+    return crew.run(), physics, world
 
 
 class Keeper:

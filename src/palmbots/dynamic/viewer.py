@@ -5,12 +5,18 @@ import os
 import sys
 import threading
 import time
+import warnings
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+
+from palmbots.dynamic.curved import CurvedWorld
 from palmbots.dynamic.engine import mujoco
+from palmbots.dynamic.overlay import Overlay
 from palmbots.dynamic.world import MujocoWorld
 from palmbots.errors import PalmbotsError
+from palmbots.geometry import SIDES
 
 __all__ = ["Viewer"]
 
@@ -30,8 +36,14 @@ class Viewer:
             raise PalmbotsError(
                 "--view: there is no screen (DISPLAY is not set); allowed: --video, a film instead"
             )
+        if not _answers():
+            raise PalmbotsError(
+                f"--view: the screen {os.environ.get('DISPLAY') or 'of this machine'} does not "
+                "answer; allowed: one that does, or --video, a film instead"
+            )
         self._viewer: Any = importlib.import_module("mujoco.viewer")
         self._window: Any = None
+        self._overlay: Overlay | None = None
         self._threads: list[threading.Thread] = []
         self._began = 0.0
 
@@ -64,9 +76,32 @@ class Viewer:
             early = world.time_s - (time.perf_counter() - self._began)
             if early > 0:
                 time.sleep(early)
-            x, y = (
-                0.5 * sum(float(world.data.body(f"{s}_palm").xpos[i]) for s in ("left", "right"))
-                for i in (0, 1)
-            )
-            self._window.cam.lookat[:] = (x, y, world.layout.height - 0.04)
+            with self._window.lock():
+                self._draw(world)
             self._window.sync()
+
+    def _draw(self, world: MujocoWorld) -> None:
+        """Look at the pair, with cones, forces and its path."""
+        if self._overlay is None:
+            self._overlay = Overlay(world.model, world.data, world.scene)
+        one, two = (world.data.body(f"{side}_palm").xpos for side in SIDES)
+        middle = 0.5 * (one + two)
+        middle[2] = world.layout.height - 0.04
+        self._window.cam.lookat[:] = middle
+        ahead = (two - one) * np.array([1.0, 1.0, 0.0])
+        into = self._window.user_scn
+        into.ngeom = 0
+        self._overlay.contacts(into, world.motion, middle, ahead / np.linalg.norm(ahead))
+        if isinstance(world, CurvedWorld):
+            self._overlay.path(into, world.line, world.way)
+
+
+def _answers() -> bool:
+    """Whether a window can be opened: where not, MuJoCo's viewer would end the whole process."""
+    glfw: Any = importlib.import_module("glfw")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        there = bool(glfw.init())
+        if there:
+            glfw.terminate()
+    return there

@@ -7,56 +7,32 @@ press with less than `dynamic.press_n`.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from palmbots import _core
+from palmbots.dynamic.columns import Measured
+from palmbots.dynamic.edges import STAYS, edges_of, fit_edges
 from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
 from palmbots.dynamic.robot_model import axle_out, chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
+from palmbots.dynamic.touches import Further, Kind, Rests, further_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.geometry import SIDES
 from palmbots.scene import Scene
 
-__all__ = ["SLACK", "Measured", "MujocoWorld", "refuse_unknown"]
+__all__ = ["SLACK", "MujocoWorld", "refuse_unknown"]
 
 SLACK = math.radians(0.25)  # a wrist so near to its angle has turned; assumed
 _SETTLE_S = 0.3  # before the carry, for weights to be taken up
 _HEADING = 5.0  # 1/s, with which a robot steers back to its heading
 _STICKS = 5e-4  # m/s; what moves less along its palm sticks
-_LET_GO_S = 0.25  # an object that a palm has not felt for so long is not held any more
+_LET_GO_S = 0.25  # an object that a palm has not borne for so long is not held any more
 _TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
 Point = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """What the trace of the dynamic world holds besides that of every world; of one tick."""
-
-    force: tuple[float, float]
-    """With which the object presses on each palm, along its normal [N]."""
-    drag: tuple[float, float]
-    """With which it drags each palm along, outward [N]."""
-    speed: tuple[float, float]
-    """Of the pivots over the tick [m/s]."""
-    slip: tuple[float, float]
-    """By how much the wheels run ahead of the robot [m/s]."""
-    pitch: tuple[float, float]
-    """Of the robots' bodies, outward end up [rad]."""
-    yaw: tuple[float, float]
-    """Of the robots' bodies, anticlockwise seen from above [rad]."""
-    across: tuple[float, float]
-    """Of the middles of the contact edges on their palms, to the left seen towards +x [m]."""
-    pivot_x: tuple[float, float]
-    pivot_y: tuple[float, float]
-    """Places of the pivots on the floor [m]."""
-    vertex_x: tuple[float, float]
-    vertex_y: tuple[float, float]
-    """Places of the middles of the contact edges [m]."""
 
 
 def refuse_unknown(scene: Scene) -> None:
@@ -81,7 +57,7 @@ class MujocoWorld:
         self.model: Any = self._mj.MjModel.from_xml_string(mjcf(scene, engine))
         self.data: Any = self._mj.MjData(self.model)
         self.steps = steps_per_tick(scene)
-        self.time_s = 0.0
+        self._ticks, self.time_s = 0, 0.0
         self._period = scene.control.period_s
         self._track = chassis(self.layout.height, axle_out(scene)).track
         self._radius = scene.dynamic.wheel_radius_m
@@ -89,7 +65,10 @@ class MujocoWorld:
         self._steep = (left.steep, right.steep)
         self._set = list(self._steep)  # what the wrists' motors have been told so far [rad]
         self._find()
-        self._unfelt = [0.0, 0.0]
+        self._unborne = [0.0, 0.0]
+        self.motion = (0, 0)  # contacts over the last tick: slide inward −1, stick 0, outward 1
+        self._rests = Rests()
+        self._loads = (0.0, 0.0)
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
         self._origin = self._midpoint()
@@ -102,6 +81,7 @@ class MujocoWorld:
     def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
         """One control period with wheels at `speeds` [m/s, towards +x] and wrists turning evenly to
         `angles` [rad]."""
+        self._fit()
         ctrl = self.data.ctrl
         for k in (0, 1):
             steer = -0.5 * self._track * self._turning(k, speeds[k])
@@ -112,11 +92,13 @@ class MujocoWorld:
             self._set[k] = angles[k]
         before = self.data.time
         self._mj.mj_step(self.model, self.data, nstep=self.steps)
-        self.time_s += self._period
+        self._ticks += 1
+        self.time_s = self._ticks * self._period
         if self.data.time < before:  # MuJoCo begins anew where numbers get out of hand
             raise PalmbotsError(
                 f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
-                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or heavier robots"
+                f"smaller dynamic.step_s than {self.scene.dynamic.step_s:g}, or masses of robots "
+                "and object that differ less"
             )
 
     # --- seeing ---------------------------------------------------------------------------------
@@ -127,7 +109,9 @@ class MujocoWorld:
         touched, pressed, force, drag = self._feel(p)
         x, last = self._ways(), self._x
         self._p, self._x = p, x
-        end = "" if first else self._end(p, pressed)
+        if first:
+            self._loads = force
+        end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
         least = _STICKS * self._period
         left, right = (
             0 if abs(now - then) < least else (1 if now > then else -1)
@@ -140,6 +124,7 @@ class MujocoWorld:
                 force, drag, speed, self._slips(speed), self._pitches(), yaw, self.across,
                 *self._places(),
             )  # fmt: skip
+        self.motion = (left, right)
         across, peak = self.across, self.across_peak
         self.across_peak = (max(peak[0], across[0], key=abs), max(peak[1], across[1], key=abs))
         vertices = self._vertices()
@@ -153,7 +138,7 @@ class MujocoWorld:
             separation=self._separation(x),
             midpoint=0.5 * (x[0] + x[1]) - self._origin,
             rise=vertices[1][2] - vertices[0][2],
-            motion=(left, right),
+            motion=self.motion,
             end=end,
         )
 
@@ -185,6 +170,22 @@ class MujocoWorld:
     def lifts(self) -> tuple[float, float]:
         """Heights of the contact edges' middles above their palms [m]; < 0: palms give way."""
         return self._lifts()
+
+    def touches(self, until_s: float) -> list[tuple[int, Kind, float, float]]:
+        """When, until then, the object rested on more than its two contact vertices: on which
+        palm, what began it (``flush``, ``tip``), from when to when [s]."""
+        return self._rests.rows(until_s)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the start gives rise to."""
+        least = self.scene.dynamic.press_n
+        return [
+            f"the {side} palm bears {load:.2g} N at the start and dynamic.press_n is {least:g}: "
+            "its switches stay open, which reads as 0"
+            for side, load in zip(SIDES, self._loads, strict=True)
+            if load < least
+        ]
 
     @property
     def advance(self) -> float:
@@ -232,20 +233,27 @@ class MujocoWorld:
         spec = self.layout.spec
         self._offset = [palm.offset for palm in spec.palms]
         self._half = [palm.length / 2 for palm in spec.palms]
+        self._aside = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
+        self._edges = edges_of(m, self.scene)
         self._width = spec.width
         self._is_palm = [str(m.geom(k).name).startswith(SIDES) for k in range(m.ngeom)]
-        # The pairs of palm and object: of which palm, and whether it is by the contact vertex.
-        self._touching: dict[tuple[int, int], tuple[int, bool]] = {}
+        # The pairs of palm and object: of which palm, and what it is if not the contact vertex.
+        self._touching: dict[tuple[int, int], tuple[int, Further | None]] = {}
         for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
             of_object = [k for k in pair if m.geom_bodyid[k] == thing]
             of_palm = [k for k in pair if self._is_palm[k]]
             if not of_object or any("_lip_" in m.geom(k).name for k in pair):
                 continue  # lips hold sideways; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
-            vertex = m.geom(of_object[0]).name.startswith(
-                f"vertex_{(0, spec.contact_right)[side]}_"
-            )
-            self._touching[pair] = self._touching[pair[::-1]] = (side, vertex)
+            name = m.geom(of_object[0]).name
+            own = name.startswith(f"vertex_{(0, spec.contact_right)[side]}_")
+            what = None if own else further_of(side, name, self.layout)
+            self._touching[pair] = self._touching[pair[::-1]] = (side, what)
+
+    def _fit(self) -> None:
+        """Contacts where edges and palms overlap, if they have moved."""
+        if any(abs(y) > 2 * STAYS * half for y, half in zip(self.across, self._aside, strict=True)):
+            fit_edges(self.model, self.data, self._edges)
 
     def _settle(self) -> None:
         """Weights are taken up, and shoulders told to hold against them."""
@@ -255,7 +263,10 @@ class MujocoWorld:
             if 3 * tick < 2 * ticks:
                 for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
                     self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
-        self.time_s = 0.0  # MuJoCo's own clock goes on: that it falls back tells of a fault
+        self._ticks, self.time_s = (
+            0,
+            0.0,
+        )  # MuJoCo's own clock goes on: that it falls back tells of a fault
 
     def _turning(self, k: int, speed: float) -> float:
         """How fast a robot is to turn, anticlockwise seen from above [rad/s]: to its heading."""
@@ -337,6 +348,7 @@ class MujocoWorld:
         # Of the contact vertex and of all else: force, force times place.
         sums = [[[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]]
         drag = [0.0, 0.0]
+        further: list[Further] = []
         contact, forces = self.data.contact, self.data.efc_force
         places, frames = contact.pos, contact.frame
         for i, (pair, address) in enumerate(
@@ -345,10 +357,12 @@ class MujocoWorld:
             touching = self._touching.get((pair[0], pair[1]))
             if touching is None or address < 0:
                 continue
-            k, vertex = touching
+            k, what = touching
             push, one, other = forces[address : address + 3].tolist()
-            sums[k][vertex][0] += push
-            sums[k][vertex][1] += push * self._seen(k, places[i].tolist())[0]
+            sums[k][what is None][0] += push
+            sums[k][what is None][1] += push * self._seen(k, places[i].tolist())[0]
+            if what is not None and push > 0:
+                further.append(what)
             if not self._measures:
                 continue
             frame, mat = frames[i], self._palm_mat[k]
@@ -357,6 +371,10 @@ class MujocoWorld:
             fx, fy, fz = (one * float(frame[3 + i]) + other * float(frame[6 + i]) for i in range(3))
             along = fx * float(mat[0]) + fy * float(mat[3]) + fz * float(mat[6])
             drag[k] += sign * _OUT[k] * along
+        self._rests.see(
+            self.time_s,
+            [(w.side, w.kind(self._palm_mat[w.side], self._thing_mat)) for w in further],
+        )
         touched, pressed, force = list(p), [False, False], [0.0, 0.0]
         for k in (0, 1):
             force[k] = sums[k][0][0] + sums[k][1][0]
@@ -372,12 +390,15 @@ class MujocoWorld:
             (drag[0], drag[1]),
         )
 
-    def _end(self, p: tuple[float, float], pressed: tuple[bool, bool]) -> str:
-        """Why the object is not held any more; empty if it is."""
+    def _end(self, p: tuple[float, float], borne: tuple[bool, bool]) -> str:
+        """Why the object is not held any more; empty if it is. `borne`: each palm bears some of
+        it."""
         if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
+            return "off-palm"
+        if any(abs(y) > half for y, half in zip(self.across, self._aside, strict=True)):
             return "off-palm"
         if float(self._thing_mat[8]) < math.cos(_TURNED):
             return "tipping"
         for k in (0, 1):
-            self._unfelt[k] = 0.0 if pressed[k] else self._unfelt[k] + self._period
-        return "lifting" if max(self._unfelt) > _LET_GO_S else ""
+            self._unborne[k] = 0.0 if borne[k] else self._unborne[k] + self._period
+        return "lifting" if max(self._unborne) > _LET_GO_S else ""

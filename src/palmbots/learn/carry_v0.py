@@ -97,8 +97,11 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
     ) -> None:
         self._base = load_scene(scene, overrides)
         one_of("world", world, WORLDS)
-        if messages not in (True, False):
-            raise PalmbotsError(f"messages: value is {show(messages)}; allowed: true, false")
+        for name, told in (("messages", messages), ("record", record)):
+            if told not in (True, False):
+                raise PalmbotsError(f"{name}: value is {show(told)}; allowed: true, false")
+        if rewards is not None and not isinstance(rewards, Rewards):
+            raise PalmbotsError(f"rewards: value is {show(rewards)}; allowed: carry_v0.Rewards")
         if type(ticks_per_step) is not int or not 1 <= ticks_per_step <= _MOST_TICKS:
             raise PalmbotsError(
                 f"ticks_per_step: value is {show(ticks_per_step)}; allowed: 1 to {_MOST_TICKS}"
@@ -113,7 +116,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         self.metadata = self.metadata | {
             "render_fps": max(1, round(1 / (ticks_per_step * self._base.control.period_s)))
         }
-        self._world, self._messages, self._record = world, bool(messages), record
+        self._world, self._messages, self._record = world, bool(messages), bool(record)
         self._ticks = ticks_per_step
         self._rewards = rewards if rewards is not None else Rewards()
         entries = observation_size(self._messages)

@@ -129,5 +129,5 @@ class _InMujoco:
         physics = self._keeper.physics(self.world, DEFAULT) if self._keeper is not None else None
         return finished(
             self._crew.run(), self.scene, controller, "mujoco", self.seed, physics is not None,
-            physics=physics, across=self.world.across_peak,
+            physics=physics, left=self.world,
         )  # fmt: skip
