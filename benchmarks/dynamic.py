@@ -48,24 +48,24 @@ def main() -> None:
                     times.append(time.process_time() - began)
                 delivered += done.outcome == "delivered"
                 bar.advance(task)
-            low, high = wilson(delivered, n)
             known = run_seeds(lower(scene), "distributed", 0, KNOWN, "double")["outcome"]
             rate = float((known == DELIVERED).mean())
-            alike = int((known[:n] == DELIVERED).sum())
-            inside = low <= rate <= high
-            rows.append((key, value, n, delivered, low, high, alike, KNOWN, rate, inside))
+            same = int((known[:n] == DELIVERED).sum())
+            low, high = wilson(same, n)
+            inside = low <= delivered / n <= high
+            rows.append((key, value, n, delivered, same, low, high, inside, KNOWN, rate))
             console.print(
-                f"{key} = {value:<5g} mujoco delivers {delivered:3d} of {n:3d} "
-                f"({100 * low:5.1f} to {100 * high:5.1f} %), quasistatic {alike:3d} of the same "
-                f"and {100 * rate:6.2f} % of {KNOWN}"
+                f"{key} = {value:<5g} mujoco delivers {delivered:3d} of {n:3d}, quasistatic "
+                f"{same:3d} of the same ({100 * low:5.1f} to {100 * high:5.1f} %), "
+                f"{100 * rate:6.2f} % of {KNOWN}"
             )
     best, median = min(times), statistics.median(times)
     console.print(f"a carry of 25 s takes {best:.2f} s at best, {median:.2f} s in the median")
     with RESULTS.open("w", newline="") as stream:
         table = csv.writer(stream, lineterminator="\n")
-        table.writerow(("key", "value", "n", "delivered", "low", "high",
-                        "quasistatic_same_seeds", "quasistatic_n",
-                        "quasistatic_rate", "inside", "best_s", "median_s", "machine",
+        table.writerow(("key", "value", "n", "mujoco_delivered", "quasistatic_delivered",
+                        "quasistatic_low", "quasistatic_high", "inside", "more_n",
+                        "quasistatic_rate_of_more", "best_s", "median_s", "machine",
                         "compiler", "palmbots", "mujoco", "date"))  # fmt: skip
         stamp = (f"{best:.3f}", f"{median:.3f}", processor(), compiler(), __version__,
                  mujoco().__version__, datetime.date.today().isoformat())  # fmt: skip

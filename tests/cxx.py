@@ -12,7 +12,7 @@ CACHE = ROOT / "build" / "tests"
 
 STANDARD = ("-std=c++20", "-I", str(ROOT / "include"), "-ffp-contract=off", "-fno-math-errno")
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror")
-SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+SANITIZERS = ("-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
 def _digest(*parts: bytes) -> str:
