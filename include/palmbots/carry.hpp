@@ -75,8 +75,7 @@ class Carry {
     if (metrics_.end == End::none) return true;
     metrics_.outcome = Result::dropped;
     metrics_.time_ticks = double(tick_);
-    collect();
-    metrics_.close(tick_);
+    close();
     return false;
   }
 
@@ -240,10 +239,14 @@ class Carry {
       metrics_.time_ticks = double(tick_) + 1;
     }
     ++tick_;
-    if (metrics_.outcome != Result::running) {
-      collect();
-      metrics_.close(tick_);
-    }
+    if (metrics_.outcome != Result::running) close();
+  }
+
+  // The carry is over.
+  void close() {
+    collect();
+    close_team(team_, tick_);
+    metrics_.close(tick_);
   }
 
   // A correction that follows the last one within this time belongs to the same run of corrections:

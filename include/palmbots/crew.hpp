@@ -144,6 +144,7 @@ class Crew {
     ++tick_;
     if (!done()) return;
     collect();
+    close_team(team_, tick_);
     metrics_.close(tick_);
     finish();
   }

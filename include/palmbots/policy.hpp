@@ -22,6 +22,8 @@ class Centralized {
     Sign sign;
     Palm palm;    // the angle it was last commanded to …
     bool turned;  // … and whether it is there
+
+    constexpr bool operator==(const Report&) const = default;
   };
 
   // Whose contact a condition is about; `either` and `none` stand for both and for nobody.
@@ -67,6 +69,8 @@ class Centralized {
 
   struct Output {
     Command command[2];
+
+    constexpr bool operator==(const Output&) const = default;
   };
 
   // One tick with the newest reports. Before both robots have reported, call nothing.
@@ -89,6 +93,8 @@ class Centralized {
   // The case in progress, 1–8 as in Table 1; 0: none.
   int current() const { return stage_ == Stage::decide ? 0 : case_; }
   Stage stage() const { return stage_; }
+
+  constexpr bool operator==(const Centralized&) const = default;
 
   static constexpr int case_of(Sign l, Sign r) {
     for (int i = 0; i < cases; ++i) {

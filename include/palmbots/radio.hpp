@@ -74,6 +74,11 @@ struct Channel {
   constexpr bool is_random() const {
     return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0;
   }
+  // Does every message arrive, unharmed and once, after the same time?
+  constexpr bool is_plain() const {
+    return !is_random() && corrupt_words == 0 && !(airtime_ticks > 0) && outage_count == 0 &&
+           mishap_count == 0;
+  }
   constexpr bool loses(const Words& words) const { return words[0] < loss_words; }
 
   constexpr bool is_dead(std::uint32_t sender, std::uint32_t tick) const {

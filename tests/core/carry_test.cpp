@@ -158,6 +158,72 @@ void test_robots_that_rest_miss_nothing() {
   CHECK(Restless::steps == 2 * ticks);
 }
 
+// A station that is asked every tick.
+struct Sleepless : Station {
+  using Station::Station;
+  std::uint32_t wake(std::uint32_t tick) const { return tick + 1; }
+  template <class Log>
+  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+    ++steps;
+    return Station::step(tick, sensed, log);
+  }
+  static inline long steps = 0;
+};
+
+struct Sleeping : Station {
+  using Station::Station;
+  template <class Log>
+  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+    ++steps;
+    return Station::step(tick, sensed, log);
+  }
+  static inline long steps = 0;
+};
+
+bool same_links(const Traffic& a, const Traffic& b) {
+  for (std::size_t i = 0; i < a.links.size(); ++i) {
+    const LinkCounts &x = a.links[i], &y = b.links[i];
+    if (x.sent != y.sent || x.lost != y.lost || x.duplicated != y.duplicated) return false;
+    if (x.late != y.late || x.rejected != y.rejected) return false;
+  }
+  return a.sent == b.sent && a.lost == b.lost;
+}
+
+// A station that rests decides and counts as one that does not, on any radio; on a plain one it rests.
+void test_a_station_that_rests_misses_nothing() {
+  Spec spec = paper_spec();
+  long all = 0;
+  long asked = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    spec.latency = std::array{0.0, 0.05, 0.13, 0.4}[seed % 4];
+    spec.bump_rate = seed % 3 == 0 ? 3 : 0;
+    spec.bump_max = 0.02;
+    Channel channel = Channel::of(spec.latency, 0, 0, spec.period);
+    if (seed % 5 == 1) channel.loss_words = Channel::words_of(0.02);
+    if (seed % 5 == 2) channel.duplicate_words = Channel::words_of(0.2);
+    if (seed % 5 == 3) channel.airtime_ticks = 0.01;
+    Carry<double, Sleeping, NoRecorder> one(spec, seed, Sleeping(channel, seed, right),
+                                            NoRecorder{});
+    Carry<double, Sleepless, NoRecorder> other(spec, seed, Sleepless(channel, seed, right),
+                                               NoRecorder{});
+    const long before = Sleeping::steps;
+    const long before_other = Sleepless::steps;
+    one.run();
+    other.run();
+    const Metrics &a = one.metrics(), &b = other.metrics();
+    CHECK(a.outcome == b.outcome && a.time_ticks == b.time_ticks && a.square_sum == b.square_sum);
+    CHECK(a.corrections == b.corrections && a.longest_correction == b.longest_correction);
+    CHECK(same_links(one.team().traffic, other.team().traffic));
+    if (channel.is_plain()) {
+      asked += Sleeping::steps - before;
+      all += Sleepless::steps - before_other;
+    } else {
+      CHECK(Sleeping::steps - before == Sleepless::steps - before_other);
+    }
+  }
+  CHECK(3 * asked < 2 * all);
+}
+
 // A fork onto a carry's own seed changes nothing; onto another one the past stays and the rest differs.
 template <class Team>
 void test_forks(const Spec& spec, const Team& team) {
@@ -195,5 +261,6 @@ int main() {
   test_no_allocation_by_any_team();
   test_paper_box_arrives();
   test_robots_that_rest_miss_nothing();
+  test_a_station_that_rests_misses_nothing();
   test_forks_of_any_team();
 }
