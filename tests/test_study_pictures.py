@@ -1,5 +1,6 @@
 """Pictures, costs and Sobol indices of studies."""
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -95,6 +96,23 @@ def test_points_are_drawn_over_each_key(tmp_path: Path, kind: str) -> None:
     )
 
 
+def test_no_panel_cuts_off_what_it_draws(tmp_path: Path) -> None:
+    """Panels share their scale: the first one, in which little happens, must not set it for all."""
+    vary = {"palm.friction": {"from": 0.2, "to": 0.3}, "robot.noise_m_s": NOISE}
+    done = run(tmp_path, vary=vary, design={"kind": "sobol", "points": 32}, controllers=["none"])
+    noises = np.array(done.points.column("robot.noise_m_s"))
+    told = done.values | {"drop_rate": (((noises / 0.2) ** 3)[:, None], None)}
+    friction, noise = figures.draw(dataclasses.replace(done, values=told)).axes
+
+    def top(panel: Any) -> float:
+        bands = [path.vertices[:, 1].max() for c in panel.collections for path in c.get_paths()]
+        return max(*bands, *(line.get_ydata().max() for line in panel.lines))
+
+    assert 100 >= top(noise) > 1.2 * top(friction)
+    assert 0 == noise.get_ylim()[0] < top(noise) <= noise.get_ylim()[1]
+    assert noise.get_ylim() == friction.get_ylim()
+
+
 def test_nothing_varied_is_no_picture(tmp_path: Path) -> None:
     with pytest.raises(PalmbotsError, match="--plot: nothing varies"):
         figures.draw(run(tmp_path))
@@ -163,6 +181,29 @@ def test_the_command_draws_and_tells(
     Path("n.toml").write_text("[seeds]\ncount = 3\n")
     assert cli.run(["study", "n.toml", "--plot"]) == 2
     assert "nothing varies" in capsys.readouterr().err
+
+
+def test_the_table_of_a_random_design_is_short(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers with as many digits as help, and one refusal of many."""
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(
+        'controllers = ["resilient"]\n[vary]\nradio.latency_s = { from = 0.5, to = 0.6 }\n'
+        '[design]\nkind = "random"\npoints = 5\n[seeds]\ncount = 3\n'
+    )
+    assert cli.run(["study", "s.toml"]) == 0
+    out = capsys.readouterr().out
+    first = design(load_plan("s.toml")).column("radio.latency_s")[0]
+    assert f" {first:.4g} " in out
+    assert repr(first) not in out
+    assert "resilient refused 5 points, such as\n" in out
+    assert out.count("resilient refused radio.latency_s = ") == 1
+    Path("n.toml").write_text(
+        'controllers = ["resilient"]\n[set]\nradio.latency_s = 0.5\n[seeds]\ncount = 3\n'
+    )
+    assert cli.run(["study", "n.toml"]) == 0
+    assert "resilient refused: radio.lease_s" in capsys.readouterr().out
 
 
 def test_the_cost_is_told_and_nothing_is_written(tmp_path: Path) -> None:
