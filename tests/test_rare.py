@@ -17,7 +17,7 @@ import palmbots as pb
 from palmbots import _core
 from palmbots.batch import DROPPED, run_seeds
 from palmbots.lowering import lower
-from palmbots.rare import PLANNING, _estimates, rare
+from palmbots.rare import PLANNING, _estimates, _t95, rare
 from palmbots.scene import load_scene
 
 NOISY = {
@@ -82,6 +82,13 @@ def test_the_answer_is_that_of_the_replicates_that_count() -> None:
     assert told.reached[0] == pytest.approx(np.mean(first))
     carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
     assert told.carries == pytest.approx(ticks * spec.period / carry_s)
+
+
+@pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
+def test_student_s_quantiles(freedom: int) -> None:
+    """As scipy has them; between two of the table the wider interval."""
+    exact = stats.t.ppf(0.975, freedom)
+    assert 0.9995 * exact <= _t95(freedom) <= 1.025 * exact
 
 
 def test_threads_change_nothing_and_seeds_do() -> None:
