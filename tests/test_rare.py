@@ -11,12 +11,13 @@ import sys
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import palmbots as pb
 from palmbots import _core
 from palmbots.batch import DROPPED, run_seeds
 from palmbots.lowering import lower
-from palmbots.rare import _estimates, rare
+from palmbots.rare import PLANNING, _estimates, _t95, rare
 from palmbots.scene import load_scene
 
 NOISY = {
@@ -53,6 +54,41 @@ def test_levels_change_the_scatter_only() -> None:
     for mean, error in told[1:]:
         assert abs(mean - told[0][0]) < 4 * math.hypot(error, told[0][1])
     assert told[2][1] < 0.7 * told[0][1]
+
+
+def test_the_answer_is_that_of_the_replicates_that_count() -> None:
+    """Worked out here, product by product, from those after the planning ones: the rate, its
+    interval by scipy's Student t, and the share of stages; no replicate is used twice."""
+    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
+    told = rare("paper", "distributed", overrides=keys, seed=3, within=1.0, effort=60)
+    spec = lower(load_scene("paper", keys))
+    rows, ticks = _core.replicates(
+        spec, "distributed", 3, 60, list(told.levels), PLANNING, told.replicates, 1
+    )
+    rates = []
+    for stages in rows:
+        rate, before = 0.0, 1.0
+        for reached, drops in stages:
+            rate += before * drops / 60
+            before *= reached / 60
+        rates.append(rate)
+    assert told.drop_rate == pytest.approx(np.mean(rates), rel=1e-12)
+    n = told.replicates
+    half = stats.t.ppf(0.975, n - 1) * np.std(rates, ddof=1) / math.sqrt(n)
+    low, high = told.interval
+    assert 0.999 * half <= high - told.drop_rate <= 1.04 * half  # a table of quantiles
+    assert low == pytest.approx(max(2 * told.drop_rate - high, 0))
+    first = [stages[0][0] / 60 for stages in rows]
+    assert told.reached[0] == pytest.approx(np.mean(first))
+    carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
+    assert told.carries == pytest.approx(ticks * spec.period / carry_s)
+
+
+@pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
+def test_student_s_quantiles(freedom: int) -> None:
+    """As scipy has them; between two of the table the wider interval."""
+    exact = stats.t.ppf(0.975, freedom)
+    assert 0.9995 * exact <= _t95(freedom) <= 1.025 * exact
 
 
 def test_threads_change_nothing_and_seeds_do() -> None:

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -116,6 +117,29 @@ def test_a_local_cluster(long: Path, whole: str, tmp_path: Path) -> None:
     assert told["hash"] == whole
 
 
+@pytest.mark.parametrize("chunks", [0, 3], ids=["while it begins", "in mid-run"])
+def test_ctrl_c_in_a_terminal_reaches_workers_too(
+    long: Path, whole: str, tmp_path: Path, chunks: int
+) -> None:
+    """One line, nobody left behind, and what was finished is kept."""
+    root = tmp_path / "study"
+    process = subprocess.Popen(
+        command(long, "--out", root, "--chunk", 200, "--local-cluster", 2),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    while not (root / "chunks").exists() or len(marks(root)) < chunks:
+        assert process.poll() is None
+        time.sleep(0.01)
+    time.sleep(0.8)  # while it begins: workers are just starting
+    os.killpg(process.pid, signal.SIGINT)
+    out, error = process.communicate(timeout=TIMEOUT_S)  # ends when all of them have ended
+    assert (process.returncode, out) == (130, ""), error
+    assert error.count("\n") == 1, error
+    assert f"kept in {root}" in error
+    if chunks:
+        assert said(long, "--out", root)["hash"] == whole
+
+
 OTHER = """
 import palmbots.studies.work
 palmbots.studies.work.__version__ = "0.0.9"
@@ -129,7 +153,7 @@ def test_a_worker_with_another_version_is_refused(long: Path, tmp_path: Path) ->
     with scheduler() as address:
         arguments = (long, "--out", tmp_path / "study", "--chunk", 200, "--scheduler", address)
         with worker(address, path):
-            refused(study(*arguments), "has palmbots 0.0.9", "same version")
+            refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
         with worker(address):
             process = subprocess.Popen(
                 command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -118,8 +118,22 @@ SPAN = {"from": 0.0, "to": 1.0}
         ({"vary": {"radio.latency_s": {"from": 1, "to": 0, "steps": 3}}}, "latency_s.to: .*more"),
         ({"vary": {"radio.latency_s": {**SPAN, "steps": 3, "scale": "log"}}}, "no logarithm"),
         ({"vary": {"radio.latency_s": {**SPAN, "steps": 3, "scale": "cube"}}}, "scale: .*log"),
-        ({"vary": {"radio.latncy_s": [0]}}, r"study point 0 .*did you mean radio.latency_s"),
-        ({"vary": {"radio.latency_s": [0, -1]}}, r"study point 1 \(radio.latency_s = -1\):"),
+        ({"vary": {"radio.latency_s": {}}}, "vary.radio.latency_s: .*is empty"),
+        (
+            {"vary": {"radio": {"latency_s": [0]}, "radio.latency_s": [1]}},
+            "latency_s.* is given twice",
+        ),
+        (
+            {"vary": {"object.com_m[0]": [0.1], "object.com_m": [[0.1, 0.05]]}},
+            r"com_m\[0\]: .*object.com_m.* is given beside object.com_m\[0\]",
+        ),
+        (
+            {"vary": {"radio.latency_s": {"from": 1, "to": 1, "steps": 3}}},
+            "latency_s.to: 1 is not more than from",
+        ),
+        ({"scene": {"task": {"distanc_m": 3}}}, "^study: scene: task.distanc_m: 3"),
+        ({"vary": {"radio.latncy_s": [0]}}, r"study: point 0 .*did you mean radio.latency_s"),
+        ({"vary": {"radio.latency_s": [0, -1]}}, r"study: point 1 \(radio.latency_s = -1\):"),
         ({"vary": {"object.com_m[2]": [0]}}, r"object.com_m\[2\]: there is no such entry"),
         ({"vary": {"object.comm[0]": [0]}}, r"object.comm\[0\]: there is no such entry"),
         ({"set": {"radio.latncy_s": 0}}, "study: set: radio.latncy_s"),
@@ -159,7 +173,7 @@ def test_too_many_points() -> None:
     [
         ("vary = [", ["bad.toml", "not valid TOML"]),
         ("about = 3", ["bad.toml", "about"]),
-        ("[vary]\nradio.loss = [0, 2]", ["study point 1", "radio.loss"]),
+        ("[vary]\nradio.loss = [0, 2]", ["bad.toml: point 1", "radio.loss"]),
     ],
 )
 def test_a_bad_file_is_one_line(

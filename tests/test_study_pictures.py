@@ -1,5 +1,6 @@
 """Pictures, costs and Sobol indices of studies."""
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -10,10 +11,10 @@ import pytest
 
 from palmbots import cli
 from palmbots.errors import PalmbotsError
-from palmbots.studies import figures
+from palmbots.studies import explain, figures
 from palmbots.studies.design import design, shares
 from palmbots.studies.plan import load_plan
-from palmbots.studies.run import Done, run_study
+from palmbots.studies.run import Done, cut_of, run_study
 from palmbots.studies.sensitivity import sensitivities
 from studies import said
 
@@ -95,6 +96,23 @@ def test_points_are_drawn_over_each_key(tmp_path: Path, kind: str) -> None:
     )
 
 
+def test_no_panel_cuts_off_what_it_draws(tmp_path: Path) -> None:
+    """Panels share their scale: the first one, in which little happens, must not set it for all."""
+    vary = {"palm.friction": {"from": 0.2, "to": 0.3}, "robot.noise_m_s": NOISE}
+    done = run(tmp_path, vary=vary, design={"kind": "sobol", "points": 32}, controllers=["none"])
+    noises = np.array(done.points.column("robot.noise_m_s"))
+    told = done.values | {"drop_rate": (((noises / 0.2) ** 3)[:, None], None)}
+    friction, noise = figures.draw(dataclasses.replace(done, values=told)).axes
+
+    def top(panel: Any) -> float:
+        bands = [path.vertices[:, 1].max() for c in panel.collections for path in c.get_paths()]
+        return max(*bands, *(line.get_ydata().max() for line in panel.lines))
+
+    assert 100 >= top(noise) > 1.2 * top(friction)
+    assert 0 == noise.get_ylim()[0] < top(noise) <= noise.get_ylim()[1]
+    assert noise.get_ylim() == friction.get_ylim()
+
+
 def test_nothing_varied_is_no_picture(tmp_path: Path) -> None:
     with pytest.raises(PalmbotsError, match="--plot: nothing varies"):
         figures.draw(run(tmp_path))
@@ -165,6 +183,29 @@ def test_the_command_draws_and_tells(
     assert "nothing varies" in capsys.readouterr().err
 
 
+def test_the_table_of_a_random_design_is_short(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers with as many digits as help, and one refusal of many."""
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(
+        'controllers = ["resilient"]\n[vary]\nradio.latency_s = { from = 0.5, to = 0.6 }\n'
+        '[design]\nkind = "random"\npoints = 5\n[seeds]\ncount = 3\n'
+    )
+    assert cli.run(["study", "s.toml"]) == 0
+    out = capsys.readouterr().out
+    first = design(load_plan("s.toml")).column("radio.latency_s")[0]
+    assert f" {first:.4g} " in out
+    assert repr(first) not in out
+    assert "resilient refused 5 points, such as\n" in out
+    assert out.count("resilient refused radio.latency_s = ") == 1
+    Path("n.toml").write_text(
+        'controllers = ["resilient"]\n[set]\nradio.latency_s = 0.5\n[seeds]\ncount = 3\n'
+    )
+    assert cli.run(["study", "n.toml"]) == 0
+    assert "resilient refused: radio.lease_s" in capsys.readouterr().out
+
+
 def test_the_cost_is_told_and_nothing_is_written(tmp_path: Path) -> None:
     """Carries and cells exactly, time and disk about right."""
     file = tmp_path / "s.toml"
@@ -179,6 +220,31 @@ def test_the_cost_is_told_and_nothing_is_written(tmp_path: Path) -> None:
     files = (tmp_path / "s.study").rglob("*")
     size = sum(path.stat().st_size for path in files if path.is_file())
     assert told["disk_bytes"] / 2 < size < 2 * told["disk_bytes"] + 100_000
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_cost_by_a_clock_of_its_own(monkeypatch: pytest.MonkeyPatch, threads: int) -> None:
+    """Every carry takes 1 ms of a thread without a controller and 3 ms with one: exactly told."""
+    table = {
+        "controllers": ["none", "distributed"],
+        "vary": {"robot.noise_m_s": [0.01, 0.02, 0.03]},
+        "seeds": {"count": 1000},
+    }
+    now = [0.0]
+
+    def carried(_table: bytes, which: Any, seeds: Any, controller: str, *_: Any, **__: Any) -> None:
+        assert len(which) == len(seeds)
+        now[0] += len(seeds) * (1e-3 if controller == "none" else 3e-3) / threads
+
+    monkeypatch.setattr(explain, "run_table", carried)
+    monkeypatch.setattr(explain.time, "perf_counter", lambda: now[0])
+    points = design(load_plan(table))
+    cost = explain.cost_of(points, cut_of(points, 500), threads)
+    assert cost.by_controller == pytest.approx({"none": 1.0, "distributed": 3.0})
+    assert cost.seconds == pytest.approx((3000 * 1e-3 + 3000 * 3e-3) / threads)
+    wide = 1 + 1 + 8 + 2 * 3 * 4 + 2 * 4  # bytes a carry, as the columns of results have them
+    assert 0.5 * wide * 6000 < cost.disk_bytes < 1.0 * wide * 6000 + 1000 * 6 * cost.chunks
+    assert 2 * wide * 500 < cost.memory_bytes < 8 * wide * 500
 
 
 def test_the_cost_of_refused_points(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -88,6 +88,35 @@ def test_statistics_are_those_of_the_carries(small: Path) -> None:
     assert found["radio.latency_s"].attrs["units"] == "s"
 
 
+def test_every_unit_is_that_of_the_name(small: Path) -> None:
+    """`time_s` is in seconds, `rms_m` in metres; a count, a rate or a code has none."""
+    found = pb.open_study(small)
+    units = {"m": "m", "s": "s", "difference": "m2"}
+    for name, variable in found.data_vars.items():
+        word = str(name).removesuffix("_interval").split("_")[-1]
+        unit = "1" if str(name).startswith("drop_rate") else units.get(word, "1")
+        assert variable.attrs["units"] == unit, name
+        assert variable.attrs["long_name"], name
+
+
+def test_other_statistics_are_those_of_the_carries(small: Path) -> None:
+    found = pb.open_study(small).load()
+    per_carry = {
+        "mean_peak_m": found.contact_peak_m.max("side"),
+        "mean_waiting_s": found.waiting_s.astype(float).sum("side"),
+        "mean_corrections": found.corrections,
+        "mean_messages": found.messages,
+        "stall_rate": found.outcome == 3,
+    }
+    for name, each in per_carry.items():
+        mean = each.astype(float).mean("seed")
+        np.testing.assert_allclose(found[name], mean, rtol=1e-12, atol=1e-18, err_msg=name)
+        if name != "stall_rate":
+            half = 1.959963984540054 * each.astype(float).std("seed", ddof=1) / np.sqrt(30)
+            ends = found[f"{name}_interval"]
+            np.testing.assert_allclose(ends.sel(end="high"), mean + half, rtol=1e-9, err_msg=name)
+
+
 def test_any_reader_of_zarr_opens_it(small: Path) -> None:
     """Without a word of palmbots, and without a 0 that is taken for missing."""
     found = xr.open_zarr(small / "results.zarr", chunks=None)

@@ -304,6 +304,8 @@ def rare(
     from palmbots.rare import rare as run_rare
     from palmbots.report import rare_report
 
+    if not 1 <= within_percent <= 100:
+        raise PalmbotsError(f"--within-percent: value is {within_percent:g}; allowed: 1 to 100")
     with progress("splitting", as_json) as report:
         found = run_rare(
             scene_of(scene, changes),

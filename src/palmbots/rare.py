@@ -137,9 +137,10 @@ def rare(
     first = _estimates(planning, effort)
     if not first.any():
         raise PalmbotsError(
-            f"rare: of {PLANNING} times {effort} carries none came to a drop, by {len(levels)} "
-            f"levels up to {max(levels, default=0.0):.2f} of the palm's half-length; allowed: "
-            "scenes that may drop by chance, or a greater effort"
+            f"rare: of {PLANNING} times {effort} carries none came to a drop, by "
+            f"{len(levels)} level{'s' * (len(levels) != 1)} up to "
+            f"{max(levels, default=0.0):.2f} of the palm's half-length; allowed: scenes "
+            "that may drop by chance, or a greater effort"
         )
     scatter = float(first.std(ddof=1) / first.mean())
     wanted = math.ceil(_TO_SPARE * (_t95(MOST) * scatter / within) ** 2)

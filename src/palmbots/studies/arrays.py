@@ -21,7 +21,7 @@ from palmbots.studies.statistics import STATISTICS
 from palmbots.studies.work import VARIABLES, Block
 from palmbots.units import unit_of
 
-__all__ = ["Arrays", "make_arrays"]
+__all__ = ["Arrays", "Unsound", "make_arrays"]
 
 _DIMS = "_ARRAY_DIMENSIONS"
 
@@ -108,16 +108,39 @@ def _labels(values: list[Any]) -> Any:
     return np.array([v if isinstance(v, str) else show(v) for v in values])
 
 
-class Arrays:
-    """The store, open for reading and writing."""
+class Unsound(Exception):
+    """The store does not have the arrays of the study: what it says of them is damaged."""
 
-    def __init__(self, path: Path, points: Points) -> None:
+
+class Arrays:
+    """The store, open for reading and writing.
+
+    Raises `Unsound` where an array is missing or is another one.
+    """
+
+    def __init__(self, path: Path, points: Points, cut: Layout) -> None:
         zarr = needed("zarr", "study")
         self._zarr = zarr
         self._path = path
-        self._group = zarr.open_group(str(path), mode="r+", zarr_format=2, use_consolidated=False)
-        self._columns = {name: self._group[name] for name in VARIABLES}
-        self._controllers = len(points.plan.study.controllers)
+        try:
+            group = zarr.open_group(str(path), mode="r+", zarr_format=2, use_consolidated=False)
+            ends = [f"{name}_interval" for name, s in STATISTICS.items() if s.has_interval]
+            cells = [group[name] for name in (*STATISTICS, *ends)]
+            for name in (*points.plan.keys, "controller", "seed", "side", "end"):
+                _ = group[name].shape
+            self._columns = {name: group[name] for name in VARIABLES}
+            self._group = group
+        except (KeyError, ValueError, TypeError, FileNotFoundError) as error:
+            raise Unsound from error
+        dims, chunks = (*cut.shape, cut.controllers), (*cut.block, cut.controllers)
+        for name, column in self._columns.items():
+            both = (2,) if VARIABLES[name].by_side else ()
+            told = (column.shape, column.chunks, column.dtype)
+            shape, parts = (*dims, cut.seeds, *both), (*chunks, cut.seeds_a_chunk, *both)
+            if told != (shape, parts, np.dtype(VARIABLES[name].kind)):
+                raise Unsound
+        if any(one.shape[: len(dims)] != dims for one in cells):
+            raise Unsound
 
     def write(self, chunk: Chunk, block: Block) -> None:
         """Write the results of a chunk, and force them to the disk."""

@@ -62,13 +62,23 @@ def axes_of(table: object) -> dict[str, Axis]:
     """
     if not isinstance(table, Mapping):
         raise fault(table, "is not a table", "a table {key = [values]} or {key = {from, to}}")
-    return dict(_flat(table, ""))
+    pairs = _flat(table, "")
+    found = dict(pairs)
+    for name, _ in pairs:
+        entry = _INDEXED.fullmatch(name)
+        if entry and entry[1] in found:
+            raise fault(entry[1], f"is given beside {name}", "the list or its entries", name)
+        if sum(name == other for other, _ in pairs) > 1:
+            raise fault(name, "is given twice", "each key once", name)
+    return found
 
 
 def _flat(table: Mapping[Any, Any], inside: str) -> list[tuple[str, Axis]]:
     found: list[tuple[str, Axis]] = []
     for key, value in table.items():
         name = f"{inside}{key}"
+        if isinstance(value, Mapping) and not value:
+            raise fault(value, "is empty", "a list of values, or a range {from, to}", name)
         if isinstance(value, Span):
             found.append((name, value))
         elif isinstance(value, Mapping) and not {"from", "to"} & set(value):
@@ -97,7 +107,8 @@ def _span(name: str, table: Mapping[Any, Any]) -> Span:
         inner = ".".join(str(spelt.get(step, step)) for step in first["loc"])
         below = ".".join(part for part in (name, inner, told.get("key", "")) if part)
         if first["type"] == "scene":
-            raise fault(first["input"], told["problem"], told["allowed"], below) from None
+            given = table.get(told["key"], first["input"])
+            raise fault(given, told["problem"], told["allowed"], below) from None
         allowed = told.get("expected", first["msg"])
         raise fault(first["input"], "is not known", allowed, below) from None
 

@@ -1,6 +1,7 @@
 """The command `palmbots study`. Importing this module puts it into the command line."""
 
 import json
+import logging
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -82,6 +83,8 @@ def study(
                 local_cluster=local_cluster, report=report,
             )  # fmt: skip
     except KeyboardInterrupt:
+        # What the store was reading or writing just now is cut off, which is no news.
+        logging.getLogger("asyncio").setLevel(logging.CRITICAL)
         print(
             f"palmbots: interrupted; what was finished is kept in {root}: run the same command "
             "again, and it goes on",

@@ -10,8 +10,10 @@ import dataclasses
 import hashlib
 import logging
 import pickle
+import signal
 import zlib
 from collections.abc import Callable, Iterator
+from multiprocessing import resource_tracker
 from typing import Any
 
 from palmbots.errors import PalmbotsError, show
@@ -116,14 +118,14 @@ def _client(distributed: Any, scheduler: str | None, workers: int | None) -> Ite
         if scheduler is None:
             if not isinstance(workers, int) or not 1 <= workers <= 1024:
                 raise PalmbotsError(f"--local-cluster: {show(workers)}; allowed: 1 to 1024")
-            target = stack.enter_context(
-                distributed.LocalCluster(
+            with _deaf():
+                cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
                     dashboard_address=None,
                     silence_logs=logging.CRITICAL,
                 )
-            )
+            target = stack.enter_context(cluster)
         try:
             client = distributed.Client(target, timeout=_CONNECT_S)
         except (OSError, ValueError, ImportError) as error:
@@ -132,6 +134,21 @@ def _client(distributed: Any, scheduler: str | None, workers: int | None) -> Ite
                 "`dask scheduler` prints, as in tcp://192.168.0.2:8786"
             ) from None
         yield stack.enter_context(client)
+
+
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """Threads and processes that are begun here never hear Ctrl-C, and this thread afterwards.
+
+    A terminal tells all processes of a command. Workers would each print where they were; a
+    cluster that is half made could not be closed.
+    """
+    resource_tracker.ensure_running()  # to start it later would make the thread hear again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _greet(client: Any, scheduler: str | None) -> None:

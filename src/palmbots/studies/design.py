@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots.bounds import bounds_of
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import PalmbotsError, SceneError, show
 from palmbots.scene import Scene
 from palmbots.studies.axes import Axis, Span, scene_at
 from palmbots.studies.needs import needed
@@ -104,11 +104,11 @@ def design(plan: Plan, progress: Callable[[float], None] = lambda _: None) -> Po
     if kind == "grid":
         levels = [_levels(axis) for axis in axes.values()]
         shape = tuple(len(one) for one in levels) or (1,)
-        _at_most(int(np.prod(shape, dtype=float)))
+        _at_most(plan, int(np.prod(shape, dtype=float)))
         values = tuple(itertools.product(*levels))
     else:
         unit = shares(kind, len(axes), plan.study.design.points or 1, plan.study.design.seed)
-        _at_most(len(unit))
+        _at_most(plan, len(unit))
         values = tuple(
             tuple(_at(axis, share) for axis, share in zip(axes.values(), row, strict=True))
             for row in unit.tolist()
@@ -127,8 +127,8 @@ def design(plan: Plan, progress: Callable[[float], None] = lambda _: None) -> Po
 
 
 def _scene(plan: Plan, values: tuple[tuple[Any, ...], ...], point: int) -> Scene:
-    told = ", ".join(f"{k} = {v}" for k, v in zip(plan.keys, values[point], strict=True))
-    called = f"study point {point} ({told}):" if told else "study:"
+    told = ", ".join(f"{k} = {show(v)}" for k, v in zip(plan.keys, values[point], strict=True))
+    called = f"{plan.called} point {point} ({told}):" if told else plan.called
     return scene_at(plan.base, plan.keys, values[point], called)
 
 
@@ -170,9 +170,11 @@ def _refusal(scene: Scene) -> str | None:
     return None
 
 
-def _at_most(points: int) -> None:
+def _at_most(plan: Plan, points: int) -> None:
     if points > _MOST_POINTS:
-        raise PalmbotsError(f"vary: {points} points in all; allowed: at most {_MOST_POINTS}")
+        raise PalmbotsError(
+            f"{plan.called} vary: {points} points in all; allowed: at most {_MOST_POINTS}"
+        )
 
 
 def _plain(value: Any) -> Any:

@@ -116,7 +116,8 @@ def _curves(done: Done) -> Figure:
 
 def _legend(figure: Figure, panel: Any, title: str) -> None:
     handles, labels = panel.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, title=title)
+    legend = figure.legend(handles, labels, loc="outside upper center", ncols=4, title=title)
+    legend.get_title().set_multialignment("center")
 
 
 def _maps(done: Done) -> Figure:
@@ -222,13 +223,13 @@ def _alone(done: Done) -> Figure:
             look = _look(controller)
             panel.plot(x, mean, label=controller, **look)
             panel.fill_between(
-                x, np.maximum(mean - half, 0), mean + half, color=look["color"], alpha=0.2,
-                linewidth=0,
+                x, np.maximum(mean - half, 0), np.minimum(mean + half, 100), color=look["color"],
+                alpha=0.2, linewidth=0,
             )  # fmt: skip
         panel.set_xlabel(axis_label(key))
-        panel.set_ylim(bottom=0)
         if names is not None:
             panel.set_xticks(x, names)
+    panels[0, 0].set_ylim(bottom=0)  # last: it ends the search for limits, which all panels share
     for row in panels:
         row[0].set_ylabel(_NAMES["drop_rate"])
     points = counted(len(done.points.values), "point")
@@ -284,7 +285,7 @@ def _indices(done: Done) -> Figure:
         panel.set_yticks(range(len(keys)), [axis_label(key).split(" [")[0] for key in keys])
         panel.grid(axis="y", visible=False)
     points = counted(len(done.points.values), "point")
-    _legend(figure, panels[0], f"{points}, {_carried(done)}; whiskers: 95 %")
+    _legend(figure, panels[0], f"{points}, {_carried(done)}; whiskers: 95 % of the total")
     return figure
 
 

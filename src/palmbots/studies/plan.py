@@ -133,11 +133,13 @@ class Study(Section):
 class Plan:
     """A study that has been read: its file's content, the base scene, and its name."""
 
-    def __init__(self, study: Study, base: Scene, name: str) -> None:
+    def __init__(self, study: Study, base: Scene, name: str, called: str) -> None:
         self.study = study
         self.base = base
         """The scene with [set], before any key is varied."""
         self.name = name
+        self.called = called
+        """How messages about it begin: the file or the name, and a colon."""
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -177,7 +179,7 @@ def load_plan(
         study = Study.model_validate(table)
     except ValidationError as error:
         raise SceneError(f"{called} {complaint(error, Study)}") from None
-    return Plan(study, _base(study, at, called), name)
+    return Plan(study, _base(study, at, called), name, called)
 
 
 def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
@@ -211,4 +213,5 @@ def _base(study: Study, at: Path, called: str) -> Scene:
         return scene
     except PalmbotsError as error:
         text = str(error)
+        text = text.removeprefix("scene: ")  # the key's name here, too
         raise SceneError(text if text.startswith(called) else f"{called} scene: {text}") from None

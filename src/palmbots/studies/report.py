@@ -45,13 +45,14 @@ def study_report(done: Done, written: Sequence[Path]) -> None:
             f"{counted(done.carries, 'carry')}, {100 * done.drops / done.carries:.3g} % dropped "
             f"({100 * low:.3g}–{100 * high:.3g})" + _stalls(done)
         )
-    for point, why in list(done.points.refused.items())[:3]:
-        at = ", ".join(
-            f"{k} = {v}" for k, v in zip(plan.keys, done.points.values[point], strict=True)
-        )
-        console.print(f"resilient refused {at}: {why}", markup=False)
-    if len(done.points.refused) > 3:
-        console.print(f"resilient refused {len(done.points.refused)} points in all")
+    refused = list(done.points.refused.items())
+    if len(refused) > 3:
+        console.print(f"resilient refused {len(refused)} points, such as")
+    for point, why in refused if len(refused) <= 3 else refused[:1]:
+        values = done.points.values[point]
+        told = [f"{k} = {_at(done, v)}" for k, v in zip(plan.keys, values, strict=True)]
+        at = f" {', '.join(told)}" if told else ""
+        console.print(f"resilient refused{at}: {why}", markup=False)
     _sensitivity(console, done)
     kept = f"   {counted(done.resumed, 'carry')} had been kept" if done.resumed else ""
     console.print(f"in {done.seconds:.1f} s{kept}   results {done.hash}", style=_QUIET)
@@ -104,7 +105,7 @@ def _cells(done: Done) -> Table:
             if rows == _MOST_ROWS:
                 return table
             rows += 1
-            told = [number(v) if c == 0 else "" for v in point]
+            told = [_at(done, v) if c == 0 else "" for v in point]
             cells = [
                 f"{values['carries'][0][i, c]:.0f}",
                 _spread(values["drop_rate"], i, c, 100, " %"),
@@ -169,6 +170,12 @@ def number(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return Text(str(value)).plain
     return short if float(short := f"{value:g}") == value else repr(value)
+
+
+def _at(done: Done, value: Any) -> str:
+    """A value of a key in a table; of points that were chosen at random, so many digits as help."""
+    chosen = not done.points.is_grid and isinstance(value, float)
+    return f"{value:.4g}" if chosen else number(value)
 
 
 def _spread(of: Any, i: int, c: int, scale: float, unit: str, sign: str = "") -> str:

@@ -26,7 +26,7 @@ import numpy as np
 
 from palmbots.errors import PalmbotsError, show
 from palmbots.files import folder, remove, write_whole
-from palmbots.studies.arrays import Arrays, make_arrays
+from palmbots.studies.arrays import Arrays, Unsound, make_arrays
 from palmbots.studies.design import Points
 from palmbots.studies.layout import Chunk, Layout
 from palmbots.studies.tally import WIDTH, Tally
@@ -130,10 +130,7 @@ def opened(root: Path, points: Points, cut: Layout, chosen: bool) -> Iterator[St
             write_whole(place / _RECORD, json.dumps(record, indent=1))
         else:
             _same(root, record, points)
-            was = record["layout"]
-            there_cut = Layout(
-                **{**was, "shape": tuple(was["shape"]), "block": tuple(was["block"])}
-            )
+            there_cut = _cut(place, record["layout"], cut)
             if chosen and there_cut != cut:
                 raise PalmbotsError(
                     f"{root}: was begun with chunks of {there_cut.carries_a_chunk} carries; "
@@ -148,8 +145,36 @@ def opened(root: Path, points: Points, cut: Layout, chosen: bool) -> Iterator[St
                 shutil.rmtree(part, ignore_errors=True)
                 make_arrays(part, points, cut)
                 os.rename(part, place / _RESULTS)
-            arrays = Arrays(place / _RESULTS, points)
+            arrays = _arrays(place, points, cut)
         yield Store(root, points, cut, arrays)
+
+
+def _cut(place: Path, told: Mapping[str, Any], expected: Layout) -> Layout:
+    """The cut that a record tells of: one of the same study as the expected one."""
+    try:
+        cut = Layout(**{**told, "shape": tuple(told["shape"]), "block": tuple(told["block"])})
+        sizes = (*cut.block, cut.seeds_a_chunk)
+        room = (*expected.shape, expected.seeds)
+        fits = all(type(n) is int and 1 <= n <= m for n, m in zip(sizes, room, strict=True))
+    except (TypeError, KeyError, ValueError):
+        raise _no_study(place) from None
+    whole = (expected.shape, expected.controllers, expected.seeds)
+    if not fits or (cut.shape, cut.controllers, cut.seeds) != whole:
+        raise _no_study(place)
+    return cut
+
+
+def _arrays(place: Path, points: Points, cut: Layout) -> Arrays:
+    """The store, opened. What it says of its arrays follows from the study: where that is damaged
+    it is written anew, and the results stay; the marks tell which of them are sound."""
+    path, part = place / _RESULTS, place / f"{_RESULTS}.part"
+    with contextlib.suppress(Unsound):
+        return Arrays(path, points, cut)
+    shutil.rmtree(part, ignore_errors=True)
+    make_arrays(part, points, cut)
+    shutil.copytree(part, path, dirs_exist_ok=True)
+    shutil.rmtree(part)
+    return Arrays(path, points, cut)
 
 
 def _tidy(place: Path) -> None:
@@ -172,11 +197,15 @@ def read_record(place: Path) -> dict[str, Any]:
             raise ValueError
         _ = record["identity"], record["layout"]["seeds_a_chunk"], record["name"]
     except (OSError, ValueError, KeyError, TypeError):
-        raise PalmbotsError(
-            f"{place}: is no study's folder ({_RECORD} is missing or not of a study); allowed: a "
-            "new or empty folder, or one that a study began"
-        ) from None
+        raise _no_study(place) from None
     return record
+
+
+def _no_study(place: Path) -> PalmbotsError:
+    return PalmbotsError(
+        f"{place}: is no study's folder ({_RECORD} is missing or not of a study); allowed: a "
+        "new or empty folder, or one that a study began"
+    )
 
 
 def _same(root: Path, record: Mapping[str, Any], points: Points) -> None:
