@@ -16,7 +16,7 @@ PY_FILES = src tests examples benchmarks verify
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. $(1): warnings as errors, ON or OFF.
 define install
-	@echo "Building the extension"
+	@echo "Building the extension (some minutes)"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
 		--config-settings=build-dir=build/extension \
 		--config-settings=cmake.define.PALMBOTS_WERROR=$(1) --editable .

@@ -80,6 +80,23 @@ def test_paper_scene_warns_of_nothing() -> None:
         assert pb.carry("paper", controller, record=False).warnings == ()
 
 
+def test_a_sensor_that_cannot_see_an_end_of_its_palm_is_warned_of() -> None:
+    """A half-width meant in mm; a zone up to exactly the palm's end; switches on one side only."""
+
+    def told(keys: dict[str, object], controller: str = "distributed") -> list[str]:
+        scene = pb.load_scene("paper", keys)
+        return [line.split(":")[0] for line in warnings_before(scene, controller)]
+
+    both = [f"the {side} palm never reads - or +" for side in ("left", "right")]
+    assert told({"tactile.zero_half_width_m": 5}) == both
+    assert told({"tactile.zero_half_width_m": 0.075}) == both
+    assert told({"tactile.zero_half_width_m": 0.0749}) == []
+    assert told({"tactile.zero_half_width_m": 5}, "none") == []
+    assert told({"tactile.zero_half_width_m": 0.06, "palm.left.length_m": 0.1}) == both[:1]
+    only = {"tactile.zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}
+    assert told(only) == [f"the {side} palm never reads -" for side in ("left", "right")]
+
+
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize(
     ("controller", "latency_s", "share"),

@@ -182,7 +182,7 @@ def test_other_files(tmp_path):
     assert refusal(tmp_path / "none.mcap") == "cannot be read: No such file or directory"
     assert refusal(tmp_path) == "cannot be read: Is a directory"
     (tmp_path / "text").write_text("a text that is long enough to be something else" * 10)
-    assert refusal(tmp_path / "text") == "not an MCAP file"
+    assert refusal(tmp_path / "text") == "not an MCAP log, as palmbots carry --out writes it"
 
 
 def foreign(path, metadata, crcs=True):

@@ -1,5 +1,6 @@
 """One carry: run a scene with a controller, and get back what happened."""
 
+import difflib
 import string
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -317,7 +318,9 @@ def finished(
 def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
     """Raise `PalmbotsError`, saying what is allowed, unless the value is one of the legal ones."""
     if value not in legal:
-        raise PalmbotsError(f"{key}: value is {show(value)}; allowed: {', '.join(legal)}")
+        near = difflib.get_close_matches(str(value), legal, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")
 
 
 def _by_side(pair: tuple[float, float]) -> dict[str, float]:

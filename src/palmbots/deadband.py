@@ -71,12 +71,28 @@ def zero_zone_edges_m(scene: Scene) -> tuple[float, float]:
 def warnings_before(scene: Scene, controller: str) -> tuple[str, ...]:
     """What can be told before the carry starts."""
     zone, run = zero_zone_m(scene), overrun_m(scene, controller)
-    if run <= zone:
-        return ()
+    told = []
+    if run > zone:
+        told.append(
+            f"the zero zone is {_mm(zone)} wide, but a contact runs on by {_mm(run)}: corrections "
+            "may not end (widen tactile.zero_half_width_m or lower robot.correction_m_s"
+            + (", radio.latency_s)" if controller == "centralized" else ", control.period_s)")
+        )
+    if controller != "none":
+        told += [line for side in ("left", "right") if (line := _blind(scene, side))]
+    return tuple(told)
+
+
+def _blind(scene: Scene, side: str) -> str | None:
+    """A palm whose sensor reads 0 up to an end of it is not told of a drop."""
+    low, high = zero_zone_edges_m(scene)
+    half = 0.5 * scene.palm_of(side).length_m
+    ends = [name for name, sees in (("-", low > -half), ("+", high < half)) if not sees]
+    if not ends:
+        return None
     return (
-        f"the zero zone is {_mm(zone)} wide, but a contact runs on by {_mm(run)}: corrections "
-        f"may not end (widen tactile.zero_half_width_m or lower robot.correction_m_s"
-        + (", radio.latency_s)" if controller == "centralized" else ", control.period_s)"),
+        f"the {side} palm never reads {' or '.join(ends)}: the zero zone reaches as far as "
+        f"the palm, {_mm(half)} from the pivot (tactile.zero_half_width_m, tactile.zones)"
     )
 
 

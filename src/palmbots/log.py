@@ -265,7 +265,7 @@ def _brief(error: Exception) -> str:
 def _damage(data: bytes) -> str | None:
     """What is wrong with the file as a file, or None: frame and checksums of all its bytes."""
     if data[: len(_MAGIC)] != _MAGIC:
-        return "not an MCAP file" if data else "the file is empty"
+        return "not an MCAP log, as palmbots carry --out writes it" if data else "the file is empty"
     end = len(data) - len(_MAGIC)
     footer_at = end - _FOOTER.size
     if data[end:] != _MAGIC or footer_at < len(_MAGIC) + _DATA_END.size:
