@@ -2,6 +2,7 @@
 
 import json
 import math
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +30,17 @@ def test_urdf_and_mjcf_describe_the_same_robot(side: Side) -> None:
         "shoulder": f"{side}_shoulder",
         "wrist": f"{side}_wrist",
         "wheel_port": f"{side}_port",
+        "wheel_starboard": f"{side}_starboard",
     }
-    for name, value in (("shoulder", 0.2), ("wrist", -0.15), ("wheel_port", 0.7)):
+    angles = {"shoulder": 0.2, "wrist": -0.15, "wheel_port": 0.7, "wheel_starboard": -0.4}
+    for name, value in angles.items():
         data.joint(at_whole[name]).qpos[0] = value
         other.joint(name).qpos[0] = value
     mj.mj_forward(whole, data)
     mj.mj_forward(alone, other)
     base = data.body(f"{side}_body").xpos
-    for link, body in (("arm", "arm"), ("palm", "palm"), ("wheel_port", "port")):
+    links = ("arm", "palm", "wheel_port", "wheel_starboard")
+    for link, body in ((link, link.removeprefix("wheel_")) for link in links):
         one, two = data.body(f"{side}_{body}"), other.body(link)
         assert one.xpos - base == pytest.approx(two.xpos, abs=1e-6)
         assert one.xmat == pytest.approx(two.xmat, abs=1e-6)
@@ -44,6 +48,28 @@ def test_urdf_and_mjcf_describe_the_same_robot(side: Side) -> None:
         assert inertia(whole, data, f"{side}_{body}") == pytest.approx(
             inertia(alone, other, link), rel=1e-5, abs=1e-9
         )
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_the_base_of_the_urdf_is_the_body_of_the_mjcf(side: Side) -> None:
+    """MuJoCo fuses a URDF's base with the world, so its numbers are read from the text."""
+    whole: Any = mj.MjModel.from_xml_string(mjcf(SCENE))
+    root = ET.fromstring(robot_urdf(SCENE, side))
+    part = root.find("link[@name='base']/inertial")
+    assert part is not None
+    told = {child.tag: child.attrib for child in part}
+    body = whole.body(f"{side}_body")
+    assert float(told["mass"]["value"]) == pytest.approx(body.mass[0])
+    assert [float(x) for x in told["origin"]["xyz"].split()] == pytest.approx(body.ipos)
+    assert [float(told["inertia"][n]) for n in ("ixx", "iyy", "izz")] == pytest.approx(body.inertia)
+    caster = root.find("link[@name='base']/collision/geometry/sphere/../../origin")
+    assert caster is not None
+    place = [float(x) for x in caster.attrib["xyz"].split()]
+    assert place == pytest.approx(whole.geom(f"{side}_caster").pos)
+    fastest = root.find("joint[@name='wheel_port']/limit")
+    assert fastest is not None
+    keys = SCENE.robot_of(side).max_speed_m_s, SCENE.dynamic.wheel_radius_m
+    assert float(fastest.attrib["velocity"]) == pytest.approx(keys[0] / keys[1])
 
 
 def inertia(model: Any, data: Any, body: str) -> np.ndarray:

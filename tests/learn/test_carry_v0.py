@@ -288,6 +288,33 @@ def test_a_state_is_what_the_world_is() -> None:
     assert env.state_space.contains(env.state())
 
 
+def test_the_way_back_is_progress_too() -> None:
+    back = {"robot.noise_m_s": 0.0, "task.direction": "backward", "task.distance_m": 0.5}
+    env = carry_v0.parallel_env(overrides=back, rewards=carry_v0.Rewards(centring=0.0))
+    env.reset(seed=0)
+    paid = 0.0
+    for _ in range(100):
+        _, rewards, *_ = env.step({name: np.zeros(3, np.int64) for name in env.agents})
+        paid += rewards["left"]
+    gone, rest = env.state()[6:]
+    assert gone == pytest.approx(0.06 - 0.06 * 0.06 / 0.5 / 2, abs=1e-3)
+    assert gone + rest == pytest.approx(0.5)
+    assert paid == pytest.approx(gone / 0.5)
+
+
+def test_a_state_has_left_before_right_and_a_rise_that_is_up() -> None:
+    env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0})
+    env.reset(seed=0)
+    up, still = action("shallow", "hold"), action("steep", "hold")
+    for _ in range(60):
+        env.step({"left": up, "right": still})
+    left, right = np.degrees(env.state()[2:4])
+    assert left == pytest.approx(5.0) and right == pytest.approx(15.0)
+    env.reset(seed=0, options={"overrides": {"start.left_m": -0.03, "start.right_m": 0.03}})
+    # Palms rise outward: an object whose right contact is farther out is higher there.
+    assert env.state()[5] == pytest.approx(0.06 * np.sin(np.radians(15)), rel=0.05)
+
+
 def test_without_pettingzoo_one_line_says_what_to_install() -> None:
     program = (
         "import sys; sys.modules['pettingzoo'] = None\n"
