@@ -4,6 +4,7 @@ Source: PROTOCOL, "Dead band". The scenes here have no noise, only a contact tha
 """
 
 import math
+from typing import Any
 
 import pytest
 
@@ -83,7 +84,7 @@ def test_paper_scene_warns_of_nothing() -> None:
 def test_a_sensor_that_cannot_see_an_end_of_its_palm_is_warned_of() -> None:
     """A half-width meant in mm; a zone up to exactly the palm's end; switches on one side only."""
 
-    def told(keys: dict[str, object], controller: str = "distributed") -> list[str]:
+    def told(keys: dict[str, Any], controller: str = "distributed") -> list[str]:
         scene = pb.load_scene("paper", keys)
         return [line.split(":")[0] for line in warnings_before(scene, controller)]
 
@@ -93,7 +94,7 @@ def test_a_sensor_that_cannot_see_an_end_of_its_palm_is_warned_of() -> None:
     assert told({"tactile.zero_half_width_m": 0.0749}) == []
     assert told({"tactile.zero_half_width_m": 5}, "none") == []
     assert told({"tactile.zero_half_width_m": 0.06, "palm.left.length_m": 0.1}) == both[:1]
-    only = {"tactile.zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}
+    only: dict[str, Any] = {"tactile.zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}
     assert told(only) == [f"the {side} palm never reads -" for side in ("left", "right")]
 
 
