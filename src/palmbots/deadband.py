@@ -9,6 +9,7 @@ side, and the opposite correction begins: for ever. Source: PROTOCOL, "Dead band
 import math
 from itertools import pairwise
 
+from palmbots.geometry import SIDES, Side
 from palmbots.scene import Scene
 from palmbots.sections import RobotParameters
 
@@ -79,11 +80,11 @@ def warnings_before(scene: Scene, controller: str) -> tuple[str, ...]:
             + (", radio.latency_s)" if controller == "centralized" else ", control.period_s)")
         )
     if controller != "none":
-        told += [line for side in ("left", "right") if (line := _blind(scene, side))]
+        told += [line for side in SIDES if (line := _blind(scene, side))]
     return tuple(told)
 
 
-def _blind(scene: Scene, side: str) -> str | None:
+def _blind(scene: Scene, side: Side) -> str | None:
     """A palm whose sensor reads 0 up to an end of it is not told of a drop."""
     low, high = zero_zone_edges_m(scene)
     half = 0.5 * scene.palm_of(side).length_m
