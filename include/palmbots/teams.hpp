@@ -8,6 +8,7 @@
 #include "palmbots/peers.hpp"
 #include "palmbots/resilient_bounds.hpp"
 #include "palmbots/setup.hpp"
+#include "palmbots/station.hpp"
 
 namespace palmbots {
 

@@ -6,6 +6,7 @@
 #include "check.hpp"
 #include "palmbots/peers.hpp"
 #include "palmbots/recorder.hpp"
+#include "palmbots/station.hpp"
 #include "paper_spec.hpp"
 
 namespace {

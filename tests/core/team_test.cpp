@@ -1,6 +1,6 @@
 // Controllers and radio wired together: mirror symmetry, the order of a tick, and what a lost packet
 // does where a station decides.
-#include "palmbots/team.hpp"
+#include "palmbots/station.hpp"
 
 #include <array>
 #include <cstdint>
