@@ -111,6 +111,24 @@ def test_a_state_near_a_switch_line_is_not_decisive() -> None:
     assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
 
 
+def test_it_holds_only_if_all_of_it_does(done: Validation) -> None:
+    """Each of the three alone spoils it, right beyond its limit; peers do not count."""
+    own, *peers = done.agreement
+    pair = done.pairs[0]
+    fine = replace(own, decisive_rate=0.99)
+    held = replace(done, agreement=(fine, *peers), creep_m=(-0.25e-3, 0.25e-3))
+    assert held.holds
+    assert replace(held, agreement=(fine, *(replace(p, decisive_rate=0.5) for p in peers))).holds
+    for spoilt in (
+        replace(held, agreement=(replace(own, decisive_rate=0.9899), *peers)),
+        replace(held, creep_m=(0.0, -0.2501e-3)),
+        replace(held, creep_m=(0.2501e-3, 0.0)),
+        replace(held, pairs=(*done.pairs, replace(pair, outcome=("delivered", "dropped")))),
+    ):
+        assert not spoilt.holds
+    assert replace(held, pairs=(replace(pair, outcome=("dropped", "dropped")),)).holds
+
+
 def test_it_says_how_often_carries_arrive(done: Validation) -> None:
     told = done.delivery
     assert (told.n, told.delivered) == (2, 2) and told.interval[1] == 1.0
