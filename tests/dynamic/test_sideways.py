@@ -1,5 +1,6 @@
 """The sideways budget: predicted before, measured after; warned of, refused, and lips that jam."""
 
+import csv
 import json
 import math
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from cxx import ROOT
 from palmbots import cli
 from palmbots.dynamic.sideways import Forecast, forecast, lip_room
 from palmbots.scene import Scene, load_scene
@@ -31,6 +33,17 @@ def test_what_is_predicted_happens_within_a_factor_of_two(radius: float) -> None
         told = float(np.abs(known.seed(seed)).max())
         assert told / 2 < seen < told * 2
         assert min(done.across_peak_m.values()) == pytest.approx(-seen)  # outward of a left turn
+
+
+@pytest.mark.parametrize("radius", [2.0, 1.0, 0.7])
+def test_the_mean_is_what_mujoco_showed(radius: float) -> None:
+    """Over the twelve seeds that benchmarks/curves.py has carried there."""
+    with (ROOT / "benchmarks" / "results" / "curves.csv").open() as stream:
+        rows = [r for r in csv.DictReader(stream) if r["case"] == f"25 s on R = {radius:g} m"]
+    assert [row["outcome"] for row in rows] == ["delivered"] * 12
+    seen = 1e-3 * float(np.mean([float(row["seen_mm"]) for row in rows]))
+    told = forecast(scene_with({"task.path.radius_m": radius, "task.distance_m": 1.75}), seeds=12)
+    assert told.mean_m == pytest.approx(seen, rel=0.1)
 
 
 def test_an_s_drifts_out_and_back() -> None:
