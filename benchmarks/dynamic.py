@@ -1,6 +1,6 @@
 """The dynamic world: what a carry takes, and whether its carries end as the quasistatic ones.
 
-    .venv/bin/python benchmarks/dynamic.py
+    .venv/bin/python benchmarks/dynamic.py [SEEDS]        at higher noise; 120 unless told
 
 Carries of the default scene at several frictions, and at higher noise, where carries begin to fail,
 in both worlds over the same seeds. Prints tables and writes benchmarks/results/dynamic.csv.
@@ -9,6 +9,7 @@ in both worlds over the same seeds. Prints tables and writes benchmarks/results/
 import csv
 import datetime
 import statistics
+import sys
 import time
 from pathlib import Path
 
@@ -34,7 +35,8 @@ def main() -> None:
     console = Console(width=120)
     rows: list[tuple[object, ...]] = []
     cells = [("palm.friction", f, SEEDS) for f in FRICTIONS]
-    cells += [("robot.noise_m_s", n, MANY) for n in NOISES]
+    many = int(sys.argv[1]) if len(sys.argv) > 1 else MANY
+    cells += [("robot.noise_m_s", n, many) for n in NOISES]
     times: list[float] = []
     with Progress(console=Console(stderr=True)) as bar:
         task = bar.add_task("carrying", total=sum(n for *_, n in cells))
