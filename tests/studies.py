@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import palmbots as pb
+
 SMALL: dict[str, Any] = {
     "controllers": ["centralized", "distributed"],
     "vary": {"radio.latency_s": [0.0, 0.2], "robot.noise_m_s": [0.01, 0.02, 0.03]},
@@ -52,3 +54,8 @@ def refused(done: subprocess.CompletedProcess[str], *words: object) -> None:
 def marks(root: Path) -> set[str]:
     """The chunks that are kept."""
     return {path.name for path in (root / "chunks").glob("*.npz")} if root.exists() else set()
+
+
+def hash_of(root: Path) -> str:
+    """What its folder says of a finished study."""
+    return pb.open_study(root).attrs["hash"]

@@ -12,7 +12,7 @@ import palmbots as pb
 from palmbots.errors import PalmbotsError
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import run_study
-from studies import SMALL
+from studies import SMALL, hash_of
 
 
 @pytest.fixture(scope="module")
@@ -20,10 +20,6 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("small") / "study"
     pb.study(SMALL, root)
     return root
-
-
-def hash_of(root: Path) -> str:
-    return pb.open_study(root).attrs["hash"]
 
 
 def damaged(root: Path, what: str) -> None:

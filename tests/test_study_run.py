@@ -18,7 +18,7 @@ from palmbots.compare import wilson
 from palmbots.errors import PalmbotsError
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import run_study
-from studies import SMALL, command, marks, said
+from studies import SMALL, command, hash_of, marks, said
 
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
@@ -28,10 +28,6 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("small") / "study"
     pb.study(SMALL, root)
     return root
-
-
-def hash_of(root: Path) -> str:
-    return pb.open_study(root).attrs["hash"]
 
 
 def test_every_carry_is_the_single_one(small: Path) -> None:

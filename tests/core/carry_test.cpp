@@ -159,10 +159,13 @@ void test_robots_that_rest_miss_nothing() {
   CHECK(Restless::steps == 2 * ticks);
 }
 
-// A station that is asked every tick.
-struct Sleepless : Station {
+// A station that counts how often it is asked: when it wants to be, or every tick.
+template <bool sleepless>
+struct Counted : Station {
   using Station::Station;
-  std::uint32_t wake(std::uint32_t tick) const { return tick + 1; }
+  std::uint32_t wake(std::uint32_t tick) const {
+    return sleepless ? tick + 1 : Station::wake(tick);
+  }
   template <class Log>
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     ++steps;
@@ -170,16 +173,8 @@ struct Sleepless : Station {
   }
   static inline long steps = 0;
 };
-
-struct Sleeping : Station {
-  using Station::Station;
-  template <class Log>
-  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
-    ++steps;
-    return Station::step(tick, sensed, log);
-  }
-  static inline long steps = 0;
-};
+using Sleeping = Counted<false>;
+using Sleepless = Counted<true>;
 
 bool same_links(const Traffic& a, const Traffic& b) {
   for (std::size_t i = 0; i < a.links.size(); ++i) {
