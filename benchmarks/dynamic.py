@@ -1,6 +1,6 @@
 """The dynamic world: what a carry takes, and whether its carries end as the quasistatic ones.
 
-    .venv/bin/python benchmarks/dynamic.py [SEEDS]        at higher noise; 120 unless told
+    .venv/bin/python benchmarks/dynamic.py [SEEDS]        at higher noise; 360 unless told
 
 Carries of the default scene at several frictions, and at higher noise, where carries begin to fail,
 in both worlds over the same seeds. Prints tables and writes benchmarks/results/dynamic.csv.
@@ -27,7 +27,7 @@ from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "dynamic.csv"
 FRICTIONS, SEEDS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8), 12
-NOISES, MANY, KNOWN = (0.02, 0.025, 0.03, 0.04), 120, 4000
+NOISES, MANY, KNOWN = (0.02, 0.025, 0.03, 0.04), 360, 4000
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ from palmbots.sections import Friction, Mass, Place, Size
 __all__ = ["Dynamic", "Ridge"]
 
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
+Debounce = Annotated[float, BeforeValidator(Range("s", least=0, most=1))]
 Height = Annotated[float, BeforeValidator(Range("m", least=0.0001, most=0.05))]
 Step = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=0.005))]
 Axle = Annotated[float, BeforeValidator(Range("m", least=0, most=0.25))]
@@ -71,5 +72,7 @@ class Dynamic(Section):
     """Dynamic world: bumps of the floor as geometry, tables {at_m, height_m, length_m}."""
     press_n: Force = 0.1
     """Dynamic world: the least force that closes a switch of the tactile sensor."""
+    debounce_s: Debounce = 0.05
+    """Dynamic world: a switch stays closed until nothing has pressed for so long."""
     step_s: Step = 0.002
     """Dynamic world: step of the integration; shortened so that control periods are whole steps."""

@@ -73,9 +73,9 @@ def test_those_carries_are_not_all_alike() -> None:
 
 def test_it_is_the_carry_in_mujoco_too() -> None:
     short = {"task.distance_m": 0.3}
-    known = pb.carry("paper", "distributed", world="mujoco", seed=0, overrides=short)
+    known = pb.carry("paper", "distributed", world="mujoco", seed=2, overrides=short)
     env = carry_v0.parallel_env("paper", overrides=short, world="mujoco", record=True)
-    play(env, seed=0)
+    play(env, seed=2)
     done = env.carry("distributed")
     assert done.trace_hash == known.trace_hash and len(known.corrections) > 3
     assert done.trace is not None and known.trace is not None

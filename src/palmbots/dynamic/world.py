@@ -2,8 +2,7 @@
 
 Frame: that of `model`. All that is seen is of one instant, one integration step before the end of
 the tick. A contact coordinate is where a vertex of the object is along its palm, from the foot of
-the pivot, outward [m]. The tactile sensor feels where contact forces press, and nothing where they
-press with less than `dynamic.press_n`.
+the pivot, outward [m]. The tactile sensor feels where contact forces press (`switches`).
 """
 
 import math
@@ -18,6 +17,7 @@ from palmbots.dynamic.engine import mujoco
 from palmbots.dynamic.model import layout, mjcf, steps_per_tick
 from palmbots.dynamic.robot_model import axle_out, chassis
 from palmbots.dynamic.settings import DEFAULT, Engine
+from palmbots.dynamic.switches import Switches
 from palmbots.dynamic.touches import Further, Kind, Rests, further_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.geometry import SIDES
@@ -68,6 +68,7 @@ class MujocoWorld:
         self._unborne = [0.0, 0.0]
         self.motion = (0, 0)  # contacts over the last tick: slide inward −1, stick 0, outward 1
         self._rests = Rests()
+        self._switches = [Switches(scene.dynamic) for _ in SIDES]
         self._loads = (0.0, 0.0)
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
@@ -344,8 +345,8 @@ class MujocoWorld:
     def _feel(
         self, p: tuple[float, float]
     ) -> tuple[tuple[float, float], tuple[bool, bool], tuple[float, float], tuple[float, float]]:
-        """Where each palm is pressed, whether hard enough, and the forces on it."""
-        # Of the contact vertex and of all else: force, force times place.
+        """Where each palm is pressed, whether a switch is closed, and the forces on it."""
+        # Of all else and of the contact vertex: force, force times place.
         sums = [[[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]]
         drag = [0.0, 0.0]
         further: list[Further] = []
@@ -375,18 +376,13 @@ class MujocoWorld:
             self.time_s,
             [(w.side, w.kind(self._palm_mat[w.side], self._thing_mat)) for w in further],
         )
-        touched, pressed, force = list(p), [False, False], [0.0, 0.0]
-        for k in (0, 1):
-            force[k] = sums[k][0][0] + sums[k][1][0]
-            for vertex in (False, True):
-                push, moment = sums[k][vertex]
-                if push > 0 and push >= self.scene.dynamic.press_n:
-                    pressed[k] = True
-                    touched[k] = moment / push
+        for switches, loads in zip(self._switches, sums, strict=True):
+            switches.feel(self.time_s, loads)
+        one, other = self._switches
         return (
-            (touched[0], touched[1]),
-            (pressed[0], pressed[1]),
-            (force[0], force[1]),
+            (one.place if one.closed else p[0], other.place if other.closed else p[1]),
+            (one.closed, other.closed),
+            (sums[0][0][0] + sums[0][1][0], sums[1][0][0] + sums[1][1][0]),
             (drag[0], drag[1]),
         )
 

@@ -1,0 +1,72 @@
+"""Switches close where pressed, and open once nothing has pressed for their debounce time."""
+
+import pytest
+
+from palmbots.dynamic.curved import world_of
+from palmbots.dynamic.settings import DEFAULT
+from palmbots.dynamic.switches import Switches
+from palmbots.scene import load_scene
+
+STEEP = (0.2617993877991494, 0.2617993877991494)
+
+
+def switches(**changes: float) -> Switches:
+    keys = {f"dynamic.{key}": value for key, value in changes.items()}
+    return Switches(load_scene("paper", keys).dynamic)
+
+
+def test_a_switch_closes_where_it_is_pressed_and_stays_closed_through_a_hop() -> None:
+    palm = switches(debounce_s=0.05)
+    assert not palm.closed
+    palm.feel(0.10, [(0.0, 0.0), (2.0, 0.02)])
+    assert palm.closed and palm.place == pytest.approx(0.01)
+    palm.feel(0.15, [(0.0, 0.0), (0.0, 0.0)])
+    assert palm.closed and palm.place == pytest.approx(0.01)
+    palm.feel(0.16, [(0.0, 0.0), (0.0, 0.0)])
+    assert not palm.closed
+
+
+def test_without_debounce_a_hop_opens_it_at_once() -> None:
+    palm = switches(debounce_s=0.0)
+    palm.feel(0.10, [(2.0, 0.02)])
+    assert palm.closed
+    palm.feel(0.11, [(0.0, 0.0)])
+    assert not palm.closed
+
+
+def test_less_than_the_least_force_is_no_press() -> None:
+    palm = switches(press_n=1.0)
+    palm.feel(0.0, [(0.99, 0.5)])
+    assert not palm.closed
+    palm.feel(0.0, [(1.0, 0.5)])
+    assert palm.closed and palm.place == 0.5
+
+
+def test_the_last_load_that_presses_counts() -> None:
+    palm = switches(press_n=1.0)
+    palm.feel(0.0, [(2.0, -0.2), (3.0, 0.3)])
+    assert palm.place == pytest.approx(0.1)
+    palm.feel(0.01, [(2.0, -0.2), (0.5, 0.3)])
+    assert palm.place == pytest.approx(-0.1)
+
+
+def opened(debounce_s: float) -> tuple[int, int]:
+    """Of 200 ticks with the palms driven together at 8 cm/s: how often nothing presses on some
+    palm, how often some switch reads as open."""
+    scene = load_scene("paper", {"dynamic.debounce_s": debounce_s})
+    world = world_of(scene, DEFAULT)
+    hops = open_ticks = 0
+    for tick in range(200):
+        way = 1.0 if tick % 100 < 50 else -1.0
+        world.move((0.04 * way, -0.04 * way), STEEP)
+        world.sight()
+        hops += min(world.measured.force) <= 0
+        open_ticks += not all(palm.closed for palm in world._switches)
+    return hops, open_ticks
+
+
+def test_contacts_that_slide_fast_hop_and_switches_do_not_tell() -> None:
+    hops, open_ticks = opened(0.0)
+    assert hops > 5 and open_ticks == hops
+    hops, open_ticks = opened(0.05)
+    assert hops > 5 and open_ticks == 0
