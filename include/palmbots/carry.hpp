@@ -117,20 +117,10 @@ class Carry {
 
   // What the robots sense, bumps done.
   PerSide<Sensed> sense() const {
+    const PerSide<Sign> signs = read(world_.touched());
     PerSide<Sensed> sensed{};
-    const Stance<Real>& now = world_.stance();
-    const PerSide<Real> at = world_.touched();
-    Words words{};
-    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
     for (const std::size_t side : {left, right}) {
-      const Real p = at[side];
-      const std::size_t lane = side == leader() ? 0 : 2;
-      sensed[side].sign = tactile_.has_false_readings()
-                              ? tactile_.sign(p, words[lane], words[lane + 1])
-                              : tactile_.sign(p);
-      if (faults_.any()) [[unlikely]]
-        sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
-      sensed[side].turned = now.palms[side].angle == robots_.goal_angle[side];
+      sensed[side] = {signs[side], world_.stance().palms[side].angle == robots_.goal_angle[side]};
     }
     return sensed;
   }
@@ -138,6 +128,25 @@ class Carry {
  private:
   template <class, int, class>
   friend class Lockstep;
+
+  // What the sensors say of palms touched there, in this tick.
+  PerSide<Sign> read(const PerSide<Real>& touched) const {
+    PerSide<Sign> signs{};
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t lane = side == leader() ? 0 : 2;
+      signs[side] = tactile_.has_false_readings()
+                        ? tactile_.sign(touched[side], words[lane], words[lane + 1])
+                        : tactile_.sign(touched[side]);
+      if (faults_.any()) [[unlikely]]
+        signs[side] = faults_.reading(tick_, side, signs[side]);
+    }
+    return signs;
+  }
+
+  // Whether they say the same as long as the palms are touched in the same stretches.
+  bool reads_truly() const { return !tactile_.has_false_readings() && !faults_.bend_readings(); }
 
   // The team runs, and what it commands is obeyed. Between two calls every tick would be the same: the
   // robots sense what they sensed, and the team has nothing to do by itself. Tells whether the commands

@@ -48,6 +48,14 @@ class Faults {
 
   bool any() const { return count_ > 0; }
 
+  // Whether any of them is a sensor's.
+  bool bend_readings() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].kind == FaultKind::stuck || list_[i].kind == FaultKind::flicker) return true;
+    }
+    return false;
+  }
+
   // Whether a robot's program runs at a tick, by the schedule alone: never `boots` (Power).
   Host host(std::uint32_t tick, std::size_t side) const {
     Host host = Host::runs;

@@ -29,6 +29,7 @@ struct LaneMask {
 
   friend LaneMask operator&(LaneMask a, LaneMask b) { return {a.raw & b.raw}; }
   friend LaneMask operator|(LaneMask a, LaneMask b) { return {a.raw | b.raw}; }
+  friend LaneMask operator^(LaneMask a, LaneMask b) { return {a.raw ^ b.raw}; }
   LaneMask operator!() const { return {~raw}; }
 
   // Bit l tells of lane l.

@@ -16,14 +16,6 @@
 
 namespace palmbots {
 
-// The tactile sensor in lanes: the coordinates from which on another sign is read (Tactile).
-template <class V>
-struct SignReader {
-  static constexpr std::size_t max_changes = 8;
-  std::array<V, max_changes> from;       // padded with +∞
-  std::array<V, max_changes + 1> signs;  // −1, 0, +1
-};
-
 // Lanes<Real, n> numbers; Team as in Carry.
 template <class Real, int n, class Team>
 class Lockstep {
@@ -66,10 +58,13 @@ class Lockstep {
     Pose<V> pose;
     Robots<V> robots;
     Tally<V> tally;
-    SignReader<V> reader;
-    std::size_t changes = 0;  // of any reader, at most
-    V goal;                   // midpoint × travel sense at which the carry is delivered
-    V sensed;                 // what each lane's team was last told, as one number
+    V goal;  // midpoint × travel sense at which the carry is delivered
+    // What each lane's robots were last seen to sense stays so while the palms are touched from `from`
+    // on, before `until`, and the palms have turned, or not, as then.
+    PerSide<V> from;
+    PerSide<V> until;
+    PerSide<LaneMask<Real, n>> turned;
+    std::uint32_t odd = 0;  // lanes whose readings may be false: they are looked at in every tick
     Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
     std::array<std::uint64_t, n> wake{};
@@ -113,9 +108,7 @@ class Lockstep {
 
   // Can lanes carry it? What few scenes have is left to Carry alone.
   static bool in_lanes(const One& one) {
-    return one.metrics_.end == End::none && !one.faults_.any() && one.spec_.bump_count == 0 &&
-           !(one.spec_.bump_rate > 0) && !one.tactile_.has_false_readings() &&
-           one.tactile_.changes().size() <= SignReader<V>::max_changes;
+    return one.metrics_.end == End::none && one.spec_.bump_count == 0 && !(one.spec_.bump_rate > 0);
   }
 
   void load(Pack& pack, int l, const One& one) {
@@ -123,24 +116,16 @@ class Lockstep {
     put_lane(pack.pose, l, one.world_.pose());
     put_lane(pack.robots, l, one.robots_);
     put_lane(pack.tally, l, one.tally_);
-    SignReader<Real> reader{};
-    const auto changes = one.tactile_.changes();
-    const auto signs = one.tactile_.readings();
-    for (std::size_t i = 0; i < SignReader<Real>::max_changes; ++i) {
-      const bool used = i < changes.size();
-      reader.from[i] = used ? changes[i] : std::numeric_limits<Real>::infinity();
-      reader.signs[i + 1] = used ? Real(static_cast<int>(signs[i + 1])) : Real(0);
+    for (const std::size_t side : {left, right}) {
+      pack.from[side].raw[l] = std::numeric_limits<Real>::infinity();  // nothing seen yet
     }
-    reader.signs[0] = Real(static_cast<int>(signs[0]));
-    put_lane(pack.reader, l, reader);
-    pack.changes = std::max(pack.changes, changes.size());
+    pack.odd = (pack.odd & ~(1U << l)) | (one.reads_truly() ? 0U : 1U) << l;
     // The least number that is no less than the distance.
     auto goal = Real(one.spec_.distance);
     if (double(goal) < one.spec_.distance) {
       goal = std::nextafter(goal, std::numeric_limits<Real>::infinity());
     }
     pack.goal.raw[l] = goal;
-    pack.sensed.raw[l] = Real(-1);  // nothing yet
     const auto i = static_cast<std::size_t>(l);
     const std::uint64_t start = pack.lanes[i].start;
     pack.dice.seed[i] = one.seed_;
@@ -255,44 +240,54 @@ class Lockstep {
     return bits;
   }
 
-  // What the robots sense, and the teams for which that is news or who have something to do.
+  // The teams for which it is news what their robots sense, or who have something to do.
   [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
-    const auto& stance = pack.pose.stance;
-    PerSide<V> signs{pack.reader.signs[0], pack.reader.signs[0]};
-    for (std::size_t i = 0; i < pack.changes; ++i) {
-      on_both_sides([&](std::size_t side) {
-        signs[side] =
-            select(touched[side] >= pack.reader.from[i], pack.reader.signs[i + 1], signs[side]);
-      });
-    }
     PerSide<LaneMask<Real, n>> turned;
+    LaneMask<Real, n> same{};
     on_both_sides([&](std::size_t side) {
-      turned[side] = stance.palms[side].angle == pack.robots.goal_angle[side];
+      turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
     });
-    const V sensed = (signs[left] + V(3) * signs[right]) +
-                     (select(turned[left], V(9), V(0)) + select(turned[right], V(18), V(0)));
-    std::uint32_t asked = (sensed != pack.sensed).bits() & pack.busy;
-    pack.sensed = sensed;
+    same = (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
+           (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
+           !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
+    std::uint32_t asked = ~same.bits() & pack.busy;
     if (tick >= pack.first_wake) {
       each(pack.busy, [&](int l) {
         asked |= (tick >= pack.wake[static_cast<std::size_t>(l)] ? 1U : 0U) << l;
       });
     }
     if (asked == 0) return;
+    pack.turned = turned;
     const PerSide<std::uint32_t> bits{turned[left].bits(), turned[right].bits()};
     each(asked, [&](int l) {
-      ask(pack, l, tick,
-          {Sensed{static_cast<Sign>(int(signs[left].raw[l])), (bits[left] >> l & 1) != 0},
-           Sensed{static_cast<Sign>(int(signs[right].raw[l])), (bits[right] >> l & 1) != 0}});
+      ask(pack, l, tick, {touched[left].raw[l], touched[right].raw[l]},
+          {(bits[left] >> l & 1) != 0, (bits[right] >> l & 1) != 0});
     });
     plan(pack);
   }
 
-  [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick, const PerSide<Sensed>& sensed) {
+  [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick, const PerSide<Real>& touched,
+                             const PerSide<bool>& turned) {
     const auto i = static_cast<std::size_t>(l);
     Lane& lane = pack.lanes[i];
     One& one = *lane.carry;
     one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
+    PerSide<Sensed> sensed = one.sensed_;
+    const PerSide<Sign> odd = (pack.odd >> l & 1) != 0 ? one.read(touched) : PerSide<Sign>{};
+    for (const std::size_t side : {left, right}) {
+      sensed[side].turned = turned[side];
+      if (touched[side] >= pack.from[side].raw[l] && touched[side] < pack.until[side].raw[l])
+        continue;
+      if ((pack.odd >> l & 1) != 0) {
+        sensed[side].sign = odd[side];
+        continue;
+      }
+      const auto stretch = one.tactile_.stretch(touched[side]);
+      sensed[side].sign = stretch.sign;
+      pack.from[side].raw[l] = stretch.from;
+      pack.until[side].raw[l] = stretch.until;
+    }
+    if (sensed == one.sensed_ && one.tick_ < one.wake_) return;
     const bool are_new = one.think(sensed);
     pack.wake[i] = one.wake_ == ~0U ? never : one.wake_ + lane.start;
     if (!are_new) return;

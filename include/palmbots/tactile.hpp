@@ -52,9 +52,25 @@ class Tactile {
     return readings_[passed];
   }
 
-  // From changes()[i] on the reading is readings()[i + 1]; below all of them it is readings()[0].
-  constexpr std::span<const Real> changes() const { return {changes_.data(), change_count_}; }
-  constexpr std::span<const Sign> readings() const { return {readings_.data(), change_count_ + 1}; }
+  // Where, around p, the sign with perfect switches is the same: from `from` on, before `until`.
+  struct Stretch {
+    Real from;
+    Real until;
+    Sign sign;
+  };
+  constexpr Stretch stretch(Real p) const {
+    constexpr Real inf = std::numeric_limits<Real>::infinity();
+    Stretch found{-inf, inf, readings_[0]};
+    for (std::size_t i = 0; i < change_count_; ++i) {
+      if (p < changes_[i]) {
+        found.until = changes_[i];
+        break;
+      }
+      found.from = changes_[i];
+      found.sign = readings_[i + 1];
+    }
+    return found;
+  }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }
 
