@@ -43,7 +43,10 @@ CASES: list[tuple[str, str, dict[str, object]]] = [
     ("distributed, palms 1 cm above their pivots", "distributed", {"palm.pivot_offset_m": 0.01}),
     ("distributed, 1 % of messages lost", "distributed", {"radio.loss": 0.01}),
     ("distributed, false readings", "distributed", {"tactile.false_rate": 0.001}),
+    ("distributed, one reboot", "distributed", {"faults.reboots": 1}),
+    ("centralized, one reboot", "centralized", {"faults.reboots": 1}),
     ("resilient, one reboot", "resilient", {"faults.reboots": 1}),
+    ("distributed, one bump a metre", "distributed", {"bumps.rate_per_m": 1.0}),
 ]
 
 
@@ -71,7 +74,7 @@ def one_by_one_us() -> float:
 
 def main() -> None:
     """Time everything, print a table and write the CSV."""
-    console = Console()
+    console = Console(width=120)
     rows: list[tuple[str, str, float, str]] = []
     for name, controller, keys in CASES:
         for precision in ("double", "float"):

@@ -51,6 +51,12 @@ def lot() -> tuple[list[_core.Spec], np.ndarray, np.ndarray]:
         {"sign": "-0+"[k % 3], "from_m": -0.05 + 0.01 * k, "to_m": -0.042 + 0.01 * k}
         for k in range(10)
     ]
+    broken = [
+        {"kind": "stuck", "robot": "left", "at_s": 2.0, "for_s": 1.0, "reads": "+"},
+        {"kind": "flicker", "robot": "right", "at_s": 4.0, "for_s": 2.0, "rate": 0.3},
+        {"kind": "freeze", "robot": "left", "at_s": 8.0, "for_s": 0.6},
+        {"kind": "station", "at_s": 10.0, "for_s": 0.5},
+    ]
     keys: list[dict[str, Any]] = [
         {},
         {"palm.pivot_offset_m": 0.01, "task.direction": "backward"},
@@ -58,6 +64,8 @@ def lot() -> tuple[list[_core.Spec], np.ndarray, np.ndarray]:
         {"palm.friction": 0.12, "robot.noise_m_s": 0.03},
         {"bumps.rate_per_m": 5.0},
         {"tactile.false_rate": 0.02, "task.slope_deg": 1.0},
+        {"faults.reboots": 2},
+        {"faults.script": broken},
         {"tactile.zones": zones},
         {"radio.loss": 0.02, "radio.jitter_s": 0.03, "task.timeout_s": 4.0},
         {"task.inertia": False, "robot.noise_m_s": 0.0},

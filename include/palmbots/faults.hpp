@@ -79,6 +79,18 @@ class Faults {
     return false;
   }
 
+  // The first tick after this one that robots and station are not sure to pass as usual.
+  std::uint32_t next_outage(std::uint32_t tick) const {
+    std::uint32_t next = ~0U;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.kind == FaultKind::stuck || f.kind == FaultKind::flicker || tick >= f.to) continue;
+      const std::uint32_t at = f.from > tick ? f.from : tick + 1;
+      next = at < next ? at : next;
+    }
+    return next;
+  }
+
   // What a sensor says at a tick where it should say `sign`.
   Sign reading(std::uint32_t tick, std::size_t side, Sign sign) const {
     for (std::size_t i = 0; i < count_; ++i) {

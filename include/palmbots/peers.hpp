@@ -1,6 +1,8 @@
 // How two resilient robots are wired together: beacons, ears, and what outlives a reboot.
 #pragma once
 
+#include <algorithm>
+
 #include "palmbots/beacon.hpp"
 #include "palmbots/resilient.hpp"
 #include "palmbots/team.hpp"
@@ -25,6 +27,11 @@ class Peers {
   PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<bool> sends{};
     for (const std::size_t side : {left, right}) {
+      if (tick < due_[side] && sensed[side] == sensed_[side] && !inbox_[side].oldest(tick))
+        continue;
+      catch_up(tick, side);
+      sensed_[side] = sensed[side];
+      due_[side] = tick;
       clock_[side] += rate_[side];
       if (faults_.any() && !runs(tick, side)) continue;
       const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
@@ -46,10 +53,24 @@ class Peers {
       log(Posted{tick, received, static_cast<std::uint8_t>(side),
                  static_cast<std::uint8_t>(other(side)), beacon.letter});
     }
+    for (const std::size_t side : {left, right}) {
+      if (due_[side] == tick) due_[side] = due(tick, side);
+    }
     return commands_;
   }
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
+
+  // The next tick in which something happens by itself.
+  std::uint32_t wake(std::uint32_t tick) const {
+    std::uint32_t next = ~0U;
+    for (const std::size_t side : {left, right}) {
+      const std::uint32_t arrival = inbox_[side].next_arrival(tick);
+      const std::uint32_t own = arrival < due_[side] ? arrival : due_[side];
+      next = own < next ? own : next;
+    }
+    return next;
+  }
 
   char name(std::size_t side) const { return robots_[side].now().name; }
   bool waits(std::size_t side) const { return robots_[side].now().waits; }
@@ -58,6 +79,23 @@ class Peers {
   const Resilient& robot(std::size_t side) const { return robots_[side]; }
 
  private:
+  // The ticks since a robot's last step, in which all went on as before.
+  void catch_up(std::uint32_t tick, std::size_t side) {
+    const auto rested = static_cast<std::uint16_t>(tick - stepped_[side] - 1);
+    stepped_[side] = tick;
+    if (rested == 0) return;
+    robots_[side].idle(sensed_[side].sign, rested);
+    ears_[side].tick(rested);
+  }
+
+  // The next tick in which a robot has something to do by itself: a beacon is due, a time is over, or
+  // its program does not run. A clock that is not the carry's own is stepped in every tick.
+  std::uint32_t due(std::uint32_t tick, std::size_t side) const {
+    if (rate_[side] != 1) return tick + 1;
+    const std::uint32_t quiet = robots_[side].quiet(sensed_[side].sign, sensed_[side].turned);
+    return std::min(tick + 1 + quiet, faults_.next_outage(tick));
+  }
+
   // The follower is the one that yields, wherever it stands.
   static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
                          bool assisted = false) {
@@ -106,6 +144,9 @@ class Peers {
   PerSide<double> rate_;     // of the robots' clocks
   PerSide<double> clock_{};  // ticks of theirs not yet stepped
   PerSide<Link<Beacon>> inbox_;
+  PerSide<std::uint32_t> stepped_{~0U, ~0U};  // the tick of a robot's last step
+  PerSide<std::uint32_t> due_{};  // and of its next one, if it senses and hears nothing new
+  PerSide<Sensed> sensed_{};      // in that step
   PerSide<Letter> letters_{};
   PerSide<bool> ready_{};
   PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};

@@ -52,6 +52,8 @@ class Resilient {
     std::uint16_t hold;
     std::uint16_t braking;
     std::uint16_t join;
+
+    constexpr bool operator==(const Times&) const = default;
   };
 
   struct Input {
@@ -221,6 +223,34 @@ class Resilient {
     return {command, now().letter, ready(), send, assists(state_)};
   }
 
+  // For simulations, which need not step a robot that does nothing: how many steps of one tick each could
+  // follow in which nothing happens but that time passes, as long as the robot senses what it sensed in
+  // the last one and hears no beacon.
+  std::uint16_t quiet(Sign sign, bool turned) const {
+    Resilient next = *this;
+    const Output out = next.step({sign, turned, 1, Letter::none, false, false, 0});
+    if (next.state_ != state_ || out.send) return 0;
+    // From there on it stays so until one of the conditions of rows changes, or a beacon is due. (What
+    // compares two ages does not change: both grow.)
+    int more = times_.beacon - next.since_sent_ - 1;
+    const auto until = [&](std::uint16_t since, std::uint16_t most) {
+      if (since < most && most - since - 1 < more) more = most - since - 1;
+    };
+    until(next.age_, stale());
+    until(next.since_entered_, times_.hold);
+    if (turned) until(next.since_moved_, times_.braking);
+    return static_cast<std::uint16_t>(1 + more);
+  }
+
+  // So many of these steps at once.
+  constexpr void idle(Sign sign, std::uint16_t steps) {
+    pass(steps);
+    if (now().letter == Letter::tilt_up) since_asked_ = 0;
+    if (now().command.move != Move::hold) since_moved_ = 0;
+    if (state_ == State::idle && sign == Sign::zero && !silence()) since_ready_ = 0;
+  }
+
+  constexpr bool operator==(const Resilient&) const = default;
   constexpr State state() const { return state_; }
   constexpr bool rests() const { return rests_; }
   // No fresh letter: the partner is silent, or does not hear this robot.

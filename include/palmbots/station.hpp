@@ -16,7 +16,7 @@ class Station {
   Station(const Channel& channel, std::uint64_t seed, std::size_t leader, const Faults& faults = {})
       : radio_(channel, seed, leader),
         faults_(faults),
-        may_rest_(channel.is_plain() && !faults.any()),
+        may_rest_(channel.is_plain()),
         travel_(channel.longest()) {}
 
   template <class Log>
@@ -53,7 +53,7 @@ class Station {
 
   // The next tick at which it is not sure that all goes on as now.
   std::uint32_t wake(std::uint32_t tick) const {
-    return may_rest_ && tick - changed_ > travel_ ? ~0U : tick + 1;
+    return may_rest_ && tick - changed_ > travel_ ? faults_.next_outage(tick) : tick + 1;
   }
 
   // The carry ends, or goes on, with this tick: what went on in ticks before it that had no step.

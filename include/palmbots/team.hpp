@@ -3,6 +3,7 @@
 // palms every tick and gets commands.
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -245,12 +246,12 @@ class Pair {
   Letter awaits(std::size_t side) const { return controllers_[side].now().awaits; }
   Activity activity(std::size_t side) const { return activity_of(name(side), side); }
 
-  // Robots that stay as they are with what they sense and hear now will until a letter comes.
+  // Robots that stay as they are with what they sense and hear now will until a letter comes, or one
+  // of them fails.
   std::uint32_t wake(std::uint32_t tick) const {
-    if (!settled_ || faults_.any()) return tick + 1;
-    const std::uint32_t l = inbox_[left].next_arrival(tick);
-    const std::uint32_t r = inbox_[right].next_arrival(tick);
-    return l < r ? l : r;
+    if (!settled_) return tick + 1;
+    return std::min({inbox_[left].next_arrival(tick), inbox_[right].next_arrival(tick),
+                     faults_.next_outage(tick)});
   }
 
  private:

@@ -120,6 +120,20 @@ void test_paper_box_arrives() {
   }
 }
 
+// Of 20 seeds some have reboots, some robots that freeze, sensors that fail and a station that is lost.
+void break_some(Spec& spec, std::uint64_t seed) {
+  spec.random_reboots = seed % 4 == 1 ? 2 : 0;
+  spec.reboot = 0.3;
+  spec.fault_count = 0;
+  if (seed % 4 != 2) return;
+  const auto side = static_cast<std::uint32_t>(seed / 4 % 2);
+  spec.faults[spec.fault_count++] = {FaultKind::freeze, side, 3.03, 0.72, 0, 0};
+  spec.faults[spec.fault_count++] = {FaultKind::stuck, 0, 6.0, 0.5, 1, 0};
+  spec.faults[spec.fault_count++] = {FaultKind::flicker, 1, 8.0, 1.0, 0, 0.2};
+  spec.faults[spec.fault_count++] = {FaultKind::station, 0, 10.0, 0.33, 0, 0};
+  spec.faults[spec.fault_count++] = {FaultKind::freeze, 1 - side, 12.01, 0.05, 0, 0};
+}
+
 // The same algorithm, but it does not say when it has nothing to do: so it is asked in every tick.
 struct Restless {
   Distributed robot;
@@ -136,27 +150,28 @@ struct Restless {
 void test_robots_that_rest_miss_nothing() {
   Spec spec = paper_spec();
   for (PalmSpec& palm : spec.palms) palm.offset = 0.01;
-  long ticks = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     spec.jitter = seed % 2 == 0 ? 0 : 0.05;
     spec.loss = seed % 3 == 0 ? 0 : 0.003;
     Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
     // A copy is a letter that nobody waits for.
-    if (seed % 4 == 1) channel.duplicate_words = Channel::words_of(0.2);
+    if (seed % 5 == 1) channel.duplicate_words = Channel::words_of(0.2);
+    break_some(spec, seed);
+    const Faults faults = Faults::of(spec, seed);
     Carry<double, Pair<Distributed>, NoRecorder> one(
-        spec, seed, Pair<Distributed>({}, channel, seed, right), NoRecorder{});
+        spec, seed, Pair<Distributed>({}, channel, seed, right, faults), NoRecorder{});
     Carry<double, Pair<Restless>, NoRecorder> other(
-        spec, seed, Pair<Restless>({}, channel, seed, right), NoRecorder{});
+        spec, seed, Pair<Restless>({}, channel, seed, right, faults), NoRecorder{});
     one.run();
+    const long before = Restless::steps;
     other.run();
+    if (!faults.any()) CHECK(Restless::steps - before == 2L * other.ticks());
     const Metrics &a = one.metrics(), &b = other.metrics();
     CHECK(a.outcome == b.outcome && a.time_ticks == b.time_ticks && a.square_sum == b.square_sum);
     CHECK(a.corrections == b.corrections && a.waiting_ticks == b.waiting_ticks);
     CHECK(a.waits_since == b.waits_since && a.longest_correction == b.longest_correction);
     CHECK(one.team().traffic.sent == other.team().traffic.sent);
-    ticks += other.ticks();
   }
-  CHECK(Restless::steps == 2 * ticks);
 }
 
 // A station that counts how often it is asked: when it wants to be, or every tick.
@@ -190,7 +205,7 @@ void test_a_station_that_rests_misses_nothing() {
   Spec spec = paper_spec();
   long all = 0;
   long asked = 0;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < 80; ++seed) {
     spec.latency = std::array{0.0, 0.05, 0.13, 0.4}[seed % 4];
     spec.bump_rate = seed % 3 == 0 ? 3 : 0;
     spec.bump_max = 0.02;
@@ -198,9 +213,11 @@ void test_a_station_that_rests_misses_nothing() {
     if (seed % 5 == 1) channel.loss_words = Channel::words_of(0.02);
     if (seed % 5 == 2) channel.duplicate_words = Channel::words_of(0.2);
     if (seed % 5 == 3) channel.airtime_ticks = 0.01;
-    Carry<double, Sleeping, NoRecorder> one(spec, seed, Sleeping(channel, seed, right),
+    break_some(spec, seed / 4);
+    const Faults faults = Faults::of(spec, seed);
+    Carry<double, Sleeping, NoRecorder> one(spec, seed, Sleeping(channel, seed, right, faults),
                                             NoRecorder{});
-    Carry<double, Sleepless, NoRecorder> other(spec, seed, Sleepless(channel, seed, right),
+    Carry<double, Sleepless, NoRecorder> other(spec, seed, Sleepless(channel, seed, right, faults),
                                                NoRecorder{});
     const long before = Sleeping::steps;
     const long before_other = Sleepless::steps;
@@ -218,6 +235,56 @@ void test_a_station_that_rests_misses_nothing() {
     }
   }
   CHECK(3 * asked < 2 * all);
+}
+
+// Two robots on leases that count how often they are asked.
+struct CountedPeers : Peers {
+  using Peers::Peers;
+  template <class Log>
+  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+    ++steps;
+    return Peers::step(tick, sensed, log);
+  }
+  static inline long steps = 0;
+};
+
+// Robots on leases that rest decide, say and hear what robots do that are stepped in every tick, on any
+// radio, whatever fails.
+void test_peers_that_rest_miss_nothing() {
+  Spec spec = paper_spec();
+  const Resilient::Times times{5, 52, 69, 6, 6};
+  long ticks = 0;
+  long asked = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    spec.latency = std::array{0.0, 0.05, 0.08}[seed % 3];
+    spec.jitter = seed % 2 == 0 ? 0 : 0.05;
+    spec.loss = seed % 5 == 0 ? 0.2 : 0;
+    break_some(spec, seed);
+    // A clock that is not the carry's is stepped in every tick, and this one is as good as exact.
+    constexpr double restless = 1e-12;
+    const double fast = seed % 7 == 6 ? 1e-3 : 0;
+    Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+    if (seed % 6 == 1) channel.duplicate_words = Channel::words_of(0.2);
+    const Faults faults = Faults::of(spec, seed);
+    const auto carried = [&](auto team) {
+      Carry<double, decltype(team), NoRecorder> carry(spec, seed, team, NoRecorder{});
+      carry.run();
+      return carry;
+    };
+    const long before = CountedPeers::steps;
+    const auto one = carried(CountedPeers(times, {0, fast}, channel, seed, right, faults));
+    if (fast > 0) CHECK(CountedPeers::steps - before == one.ticks());
+    asked += fast == 0 ? CountedPeers::steps - before : 0;
+    ticks += fast == 0 ? one.ticks() : 0;
+    const auto other = carried(
+        Peers(times, {restless, fast == 0 ? restless : fast}, channel, seed, right, faults));
+    const Metrics &a = one.metrics(), &b = other.metrics();
+    CHECK(a.outcome == b.outcome && a.time_ticks == b.time_ticks && a.square_sum == b.square_sum);
+    CHECK(a.corrections == b.corrections && a.waiting_ticks == b.waiting_ticks);
+    CHECK(a.longest_correction == b.longest_correction);
+    CHECK(same_links(one.team().traffic, other.team().traffic));
+  }
+  CHECK(3 * asked < 2 * ticks);
 }
 
 // A fork onto a carry's own seed changes nothing; onto another one the past stays and the rest differs.
@@ -258,5 +325,6 @@ int main() {
   test_paper_box_arrives();
   test_robots_that_rest_miss_nothing();
   test_a_station_that_rests_misses_nothing();
+  test_peers_that_rest_miss_nothing();
   test_forks_of_any_team();
 }

@@ -16,11 +16,32 @@ namespace {
 struct Seen {
   std::uint32_t entered[Resilient::states][Resilient::states]{};
   std::uint32_t with[Resilient::states][3][6]{};  // sign, letter heard
+  std::uint32_t rested[Resilient::states]{};      // for more than one step
+  std::uint32_t cut_short = 0;                    // rests after which nothing happened
 };
 
 bool same(const Resilient::Output& a, const Resilient::Output& b) {
   return a.command == b.command && a.letter == b.letter && a.ready == b.ready && a.send == b.send &&
          a.assists == b.assists;
+}
+
+// Steps in which nothing happens: as many as told, and all at once they are what they are one by one.
+void check_rest(const Resilient& now, Sign sign, bool turned, Seen& seen) {
+  const std::uint16_t quiet = now.quiet(sign, turned);
+  const auto step = [&](Resilient& robot) {
+    return robot.step({sign, turned, 1, Letter::none, false, false, 0});
+  };
+  Resilient slow = now;
+  for (std::uint16_t k = 1; k <= quiet; ++k) {
+    const Resilient::Output out = step(slow);
+    CHECK(!out.send && slow.state() == now.state() && slow.rests() == now.rests());
+    Resilient fast = now;
+    fast.idle(sign, k);
+    CHECK(fast == slow);
+  }
+  if (quiet > 1) ++seen.rested[static_cast<int>(now.state())];
+  const Resilient::Output out = step(slow);
+  if (!out.send && slow.state() == now.state() && slow.rests() == now.rests()) ++seen.cut_short;
 }
 
 void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted, Seen& seen) {
@@ -46,6 +67,7 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
     const auto out = shipped.step(in);
     CHECK(same(out, told.step(in)));
     CHECK(out.letter == shipped.now().letter && out.command.rest == shipped.rests());
+    check_rest(shipped, in.sign, in.turned, seen);
     const int heard = shipped.silence() ? 0 : static_cast<int>(told.newest);
     ++seen.with[before][sign][heard];
     ++seen.entered[before][static_cast<int>(shipped.state())];
@@ -57,7 +79,7 @@ void test_like_the_telling() {
   std::uint64_t seed = 0;
   for (const Resilient::Times times :
        {Resilient::Times{1, 2, 3, 0, 0}, Resilient::Times{5, 50, 67, 6, 6},
-        Resilient::Times{3, 9, 4, 1, 2}}) {
+        Resilient::Times{3, 9, 4, 1, 2}, Resilient::Times{4, 9, 6, 1, 2}}) {
     for (const bool yields : {false, true}) {
       for (const bool assisted : {false, true}) {
         for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
@@ -69,6 +91,7 @@ void test_like_the_telling() {
       for (const std::uint32_t n : sign) CHECK(n > 0);
     }
   }
+  for (const std::uint32_t n : seen.rested) CHECK(n > 0);
   // Every row was taken: each pair of states that the table connects.
   for (const auto& row : Resilient::table) {
     CHECK(seen.entered[static_cast<int>(row.state)][static_cast<int>(row.next)] > 0);
