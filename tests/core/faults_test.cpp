@@ -100,10 +100,27 @@ void test_random_reboots() {
   CHECK(of_left > 1000 - 5 * 71 && of_left < 1000 + 5 * 71);
 }
 
+// Programs and station: every tick of an outage, and where the next one begins. Sensors do not count.
+void test_next_outage() {
+  const Faults none = Faults::of(spec_of({}), 0);
+  CHECK(none.next_outage(0) == ~0U && !none.bend_readings());
+  const Faults some = Faults::of(spec_of({{FaultKind::stuck, 0, 0.01, 0.01, 1, 0},
+                                          {FaultKind::freeze, 0, 0.20, 0.03, 0, 0},
+                                          {FaultKind::station, 0, 0.10, 0.02, 0, 0}}),
+                                 0);
+  CHECK(some.bend_readings());
+  CHECK(some.next_outage(0) == 10 && some.next_outage(9) == 10);
+  CHECK(some.next_outage(10) == 11 && some.next_outage(11) == 12);
+  CHECK(some.next_outage(12) == 20);
+  CHECK(some.next_outage(22) == 23 && some.next_outage(23) == ~0U);
+  CHECK(!Faults::of(spec_of({{FaultKind::reboot, 0, 0.01, 0.01, 0, 0}}), 0).bend_readings());
+}
+
 }  // namespace
 
 int main() {
   test_hosts();
   test_station_and_sensors();
   test_random_reboots();
+  test_next_outage();
 }
