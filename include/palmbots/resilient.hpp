@@ -52,8 +52,6 @@ class Resilient {
     std::uint16_t hold;
     std::uint16_t braking;
     std::uint16_t join;
-
-    constexpr bool operator==(const Times&) const = default;
   };
 
   struct Input {
@@ -250,7 +248,6 @@ class Resilient {
     if (state_ == State::idle && sign == Sign::zero && !silence()) since_ready_ = 0;
   }
 
-  constexpr bool operator==(const Resilient&) const = default;
   constexpr State state() const { return state_; }
   constexpr bool rests() const { return rests_; }
   // No fresh letter: the partner is silent, or does not hear this robot.

@@ -3,6 +3,7 @@
 #include "palmbots/resilient.hpp"
 
 #include <cstdint>
+#include <cstring>
 
 #include "check.hpp"
 #include "palmbots/beacon.hpp"
@@ -37,7 +38,7 @@ void check_rest(const Resilient& now, Sign sign, bool turned, Seen& seen) {
     CHECK(!out.send && slow.state() == now.state() && slow.rests() == now.rests());
     Resilient fast = now;
     fast.idle(sign, k);
-    CHECK(fast == slow);
+    CHECK(std::memcmp(&fast, &slow, sizeof fast) == 0);  // copies, so with the same padding
   }
   if (quiet > 1) ++seen.rested[static_cast<int>(now.state())];
   const Resilient::Output out = step(slow);
