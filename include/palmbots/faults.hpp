@@ -51,7 +51,7 @@ class Faults {
   // Whether any of them is a sensor's.
   bool bend_readings() const {
     for (std::size_t i = 0; i < count_; ++i) {
-      if (list_[i].kind == FaultKind::stuck || list_[i].kind == FaultKind::flicker) return true;
+      if (list_[i].is_sensors()) return true;
     }
     return false;
   }
@@ -84,7 +84,7 @@ class Faults {
     std::uint32_t next = ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
-      if (f.kind == FaultKind::stuck || f.kind == FaultKind::flicker || tick >= f.to) continue;
+      if (f.is_sensors() || tick >= f.to) continue;
       const std::uint32_t at = f.from > tick ? f.from : tick + 1;
       next = at < next ? at : next;
     }
@@ -116,6 +116,7 @@ class Faults {
     Sign reads;
     std::uint64_t flicker_words;  // of 2³²
 
+    bool is_sensors() const { return kind == FaultKind::stuck || kind == FaultKind::flicker; }
     bool covers(std::uint32_t tick) const { return tick >= from && tick < to; }
   };
 

@@ -243,13 +243,13 @@ class Lockstep {
   // The teams for which it is news what their robots sense, or who have something to do.
   [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
     PerSide<LaneMask<Real, n>> turned;
-    LaneMask<Real, n> same{};
     on_both_sides([&](std::size_t side) {
       turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
     });
-    same = (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
-           (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
-           !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
+    const LaneMask<Real, n> same =
+        (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
+        (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
+        !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
     std::uint32_t asked = ~same.bits() & pack.busy;
     if (tick >= pack.first_wake) {
       each(pack.busy, [&](int l) {

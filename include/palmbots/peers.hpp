@@ -65,9 +65,7 @@ class Peers {
   std::uint32_t wake(std::uint32_t tick) const {
     std::uint32_t next = ~0U;
     for (const std::size_t side : {left, right}) {
-      const std::uint32_t arrival = inbox_[side].next_arrival(tick);
-      const std::uint32_t own = arrival < due_[side] ? arrival : due_[side];
-      next = own < next ? own : next;
+      next = std::min({next, due_[side], inbox_[side].next_arrival(tick)});
     }
     return next;
   }

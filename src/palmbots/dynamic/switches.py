@@ -2,7 +2,7 @@
 
 A switch closes where contact force presses with at least `dynamic.press_n`, and opens once nothing
 has for `dynamic.debounce_s`. Drivers of switches debounce, and here it matters: MuJoCo's contacts
-push sliding bodies apart, so that one that slides by more than 2 cm/s hops by hundredths of a
+push sliding bodies apart, so that one that slides by several cm/s hops by hundredths of a
 millimetre. A palm that read 0 at each hop would end corrections that are not done.
 """
 
