@@ -56,20 +56,19 @@ struct Pieces {
       const Real goal = done + look >= Real(1) || give_up ? Real(1) : done + look;
       if (!known) direction = direction_at(now, goal);
       known = false;
-      if (direction != Slide::stick && now.statics.wedged_in(left, direction, now.span) &&
-          now.statics.wedged_in(right, direction, now.span)) {
+      const LettingGo first = letting_go(now, direction);
+      if (direction != Slide::stick && first.wedged[left] && first.wedged[right]) {
         result.end = End::jammed;
         return finish(result, now, done, Slider::none, direction);
       }
-      const Slider slider = choose(now, direction, goal);
-      const State then = state(goal, slider, direction, now);
+      const auto [slider, then] = choose(now, first, direction, goal);
       if (slider == Slider::both && turning && !legal(now, then, direction) &&
           goal - done > Real(1) / Real(1024)) {
         look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
         continue;
       }
       look = longest_look();
-      const auto at = [&](Real t) { return state(t, slider, direction, now); };
+      const auto at = [&, slider = slider](Real t) { return state(t, slider, direction, now); };
       // A contact right at its pivot, on a palm that turns, would go to and fro by a rounding error.
       const bool reverses = reversals < most_reversals;
       const auto [event, when] =
@@ -162,12 +161,12 @@ struct Pieces {
         then.stance.palms[side] =
             PalmAngle<Real>::at(t == Real(1) ? angles[side] : from[side] + t * turn[side]);
       }
-      then.statics = Statics<Real>::at(rig, then.stance.palms);
     }
     const auto& offset = rig.offset;
     const Real width = rig.load.width;
     if (slider == Slider::both) {
-      const Tie<Real> equal = then.statics.let_go(pushed, direction);
+      const auto edges = detail::edges_at<Real>(rig, then.stance.palms, sense_of(direction));
+      const Tie<Real> equal = tie(pushed, edges[left], edges[right]);
       const Real slope =
           equal.tilt != Real(0) ? -equal.level / equal.tilt : now.span.dy / now.span.dx;
       then.stance.contacts = slid_along(then.stance, slope, offset, width);
@@ -187,7 +186,8 @@ struct Pieces {
     const Real safe = rig.safe_reach;
     const auto& p = s.stance.contacts;
     if (within(p[left], safe) && within(p[right], safe)) return End::none;
-    return first_end(rig, s.statics, s.stance.palms, s.stance.contacts, s.span);
+    const Statics<Real> statics = Statics<Real>::at(rig, s.stance.palms);
+    return first_end(rig, statics, s.stance.palms, s.stance.contacts, s.span);
   }
 
   Real drive(const State& s) const {
@@ -203,37 +203,46 @@ struct Pieces {
     return direction_of(rate);
   }
 
+  LettingGo letting_go(const State& s, Slide direction) const {
+    const auto edges = detail::edges_at<Real>(rig, s.stance.palms, sense_of(direction));
+    const auto is_wedged = [&](std::size_t side) {
+      return wedged(side, edges[side], s.span.dx, s.span.dy);
+    };
+    return {{is_wedged(left), is_wedged(right)},
+            left_first(tie(pushed, edges[left], edges[right]), direction, s.span)};
+  }
+
   // ≥ 0 while the sliding contact is still the one that lets go first.
   Real own_choice(const State& s, Slider slider, Slide direction) const {
-    if (s.statics.wedged_in(left, direction, s.span) ||
-        s.statics.wedged_in(right, direction, s.span)) {
-      return Real(0);
-    }
-    const Real ahead = left_first(s.statics.let_go(pushed, direction), direction, s.span);
-    return slider == Slider::on_left ? ahead : -ahead;
+    const LettingGo first = letting_go(s, direction);
+    if (first.wedged[left] || first.wedged[right]) return Real(0);
+    return slider == Slider::on_left ? first.left_first : -first.left_first;
   }
 
-  Slider choose(const State& now, Slide direction, Real goal) const {
-    if (direction == Slide::stick) return Slider::none;
-    if (now.statics.wedged_in(left, direction, now.span)) return Slider::on_right;
-    if (now.statics.wedged_in(right, direction, now.span)) return Slider::on_left;
-    const bool on_tie = pose.tied == sense_of(direction);
-    if (on_tie && !turning) return settle(now, direction, goal);
-    const Real ahead = left_first(now.statics.let_go(pushed, direction), direction, now.span);
-    if (!on_tie && ahead != Real(0)) return ahead > Real(0) ? Slider::on_left : Slider::on_right;
-    return settle(now, direction, goal);
-  }
+  // What slides, and where that leads by `goal`.
+  struct Choice {
+    Slider slider;
+    State then;
+  };
 
-  // On the tie: does one slider, alone, go on into its own region?
-  Slider settle(const State& now, Slide direction, Real goal) const {
-    const auto goes_on = [&](Slider slider) {
-      return own_choice(state(goal, slider, direction, now), slider, direction) > Real(0);
+  Choice choose(const State& now, const LettingGo& first, Slide direction, Real goal) const {
+    const auto with = [&](Slider slider) {
+      return Choice{slider, state(goal, slider, direction, now)};
     };
-    const bool left_goes_on = goes_on(Slider::on_left);
-    const bool right_goes_on = goes_on(Slider::on_right);
-    if (left_goes_on != right_goes_on) return left_goes_on ? Slider::on_left : Slider::on_right;
+    if (direction == Slide::stick) return with(Slider::none);
+    if (first.wedged[left]) return with(Slider::on_right);
+    if (first.wedged[right]) return with(Slider::on_left);
+    if (pose.tied != sense_of(direction) && first.left_first != Real(0)) {
+      return with(first.left_first > Real(0) ? Slider::on_left : Slider::on_right);
+    }
+    // On the tie: does one slider, alone, go on into its own region?
+    const Choice one = with(Slider::on_left);
+    const Choice another = with(Slider::on_right);
+    const bool one_goes_on = own_choice(one.then, one.slider, direction) > Real(0);
+    const bool another_goes_on = own_choice(another.then, another.slider, direction) > Real(0);
+    if (one_goes_on != another_goes_on) return one_goes_on ? one : another;
     pose.tied = sense_of(direction);
-    return Slider::both;
+    return with(Slider::both);
   }
 
   // Both contacts moved the way this direction allows.
