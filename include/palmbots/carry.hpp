@@ -7,39 +7,20 @@
 
 #include <cstdint>
 
-#include "palmbots/metrics.hpp"
-#include "palmbots/setup.hpp"
-#include "palmbots/team.hpp"
+#include "palmbots/bearers.hpp"
 #include "palmbots/world.hpp"
 
 namespace palmbots {
 
-// Noise is drawn, and metrics are added up, for so many ticks at once.
-inline constexpr std::uint32_t block_ticks = 64;
-
 template <class Real, class Team, class Recorder>
-class Carry {
+class Carry : public Bearers<Real, Team> {
+  using Base = Bearers<Real, Team>;
+
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : spec_(spec),
-        seed_(seed),
-        faults_(Faults::of(spec, seed)),
-        team_(std::move(team)),
-        recorder_(std::move(recorder)) {
+      : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
-    robots_ = robots_of<Real>(spec, seed);
-    for (const std::size_t side : {left, right}) {
-      full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
-      nominal_[side] = Real(spec.direction * spec.robots[side].speed);
-    }
-    std::array<Zone<Real>, max_zones> zones{};
-    for (std::size_t i = 0; i < spec.zone_count; ++i) {
-      zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
-    }
-    obey(commands_);
-    tactile_ = Tactile<Real>(zones, spec.zone_count, spec.false_rate);
-    metrics_.settle_ticks = settle_ticks();
   }
 
   // Before the first tick: is the object held?
@@ -55,7 +36,7 @@ class Carry {
   // Runs to the end.
   void run() {
     begin();
-    while (metrics_.outcome == Result::running) {
+    while (!this->done()) {
       recorder_.make_room();
       tick();
     }
@@ -73,15 +54,13 @@ class Carry {
   [[gnu::always_inline]] bool open() {
     if (metrics_.end == End::none && (spec_.bump_count > 0 || spec_.bump_rate > 0)) bump();
     if (metrics_.end == End::none) return true;
-    metrics_.outcome = Result::dropped;
-    metrics_.time_ticks = double(tick_);
-    close();
+    drop();
     return false;
   }
 
   // Then all else, with what the robots sense now.
   [[gnu::always_inline]] void act(const PerSide<Sensed>& sensed) {
-    if (sensed != sensed_ || tick_ >= wake_) think(sensed);
+    if (is_news(sensed)) think(sensed);
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
     tally_.add(world_.touched());
@@ -93,27 +72,12 @@ class Carry {
     const Real before = robots_.midpoint;
     robots_.midpoint = before + (step.end == End::none ? act.travel : act.travel * step.fraction);
     recorder_.after(*this);
-    finish_tick(step, before);
+    finish_tick(step.end, double(step.fraction), before);
   }
 
-  std::uint32_t ticks() const { return tick_; }
-  const Spec& spec() const { return spec_; }
   const World<Real>& world() const { return world_; }
-  const Team& team() const { return team_; }
-  const Metrics& metrics() const { return metrics_; }
   Recorder& recorder() { return recorder_; }
   const Recorder& recorder() const { return recorder_; }
-  Real midpoint() const { return robots_.midpoint; }
-  const PerSide<Real>& speeds() const { return robots_.speeds; }
-  const PerSide<Command>& commands() const { return commands_; }
-
-  // The speed a command asks of a robot, in the world's x direction.
-  Real wanted(std::size_t side, Command command) const {
-    const Real away = outward<Real>(side) * full_move_[side];
-    const Real move =
-        command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
-    return (command.rest ? Real(0) : nominal_[side]) + move;
-  }
 
   // What the robots sense, bumps done.
   PerSide<Sensed> sense() const {
@@ -129,56 +93,13 @@ class Carry {
   template <class, int, class>
   friend class Lockstep;
 
-  // What the sensors say of palms touched there, in this tick.
-  PerSide<Sign> read(const PerSide<Real>& touched) const {
-    PerSide<Sign> signs{};
-    Words words{};
-    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
-    for (const std::size_t side : {left, right}) {
-      const std::size_t lane = side == leader() ? 0 : 2;
-      signs[side] = tactile_.has_false_readings()
-                        ? tactile_.sign(touched[side], words[lane], words[lane + 1])
-                        : tactile_.sign(touched[side]);
-      if (faults_.any()) [[unlikely]]
-        signs[side] = faults_.reading(tick_, side, signs[side]);
-    }
-    return signs;
-  }
+  using Base::collect, Base::drop, Base::finish_tick, Base::is_news, Base::leader, Base::rank;
+  using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
+  using Base::read, Base::reads_truly, Base::tally_, Base::team_, Base::tick_, Base::wake_;
 
-  // Whether they say the same as long as the palms are touched in the same stretches.
-  bool reads_truly() const { return !tactile_.has_false_readings() && !faults_.bend_readings(); }
-
-  // The team runs, and what it commands is obeyed. Between two calls every tick would be the same: the
-  // robots sense what they sensed, and the team has nothing to do by itself. Tells whether the commands
-  // are new.
   bool think(const PerSide<Sensed>& sensed) {
-    sensed_ = sensed;
-    const PerSide<Command> commands =
-        team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
-    wake_ = wake_of(team_, tick_);
-    const bool are_new = commands != commands_;
-    if (are_new) [[unlikely]]
-      obey(commands);
-    metrics_.note(tick_, team_);
-    return are_new;
+    return Base::think(sensed, [&](const Posted& p) { recorder_.message(p); });
   }
-
-  // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
-  // processor guesses that they did not.
-  [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
-    commands_ = commands;
-    for (const std::size_t side : {left, right}) {
-      robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
-      robots_.goal_speed[side] =
-          robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, commands[side]));
-      const bool rests = commands[side].rest && robots_.goal_speed[side] == Real(0);
-      robots_.brakes[side] = Real(rests ? 1 : 0);
-    }
-  }
-
-  // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
-  // draws the mirrored numbers.
-  std::size_t leader() const { return leader_of(spec_); }
 
   // What is done for many ticks at once.
   [[gnu::noinline]] void next_block() {
@@ -186,13 +107,11 @@ class Carry {
     draw_noise(tick_);
   }
 
-  void collect() { metrics_.collect(tally_, tick_ - metrics_.samples); }
-
   // The noise of a block of ticks: four words serve two robots for two ticks.
   void draw_noise(std::uint32_t first) {
     const auto words = draw_every_other<block_ticks / 2>(seed_, first, Stream::noise);
     for (const std::size_t side : {left, right}) {
-      const std::size_t lane = side == leader() ? 0 : 1;
+      const std::size_t lane = rank(side);
       for (std::size_t i = 0; i < block_ticks / 2; ++i) {
         noise_[side][2 * i] = unit_noise<Real>(words[lane][i]);
         noise_[side][2 * i + 1] = unit_noise<Real>(words[2 + lane][i]);
@@ -222,7 +141,7 @@ class Carry {
         std::abs(double(robots_.speeds[left] + robots_.speeds[right])) * 0.5 * spec_.period;
     const double chance = spec_.bump_rate * way;
     for (const std::size_t side : {left, right}) {
-      const std::size_t lane = side == leader() ? 0 : 2;
+      const std::size_t lane = 2 * rank(side);
       if (unit_uniform<double>(words[lane]) >= chance) continue;
       const double place = 2 * unit_uniform<double>(words[lane + 1]) - 1;
       by[side] += Real(place * spec_.bump_max);
@@ -230,65 +149,10 @@ class Carry {
     }
   }
 
-  // `before`: where the midpoint was.
-  void finish_tick(const Advance<Real>& step, Real before) {
-    const double gone = double(robots_.midpoint) * spec_.direction;
-    if (step.end != End::none) {
-      metrics_.end = step.end;
-      metrics_.outcome = Result::dropped;
-      metrics_.time_ticks = double(tick_) + double(step.fraction);
-    } else if (gone >= spec_.distance) {
-      metrics_.outcome = Result::delivered;
-      // The instant inside the tick at which the distance was reached.
-      const double over = gone - spec_.distance;
-      const double way = (double(robots_.midpoint) - double(before)) * spec_.direction;
-      metrics_.time_ticks = double(tick_) + (way > 0 ? 1 - over / way : 1);
-    } else if (tick_ + 1 >= spec_.timeout_ticks) {
-      metrics_.outcome = Result::stalled;
-      metrics_.time_ticks = double(tick_) + 1;
-    }
-    ++tick_;
-    if (metrics_.outcome != Result::running) close();
-  }
-
-  // The carry is over.
-  void close() {
-    collect();
-    close_team(team_, tick_);
-    metrics_.close(tick_);
-  }
-
-  // A correction that follows the last one within this time belongs to the same run of corrections:
-  // twice the time that messages and palms take.
-  std::uint32_t settle_ticks() const {
-    double turn = 0;
-    for (const PalmSpec& palm : spec_.palms) {
-      const double own = (palm.steep - palm.shallow) / palm.rate;
-      turn = own > turn ? own : turn;
-    }
-    return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
-                                      spec_.period) +
-           10;
-  }
-
-  Spec spec_;
-  std::uint64_t seed_;
-  Faults faults_;
-  Team team_;
   Recorder recorder_;
   World<Real> world_;
-  Robots<Real> robots_{};
-  Tactile<Real> tactile_;
-  PerSide<Real> full_move_{};
-  PerSide<Real> nominal_{};
-  PerSide<Sensed> sensed_{};
-  std::uint32_t wake_ = 0;  // the next tick at which the team is asked whatever is sensed
-  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   PerSide<std::array<Real, block_ticks>> noise_{};
-  Tally<Real> tally_{};
   std::uint64_t bumped_ = 0;
-  std::uint32_t tick_ = 0;
-  Metrics metrics_;
 };
 
 }  // namespace palmbots

@@ -10,10 +10,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "palmbots/metrics.hpp"
+#include "palmbots/bearers.hpp"
 #include "palmbots/recorder.hpp"
-#include "palmbots/setup.hpp"
-#include "palmbots/team.hpp"
 
 namespace palmbots {
 
@@ -57,51 +55,36 @@ class SeenWorld {
 };
 
 template <class Team>
-class Crew {
+class Crew : public Bearers<double, Team> {
+  using Base = Bearers<double, Team>;
+
  public:
   // `slack`: a palm has turned where its wrist is so near to the angle last commanded [rad].
   Crew(const Spec& spec, std::uint64_t seed, Team team, double slack, const Sight& first)
-      : spec_(spec),
-        seed_(seed),
-        slack_(slack),
-        faults_(Faults::of(spec, seed)),
-        team_(std::move(team)),
-        sight_(first) {
-    robots_ = robots_of<double>(spec, seed);
+      : Base(spec, seed, std::move(team)), slack_(slack), sight_(first) {
     for (const std::size_t side : {left, right}) {
-      full_move_[side] = spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0);
       set_points_[side] = PalmAngle<double>::at(spec.palms[side].steep);
     }
-    tactile_ = Tactile<double>(spec.zones, spec.zone_count, spec.false_rate);
-    metrics_.settle_ticks = settle_ticks();
     metrics_.end = first.end;
     world_.see(first);
     robots_.midpoint = first.midpoint;
-    obey(commands_);
-    if (metrics_.end != End::none) {
-      metrics_.outcome = Result::dropped;
-      metrics_.close(0);
-      finish();
-    }
+    if (metrics_.end == End::none) return;
+    drop();
+    finish();
   }
-
-  bool done() const { return metrics_.outcome != Result::running; }
 
   // What the robots sense where the world was last seen.
   PerSide<Sensed> sense() const {
-    PerSide<Sensed> sensed{};
-    Words words{};
-    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    PerSide<double> touched{};
     for (const std::size_t side : {left, right}) {
-      const std::size_t first = 2 * lane(side);
       // Where nothing presses hard enough no switch is closed, which reads as 0.
-      const double p = sight_.pressed[side] ? sight_.touched[side] : 0.0;
-      sensed[side].sign = tactile_.has_false_readings()
-                              ? tactile_.sign(p, words[first], words[first + 1])
-                              : tactile_.sign(p);
-      if (faults_.any()) sensed[side].sign = faults_.reading(tick_, side, sensed[side].sign);
+      touched[side] = sight_.pressed[side] ? sight_.touched[side] : 0.0;
+    }
+    const PerSide<Sign> signs = read(touched);
+    PerSide<Sensed> sensed{};
+    for (const std::size_t side : {left, right}) {
       const double off = sight_.wrists[side] - robots_.goal_angle[side];
-      sensed[side].turned = off <= slack_ && off >= -slack_;
+      sensed[side] = {signs[side], off <= slack_ && off >= -slack_};
     }
     return sensed;
   }
@@ -110,7 +93,7 @@ class Crew {
   Actuation<double> command() {
     recorder_.make_room();
     const PerSide<Sensed> sensed = sense();
-    if (sensed != sensed_ || tick_ >= wake_) think(sensed);
+    if (is_news(sensed)) think(sensed, [&](const Posted& p) { recorder_.message(p); });
     if (tick_ % block_ticks == 0) collect();
     const PerSide<double> random = noise();
     tally_.add(sight_.touched);
@@ -122,115 +105,40 @@ class Crew {
 
   // What became of it.
   void observe(const Sight& sight) {
-    const double travel = sight.midpoint - sight_.midpoint;
+    const double before = sight_.midpoint;
     sight_ = sight;
     world_.see(sight);
     robots_.midpoint = sight.midpoint;
     recorder_.after(*this);
-    const double gone = sight.midpoint * spec_.direction;
-    if (sight.end != End::none) {
-      metrics_.end = sight.end;
-      metrics_.outcome = Result::dropped;
-      metrics_.time_ticks = tick_ + sight.fraction;
-    } else if (gone >= spec_.distance) {
-      metrics_.outcome = Result::delivered;
-      const double over = gone - spec_.distance;
-      const double way = travel * spec_.direction;
-      metrics_.time_ticks = tick_ + (way > 0 ? 1 - over / way : 1);
-    } else if (tick_ + 1 >= spec_.timeout_ticks) {
-      metrics_.outcome = Result::stalled;
-      metrics_.time_ticks = tick_ + 1.0;
-    }
-    ++tick_;
-    if (!done()) return;
-    collect();
-    close_team(team_, tick_);
-    metrics_.close(tick_);
-    finish();
+    finish_tick(sight.end, sight.fraction, before);
+    if (this->done()) finish();
   }
 
-  std::uint32_t ticks() const { return tick_; }
-  const Spec& spec() const { return spec_; }
-  const Team& team() const { return team_; }
-  const Metrics& metrics() const { return metrics_; }
   TraceRecorder& recorder() { return recorder_; }
   const SeenWorld& world() const { return world_; }
-  double midpoint() const { return robots_.midpoint; }
-  const PerSide<double>& speeds() const { return robots_.speeds; }
-  const PerSide<Command>& commands() const { return commands_; }
-  double wanted(std::size_t side, Command command) const {
-    const double away = outward<double>(side) * full_move_[side];
-    const double move =
-        command.move == Move::away ? away : (command.move == Move::closer ? -away : 0.0);
-    return (command.rest ? 0.0 : spec_.direction * spec_.robots[side].speed) + move;
-  }
 
  private:
-  std::size_t lane(std::size_t side) const { return side == leader_of(spec_) ? 0 : 1; }
-
-  void think(const PerSide<Sensed>& sensed) {
-    sensed_ = sensed;
-    const PerSide<Command> commands =
-        team_.step(tick_, sensed, [&](const Posted& p) { recorder_.message(p); });
-    wake_ = wake_of(team_, tick_);
-    if (commands != commands_) obey(commands);
-    metrics_.note(tick_, team_);
-  }
-
-  void obey(const PerSide<Command>& commands) {
-    commands_ = commands;
-    for (const std::size_t side : {left, right}) {
-      robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
-      robots_.goal_speed[side] =
-          robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, commands[side]));
-      robots_.brakes[side] = commands[side].rest && robots_.goal_speed[side] == 0 ? 1.0 : 0.0;
-    }
-  }
+  using Base::collect, Base::drop, Base::finish_tick, Base::is_news, Base::rank, Base::read;
+  using Base::metrics_, Base::robots_, Base::seed_, Base::tally_, Base::think, Base::tick_;
 
   // The words of a tick as `Carry` draws them: four serve two robots for two ticks.
   PerSide<double> noise() const {
     const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
     const std::size_t first = 2 * (tick_ % 2);
-    return {unit_noise<double>(words[first + lane(left)]),
-            unit_noise<double>(words[first + lane(right)])};
+    return {unit_noise<double>(words[first + rank(left)]),
+            unit_noise<double>(words[first + rank(right)])};
   }
-
-  // As in Carry.
-  std::uint32_t settle_ticks() const {
-    double turn = 0;
-    for (const PalmSpec& palm : spec_.palms) {
-      const double own = (palm.steep - palm.shallow) / palm.rate;
-      turn = own > turn ? own : turn;
-    }
-    const double time = 2 * (turn + 2 * (spec_.latency + spec_.jitter));
-    return static_cast<std::uint32_t>(time / spec_.period) + 10;
-  }
-
-  void collect() { metrics_.collect(tally_, tick_ - metrics_.samples); }
 
   void finish() {
     recorder_.make_room();
     recorder_.end(*this);
   }
 
-  Spec spec_;
-  std::uint64_t seed_;
   double slack_;
-  Faults faults_;
-  Team team_;
   TraceRecorder recorder_;
   Sight sight_;
   SeenWorld world_;
-  Robots<double> robots_{};
   PerSide<PalmAngle<double>> set_points_{};  // of the wrists' motors
-  Tactile<double> tactile_;
-  PerSide<double> full_move_{};
-  PerSide<Sensed> sensed_{};
-  std::uint32_t wake_ = 0;
-  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Tally<double> tally_{};
-  std::uint32_t tick_ = 0;
-  Metrics metrics_;
 };
 
 }  // namespace palmbots

@@ -209,7 +209,7 @@ class Lockstep {
       put_lane(pack.pose, l, one.world_.pose());
       one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
     }
-    one.finish_tick(step, Real(what.midpoint.raw[l]));
+    one.finish_tick(step.end, double(step.fraction), Real(what.midpoint.raw[l]));
     if (one.metrics_.outcome == Result::running) return;
     pack.busy &= ~(1U << l);
     plan(pack);

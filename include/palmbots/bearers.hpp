@@ -1,0 +1,181 @@
+// Both robots of a carry without its world: sensors, controllers and radio, what commands come to, how a
+// carry ends, and what is measured.
+//
+// Whoever has a world drives them: Carry the quasistatic one of its own, Crew one that somebody else moves.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "palmbots/metrics.hpp"
+#include "palmbots/setup.hpp"
+#include "palmbots/team.hpp"
+
+namespace palmbots {
+
+// Noise is drawn, and metrics are added up, for so many ticks at once.
+inline constexpr std::uint32_t block_ticks = 64;
+
+template <class Real, class Team>
+class Bearers {
+ public:
+  Bearers(const Spec& spec, std::uint64_t seed, Team team)
+      : spec_(spec), seed_(seed), faults_(Faults::of(spec, seed)), team_(std::move(team)) {
+    robots_ = robots_of<Real>(spec, seed);
+    for (const std::size_t side : {left, right}) {
+      full_move_[side] = Real(spec.robots[side].correction * (Team::half_moves ? 0.5 : 1.0));
+      nominal_[side] = Real(spec.direction * spec.robots[side].speed);
+    }
+    std::array<Zone<Real>, max_zones> zones{};
+    for (std::size_t i = 0; i < spec.zone_count; ++i) {
+      zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
+    }
+    tactile_ = Tactile<Real>(zones, spec.zone_count, spec.false_rate);
+    metrics_.settle_ticks = settle_ticks();
+    obey(commands_);
+  }
+
+  bool done() const { return metrics_.outcome != Result::running; }
+  std::uint32_t ticks() const { return tick_; }
+  const Spec& spec() const { return spec_; }
+  const Team& team() const { return team_; }
+  const Metrics& metrics() const { return metrics_; }
+  Real midpoint() const { return robots_.midpoint; }
+  const PerSide<Real>& speeds() const { return robots_.speeds; }
+  const PerSide<Command>& commands() const { return commands_; }
+
+  // The speed a command asks of a robot, in the world's x direction.
+  Real wanted(std::size_t side, Command command) const {
+    const Real away = outward<Real>(side) * full_move_[side];
+    const Real move =
+        command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
+    return (command.rest ? Real(0) : nominal_[side]) + move;
+  }
+
+ protected:
+  // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored carry
+  // draws the mirrored numbers.
+  std::size_t leader() const { return leader_of(spec_); }
+  std::size_t rank(std::size_t side) const { return side == leader() ? 0 : 1; }
+
+  // What the sensors say of palms touched there, in this tick.
+  PerSide<Sign> read(const PerSide<Real>& touched) const {
+    PerSide<Sign> signs{};
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t first = 2 * rank(side);
+      signs[side] = tactile_.has_false_readings()
+                        ? tactile_.sign(touched[side], words[first], words[first + 1])
+                        : tactile_.sign(touched[side]);
+      if (faults_.any()) [[unlikely]]
+        signs[side] = faults_.reading(tick_, side, signs[side]);
+    }
+    return signs;
+  }
+
+  // Whether they say the same as long as the palms are touched in the same stretches.
+  bool reads_truly() const { return !tactile_.has_false_readings() && !faults_.bend_readings(); }
+
+  // Is there anything for the team to do? Otherwise this tick is as the one before: the robots sense what
+  // they sensed, and the team has nothing to do by itself.
+  bool is_news(const PerSide<Sensed>& sensed) const { return sensed != sensed_ || tick_ >= wake_; }
+
+  // The team runs, log(Posted) gets what it sends, and what it commands is obeyed. Tells whether the
+  // commands are new.
+  template <class Log>
+  bool think(const PerSide<Sensed>& sensed, Log&& log) {
+    sensed_ = sensed;
+    const PerSide<Command> commands = team_.step(tick_, sensed, log);
+    wake_ = wake_of(team_, tick_);
+    const bool are_new = commands != commands_;
+    if (are_new) [[unlikely]]
+      obey(commands);
+    metrics_.note(tick_, team_);
+    return are_new;
+  }
+
+  void collect() { metrics_.collect(tally_, tick_ - metrics_.samples); }
+
+  // The end of a tick of which the world did `fraction`, up to `end` if that is something; `before`: where
+  // the midpoint was.
+  void finish_tick(End end, double fraction, Real before) {
+    const double gone = double(robots_.midpoint) * spec_.direction;
+    if (end != End::none) {
+      metrics_.end = end;
+      metrics_.outcome = Result::dropped;
+      metrics_.time_ticks = double(tick_) + fraction;
+    } else if (gone >= spec_.distance) {
+      metrics_.outcome = Result::delivered;
+      // The instant inside the tick at which the distance was reached.
+      const double over = gone - spec_.distance;
+      const double way = (double(robots_.midpoint) - double(before)) * spec_.direction;
+      metrics_.time_ticks = double(tick_) + (way > 0 ? 1 - over / way : 1);
+    } else if (tick_ + 1 >= spec_.timeout_ticks) {
+      metrics_.outcome = Result::stalled;
+      metrics_.time_ticks = double(tick_) + 1;
+    }
+    ++tick_;
+    if (done()) close();
+  }
+
+  // The object is no longer held when a tick begins.
+  void drop() {
+    metrics_.outcome = Result::dropped;
+    metrics_.time_ticks = double(tick_);
+    close();
+  }
+
+ private:
+  void close() {
+    collect();
+    close_team(team_, tick_);
+    metrics_.close(tick_);
+  }
+
+  // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
+  // processor guesses that they did not.
+  [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
+    commands_ = commands;
+    for (const std::size_t side : {left, right}) {
+      robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
+      robots_.goal_speed[side] =
+          robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, commands[side]));
+      const bool rests = commands[side].rest && robots_.goal_speed[side] == Real(0);
+      robots_.brakes[side] = Real(rests ? 1 : 0);
+    }
+  }
+
+  // A correction that follows the last one within this time belongs to the same run of corrections:
+  // twice the time that messages and palms take.
+  std::uint32_t settle_ticks() const {
+    double turn = 0;
+    for (const PalmSpec& palm : spec_.palms) {
+      const double own = (palm.steep - palm.shallow) / palm.rate;
+      turn = own > turn ? own : turn;
+    }
+    return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
+                                      spec_.period) +
+           10;
+  }
+
+ protected:
+  Spec spec_;
+  std::uint64_t seed_;
+  Faults faults_;
+  Team team_;
+  Robots<Real> robots_{};
+  Tactile<Real> tactile_;
+  PerSide<Sensed> sensed_{};
+  std::uint32_t wake_ = 0;  // the next tick at which the team is asked whatever is sensed
+  Tally<Real> tally_{};
+  std::uint32_t tick_ = 0;
+  Metrics metrics_;
+
+ private:
+  PerSide<Real> full_move_{};
+  PerSide<Real> nominal_{};
+  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+};
+
+}  // namespace palmbots
