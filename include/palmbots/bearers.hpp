@@ -13,9 +13,6 @@
 
 namespace palmbots {
 
-// Noise is drawn, and metrics are added up, for so many ticks at once.
-inline constexpr std::uint32_t block_ticks = 64;
-
 template <class Real, class Team>
 class Bearers {
  public:

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "palmbots/bearers.hpp"
+#include "palmbots/bumps.hpp"
 #include "palmbots/world.hpp"
 
 namespace palmbots {
@@ -18,7 +19,7 @@ class Carry : public Bearers<Real, Team> {
 
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)) {
+      : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)), bumps_(spec) {
     const Rig<Real> rig = rig_of<Real>(spec);
     world_ = World<Real>(rig, stance_of(spec, rig));
   }
@@ -30,7 +31,10 @@ class Carry : public Bearers<Real, Team> {
   void fork(std::uint64_t seed) {
     seed_ = seed;
     team_.fork(seed);
-    if (tick_ % block_ticks != 0) draw_noise(tick_ - tick_ % block_ticks);
+    const std::uint32_t first = tick_ - tick_ % block_ticks;
+    if (first == tick_) return;
+    draw_noise(first);
+    bumps_.draw_block(spec_, seed, first);
   }
 
   // Runs to the end.
@@ -52,7 +56,7 @@ class Carry : public Bearers<Real, Team> {
   // The same in two halves, for somebody who decides in between. First bumps; tells whether the object is
   // still held.
   [[gnu::always_inline]] bool open() {
-    if (metrics_.end == End::none && (spec_.bump_count > 0 || spec_.bump_rate > 0)) bump();
+    if (metrics_.end == End::none && Bumps::any(spec_)) bump();
     if (metrics_.end == End::none) return true;
     drop();
     return false;
@@ -109,7 +113,7 @@ class Carry : public Bearers<Real, Team> {
 
   // The noise of a block of ticks: four words serve two robots for two ticks.
   void draw_noise(std::uint32_t first) {
-    const auto words = draw_every_other<block_ticks / 2>(seed_, first, Stream::noise);
+    const auto words = draw_row<block_ticks / 2>(seed_, first, Stream::noise, 2);
     for (const std::size_t side : {left, right}) {
       const std::size_t lane = rank(side);
       for (std::size_t i = 0; i < block_ticks / 2; ++i) {
@@ -119,40 +123,19 @@ class Carry : public Bearers<Real, Team> {
     }
   }
 
-  // Scripted bumps that are due, and random ones: for each robot a chance in proportion to the way.
   void bump() {
-    PerSide<Real> by{};
-    for (std::size_t i = 0; i < spec_.bump_count; ++i) {
-      const BumpSpec& bump = spec_.bumps[i];
-      const double reached = bump.by_time != 0 ? double(tick_) * spec_.period
-                                               : double(robots_.midpoint) * spec_.direction;
-      if ((bumped_ >> i & 1) != 0 || reached < bump.at) continue;
-      bumped_ |= std::uint64_t{1} << i;
-      by[bump.side] += Real(bump.shift);
-      ++metrics_.bumps;
-    }
-    if (spec_.bump_rate > 0) random_bumps(by);
+    if (tick_ % block_ticks == 0) bumps_.draw_block(spec_, seed_, tick_);
+    if (!bumps_.due(spec_, tick_, robots_.midpoint, robots_.together)) return;
+    const auto jolt = bumps_.take(spec_, seed_, tick_, robots_.midpoint, robots_.together);
+    metrics_.bumps += jolt.bumps;
+    const PerSide<Real> by{Real(jolt.by[left]), Real(jolt.by[right])};
     if (by[left] != Real(0) || by[right] != Real(0)) metrics_.end = world_.shift(by);
-  }
-
-  void random_bumps(PerSide<Real>& by) {
-    const Words words = draw(seed_, tick_, Stream::bump);
-    const double way =
-        std::abs(double(robots_.speeds[left] + robots_.speeds[right])) * 0.5 * spec_.period;
-    const double chance = spec_.bump_rate * way;
-    for (const std::size_t side : {left, right}) {
-      const std::size_t lane = 2 * rank(side);
-      if (unit_uniform<double>(words[lane]) >= chance) continue;
-      const double place = 2 * unit_uniform<double>(words[lane + 1]) - 1;
-      by[side] += Real(place * spec_.bump_max);
-      ++metrics_.bumps;
-    }
   }
 
   Recorder recorder_;
   World<Real> world_;
   PerSide<std::array<Real, block_ticks>> noise_{};
-  std::uint64_t bumped_ = 0;
+  Bumps bumps_;
 };
 
 }  // namespace palmbots

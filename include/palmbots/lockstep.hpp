@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <bit>
 #include <optional>
+#include <utility>
 
 #include "palmbots/lane_noise.hpp"
 #include "palmbots/recorder.hpp"
@@ -37,6 +38,7 @@ class Lockstep {
       }
       busy = 0;
       for (Pack& pack : packs_) {
+        if ((pack.busy & pack.bumpy) != 0) shake(pack, tick, done);
         if (pack.busy != 0) step(pack, tick, done);
         busy |= pack.busy;
       }
@@ -64,7 +66,9 @@ class Lockstep {
     PerSide<V> from;
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> turned;
-    std::uint32_t odd = 0;  // lanes whose readings may be false: they are looked at in every tick
+    std::uint32_t odd = 0;    // lanes whose readings may be false: they are looked at in every tick
+    std::uint32_t bumpy = 0;  // lanes in which there are bumps
+    std::uint32_t shaken = 0;  // those in which there was one in this tick
     Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
     std::array<std::uint64_t, n> wake{};
@@ -90,8 +94,8 @@ class Lockstep {
         if (!more) break;
         One& one = *lane.carry;
         one.begin();
-        if (!in_lanes(one)) {
-          while (one.metrics_.outcome == Result::running) one.tick();
+        if (one.metrics_.end != End::none) {  // it does not even begin
+          one.tick();
           done(lane.index, one);
           continue;
         }
@@ -106,11 +110,6 @@ class Lockstep {
     return more;
   }
 
-  // Can lanes carry it? What few scenes have is left to Carry alone.
-  static bool in_lanes(const One& one) {
-    return one.metrics_.end == End::none && one.spec_.bump_count == 0 && !(one.spec_.bump_rate > 0);
-  }
-
   void load(Pack& pack, int l, const One& one) {
     put_lane(pack.fixture, l, static_cast<const Fixture<Real>&>(one.world_.rig()));
     put_lane(pack.pose, l, one.world_.pose());
@@ -120,6 +119,7 @@ class Lockstep {
       pack.from[side].raw[l] = std::numeric_limits<Real>::infinity();  // nothing seen yet
     }
     pack.odd = (pack.odd & ~(1U << l)) | (one.reads_truly() ? 0U : 1U) << l;
+    pack.bumpy = (pack.bumpy & ~(1U << l)) | (Bumps::any(one.spec_) ? 1U : 0U) << l;
     // The least number that is no less than the distance.
     auto goal = Real(one.spec_.distance);
     if (double(goal) < one.spec_.distance) {
@@ -140,6 +140,7 @@ class Lockstep {
     take(pack, l, tick);
     one.collect();
     put_lane(pack.tally, l, one.tally_);
+    one.bumps_.draw_block(one.spec_, one.seed_, one.tick_);
   }
 
   // When any lane next needs its team or runs out of time.
@@ -180,11 +181,13 @@ class Lockstep {
     const std::uint32_t rest = ~went.done.bits() & pack.busy;
     const V gone = pack.robots.midpoint * pack.robots.travel_sense;
     std::uint32_t over = (gone >= pack.goal).bits() & pack.busy;
-    if ((rest | over) == 0 && tick < pack.first_timeout) [[likely]]
+    if ((rest | over | pack.shaken) == 0 && tick < pack.first_timeout) [[likely]]
       return;
     // A copy of its own, so that the common tick keeps it in registers.
     const Unusual what{act, before, rest};
-    each(rest | over | timed_out(pack, tick), [&](int l) { finish(pack, l, tick, what, done); });
+    const std::uint32_t shaken = std::exchange(pack.shaken, 0);
+    each(rest | over | shaken | timed_out(pack, tick),
+         [&](int l) { finish(pack, l, tick, what, done); });
   }
 
   struct Unusual {
@@ -207,13 +210,35 @@ class Lockstep {
       if (step.end != End::none)
         one.robots_.midpoint = Real(what.midpoint.raw[l]) + own.travel * step.fraction;
       put_lane(pack.pose, l, one.world_.pose());
-      one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
     }
+    one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
     one.finish_tick(step.end, double(step.fraction), Real(what.midpoint.raw[l]));
-    if (one.metrics_.outcome == Result::running) return;
+    if (one.done()) leave(pack, l, done);
+  }
+
+  template <class Done>
+  void leave(Pack& pack, int l, Done& done) {
     pack.busy &= ~(1U << l);
     plan(pack);
-    done(lane.index, one);
+    const Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    done(lane.index, *lane.carry);
+  }
+
+  // The bumps of a tick, before all else.
+  template <class Done>
+  [[gnu::noinline]] void shake(Pack& pack, std::uint64_t tick, Done& done) {
+    each(pack.busy & pack.bumpy, [&](int l) {
+      Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+      One& one = *lane.carry;
+      const auto own_tick = static_cast<std::uint32_t>(tick - lane.start);
+      const double midpoint = pack.robots.midpoint.raw[l];
+      const double together = pack.robots.together.raw[l];
+      if (!one.bumps_.due(one.spec_, own_tick, midpoint, together)) return;
+      take(pack, l, tick);
+      if (!one.open()) return leave(pack, l, done);
+      put_lane(pack.pose, l, one.world_.pose());
+      pack.shaken |= 1U << l;
+    });
   }
 
   // What is sensed and measured with the palms touched there.

@@ -84,13 +84,14 @@ inline std::array<Halves, 4> philox(std::array<Halves, 4> counter, Halves k0, Ha
 
 }  // namespace detail
 
-// The words of n ticks, two apart: draw(seed, tick + 2 i, stream) for i < n, word by word. Several
-// draws at once: none waits for another.
+// The words of n ticks, `apart` from each other: draw(seed, tick + apart i, stream) for i < n, word by
+// word. Several draws at once: none waits for another.
 template <std::size_t n>
 using WordRows = std::array<std::array<std::uint32_t, n>, 4>;
 
 template <std::size_t n>
-inline WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stream stream) {
+inline WordRows<n> draw_row(std::uint64_t seed, std::uint32_t tick, Stream stream,
+                            std::uint32_t apart = 1) {
   using detail::Halves;
   constexpr std::size_t width = detail::draws_at_once;
   static_assert(n % width == 0);
@@ -98,7 +99,7 @@ inline WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stre
   for (std::size_t first = 0; first < n; first += width) {
     std::array<std::uint64_t, width> ticks;
     for (std::size_t i = 0; i < width; ++i) {
-      ticks[i] = tick + 2 * static_cast<std::uint32_t>(first + i);
+      ticks[i] = tick + apart * static_cast<std::uint32_t>(first + i);
     }
     const std::array<Halves, 4> words = detail::philox(
         {std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)},
@@ -111,6 +112,9 @@ inline WordRows<n> draw_every_other(std::uint64_t seed, std::uint32_t tick, Stre
   }
   return rows;
 }
+
+// What is random in every tick is drawn, and metrics are added up, for so many ticks at once.
+inline constexpr std::uint32_t block_ticks = 64;
 
 // Uniform in [0, 1), exact in float too (24 bits).
 template <class Real>

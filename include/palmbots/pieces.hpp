@@ -1,7 +1,20 @@
 // A step of the world in which more happens than one contact sliding: cut into pieces of one regime.
 //
-// Regimes, and what ends them, are told in world.hpp. In each the sliding coordinates are closed-form
-// functions of the time within the step; the instant of an event is a root along them.
+// In a regime the sliding coordinates are closed-form functions of the time within the step. What ends
+// it, and where it ends, is the root of a condition along them:
+//
+//   reversal   the palms stop driving the contact points together and start driving them apart (this
+//              can happen inside a step only while a palm turns);
+//   tie        the squeezes at which the two contacts let go become equal. Where each slider drives
+//              towards the other's region both slide from there on and keep them equal; where one
+//              drives on into its own region it alone slides; where either would (a symmetric object
+//              closed on by equal palms), both slide and stay equal, by rule;
+//   end        the object is no longer held by its two vertices alone: the carry is over, or a further
+//              contact closes, which the world looks into.
+//
+// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically, so
+// that a look at the end of the step misses nothing. While a palm turns, a step is cut into pieces of
+// at most 1° for the same look.
 //
 // Source: MECHANICS sections 1, 2, 5, 6.
 #pragma once

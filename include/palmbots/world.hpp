@@ -2,21 +2,9 @@
 //
 // A step changes the separation and the palm angles linearly. Nothing is integrated: in every regime
 // (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
-// constraint at any instant, and a contact that sticks is never written, so it cannot drift. What
-// remains is to find the instants where the regime changes:
-//
-//   reversal   the palms stop driving the contact points together and start driving them apart (this
-//              can happen inside a step only while a palm turns);
-//   tie        the squeezes at which the two contacts let go become equal. Where each slider drives
-//              towards the other's region both slide from there on and keep them equal; where one
-//              drives on into its own region it alone slides; where either would (a symmetric object
-//              closed on by equal palms), both slide and stay equal, by rule;
-//   touch      a further contact closes: resting.hpp takes over until it opens again;
-//   end        the carry is over.
-//
-// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
-// so that a look at the end of the step misses nothing. While a palm turns, a step is cut into
-// pieces of at most 1° for the same look.
+// constraint at any instant, and a contact that sticks is never written, so it cannot drift. Where one
+// contact slides through a whole step, stride.hpp takes it; where the regime changes, pieces.hpp. Where
+// a further contact closes, resting.hpp takes over until it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
 // (MECHANICS section 4). It decides only which contact lets go first. It is small, but so is what it

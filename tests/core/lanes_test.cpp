@@ -79,15 +79,25 @@ void test_lanes_of_structs() {
   }
 }
 
+bool same_touches(const Metrics& a, const Metrics& b) {
+  for (std::uint32_t i = 0; i < a.touches && i < max_touches; ++i) {
+    const TouchRow &x = a.touch_rows[i], &y = b.touch_rows[i];
+    if (x.kind != y.kind || x.side != y.side || x.start != y.start || x.end != y.end) return false;
+  }
+  return a.touches == b.touches;
+}
+
 bool same(const Metrics& a, const Metrics& b) {
   return a.outcome == b.outcome && a.end == b.end && a.time_ticks == b.time_ticks &&
          a.square_sum == b.square_sum && a.peak == b.peak && a.samples == b.samples &&
          a.waiting_ticks == b.waiting_ticks && a.waits_since == b.waits_since &&
          a.corrections == b.corrections && a.longest_correction == b.longest_correction &&
-         a.limit_cycle == b.limit_cycle && a.bumps == b.bumps;
+         a.limit_cycle == b.limit_cycle && a.bumps == b.bumps && same_touches(a, b);
 }
 
-bool outcomes[4] = {};  // that carries came to
+bool outcomes[4] = {};         // that carries came to
+std::uint32_t most_bumps = 0;  // in one of them
+bool touched_and_came_free = false;
 
 // Every carry of a mixed lot ends, once, as it does alone.
 template <class Real, class Make>
@@ -112,15 +122,45 @@ void test_lockstep(Make make, const std::vector<Spec>& specs, std::size_t count)
         CHECK(same(carry.metrics(), alone.metrics()));
         CHECK(same_bits(carry.midpoint(), alone.midpoint()));
         CHECK(carry.team().traffic.sent == alone.team().traffic.sent);
-        outcomes[static_cast<int>(alone.metrics().outcome)] = true;
+        const Metrics& m = alone.metrics();
+        outcomes[static_cast<int>(m.outcome)] = true;
+        most_bumps = std::max(most_bumps, m.bumps);
+        for (std::uint32_t i = 0; i < m.touches && i < max_touches; ++i) {
+          touched_and_came_free |= m.touch_rows[i].end < m.time_ticks;
+        }
       },
       [] { return false; });
   CHECK(finished == count);
 }
 
+// Bumps: at times and places, in the order of the list and out of it, two in one tick, random ones too,
+// some that throw the object off.
+void add_bumps(Spec& spec, bool harsh) {
+  const double shift = harsh ? 0.06 : 0.01;
+  spec.bumps[0] = {0, 1, 3.0, shift};
+  spec.bumps[1] = {1, 0, 0.2, -shift};
+  spec.bumps[2] = {1, 1, 0.0, 0.002};
+  spec.bumps[3] = {0, 0, 0.1, -shift};
+  spec.bumps[4] = {1, 1, 3.0, 0.003};
+  spec.bump_count = 5;
+  spec.bump_rate = harsh ? 0 : 10;
+  spec.bump_max = shift;
+}
+
+// Long palms upon which the object comes to lie flush; from the flat ones bumps free it again.
+void set_long_palms(Spec& spec, bool flat) {
+  spec.bump_rate = 10;
+  spec.bump_max = flat ? 0.06 : 0.01;
+  for (PalmSpec& palm : spec.palms) {
+    palm.length = 0.8;
+    palm.shallow = flat ? 0.01 : 0.001;
+    palm.steep = flat ? 0.01 : 0.1;
+  }
+}
+
 std::vector<Spec> mixed_specs() {
   std::vector<Spec> specs;
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < 13; ++i) {
     Spec spec = paper_spec();
     spec.distance = 0.3 + 0.05 * i;
     spec.safe_reach = i % 2 == 0 ? -1 : 0.037;
@@ -134,6 +174,8 @@ std::vector<Spec> mixed_specs() {
     if (i == 7) spec.palms[right].friction = 0.12;
     if (i == 7) spec.start[left] = 0.07;
     if (i == 8) spec.false_rate = 0.01;
+    if (i == 9 || i == 10) add_bumps(spec, i == 10);
+    if (i == 11 || i == 12) set_long_palms(spec, i == 12);
     specs.push_back(spec);
   }
   return specs;
@@ -166,10 +208,11 @@ int main() {
   const std::vector<Spec> specs = mixed_specs();
   for (const std::string_view controller : controller_names) {
     with_team(controller, [&](auto make) {
-      test_lockstep<double>(make, specs, 40);
-      test_lockstep<float>(make, specs, 40);
+      test_lockstep<double>(make, specs, 130);
+      test_lockstep<float>(make, specs, 130);
     });
   }
   CHECK(outcomes[1] && outcomes[2] && outcomes[3]);  // delivered, dropped, stalled
+  CHECK(most_bumps > 8 && touched_and_came_free);
   test_stop();
 }

@@ -80,10 +80,12 @@ void test_many_draws_at_once() {
   constexpr std::size_t n = 32;
   for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     for (const std::uint32_t tick : {0U, 64U, ~0U - 20}) {
-      const auto rows = palmbots::draw_every_other<n>(seed, tick, Stream::noise);
-      for (std::uint32_t i = 0; i < n; ++i) {
-        const auto one = draw(seed, tick + 2 * i, Stream::noise);
-        for (std::size_t word = 0; word < 4; ++word) CHECK(rows[word][i] == one[word]);
+      for (const std::uint32_t apart : {1U, 2U}) {
+        const auto rows = palmbots::draw_row<n>(seed, tick, Stream::noise, apart);
+        for (std::uint32_t i = 0; i < n; ++i) {
+          const auto one = draw(seed, tick + apart * i, Stream::noise);
+          for (std::size_t word = 0; word < 4; ++word) CHECK(rows[word][i] == one[word]);
+        }
       }
     }
   }
