@@ -97,15 +97,15 @@ class Metrics {
   template <class Team>
   void note(std::uint32_t tick, const Team& team) {
     const PerSide<char> names{team.name(left), team.name(right)};
+    const PerSide<bool> waits{team.waits(left), team.waits(right)};
+    if (names == names_ && waits == waits_) return;
     const PerSide<char> before = names_;
-    if (names != names_) [[unlikely]]
-      take_note(tick, team, names);
+    if (names != names_) take_note(tick, team, names);
     for (const std::size_t side : {left, right}) {
-      const bool waits = team.waits(side);
       if (waits_[side]) waiting_ticks[side] += tick - noted_;
-      if (waits && (!waits_[side] || names[side] != before[side])) waits_since[side] = tick;
-      waits_[side] = waits;
+      if (waits[side] && (!waits_[side] || names[side] != before[side])) waits_since[side] = tick;
     }
+    waits_ = waits;
     noted_ = tick;
   }
 
