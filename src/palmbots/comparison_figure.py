@@ -1,13 +1,12 @@
 """The picture of a comparison: drops, stalls, contact rms and messages over the swept key."""
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from palmbots.files import whole_file
+from palmbots.pictures import save_figure
 from palmbots.report import counted
 from palmbots.style import styled
 from palmbots.units import axis_label
@@ -81,8 +80,6 @@ def save(comparison: "Comparison", path: str | os.PathLike[str]) -> None:
     """Write the picture (PNG, SVG or PDF by suffix), whole or not at all.
 
     Raises:
-        PalmbotsError: the path cannot be written.
+        PalmbotsError: another suffix, or the path cannot be written.
     """
-    figure = draw(comparison)
-    with styled(), whole_file(path) as stream:
-        figure.savefig(stream, format=Path(path).suffix.lstrip(".").lower() or "png")
+    save_figure(path, draw(comparison))

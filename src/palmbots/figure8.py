@@ -10,7 +10,6 @@ shaded there in the hue and hatch of its robot, in panels for both robots in the
 import math
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,9 +20,9 @@ from matplotlib.patches import Patch
 
 from palmbots import figure8_story as story
 from palmbots.errors import PalmbotsError
-from palmbots.files import whole_file
 from palmbots.geometry import SIDES
 from palmbots.lowering import lower
+from palmbots.pictures import save_figure
 from palmbots.sections import Side
 from palmbots.style import DROP, HATCH, HUE, INK, LINE, QUIET, ZERO, styled
 
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "save"]
 
-_FORMATS = (".png", ".svg", ".pdf")
 
 _HEIGHTS = {  # inches of each panel
     "story": 1.25,
@@ -146,15 +144,7 @@ def save(
 
     Raises `PalmbotsError` for another suffix, an unwritable path, or as `draw` does.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in _FORMATS:
-        raise PalmbotsError(
-            f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_FORMATS)}"
-        )
-    figure = draw(carry, window)
-    stamp = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with styled(), whole_file(path) as stream:  # no date inside: the same carry, the same file
-        figure.savefig(stream, format=suffix[1:], metadata=stamp[suffix])
+    save_figure(path, draw(carry, window))
 
 
 def _head(figure: Figure, view: _View, left_in: float, height_in: float) -> None:

@@ -11,7 +11,6 @@ import math
 import os
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +21,8 @@ from matplotlib.patches import Rectangle
 
 from palmbots.errors import PalmbotsError
 from palmbots.figure8_story import letters_told, runs
-from palmbots.files import whole_file
 from palmbots.geometry import SIDES
+from palmbots.pictures import save_figure
 from palmbots.style import DROP, HATCH, HUE, INK, QUIET, styled
 
 if TYPE_CHECKING:
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "save"]
 
-_FORMATS = (".png", ".svg", ".pdf")
 _TALL = 6.5  # inches of a column
 _WIDE = 2.6  # inches of a column
 _MOST_COLUMNS = 8
@@ -82,15 +80,7 @@ def save(
 
     Raises `PalmbotsError` for another suffix, an unwritable path, or as `draw` does.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in _FORMATS:
-        raise PalmbotsError(
-            f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_FORMATS)}"
-        )
-    figure = draw(carry, window)
-    stamp = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with styled(), whole_file(path) as stream:  # no date inside: the same carry, the same file
-        figure.savefig(stream, format=suffix[1:], metadata=stamp[suffix])
+    save_figure(path, draw(carry, window))
 
 
 def _copies(carry: "Carry") -> Iterator["Letter"]:

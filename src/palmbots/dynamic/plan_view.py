@@ -17,8 +17,8 @@ from matplotlib.patches import Patch, Polygon
 
 from palmbots.dynamic.curved import Line, line_of
 from palmbots.errors import PalmbotsError
-from palmbots.files import whole_file
 from palmbots.geometry import SIDES
+from palmbots.pictures import save_figure
 from palmbots.style import DROP, HUE, INK, LINE, OBJECT, QUIET, styled
 
 if TYPE_CHECKING:
@@ -75,10 +75,8 @@ def draw(carry: "Carry") -> Figure:
 
 
 def save(carry: "Carry", path: str | os.PathLike[str]) -> None:
-    """Write the plan view to `path` as PNG; the file appears whole or not at all."""
-    figure = draw(carry)
-    with styled(), whole_file(path) as stream:
-        figure.savefig(stream, format="png", metadata={"Software": None})
+    """Write the plan view to `path` (PNG, SVG or PDF by suffix), whole or not at all."""
+    save_figure(path, draw(carry))
 
 
 def _rows(ways: np.ndarray) -> list[int]:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palmbots.dynamic.speed import MOST, SpeedLimits
-from palmbots.files import whole_file
+from palmbots.pictures import save_figure
 from palmbots.style import BOTH, DROP, HUE, LINE, ZERO, styled
 
 __all__ = ["draw", "save"]
@@ -22,9 +22,8 @@ _KINDS = (
 
 
 def save(done: SpeedLimits, path: str | os.PathLike[str]) -> None:
-    """Write the figure to `path` as PNG; the file appears whole or not at all."""
-    with styled(), whole_file(path) as stream:
-        draw(done).savefig(stream, format="png", metadata={"Software": None})
+    """Write the figure to `path` (PNG, SVG or PDF by suffix), whole or not at all."""
+    save_figure(path, draw(done))
 
 
 def draw(done: SpeedLimits) -> Figure:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from palmbots.files import whole_file
-from palmbots.stability.drawing import SAVING
+from palmbots.pictures import save_figure
 from palmbots.style import INK, QUIET, styled
 
 if TYPE_CHECKING:
@@ -109,6 +108,4 @@ def _box() -> dict[str, object]:
 
 def save(found: "Design", path: str | os.PathLike[str]) -> None:
     """Write the picture; the ending says its kind: png, svg or pdf."""
-    kind = os.fspath(path).rsplit(".", 1)[-1]
-    with styled(), whole_file(path) as file:
-        draw(found).savefig(file, format=kind, **SAVING[kind])
+    save_figure(path, draw(found))

@@ -22,7 +22,6 @@ from palmbots.style import INK, QUIET
 
 __all__ = [
     "MM",
-    "SAVING",
     "Array",
     "State",
     "View",
@@ -37,14 +36,6 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MM = 1e3
-
-# How to save: no date inside, so that the same analysis gives the same file. Strong compression
-# takes longer than drawing.
-SAVING: dict[str, dict[str, Any]] = {
-    "png": {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},
-    "svg": {"metadata": {"Date": None}},
-    "pdf": {"metadata": {"CreationDate": None}},
-}
 
 
 def clipped(polygon: ArrayLike, normal: ArrayLike, most: float) -> Array:

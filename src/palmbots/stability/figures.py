@@ -20,13 +20,12 @@ from matplotlib.patches import Patch
 from palmbots import _core
 from palmbots.errors import PalmbotsError, show
 from palmbots.files import folder as writable_folder
-from palmbots.files import whole_file
+from palmbots.pictures import save_figure
 from palmbots.sections import SIDES, Side
 from palmbots.side_by_side import both
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.drawing import (
     MM,
-    SAVING,
     Array,
     State,
     View,
@@ -115,8 +114,7 @@ def _saved(figures: _Figures, folder: Path, kind: Kind) -> list[Path]:
     written: list[Path] = []
     for name, figure in figures:
         path = folder / f"{name}.{kind}"
-        with styled(), whole_file(path) as stream:
-            figure.savefig(stream, format=kind, **SAVING[kind])
+        save_figure(path, figure)
         written.append(path)
     return written
 

@@ -12,7 +12,6 @@
 import itertools
 import os
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 
 from palmbots.comparison_figure import LOOK
 from palmbots.errors import PalmbotsError
-from palmbots.files import whole_file
+from palmbots.pictures import save_figure
 from palmbots.report import counted
 from palmbots.studies.axes import Axis, Span
 from palmbots.studies.report import number
@@ -61,9 +60,7 @@ def draw(done: Done) -> Figure:
 
 def save(done: Done, path: str | os.PathLike[str]) -> None:
     """Write the picture (PNG, SVG or PDF by suffix), whole or not at all."""
-    figure = draw(done)
-    with styled(), whole_file(path) as stream:
-        figure.savefig(stream, format=Path(path).suffix.lstrip(".").lower() or "png")
+    save_figure(path, draw(done))
 
 
 def _keys(done: Done) -> tuple[str, ...]:
