@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.carry import Carry
 from palmbots.compare import wilson
 from palmbots.errors import SceneError
+from palmbots.result import Carry
 
 CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
 PERIOD = 0.01

@@ -11,11 +11,11 @@ import pytest
 
 import palmbots as pb
 from palmbots.batch import run_seeds
-from palmbots.carry import Carry
 from palmbots.compare import wilson
 from palmbots.drops import is_forced, response_s
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.lowering import lower
+from palmbots.result import Carry
 
 CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
 BOX = pb.load_scene("paper")

@@ -8,7 +8,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from palmbots.carry import Carry, Correction, Letter, Touch, carry
+from palmbots.carry import carry
 from palmbots.check import Checked, check
 from palmbots.compare import Comparison, compare
 from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
@@ -18,6 +18,7 @@ from palmbots.modes import MODES, ContactModes, States, modes, states
 from palmbots.object_files import objects
 from palmbots.rare import DropRate, rare
 from palmbots.replay import Replay, replay
+from palmbots.result import Carry, Correction, Letter, Touch
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.touching import Contact, contacts

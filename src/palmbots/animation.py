@@ -24,7 +24,7 @@ from palmbots.sideview import COLOURS, Moment, Stage
 from palmbots.sideview_world import Message
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry
+    from palmbots.result import Carry
 
 __all__ = ["save"]
 

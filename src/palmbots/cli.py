@@ -114,8 +114,8 @@ def carry(
 ) -> int:
     """Carry the object once and say how it went. Exit status 1: it did not arrive."""
     from palmbots.carry import carry as run_carry
-    from palmbots.carry import one_of
     from palmbots.deadband import warnings_before
+    from palmbots.errors import one_of
     from palmbots.files import check_folder
     from palmbots.report import carry_report
 

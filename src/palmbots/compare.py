@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from palmbots.batch import DELIVERED, DROPPED, cores, run_seeds
 from palmbots.bounds import bounds_of
-from palmbots.carry import CONTROLLERS, PRECISIONS, one_of
-from palmbots.errors import PalmbotsError, SceneError, show
+from palmbots.carry import CONTROLLERS, PRECISIONS
+from palmbots.errors import PalmbotsError, SceneError, one_of, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.wire import PACKET_SIZE

@@ -8,8 +8,8 @@ algorithm's fault. Worked out from scene and trace alone, apart from every contr
 import numpy as np
 
 from palmbots.bounds import bounds_of
-from palmbots.carry import Carry
 from palmbots.errors import PalmbotsError
+from palmbots.result import Carry
 from palmbots.scene import Scene
 from palmbots.sections import SIDES
 

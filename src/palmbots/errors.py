@@ -5,9 +5,11 @@ text goes into it (file names, keys, values) comes from outside, so control char
 are escaped: a message is always one line that any terminal and any encoding can print.
 """
 
+import difflib
+
 from palmbots.toml_text import toml_value
 
-__all__ = ["PalmbotsError", "SceneError", "one_line", "show"]
+__all__ = ["PalmbotsError", "SceneError", "one_line", "one_of", "show"]
 
 _LONGEST_VALUE = 60
 
@@ -43,3 +45,11 @@ def show(value: object) -> str:
         text = f"<{type(value).__name__}>"
     text = one_line(text)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+
+
+def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
+    """Raise `PalmbotsError`, saying what is allowed, unless the value is one of the legal ones."""
+    if value not in legal:
+        near = difflib.get_close_matches(str(value), legal, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")

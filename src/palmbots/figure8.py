@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from palmbots._core import Spec
-    from palmbots.carry import Carry
+    from palmbots.result import Carry
 
 __all__ = ["draw", "save"]
 

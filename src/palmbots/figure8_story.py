@@ -19,7 +19,7 @@ from matplotlib.patches import Rectangle
 from palmbots.style import DROP, HATCH, HUE, INK, QUIET
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry, Letter
+    from palmbots.result import Carry, Letter
 
 __all__ = [
     "Bar",

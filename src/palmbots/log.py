@@ -28,14 +28,14 @@ from mcap_protobuf.schema import register_schema
 
 from palmbots import log_scene
 from palmbots.bounds import Bounds
-from palmbots.carry import Carry, Correction, Letter, LinkCounts, Touch
-from palmbots.carry import trace_dataset as trace_dataset
 from palmbots.dynamic.columns import COLUMNS, LOGGED
 from palmbots.errors import PalmbotsError
 from palmbots.files import whole_file
 from palmbots.geometry import SIDES, place_rows
 from palmbots.log_schema import CorrectionEvent, LetterEvent, PairState, RobotDynamics, RobotState
 from palmbots.lowering import lower
+from palmbots.result import Carry, Correction, Letter, LinkCounts, Touch
+from palmbots.result import trace_dataset as trace_dataset
 from palmbots.solids import contact_balls, solids, urdf
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ _PAIR_FIELDS = (
 
 @dataclass(frozen=True)
 class Log:
-    """What a log tells of a carry; the same names, types and units as in `palmbots.carry.Carry`,
+    """What a log tells of a carry; the same names, types and units as in `palmbots.result.Carry`,
     but `scene` is a table (which `load_scene` takes)."""
 
     scene: dict[str, Any]

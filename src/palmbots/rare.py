@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from palmbots import _core
 from palmbots.batch import cores
 from palmbots.bounds import bounds_of
-from palmbots.carry import CONTROLLERS, one_of
-from palmbots.errors import PalmbotsError, show
+from palmbots.carry import CONTROLLERS
+from palmbots.errors import PalmbotsError, one_of, show
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 

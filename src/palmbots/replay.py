@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from palmbots.carry import Carry, carry
+from palmbots.carry import carry
 from palmbots.errors import PalmbotsError
 from palmbots.geometry import SIDES
+from palmbots.result import Carry
 
 if TYPE_CHECKING:
     import xarray as xr

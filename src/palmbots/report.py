@@ -13,11 +13,11 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     from palmbots.bounds import Bounds
-    from palmbots.carry import Carry
     from palmbots.compare import Comparison
     from palmbots.modes import ContactModes
     from palmbots.rare import DropRate
     from palmbots.replay import Replay
+    from palmbots.result import Carry
     from palmbots.touching import Contact, Motions
 
 __all__ = [

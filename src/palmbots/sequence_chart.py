@@ -26,7 +26,7 @@ from palmbots.pictures import save_figure
 from palmbots.style import DROP, HATCH, HUE, INK, QUIET, styled
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry, Letter
+    from palmbots.result import Carry, Letter
 
 __all__ = ["draw", "save"]
 

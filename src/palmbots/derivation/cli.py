@@ -32,12 +32,12 @@ def derive(
 
     Exit status 1: the policy does not give Table 2, or something is wrong with it.
     """
-    from palmbots.carry import one_of
     from palmbots.derivation.pairs import CONTROLLERS, system_of
     from palmbots.derivation.policy import as_printed, table_1
     from palmbots.derivation.refinement import check_refinement
     from palmbots.derivation.report import derivation_report, summary
     from palmbots.derivation.rules import derive as run_derivation
+    from palmbots.errors import one_of
 
     one_of("--policy", policy, ("table-1", "as-printed"))
     names = [] if controllers == "none" else [n.strip() for n in controllers.split(",")]

@@ -22,8 +22,8 @@ from palmbots.cli_options import (
 from palmbots.errors import PalmbotsError, SceneError
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry
     from palmbots.dynamic.sideways import Budget
+    from palmbots.result import Carry
     from palmbots.scene import Scene
 
 __all__ = [
@@ -59,8 +59,9 @@ def sideways_budget(scene: "Scene", controller: str, quiet: bool, anyway: bool) 
 
     Raises `SceneError` beyond it, unless `anyway`, and where lips would jam.
     """
-    from palmbots.carry import CONTROLLERS, one_of
+    from palmbots.carry import CONTROLLERS
     from palmbots.dynamic.sideways import forecast
+    from palmbots.errors import one_of
     from palmbots.report import console_for_people
 
     one_of("controller", controller, CONTROLLERS)
@@ -123,9 +124,9 @@ def export(
     as_json: JsonOption = False,
 ) -> int:
     """Write the scene as MJCF, or a robot as URDF."""
-    from palmbots.carry import one_of
     from palmbots.dynamic.model import mjcf as as_mjcf
     from palmbots.dynamic.urdf import robot_urdf
+    from palmbots.errors import one_of
     from palmbots.files import write_whole
     from palmbots.report import console_for_people, files_written
 
@@ -167,9 +168,10 @@ def validate(
     as_json: JsonOption = False,
 ) -> int:
     """Put the dynamic world beside the quasistatic one. Exit status 1: they differ."""
-    from palmbots.carry import CONTROLLERS, one_of
+    from palmbots.carry import CONTROLLERS
     from palmbots.dynamic.report import validation_report
     from palmbots.dynamic.validation import validate as run_validation
+    from palmbots.errors import one_of
     from palmbots.files import check_folder
 
     one_of("--controller", controller, CONTROLLERS)

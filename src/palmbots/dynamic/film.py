@@ -27,7 +27,7 @@ from palmbots.mp4 import encoder_for, write_mp4
 from palmbots.style import DROP, HUE, INK, ZERO
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry
+    from palmbots.result import Carry
 
 __all__ = ["SIZE", "Studio", "check_film", "save_film", "save_still", "telling_row"]
 

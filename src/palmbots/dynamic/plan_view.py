@@ -22,7 +22,7 @@ from palmbots.pictures import save_figure
 from palmbots.style import DROP, HUE, INK, LINE, OBJECT, QUIET, styled
 
 if TYPE_CHECKING:
-    from palmbots.carry import Carry
+    from palmbots.result import Carry
 
 __all__ = ["draw", "save"]
 

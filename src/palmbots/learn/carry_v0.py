@@ -19,11 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from palmbots.carry import WORLDS, Carry, one_of
-from palmbots.errors import PalmbotsError, SceneError, show
+from palmbots.carry import WORLDS
+from palmbots.errors import PalmbotsError, SceneError, one_of, show
 from palmbots.learn.episodes import Episode, Now, begun
 from palmbots.learn.meaning import ACTION, Do, action_sizes, observation, observation_size, orders
 from palmbots.learn.reward import Rewards, Scale
+from palmbots.result import Carry
 from palmbots.scene import Scene, load_scene
 
 try:

@@ -7,9 +7,9 @@ picture needs. SI units, radians; pairs are (left, right).
 from typing import Any, Protocol
 
 from palmbots import _core
-from palmbots.carry import Carry, finished
 from palmbots.learn.meaning import Do, Seen
 from palmbots.lowering import lower
+from palmbots.result import Carry, finished
 from palmbots.scene import Scene
 
 __all__ = ["Episode", "Now", "begun"]

@@ -30,8 +30,7 @@ def analyze(
     as_json: JsonOption = False,
 ) -> int:
     """Say whether the two properties hold, by how much, and what would break them."""
-    from palmbots.carry import one_of
-    from palmbots.errors import PalmbotsError
+    from palmbots.errors import PalmbotsError, one_of
     from palmbots.stability.analysis import analyze as run_analysis
     from palmbots.stability.report import analysis_report
 
@@ -177,7 +176,7 @@ def design(
     as_json: JsonOption = False,
 ) -> int:
     """Find the palm angles that tolerate most, with a certificate."""
-    from palmbots.carry import one_of
+    from palmbots.errors import one_of
     from palmbots.stability.design import design as run_design
     from palmbots.stability.report import design_report
 
