@@ -5,14 +5,18 @@ program over the generators of the friction cones (HiGHS, through scipy), kinema
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 from scipy.optimize import linprog
 
+from programs import Program, least_costs
+
 STICK, UP, DOWN = "stick", "up", "down"
 MODES = list(product((STICK, UP, DOWN), (STICK, UP, DOWN)))
+OFF_BY = 1e-7  # HiGHS's tolerance
 
 
 @dataclass(frozen=True)
@@ -111,6 +115,25 @@ class State:
                 return None
             ends.append(-sign * math.inf if found.status == 3 else sign * found.fun)
         return ends[0], ends[1]
+
+
+def balanced_modes(states: Sequence[State]) -> list[set[tuple[str, str]]]:
+    """The modes of each state that balance, by linear programming, all states at once.
+
+    The forces and the moment that a mode leaves missing may not exceed what HiGHS allows an
+    equation to be off by.
+    """
+    missing = np.hstack([np.eye(3), -np.eye(3)])
+    programs = []
+    for state in states:
+        for mode in MODES:
+            matrix, wanted = state.balance(mode)
+            n = matrix.shape[1]
+            cost = np.r_[np.zeros(n), np.ones(6)]
+            a = np.hstack([matrix, missing])
+            programs.append(Program(cost, a, wanted, [(0, None)] * (n + 6)))
+    least = least_costs(programs)
+    return [{mode for mode in MODES if next(least) <= OFF_BY} for _ in states]
 
 
 def random_state(rng: np.random.Generator) -> State:

@@ -5,17 +5,17 @@ number is compared; that for kinematics finds how clearly all inequalities can h
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 import palmbots as pb
-from oracles import DOWN, STICK, UP, State, random_state
+from oracles import DOWN, OFF_BY, STICK, UP, State, random_state
 from palmbots import _core
 from palmbots.modes import MODES as NAMES
+from programs import Program, least_costs
 
 Support = tuple[int, float, float, float, float, float]
 Velocity = tuple[float, float]
@@ -45,21 +45,22 @@ def rays(supports: Sequence[Support], motions: Sequence[int]) -> np.ndarray:
     return np.array(columns, dtype=float).reshape(-1, 3).T
 
 
-def least_missing(supports: Sequence[Support], motions: Sequence[int], slope: float) -> float:
+def least_missing(supports: Sequence[Support], motions: Sequence[int], slope: float) -> Program:
     """The least sum of sizes of the parts of a wrench that completes the balance."""
     generators = rays(supports, motions)
     n = generators.shape[1]
     matrix = np.hstack([generators, np.eye(3), -np.eye(3)])
     cost = np.r_[np.zeros(n), np.ones(6)]
-    found = linprog(cost, A_eq=matrix, b_eq=[slope, 1.0, 0.0], method="highs")
-    assert found.status == 0
-    return found.fun
+    return Program(cost, matrix, np.array([slope, 1.0, 0.0]), [(0, None)] * (n + 6))
 
 
 def clearest(
     supports: Sequence[Support], motions: Sequence[int], velocities: Sequence[Velocity]
-) -> float | None:
-    """The most by which all inequalities can hold at once, up to 1; None: the equations cannot."""
+) -> Program | None:
+    """Minus the most by which all inequalities can hold at once, that up to 1.
+
+    None: the equations cannot.
+    """
     equations, wanted, above, bounds = [], [], [], []
     scale = max(math.hypot(*v) for v in velocities) or 1.0
     for s, motion, v in zip(supports, motions, velocities, strict=True):
@@ -80,16 +81,24 @@ def clearest(
             else:
                 above.append([*(-sign * row / size), 1.0])
                 bounds.append(-sign * value / size)
-    found = linprog(
-        [0.0, 0.0, 0.0, -1.0],
-        A_ub=np.array(above) if above else None,
-        b_ub=bounds or None,
-        A_eq=np.array(equations) if equations else None,
-        b_eq=wanted or None,
-        bounds=[(None, None)] * 3 + [(-10, 1)],
-        method="highs",
+    a, b = np.array(equations).reshape(-1, 4), np.array(wanted)
+    if len(b) and np.abs(a @ np.linalg.lstsq(a, b)[0] - b).max() > OFF_BY:
+        return None
+    return Program(
+        np.array([0.0, 0.0, 0.0, -1.0]),
+        a,
+        b,
+        [(None, None)] * 3 + [(None, 1)],
+        np.array(above),
+        np.array(bounds),
     )
-    return -found.fun if found.status == 0 else None
+
+
+def margins(cases: Iterable[tuple]) -> list[float | None]:
+    """By how much all inequalities can hold, of each case."""
+    programs = [clearest(*case) for case in cases]
+    least = least_costs([p for p in programs if p is not None])
+    return [None if p is None else -next(least) for p in programs]
 
 
 def random_supports(rng: np.random.Generator, n: int) -> list[Support]:
@@ -142,13 +151,14 @@ def test_balance(draw) -> None:
     rng = np.random.default_rng(19)
     held = 0
     unclear = 0
+    cases = []
     for _ in range(2500):
         supports = draw(rng, int(rng.integers(2, 7)))
         motions = [int(m) for m in rng.choice(ALL, len(supports), p=[0.55, 0.15, 0.15, 0.15])]
-        slope = float(rng.choice([0.0, 0.0, 0.2, -0.1]))
-        ours = _core.imbalance(supports, motions, slope)
-        theirs = least_missing(supports, motions, slope)
-        case = (supports, motions, slope)
+        cases.append((supports, motions, float(rng.choice([0.0, 0.0, 0.2, -0.1]))))
+    least = least_costs([least_missing(*case) for case in cases])
+    for case, theirs in zip(cases, least, strict=True):
+        ours = _core.imbalance(*case)
         if TOLERANCE < theirs < UNCLEAR:
             unclear += 1
             continue
@@ -164,6 +174,7 @@ def test_balance(draw) -> None:
 def test_kinematics(draw) -> None:
     rng = np.random.default_rng(23)
     counted = {True: 0, False: 0}
+    cases = []
     for _ in range(500):
         supports = draw(rng, int(rng.integers(2, 7)))
         velocities = palm_velocities(rng, supports)
@@ -172,16 +183,16 @@ def test_kinematics(draw) -> None:
         # Palms that close on opposed normals leave nothing possible: the body is crushed.
         tried = [listed[int(i)] for i in rng.integers(len(listed), size=3)] if listed else []
         tried += [tuple(int(m) for m in rng.choice(ALL, len(supports))) for _ in range(3)]
-        for motions in tried:
-            margin = clearest(supports, motions, velocities)
-            if margin is not None and TOLERANCE < abs(margin) < UNCLEAR:
-                continue
-            strict = any(m != STAY for m in motions)
-            theirs = margin is not None and (margin > UNCLEAR or not strict)
-            case = (supports, motions, velocities)
-            assert _core.twist_exists(supports, motions, velocities) == theirs, case
-            assert (motions in possible) == theirs, case
-            counted[theirs] += 1
+        cases += [((supports, motions, velocities), possible) for motions in tried]
+    for (case, possible), margin in zip(cases, margins(c for c, _ in cases), strict=True):
+        motions = case[1]
+        if margin is not None and TOLERANCE < abs(margin) < UNCLEAR:
+            continue
+        strict = any(m != STAY for m in motions)
+        theirs = margin is not None and (margin > UNCLEAR or not strict)
+        assert _core.twist_exists(*case) == theirs, case
+        assert (motions in possible) == theirs, case
+        counted[theirs] += 1
     assert min(counted.values()) > 500
 
 
@@ -194,12 +205,13 @@ def test_all_motions_of_three_contacts() -> None:
             velocities = palm_velocities(rng, supports)
             possible = {tuple(m) for m in _core.possible_motions(supports, velocities)}
             happening = {tuple(m) for m in _core.outcomes(supports, velocities, 0.0)}
-            for motions in product(ALL, repeat=3):
-                margin = clearest(supports, motions, velocities)
+            everything = list(product(ALL, repeat=3))
+            clear = margins((supports, motions, velocities) for motions in everything)
+            least = least_costs([least_missing(supports, m, 0.0) for m in everything])
+            for motions, margin, missing in zip(everything, clear, least, strict=True):
                 still = motions == (STAY,) * 3
                 theirs = margin is not None and (margin > UNCLEAR or still)
                 assert (motions in possible) == theirs, (supports, motions, velocities)
-                missing = least_missing(supports, motions, 0.0)
                 assert (motions in happening) == (theirs and missing < UNCLEAR)
 
 
