@@ -1,13 +1,14 @@
-"""An independent, slow world: tiny steps, linear algebra, root finding.
+"""An independent, slow world: tiny steps, a balance of moments, root finding.
 
-Shares nothing with the core: at every step it solves the balance of forces and moments with one
-contact on an edge of its cone, for each contact, and slides the one that lets go first.
+Shares nothing with the core: at every step it balances moments with one contact on an edge of its
+cone, for each contact, and slides the one that lets go first.
 """
 
 import math
 
-import numpy as np
-from scipy.optimize import root_scalar
+from scipy.optimize import brentq
+
+Point = tuple[float, float]
 
 
 class SlowWorld:
@@ -22,38 +23,33 @@ class SlowWorld:
         self.separation = separation
         self.theta = list(palms)
 
-    def points(self, p=None) -> tuple[np.ndarray, np.ndarray]:
-        p = self.p if p is None else p
-        found = []
-        for side, pivot in ((0, 0.0), (1, self.separation)):
-            out = -1.0 if side == 0 else 1.0
-            t = self.theta[side]
-            along = np.array([out * math.cos(t), math.sin(t)])
-            normal = np.array([-out * math.sin(t), math.cos(t)])
-            found.append(np.array([pivot, 0.0]) + p[side] * along + self.offset[side] * normal)
-        return found[0], found[1]
+    def point(self, side: int, p: float) -> Point:
+        """Where a palm's contact is."""
+        pivot, out = (0.0, -1.0) if side == 0 else (self.separation, 1.0)
+        sin, cos, offset = math.sin(self.theta[side]), math.cos(self.theta[side]), self.offset[side]
+        return pivot + out * (p * cos - offset * sin), p * sin + offset * cos
 
-    def length(self, p=None) -> float:
-        left, right = self.points(p)
-        return float(np.linalg.norm(right - left))
+    def points(self) -> tuple[Point, Point]:
+        return self.point(0, self.p[0]), self.point(1, self.p[1])
+
+    def length(self) -> float:
+        return math.dist(*self.points())
 
     def squeeze_at(self, side: int, closing: bool) -> float:
         """The inward force at which a contact lets go: it is on its cone's edge."""
         left, right = self.points()
-        along = (right - left) / np.linalg.norm(right - left)
-        com = left + self.com[0] * along + self.com[1] * np.array([-along[1], along[0]])
+        length = math.dist(left, right)
+        along = ((right[0] - left[0]) / length, (right[1] - left[1]) / length)
+        com_x = left[0] + self.com[0] * along[0] - self.com[1] * along[1]
         phi = math.atan(self.friction[side])
         lean = self.theta[side] + (phi if closing else -phi)
         inward = 1.0 if side == 0 else -1.0
-        edge = np.array([inward * math.sin(lean), math.cos(lean)])
+        edge = (inward * math.sin(lean), math.cos(lean))
         own, partner = (left, right) if side == 0 else (right, left)
-        # Unknown: size of the force on the edge, and the two parts of the other force.
-        matrix = np.zeros((3, 3))
-        matrix[:2, 0] = edge
-        matrix[2, 0] = own[0] * edge[1] - own[1] * edge[0]
-        matrix[:, 1] = [1.0, 0.0, -partner[1]]
-        matrix[:, 2] = [0.0, 1.0, partner[0]]
-        size = np.linalg.solve(matrix, [0.0, 1.0, com[0]])[0]
+        # Moments about the partner's contact, where its force has none: unknown is the size of the
+        # force on the edge.
+        arm = (own[0] - partner[0], own[1] - partner[1])
+        size = (com_x - partner[0]) / (arm[0] * edge[1] - arm[1] * edge[0])
         return size * math.sin(lean)
 
     def move(self, change: float, palms: tuple[float, float], steps: int) -> None:
@@ -68,12 +64,10 @@ class SlowWorld:
             closing = gap < 0
             lets_go = [self.squeeze_at(side, closing) for side in (0, 1)]
             slider = int(lets_go[0] > lets_go[1]) if closing else int(lets_go[0] < lets_go[1])
+            held = self.point(1 - slider, self.p[1 - slider])
 
-            def excess(value: float, slider: int = slider) -> float:
-                p = list(self.p)
-                p[slider] = value
-                return self.length(p) - self.width
+            def excess(p: float, slider: int = slider, held: Point = held) -> float:
+                return math.dist(self.point(slider, p), held) - self.width
 
             near = self.p[slider]
-            bracket = (near - 0.02, near + 0.02)
-            self.p[slider] = root_scalar(excess, bracket=bracket, xtol=1e-14).root
+            self.p[slider] = brentq(excess, near - 0.02, near + 0.02, xtol=1e-14)
