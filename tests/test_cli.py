@@ -1,4 +1,7 @@
-"""The command line as a user meets it: real processes, their exit status, stdout and stderr."""
+"""The command line as a user meets it: its exit status, stdout and stderr.
+
+Of real processes where they matter; what is asked of many texts is run here, without their starts.
+"""
 
 import json
 import os
@@ -7,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,6 +18,7 @@ import pytest
 from palmbots import cli
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+Here = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def palmbots(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -25,6 +30,19 @@ def palmbots(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedPr
         timeout=120,
         check=False,
     )
+
+
+@pytest.fixture
+def here(capsys: pytest.CaptureFixture[str]) -> Here:
+    """`palmbots`, run in this process."""
+
+    def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
+        capsys.readouterr()
+        status = cli.run(list(arguments))
+        said = capsys.readouterr()
+        return subprocess.CompletedProcess(arguments, status, said.out, said.err)
+
+    return ran
 
 
 def refused(result: subprocess.CompletedProcess[str], *words: str) -> None:
@@ -99,11 +117,11 @@ def test_replay_proves_the_log_identical(written: Path) -> None:
     assert "IDENTICAL" in palmbots("replay", str(written / "carry.mcap")).stdout
 
 
-def test_replay_refuses_a_truncated_log(written: Path, tmp_path: Path) -> None:
+def test_replay_refuses_a_truncated_log(here: Here, written: Path, tmp_path: Path) -> None:
     whole = (written / "carry.mcap").read_bytes()
     for size in (0, 5, 100, len(whole) // 2, len(whole) - 1):
         (tmp_path / "cut.mcap").write_bytes(whole[:size])
-        refused(palmbots("replay", str(tmp_path / "cut.mcap")), "cut.mcap")
+        refused(here("replay", str(tmp_path / "cut.mcap")), "cut.mcap")
 
 
 def test_modes_json_has_the_contract() -> None:
@@ -159,30 +177,28 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line_and_exit_status_2(
-    arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]
+    arguments: list[str], words: list[str], here: Here
 ) -> None:
-    status = cli.run(arguments)
-    said = capsys.readouterr()
-    refused(subprocess.CompletedProcess(arguments, status, said.out, said.err), *words)
+    refused(here(*arguments), *words)
 
 
-def test_a_carry_by_robots_that_hang_says_so() -> None:
-    result = palmbots("carry", "--set", "radio.loss=1")
+def test_a_carry_by_robots_that_hang_says_so(here: Here) -> None:
+    result = here("carry", "--set", "radio.loss=1")
     assert "(2 unanswered)" in result.stdout
     assert "warning: left has waited since 0.9 s for an Ack that does not come" in result.stdout
-    assert "unanswered" not in palmbots("carry").stdout
+    assert "unanswered" not in here("carry").stdout
 
 
-def test_one_is_no_plural() -> None:
+def test_one_is_no_plural(here: Here) -> None:
     changes = ("robot.noise_m_s=0", "start.left_m=0.006", "radio.loss=1")
     script = "bumps.script=[{robot='left', at_s=0, shift_m=0.001}]"
-    once = palmbots("carry", *(f"--set={change}" for change in (*changes, script))).stdout
+    once = here("carry", *(f"--set={change}" for change in (*changes, script))).stdout
     for said in ("\n1 correction\n", "\n1 message, 1 lost   1 bump   trace"):
         assert said in once
 
 
-def test_modes_report_names_the_sides() -> None:
-    said = palmbots("modes", "--theta-left-deg", "5").stdout
+def test_modes_report_names_the_sides(here: Here) -> None:
+    said = here("modes", "--theta-left-deg", "5").stdout
     assert "closing: left SL, right ST\nopening: left ST, right SL\n" in said
 
 
@@ -202,27 +218,29 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 26.4 ± 0.0 mm │          0 │   0 │" in plain
 
 
-def test_an_animation_of_an_earlier_carry_is_removed(tmp_path: Path) -> None:
+def test_an_animation_of_an_earlier_carry_is_removed(here: Here, tmp_path: Path) -> None:
     short = ("carry", "--set", "task.distance_m=0.05", "--out", str(tmp_path))
     (tmp_path / "carry.mp4").write_text("a film")
     (tmp_path / "message_sequence.png").write_text("letters, where none are sent now")
-    said = palmbots(*short, "--controller", "none").stdout
+    said = here(*short, "--controller", "none").stdout
     assert f"removed {tmp_path / 'message_sequence.png'}" in said
     assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "carry.gif"}
     assert f"removed {tmp_path / 'carry.mp4'}" in said
     (tmp_path / "other.gif").write_text("not ours")
-    said = palmbots(*short, "--controller", "none", "--animation", "none").stdout
+    said = here(*short, "--controller", "none", "--animation", "none").stdout
     assert {p.name for p in tmp_path.iterdir()} == {"carry.png", "carry.mcap", "other.gif"}
     assert f"removed {tmp_path / 'carry.gif'}" in said
     (tmp_path / "carry.gif").mkdir()
-    refused(palmbots(*short, "--animation", "none"), "carry.gif: cannot be removed")
+    refused(here(*short, "--animation", "none"), "carry.gif: cannot be removed")
 
 
-def test_a_carry_that_fails_to_write_leaves_the_earlier_animation(tmp_path: Path) -> None:
+def test_a_carry_that_fails_to_write_leaves_the_earlier_animation(
+    here: Here, tmp_path: Path
+) -> None:
     (tmp_path / "carry.mp4").write_text("a film")
     (tmp_path / "carry.gif").mkdir()  # where the new one cannot be written
     out = ("--out", str(tmp_path))
-    refused(palmbots("carry", "--set", "task.distance_m=0.05", *out), "carry.gif")
+    refused(here("carry", "--set", "task.distance_m=0.05", *out), "carry.gif")
     assert (tmp_path / "carry.mp4").read_text() == "a film"
 
 
@@ -276,11 +294,11 @@ def test_interrupted_it_leaves_nothing_half_written(tmp_path: Path) -> None:
     assert palmbots("replay", str(out / "carry.mcap")).returncode == DONE
 
 
-def test_help_shows_an_example() -> None:
+def test_help_shows_an_example(here: Here) -> None:
     for command in ("carry", "modes", "compare", "replay"):
-        result = palmbots(command, "--help")
+        result = here(command, "--help")
         assert result.returncode == DONE
         assert f"Example: palmbots {command}" in result.stdout
-    assert "numeric scene key" in palmbots("compare", "--help").stdout
-    assert "Commands:" in palmbots().stdout
+    assert "numeric scene key" in here("compare", "--help").stdout
+    assert "Commands:" in here().stdout
     assert palmbots("--version").stdout.startswith("palmbots 0.")

@@ -14,7 +14,7 @@ import pytest
 from scipy import stats
 
 import palmbots as pb
-from palmbots import _core
+from palmbots import _core, cli
 from palmbots.batch import DROPPED, run_seeds
 from palmbots.lowering import lower
 from palmbots.rare import PLANNING, _estimates, _t95, rare
@@ -142,10 +142,12 @@ def test_the_command() -> None:
         (("-c", "resilient", "--set", "radio.latency_s=2"), "allowed"),
     ],
 )
-def test_bad_input_is_one_line(arguments: tuple[str, ...], told: str) -> None:
-    done = palmbots(*arguments)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
-    assert told in done.stderr
-    assert "allowed" in done.stderr
+def test_bad_input_is_one_line(
+    arguments: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["rare", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert told in said.err
+    assert "allowed" in said.err

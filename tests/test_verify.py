@@ -2,6 +2,7 @@
 size or its kept counterexample, and that the checker can see a fault."""
 
 import dataclasses
+import functools
 
 import pytest
 
@@ -10,10 +11,15 @@ import explore
 QUICK = {name: run for name, run in explore.runs().items() if run.quick}
 
 
+@functools.cache
+def found_by(name: str) -> explore.Finding:
+    return explore.explore(QUICK[name])
+
+
 @pytest.mark.parametrize("name", QUICK)
 def test_run(name: str) -> None:
     """It holds over as many states as ever, or fails as the kept counterexample tells."""
-    found = explore.explore(QUICK[name])
+    found = found_by(name)
     assert explore.check(found) is None, f"{found.violated}\n{found.transcript}"
 
 
@@ -27,7 +33,7 @@ def test_every_search_has_a_record() -> None:
 
 def test_a_changed_count_shows() -> None:
     """A pin that is not met is a fault, and so is an unmet expectation."""
-    found = explore.explore(QUICK["prompt"])
+    found = found_by("prompt")
     assert explore.check(found) is None
     assert explore.check(dataclasses.replace(found, states=found.states + 1)) is not None
     assert explore.check(dataclasses.replace(found, violated="FALL")) is not None
