@@ -54,28 +54,26 @@ class SlowContacts:
     def _contacts(self, near: float) -> list[tuple[tuple, int, np.ndarray, np.ndarray, float]]:
         """Name, side, point, normal into the object and gap of each contact."""
         corners = self.at + self._turned(self.outline)
+        edges = np.roll(corners, -1, axis=0) - corners
+        lengths = np.hypot(edges[:, 0], edges[:, 1])
+        inward = np.column_stack([-edges[:, 1], edges[:, 0]]) / lengths[:, None]
+        before = -np.roll(edges, 1, axis=0)
+        # An inner corner touches nothing flat.
+        outer = before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0] <= 0
         found = []
-        n = len(corners)
         for side in (0, 1):
             foot, along, normal = self._foot(side), self._along(side), self._normal(side)
             half = self.spec.palms[side].length / 2
-            for i, corner in enumerate(corners):
-                before, after = corners[i - 1] - corner, corners[(i + 1) % n] - corner
-                if before[0] * after[1] - before[1] * after[0] > 0:
-                    continue  # an inner corner touches nothing flat
-                gap, place = (corner - foot) @ normal, (corner - foot) @ along
-                if abs(gap) < near and abs(place) <= half:
-                    found.append((("corner", side, i), side, corner, normal, gap))
+            gap, place = (corners - foot) @ normal, (corners - foot) @ along
+            for i in np.flatnonzero(outer & (abs(gap) < near) & (abs(place) <= half)).tolist():
+                found.append((("corner", side, i), side, corners[i], normal, gap[i]))
             for end in (-half, half):
                 tip = foot + end * along
-                for i in range(n):
-                    edge = corners[(i + 1) % n] - corners[i]
-                    length = float(np.hypot(*edge))
-                    inward = np.array([-edge[1], edge[0]]) / length
-                    share = (tip - corners[i]) @ edge / length
-                    gap = (corners[i] - tip) @ inward
-                    if abs(gap) < near and 0 <= share <= length:
-                        found.append((("tip", side, end, i), side, tip, inward, gap))
+                share = ((tip - corners) * edges).sum(axis=1) / lengths
+                gap = ((corners - tip) * inward).sum(axis=1)
+                touching = (abs(gap) < near) & (share >= 0) & (share <= lengths)
+                for i in np.flatnonzero(touching).tolist():
+                    found.append((("tip", side, end, i), side, tip, inward[i], gap[i]))
         return found
 
     def _moves(self, contacts, mode, com, velocity, closing) -> np.ndarray | None:

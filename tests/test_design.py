@@ -37,13 +37,14 @@ def brute_tolerance(at: Situation, angles: tuple[float, float], frictions: list[
     steps = np.arange(0, 160) * 4e-4
     pair = at.with_(angles=(angles, angles))
     good = np.ones(len(steps), bool)
+    # Axes: contacts, frictions, either way, steps.
+    mu = np.array(frictions)[:, None, None]
+    x = np.stack([at.com[0] - steps, at.com[0] + steps])
     for number, shallow, palms, p in demands(pair):
-        places = (p[0][..., None], p[1][..., None])
-        for mu in frictions:
-            for x in (at.com[0] - steps, at.com[0] + steps):
-                given = {"com_x": x, "friction_left": mu, "friction_right": mu}
-                held = happens(pair, number, shallow, palms, places, **given)
-                good &= held.reshape(-1, len(steps)).all(axis=0)
+        places = (p[0][..., None, None, None], p[1][..., None, None, None])
+        given = {"com_x": x, "friction_left": mu, "friction_right": mu}
+        held = happens(pair, number, shallow, palms, places, **given)
+        good &= held.reshape(-1, len(steps)).all(axis=0)
     return -1.0 if not good[0] else float(steps[np.argmin(good)] if not good.all() else steps[-1])
 
 
