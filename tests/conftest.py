@@ -14,8 +14,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-# A file is run by one worker: one that takes long and begins late would be waited for by all others.
-# These take longest, in this order; the second one waits for others much of its time.
+# One worker runs all of a file. Those that take longest come first, or one worker would be at
+# the last of them when the others are done; the second one waits for processes much of its time.
 LONGEST = (
     "test_core.py",
     "test_study_cluster.py",

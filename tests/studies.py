@@ -1,5 +1,7 @@
 """Small studies for the tests, and real `palmbots study` processes."""
 
+import contextlib
+import io
 import json
 import subprocess
 import sys
@@ -7,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import palmbots as pb
+from palmbots import cli
 
 SMALL: dict[str, Any] = {
     "controllers": ["centralized", "distributed"],
@@ -38,6 +41,21 @@ def study(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str
 def said(*arguments: object, **options: Any) -> dict[str, Any]:
     """What a study says with --json; it must succeed."""
     done = study(*arguments, "--json", **options)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def study_here(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """The same command in this process: without the start, where nothing befalls the process."""
+    out, error = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
+        status = cli.run(["study", *map(str, arguments)])
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), error.getvalue())
+
+
+def said_here(*arguments: object) -> dict[str, Any]:
+    """What a study in this process says with --json; it must succeed."""
+    done = study_here(*arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

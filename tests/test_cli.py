@@ -110,11 +110,11 @@ def test_carry_writes_picture_animation_and_log(written: Path) -> None:
     assert len(heads) == 4
 
 
-def test_replay_proves_the_log_identical(written: Path) -> None:
+def test_replay_proves_the_log_identical(here: Here, written: Path) -> None:
     result = palmbots("replay", str(written / "carry.mcap"), "--json")
     assert result.returncode == DONE
     assert json.loads(result.stdout)["identical"] is True
-    assert "IDENTICAL" in palmbots("replay", str(written / "carry.mcap")).stdout
+    assert "IDENTICAL" in here("replay", str(written / "carry.mcap")).stdout
 
 
 def test_replay_refuses_a_truncated_log(here: Here, written: Path, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from studies import LONG, command, marks, refused, said, study
+from studies import LONG, command, marks, refused, said, said_here, study, study_here
 
 TIMEOUT_S = 60
 
@@ -28,7 +28,7 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def whole(long: Path) -> str:
     """The hash of the study carried here, without a cluster."""
-    return said(long, "--out", long.parent / "whole")["hash"]
+    return said_here(long, "--out", long.parent / "whole")["hash"]
 
 
 @contextlib.contextmanager
@@ -107,7 +107,7 @@ def test_the_scheduler_is_lost_and_the_study_goes_on_without_it(
     )  # fmt: skip
     kept = marks(root)
     assert kept
-    told = said(long, "--out", root)
+    told = said_here(long, "--out", root)
     assert told["hash"] == whole
     assert told["resumed"] == 200 * len(kept)
 
@@ -137,7 +137,7 @@ def test_ctrl_c_in_a_terminal_reaches_workers_too(
     assert error.count("\n") == 1, error
     assert f"kept in {root}" in error
     if chunks:
-        assert said(long, "--out", root)["hash"] == whole
+        assert said_here(long, "--out", root)["hash"] == whole
 
 
 OTHER = """
@@ -187,7 +187,7 @@ def test_two_cuts_of_one_study_do_not_meet(long: Path, whole: str, tmp_path: Pat
 def test_nobody_there(long: Path, tmp_path: Path) -> None:
     done = study(long, "--out", tmp_path / "a", "--scheduler", "tcp://127.0.0.1:9")
     refused(done, "--scheduler tcp://127.0.0.1:9: cannot be reached", "dask scheduler")
-    refused(study(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
-    refused(study(long, "--out", tmp_path / "c", "--local-cluster", 0), "--local-cluster: 0")
+    refused(study_here(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
+    refused(study_here(long, "--out", tmp_path / "c", "--local-cluster", 0), "--local-cluster: 0")
     both = ("--local-cluster", 1, "--scheduler", "tcp://127.0.0.1:9")
-    refused(study(long, "--out", tmp_path / "d", *both), "one of them")
+    refused(study_here(long, "--out", tmp_path / "d", *both), "one of them")

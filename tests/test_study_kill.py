@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 
 from palmbots import cli
-from studies import LONG, command, marks, refused, said, study
+from studies import LONG, command, marks, refused, said_here, study, study_here
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def whole(long: Path) -> str:
     """The hash of a run that nothing befell, on one thread in another cut."""
-    return said(long, "--out", long.parent / "whole", "--chunk", 1500, "--threads", 1)["hash"]
+    return said_here(long, "--out", long.parent / "whole", "--chunk", 1500, "--threads", 1)["hash"]
 
 
 def killed_after(root: Path, chunks: int, delay_s: float, *arguments: object) -> set[str]:
@@ -62,7 +62,7 @@ def test_killed_again_and_again_the_result_is_the_same(
         assert now > kept, "a run that is killed gets somewhere, and nothing is lost"
         kept = now
     assert len(kept) < 48, "it was not killed but had ended"
-    told = said(*arguments)
+    told = said_here(*arguments)
     assert told["hash"] == whole
     assert told["carries"] == 9600
     assert told["resumed"] == 200 * len(kept)
@@ -83,7 +83,7 @@ def test_killed_while_it_begins(long: Path, whole: str, tmp_path: Path) -> None:
         process.wait(timeout=60)
         if marks(root) or rng.random() < 0.5:
             shutil.rmtree(root)
-    told = said(long, "--out", root)
+    told = said_here(long, "--out", root)
     assert told["hash"] == whole
 
 
@@ -99,7 +99,7 @@ def test_ctrl_c_keeps_what_is_finished(long: Path, whole: str, tmp_path: Path) -
     assert process.returncode == 130
     assert error.count("\n") == 1
     assert f"kept in {root}" in error
-    assert said(long, "--out", root)["hash"] == whole
+    assert said_here(long, "--out", root)["hash"] == whole
 
 
 def test_a_second_process_is_refused(long: Path, whole: str, tmp_path: Path) -> None:
@@ -107,18 +107,18 @@ def test_a_second_process_is_refused(long: Path, whole: str, tmp_path: Path) -> 
     with subprocess.Popen(command(long, "--out", root, "--chunk", 200)) as process:
         while len(marks(root)) < 1:
             time.sleep(0.01)
-        refused(study(long, "--out", root), root, "in use by another")
+        refused(study_here(long, "--out", root), root, "in use by another")
         process.kill()
-    assert said(long, "--out", root)["hash"] == whole
+    assert said_here(long, "--out", root)["hash"] == whole
 
 
 def test_a_lock_outlives_nobody(long: Path, tmp_path: Path) -> None:
     root = tmp_path / "study"
-    said(long, "-n", 2, "--out", root)
+    said_here(long, "-n", 2, "--out", root)
     with open(root / "lock", "ab") as stream:
         fcntl.flock(stream, fcntl.LOCK_EX)
-        refused(study(long, "-n", 2, "--out", root), "in use by another")
-    assert said(long, "-n", 2, "--out", root)["resumed"] == 48
+        refused(study_here(long, "-n", 2, "--out", root), "in use by another")
+    assert said_here(long, "-n", 2, "--out", root)["resumed"] == 48
 
 
 def test_no_room_in_a_file(long: Path, whole: str, tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ def test_no_room_in_a_file(long: Path, whole: str, tmp_path: Path) -> None:
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000)),
     )  # fmt: skip
     refused(said_so, root, "cannot be written: File too large", "kept: make room")
-    assert said(long, "--out", root)["hash"] == whole
+    assert said_here(long, "--out", root)["hash"] == whole
 
 
 @contextlib.contextmanager
@@ -148,12 +148,12 @@ def test_a_full_disk(long: Path, whole: str, tmp_path: Path) -> None:
     """What was finished is kept; with more room it goes on."""
     with small_disk(tmp_path / "disk", 600) as disk:
         root = disk / "study"
-        refused(study(long, "--out", root, "--chunk", 200), root, "No space left", "make room")
+        refused(study_here(long, "--out", root, "--chunk", 200), root, "No space left", "make room")
         kept = marks(root)
         assert kept
         room = tmp_path / "room"
         shutil.copytree(root, room)
-    told = said(long, "--out", room)
+    told = said_here(long, "--out", room)
     assert told["hash"] == whole
     assert told["resumed"] == 200 * len(kept)
 
