@@ -65,15 +65,14 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("controller", ["none", "centralized", "distributed", "resilient"])
 def test_carry_out_writes_the_same_files_for_every_controller(
-    controller: str, tmp_path: Path
+    controller: str, here: Here, tmp_path: Path
 ) -> None:
     """Through a bad radio, faults and damaged packets too."""
     bad = ["radio.loss=0.05", "radio.corruption=0.02", "radio.duplicate=0.05", "faults.reboots=1"]
     keys = [word for key in [*bad, "task.distance_m=0.3"] for word in ("--set", key)]
     out = tmp_path / "out"
-    result = palmbots("carry", "-c", controller, *keys, "--animation", "gif", "--out", str(out))
+    result = here("carry", "-c", controller, *keys, "--animation", "gif", "--out", str(out))
     assert result.returncode in (DONE, FAILED), result.stderr
-    assert "Traceback" not in result.stderr
     files = {"carry.png", "carry.mcap", "carry.gif"}
     letters = {"message_sequence.png"} if controller in ("distributed", "resilient") else set()
     assert {path.name for path in out.iterdir()} == files | letters
