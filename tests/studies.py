@@ -50,7 +50,7 @@ def study_here(*arguments: object) -> subprocess.CompletedProcess[str]:
     out, error = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
         status = cli.run(["study", *map(str, arguments)])
-    return subprocess.CompletedProcess(arguments, status, out.getvalue(), error.getvalue())
+    return subprocess.CompletedProcess([], status, out.getvalue(), error.getvalue())
 
 
 def said_here(*arguments: object) -> dict[str, Any]:

@@ -135,9 +135,11 @@ def scene_at(base: Scene, keys: Sequence[str], values: Sequence[Any], called: st
     """
     given = dict(zip(keys, values, strict=True))
     plain = {key: value for key, value in given.items() if not _INDEXED.fullmatch(key)}
-    scene = load_scene(base, plain, called=called)
-    refuse_curved(scene)
-    entries: dict[str, list[Any]] = {}
+    names = {found[1] for key in given if (found := _INDEXED.fullmatch(key))}
+    # A scene is made once, with all keys, where no other key can have changed a list.
+    apart = not any(f"{name}.".startswith(f"{key}.") for name in names for key in plain)
+    scene = base if names and apart else load_scene(base, plain, called=called)
+    entries: dict[str, Any] = {}
     for key, value in given.items():
         indexed = _INDEXED.fullmatch(key)
         if indexed is None:
@@ -150,7 +152,11 @@ def scene_at(base: Scene, keys: Sequence[str], values: Sequence[Any], called: st
                 "scene has, as in object.com_m[0]"
             )
         there[index] = value
-    return load_scene(scene, entries, called=called) if entries else scene
+    if scene is base:
+        entries = plain | entries
+    done = load_scene(scene, entries, called=called) if entries else scene
+    refuse_curved(done)
+    return done
 
 
 def _looked_up(scene: Scene, name: str) -> list[Any]:
