@@ -60,14 +60,6 @@ struct Statics {
     return -tie(load, cones[left].down, cones[right].up).at(span);
   }
 
-  // Where the two contacts let go at the same squeeze: the upper ends on closing (direction up),
-  // the lower ends on opening.
-  constexpr Tie<Real> let_go(const Moments<Real>& load, Slide direction) const {
-    const bool closing = direction == Slide::up;
-    return tie(load, closing ? cones[left].up : cones[left].down,
-               closing ? cones[right].up : cones[right].down);
-  }
-
   // Does the edge that slides in this direction bound no squeeze?
   constexpr bool wedged_in(std::size_t side, Slide direction, Span<Real> span) const {
     const Edge<Real> edge = direction == Slide::up ? cones[side].up : cones[side].down;

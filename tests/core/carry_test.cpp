@@ -237,6 +237,31 @@ void test_a_station_that_rests_misses_nothing() {
   CHECK(3 * asked < 2 * all);
 }
 
+// Random bumps are those of the seed that counts in their tick, also from a fork inside of a block of
+// ticks on. Robots without noise go on at one speed, and bumps of size 0 are counted only.
+void test_a_fork_draws_its_own_bumps() {
+  Spec spec = paper_spec();
+  for (RobotSpec& robot : spec.robots) robot.noise = 0;
+  spec.bump_rate = 50;
+  const double chance = spec.bump_rate * spec.robots[left].speed * spec.period;
+  for (const std::uint32_t fork : {256U, 300U, 319U}) {
+    Carry<double, Unattended, NoRecorder> carry(spec, 1, Unattended{}, NoRecorder{});
+    carry.begin();
+    std::uint32_t expected = 0;
+    std::uint32_t before = 0;  // those while the robots still gather speed
+    for (std::uint32_t tick = 0; tick < 700; ++tick) {
+      if (tick == 100) before = carry.metrics().bumps;
+      if (tick == fork) carry.fork(2);
+      const Words words = draw(tick < fork ? 1 : 2, tick, Stream::bump);
+      for (const std::size_t robot : {0, 2}) {
+        if (tick >= 100 && unit_uniform<double>(words[robot]) < chance) ++expected;
+      }
+      carry.tick();
+    }
+    CHECK(expected > 20 && carry.metrics().bumps - before == expected);
+  }
+}
+
 // Two robots on leases that count how often they are asked.
 struct CountedPeers : Peers {
   using Peers::Peers;
@@ -327,4 +352,5 @@ int main() {
   test_a_station_that_rests_misses_nothing();
   test_peers_that_rest_miss_nothing();
   test_forks_of_any_team();
+  test_a_fork_draws_its_own_bumps();
 }
