@@ -21,12 +21,12 @@ RUNS = list(product(("none", "centralized", "distributed", "resilient"), ("doubl
 PINNED = {
     ("none", "double"): "44d4f4979032c3fb",
     ("none", "float"): "6497fe6a46b997b6",
-    ("centralized", "double"): "64001e737ea1306d",
-    ("centralized", "float"): "6382f0928649c02d",
-    ("distributed", "double"): "2bb2b87fde474892",
-    ("distributed", "float"): "a10003d79acc41ba",
-    ("resilient", "double"): "cda455e219f4ccee",
-    ("resilient", "float"): "b36674330903b175",
+    ("centralized", "double"): "9ad19dbb5d0c1fd4",
+    ("centralized", "float"): "d459939217488bb1",
+    ("distributed", "double"): "489f5e5a2bffd3d3",
+    ("distributed", "float"): "cc81dc158c58c2cf",
+    ("resilient", "double"): "7c0ec510b66942b8",
+    ("resilient", "float"): "da6f21b72cca2223",
 }
 
 # Everything that a scene can switch on.

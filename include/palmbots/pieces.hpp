@@ -36,6 +36,7 @@ struct Pieces {
   PerSide<Real> from{pose.stance.palms[left].angle, pose.stance.palms[right].angle};
   PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
   bool turning = turn[left] != Real(0) || turn[right] != Real(0);
+  PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
   Moments<Real> pushed = moments_under<Real>(rig, pose.push);
 
   // Which contacts slide in a piece.
@@ -85,7 +86,7 @@ struct Pieces {
       // A contact right at its pivot, on a palm that turns, would go to and fro by a rounding error.
       const bool reverses = reversals < most_reversals;
       const auto [event, when] =
-          first_event(done, goal, then, slider, direction, give_up, reverses, at);
+          first_event(done, goal, now, then, slider, direction, give_up, reverses, at);
       switch (event) {
         case Event::none:
           if (slider != Slider::both) pose.tied = Real(0);
@@ -123,10 +124,10 @@ struct Pieces {
     Real when;
   };
 
-  // The earliest event between `done` and `goal`, given the state at `goal` if there were none.
+  // The earliest event between `done` and `goal`, given the state now, and at `goal` if there were none.
   template <class At>
-  Happening first_event(Real done, Real goal, const State& then, Slider slider, Slide direction,
-                        bool give_up, bool reverses, At at) const {
+  Happening first_event(Real done, Real goal, const State& now, const State& then, Slider slider,
+                        Slide direction, bool give_up, bool reverses, At at) const {
     Happening first{Event::none, goal};
     const auto note = [&](Event event, Real when) {
       if (first.event == Event::none || when < first.when) first = {event, when};
@@ -142,14 +143,15 @@ struct Pieces {
     if (turning && direction != Slide::stick && reverses) {
       const Real last = drives_on(then);
       if (last < Real(0)) {
-        note(Event::reversal, root(done, goal, last, [&](Real t) { return drives_on(at(t)); }));
+        note(Event::reversal,
+             root(done, drives_on(now), goal, last, [&](Real t) { return drives_on(at(t)); }));
       }
     }
     if (slider == Slider::on_left || slider == Slider::on_right) {
       const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
       const Real last = ahead(then);
       if (last < Real(0)) {
-        note(Event::tie, root(done, goal, last, [&](Real t) { return ahead(at(t)); }));
+        note(Event::tie, root(done, ahead(now), goal, last, [&](Real t) { return ahead(at(t)); }));
       }
     }
     return first;
@@ -168,11 +170,12 @@ struct Pieces {
   State state(Real t, Slider slider, Slide direction, const State& now) const {
     State then = now;
     then.stance.separation = separation + t * change;
-    if (turning) {
+    if (t == Real(1)) {
+      then.stance.palms = turned;
+    } else if (turning) {
       for (const std::size_t side : {left, right}) {
         if (turn[side] == Real(0)) continue;
-        then.stance.palms[side] =
-            PalmAngle<Real>::at(t == Real(1) ? angles[side] : from[side] + t * turn[side]);
+        then.stance.palms[side] = PalmAngle<Real>::at(from[side] + t * turn[side]);
       }
     }
     const auto& offset = rig.offset;
@@ -201,6 +204,10 @@ struct Pieces {
     if (within(p[left], safe) && within(p[right], safe)) return End::none;
     const Statics<Real> statics = Statics<Real>::at(rig, s.stance.palms);
     return first_end(rig, statics, s.stance.palms, s.stance.contacts, s.span);
+  }
+
+  PalmAngle<Real> at_its_goal(std::size_t side) const {
+    return turn[side] == Real(0) ? pose.stance.palms[side] : PalmAngle<Real>::at(angles[side]);
   }
 
   Real drive(const State& s) const {

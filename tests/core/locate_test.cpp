@@ -1,0 +1,112 @@
+// Events inside a step: the bracket that is promised, on functions smooth and nasty, and how few looks
+// it takes where the function is as smooth as a tick's.
+#include "palmbots/locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "check.hpp"
+
+using palmbots::last_holding;
+using palmbots::root;
+
+namespace {
+
+template <class Real>
+constexpr Real tolerance = Real(4096) * std::numeric_limits<Real>::epsilon();
+
+double uniform() {
+  static std::uint64_t state = 1;
+  state = state * 6364136223846793005 + 1442695040888963407;
+  return double(state >> 11) / 9007199254740992.0;
+}
+
+// What root() promises of any function that is ≥ 0 at 0, and < 0 at 1 for good from some instant on;
+// returns how often it looked.
+template <class Real, class Function>
+int looks_at(Function f) {
+  int looks = 0;
+  const Real found = root(Real(0), Real(f(Real(0))), Real(1), Real(f(Real(1))), [&](Real t) {
+    CHECK(t > Real(0) && t < Real(1));
+    ++looks;
+    return Real(f(t));
+  });
+  CHECK(found >= Real(0) && found < Real(1));
+  CHECK(f(found) >= Real(0));
+  const bool is_zero = Real(f(found)) == Real(0);
+  CHECK(is_zero || f(std::min(Real(1), found + tolerance<Real>)) < Real(0));
+  return looks;
+}
+
+// A tick's condition is nearly straight: bent by a thousandth.
+template <class Real>
+void test_few_looks_where_it_is_smooth(int most) {
+  for (int i = 0; i < 20000; ++i) {
+    const auto at = Real(uniform());
+    const auto bend = Real(0.002 * (uniform() - 0.5));
+    const auto twist = Real(0.0002 * (uniform() - 0.5));
+    const auto scale = Real(std::pow(10.0, -8.0 * uniform()));
+    const int looks = looks_at<Real>([=](Real t) {
+      const Real x = at - t;
+      return scale * (x + bend * x * x + twist * x * x * x);
+    });
+    CHECK(looks <= most);
+  }
+}
+
+template <class Real>
+void test_nasty_functions() {
+  for (int i = 0; i < 2000; ++i) {
+    const auto at = Real(uniform());
+    if (at == Real(0)) continue;
+    const auto high = Real(std::pow(10.0, -30.0 * uniform()));
+    const auto low = Real(std::pow(10.0, -30.0 * uniform()));
+    const auto power = Real(1 + 20 * uniform());
+    const auto curve = [=](Real t) {
+      return t <= at ? high * std::pow(at - t, power) : -low * std::pow(t - at, power);
+    };
+    CHECK(looks_at<Real>([=](Real t) { return t <= at ? high : -low; }) < 200);
+    CHECK(looks_at<Real>([=](Real t) { return (at - t) * (t < at ? high : low); }) < 200);
+    CHECK(looks_at<Real>([=](Real t) { return std::atan((at - t) / high); }) < 200);
+    if (curve(Real(1)) < Real(0)) CHECK(looks_at<Real>(curve) < 200);
+  }
+}
+
+template <class Real>
+void test_what_begins_at_its_root() {
+  const auto never = [](Real) -> Real {
+    CHECK(false);
+    return Real(0);
+  };
+  CHECK(root(Real(0.25), Real(0), Real(1), Real(-1), never) == Real(0.25));
+  // Rounding may have made it negative already.
+  CHECK(root(Real(0.25), Real(-1e-20), Real(1), Real(-1), never) == Real(0.25));
+  // It rises before it falls: the root is the one at the end of the bracket.
+  const auto hump = [](Real t) { return t < Real(0.5) ? t + Real(1e-12) : Real(0.75) - t; };
+  CHECK(std::abs(root(Real(0), hump(0), Real(1), hump(1), hump) - Real(0.75)) <= tolerance<Real>);
+}
+
+template <class Real>
+void test_last_holding() {
+  for (int i = 0; i < 1000; ++i) {
+    const auto last = Real(uniform());
+    const auto holds = [=](Real t) { return t <= last; };
+    CHECK(last_holding(Real(0), Real(1), holds) == last);
+  }
+}
+
+template <class Real>
+void test_all(int most_looks) {
+  test_few_looks_where_it_is_smooth<Real>(most_looks);
+  test_nasty_functions<Real>();
+  test_what_begins_at_its_root<Real>();
+  test_last_holding<Real>();
+}
+
+}  // namespace
+
+int main() {
+  test_all<double>(4);
+  test_all<float>(3);
+}
