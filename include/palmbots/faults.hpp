@@ -91,6 +91,19 @@ class Faults {
     return next;
   }
 
+  // The first tick after this one at which host() may say something else.
+  std::uint32_t next_change(std::uint32_t tick, std::size_t side) const {
+    std::uint32_t next = ~0U;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || f.is_sensors()) continue;
+      for (const std::uint32_t at : {f.from, f.off_from, f.to}) {
+        if (at > tick && at < next) next = at;
+      }
+    }
+    return next;
+  }
+
   // What a sensor says at a tick where it should say `sign`.
   Sign reading(std::uint32_t tick, std::size_t side, Sign sign) const {
     for (std::size_t i = 0; i < count_; ++i) {

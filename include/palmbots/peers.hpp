@@ -87,11 +87,15 @@ class Peers {
   }
 
   // The next tick in which a robot has something to do by itself: a beacon is due, a time is over, or
-  // its program does not run. A clock that is not the carry's own is stepped in every tick.
+  // its program stops or starts to run. A clock that is not the carry's own is stepped in every tick,
+  // and so is a program that is frozen: when it goes on it learns how long it was.
   std::uint32_t due(std::uint32_t tick, std::size_t side) const {
-    if (rate_[side] != 1) return tick + 1;
+    const Host host = faults_.any() ? faults_.host(tick, side) : Host::runs;
+    if (rate_[side] != 1 || host == Host::frozen) return tick + 1;
+    const std::uint32_t change = faults_.next_change(tick, side);
+    if (host == Host::off) return change;
     const std::uint32_t quiet = robots_[side].quiet(sensed_[side].sign, sensed_[side].turned);
-    return std::min(tick + 1 + quiet, faults_.next_outage(tick));
+    return std::min(tick + 1 + quiet, change);
   }
 
   // The follower is the one that yields, wherever it stands.

@@ -116,6 +116,28 @@ void test_next_outage() {
   CHECK(!Faults::of(spec_of({{FaultKind::reboot, 0, 0.01, 0.01, 0, 0}}), 0).bend_readings());
 }
 
+// Until then a robot's host stays what it is, and nothing else is waited for.
+void test_next_change() {
+  const Faults some = Faults::of(spec_of({{FaultKind::freeze, 0, 0.20, 0.50, 0, 0},
+                                          {FaultKind::reboot, 0, 0.60, 0.30, 0, 0},
+                                          {FaultKind::reboot, 1, 0.40, 0.10, 0, 0},
+                                          {FaultKind::stuck, 0, 0.05, 0.50, 1, 0},
+                                          {FaultKind::freeze, 0, 2.00, 0.02, 0, 0}}),
+                                 0);
+  for (const std::size_t side : {left, right}) {
+    int changes = 0;
+    for (std::uint32_t tick = 0; tick < 300; ++tick) {
+      const std::uint32_t next = some.next_change(tick, side);
+      CHECK(next > tick);
+      const Host now = some.host(tick, side);
+      for (std::uint32_t t = tick; t < next && t < 300; ++t) CHECK(some.host(t, side) == now);
+      if (next == tick + 1) ++changes;
+    }
+    CHECK(changes <= (side == left ? 9 : 2));
+    CHECK(some.next_change(300, side) == ~0U);
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -123,4 +145,5 @@ int main() {
   test_station_and_sensors();
   test_random_reboots();
   test_next_outage();
+  test_next_change();
 }
