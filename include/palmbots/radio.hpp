@@ -128,8 +128,10 @@ class Link {
   // Whether a message that is sent now will arrive: no burst, no loss, and there is room.
   bool takes(std::uint32_t now, const Channel& channel, const Words& words) {
     if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return false;
-    return !channel.loses(words) && tail_ - head_ < capacity;
+    return !channel.loses(words) && has_room();
   }
+
+  bool has_room() const { return tail_ - head_ < capacity; }
 
   // Puts one that will on its way; returns the tick of arrival.
   std::uint32_t put(std::uint32_t now, const Payload& payload, const Channel& channel,
@@ -137,15 +139,18 @@ class Link {
     return put(now + channel.ticks(words), payload, channel.reorders);
   }
 
+  // The same, at a given tick.
+  std::uint32_t put(std::uint32_t due, const Payload& payload) { return put(due, payload, false); }
+
   // The same message once more, by plan. What is sent later waits for it, unless the link reorders.
   void send_again(std::uint32_t now, Payload payload, const Channel& channel, const Words& words) {
-    if (tail_ - head_ < capacity) put(now + channel.ticks(words), payload, channel.reorders);
+    if (has_room()) put(now + channel.ticks(words), payload, channel.reorders);
   }
 
   // The same message once more, if it is doubled; returns whether it is. Of the words below the
   // threshold, where the word lies is as good as another draw.
   bool send_copy(std::uint32_t now, Payload payload, const Channel& channel, const Words& words) {
-    if (words[3] >= channel.duplicate_words || tail_ - head_ == capacity) return false;
+    if (words[3] >= channel.duplicate_words || !has_room()) return false;
     const double share = double(words[3]) / double(channel.duplicate_words);
     put(now + channel.ticks(share), payload, channel.reorders);
     return true;

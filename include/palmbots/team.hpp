@@ -66,7 +66,10 @@ struct Traffic {
 class Radio {
  public:
   Radio(const Channel& channel, std::uint64_t seed, std::size_t leader)
-      : channel_(channel), seed_(seed), leader_(leader) {}
+      : channel_(channel),
+        plain_delay_(channel.is_plain() ? channel.longest() : 0),
+        seed_(seed),
+        leader_(leader) {}
 
   std::size_t leader() const { return leader_; }
 
@@ -86,13 +89,14 @@ class Radio {
   template <class Payload>
   std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
                      std::size_t sender, std::size_t robot, bool collides, Traffic& traffic) const {
+    LinkCounts& counts = traffic.links[robot + (sender == 2 ? 2 : 0)];
+    ++traffic.sent;
+    ++counts.sent;
+    if (plain_delay_ > 0 && link.has_room()) return link.put(tick + plain_delay_, payload);
     // The robot that leads has the first lane, so that the mirrored carry draws the mirrored numbers.
     const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
     const Words words =
         channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
-    LinkCounts& counts = traffic.links[robot + (sender == 2 ? 2 : 0)];
-    ++traffic.sent;
-    ++counts.sent;
     const Mishap* mishap = channel_.mishap(sender, counts.sent);
     const bool lost = mishap != nullptr && mishap->fate == Fate::lost;
     const bool late = mishap != nullptr && mishap->fate == Fate::late;
@@ -134,6 +138,7 @@ class Radio {
   }
 
   Channel channel_;
+  std::uint32_t plain_delay_;  // of every message, if it is always the same [ticks]; else 0
   std::uint64_t seed_;
   std::size_t leader_;
 };

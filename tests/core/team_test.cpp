@@ -1,5 +1,6 @@
 // Controllers and radio wired together: mirror symmetry, the order of a tick, and what a lost packet
 // does where a station decides.
+#include "palmbots/peers.hpp"
 #include "palmbots/station.hpp"
 
 #include <array>
@@ -299,6 +300,85 @@ void test_links_are_independent() {
   }
 }
 
+// Whose inbox is full does not get the rest, over a plain radio either.
+void test_a_full_line_loses() {
+  const Radio radio(Channel::of(0.03, 0, 0, 0.01), 0, right);
+  Link<Letter> link;
+  Traffic traffic{};
+  for (std::uint32_t tick = 0; tick < 300; ++tick) {
+    const std::uint32_t received = radio.post(link, tick, Letter::ack, left, left, false, traffic);
+    CHECK(received == (tick < 256 ? tick + 3 : 0));
+  }
+  CHECK(traffic.sent == 300 && traffic.lost == 44 && traffic.links[left].lost == 44);
+  for (int i = 0; i < 256; ++i) {
+    CHECK(link.oldest(1000) != nullptr);
+    link.pop();
+  }
+  CHECK(link.oldest(1000) == nullptr);
+}
+
+// Robots on leases that are asked only when they want to be, or sense something else, do and say in every
+// tick what those do that are stepped in every tick: those with a clock that is not the carry's, and as
+// good as exact. Whatever they sense, whatever fails.
+void test_peers_sleep_through_nothing() {
+  constexpr double restless = 1e-12;
+  int slept = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    Spec spec{};
+    spec.period = 0.01;
+    spec.watchdog = 0.3;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const Words words = draw(seed, i, Stream::fault);
+      spec.faults[spec.fault_count++] = {words[0] % 3 == 0 ? FaultKind::reboot : FaultKind::freeze,
+                                         words[1] % 2,
+                                         unit_uniform<double>(words[2]) * 20,
+                                         unit_uniform<double>(words[3]) * 0.4,
+                                         0,
+                                         0};
+    }
+    const Faults faults = Faults::of(spec, seed);
+    const Channel channel =
+        Channel::of(0.05, seed % 3 == 1 ? 0.03 : 0, seed % 3 == 2 ? 0.1 : 0, 0.01);
+    const auto team = [&](double drift) {
+      return Peers({5, 52, 69, 6, 6}, {drift, drift}, channel, seed, right, faults);
+    };
+    Peers sleeper = team(0);
+    Peers watcher = team(restless);
+    PerSide<Sensed> before{};
+    PerSide<Command> said{};
+    std::uint32_t wake = 0;
+    for (std::uint32_t tick = 0; tick < 2000; ++tick) {
+      // Contacts stay for a while where they are, mostly centred; palms settle now and then.
+      PerSide<Sensed> sensed{};
+      for (const std::size_t side : {left, right}) {
+        const Words words =
+            draw(seed, tick / 24, Stream::tactile, static_cast<std::uint32_t>(side));
+        const Words turns =
+            draw(seed, tick / 6, Stream::tactile, 2 + static_cast<std::uint32_t>(side));
+        constexpr Sign signs[] = {Sign::zero, Sign::zero, Sign::zero, Sign::positive,
+                                  Sign::negative};
+        sensed[side] = {signs[words[0] % 5], turns[0] % 3 != 0};
+      }
+      const PerSide<Command> all = watcher.step(tick, sensed, ignore);
+      if (tick >= wake || !(sensed == before)) {
+        said = sleeper.step(tick, sensed, ignore);
+        wake = sleeper.wake(tick);
+      } else {
+        ++slept;
+      }
+      before = sensed;
+      for (const std::size_t side : {left, right}) {
+        CHECK(said[side] == all[side]);
+        CHECK(sleeper.name(side) == watcher.name(side) &&
+              sleeper.waits(side) == watcher.waits(side));
+      }
+      CHECK(sleeper.traffic.sent == watcher.traffic.sent);
+      CHECK(sleeper.traffic.lost == watcher.traffic.lost);
+    }
+  }
+  CHECK(slept > 150 * 2000 / 4);
+}
+
 }  // namespace
 
 int main() {
@@ -312,4 +392,6 @@ int main() {
   test_a_lost_station_hears_nothing();
   test_collisions();
   test_links_are_independent();
+  test_a_full_line_loses();
+  test_peers_sleep_through_nothing();
 }
