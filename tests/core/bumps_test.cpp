@@ -43,7 +43,9 @@ Spec scripted() {
   spec.bumps[3] = {1, 1, 0.6, 0.0};  // in tick 3, the first one not before 0.6 s
   spec.bumps[4] = {1, 0, 0.0, 1.0};  // at once
   spec.bumps[5] = {1, 0, 0.75, 2.0};
-  spec.bump_count = 6;
+  spec.bumps[6] = {0, 1, 2.0, 0.0625};
+  spec.bumps[7] = {1, 0, 0.875, -1.0};  // in tick 7, where those of tick 8 must wait
+  spec.bump_count = 8;
   return spec;
 }
 
@@ -52,7 +54,7 @@ void test_scripted_bumps() {
   Spec spec = scripted();
   // 0.125 m a tick: 0.75 m after six of them.
   const std::vector<Happened> expected{
-      {0, 0, 1, 1}, {3, 0, 0, 1}, {6, -0.25, 2, 2}, {8, 0.125, 0.5, 2}};
+      {0, 0, 1, 1}, {3, 0, 0, 1}, {6, -0.25, 2, 2}, {7, 0, -1, 1}, {8, 0.1875, 0.5, 3}};
   CHECK(happen(spec, 1, 100, 1.0) == expected);
   spec.direction = -1;  // places lie in the direction of travel
   CHECK(happen(spec, 1, 100, -1.0) == expected);
@@ -123,8 +125,8 @@ void test_scripted_and_random() {
     bumps += one.bumps;
     shifted += one.left + one.right;
   }
-  CHECK(bumps > 6 + 3);
-  CHECK(std::abs(shifted - 3.375) < 1e-3);
+  CHECK(bumps > 8 + 3);
+  CHECK(std::abs(shifted - 2.4375) < 1e-3);
 }
 
 }  // namespace

@@ -53,11 +53,23 @@ void test_root() {
   check_root(std::cbrt(Real(0.5)), [](Real t) { return Real(0.5) - t * t * t; }, 40);
   check_root(Real(0.01), [](Real t) { return Real(0.1) - std::sqrt(t); }, 60);
   check_root(Real(0.25), [](Real t) { return std::exp(Real(8) * (Real(0.25) - t)) - Real(1); }, 40);
-  // Already over at the good end, or just there.
-  CHECK(root(Real(0.25), Real(1), Real(-1), [](Real t) { return -t; }) == Real(0.25));
+  // No number to draw a line to.
+  check_root(Real(0.3), [](Real t) { return std::log((Real(1) - t) / Real(0.7)); }, 60);
+  // Already over at the good end, or just there: no search.
+  asked = 0;
+  const auto over = [](Real t) {
+    ++asked;
+    return t < Real(0.5) ? -t : Real(1);
+  };
+  CHECK(root(Real(0.25), Real(1), Real(-1), over) == Real(0.25) && asked == 1);
   CHECK(root(Real(0), Real(1), Real(-1), [](Real t) { return -t; }) == Real(0));
   // Exactly met: that is where the regime ends.
-  CHECK(root(Real(0), Real(1), Real(-1), [](Real t) { return Real(1) - 2 * t; }) == Real(0.5));
+  const auto met = [](Real t) {
+    ++asked;
+    return Real(1) - 2 * t;
+  };
+  asked = 0;
+  CHECK(root(Real(0), Real(1), Real(-1), met) == Real(0.5) && asked == 2);
   // A jump has no root: the last number before it, within the tolerance.
   const Real jump =
       root(Real(0), Real(1), Real(-3), [](Real t) { return t < Real(0.7) ? Real(1) : Real(-3); });

@@ -157,6 +157,20 @@ void test_limit_cycle() {
   CHECK(!cycles(12, 5, 6) && cycles(15, 5, 6));
 }
 
+// What leaves a contact alone is of neither sign.
+void test_no_cycle_without_a_sign() {
+  Metrics metrics;
+  metrics.settle_ticks = 20;
+  Script team;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    team.in(left, 'd', 0);
+    metrics.note(4 * i + 1, team);
+    team.in(left, ' ', 0);
+    metrics.note(4 * i + 3, team);
+  }
+  CHECK(metrics.corrections == 20 && !metrics.limit_cycle[left]);
+}
+
 // A station's correction of both contacts counts for both robots.
 void test_a_cycle_of_both() {
   Metrics metrics;
@@ -260,6 +274,7 @@ int main() {
   test_both_ask();
   test_waiting();
   test_limit_cycle();
+  test_no_cycle_without_a_sign();
   test_a_cycle_of_both();
   test_more_than_are_kept();
   test_touches();

@@ -3,6 +3,8 @@
 #include "palmbots/splitting.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <set>
 
 #include "check.hpp"
 
@@ -119,9 +121,39 @@ void test_a_replicate_depends_on_its_number_alone() {
   CHECK(differs);
 }
 
+// No two runs have one seed, whatever tells them apart, and every parent has its share of them.
+void test_branches() {
+  constexpr std::size_t parents = 7;
+  std::set<std::uint64_t> seeds;
+  std::vector<int> chosen(parents);
+  int runs = 0;
+  for (const std::uint64_t seed : {0ULL, 1ULL, 1ULL << 40}) {
+    for (std::uint32_t replicate = 0; replicate < 5; ++replicate) {
+      for (std::uint32_t stage = 0; stage < 5; ++stage) {
+        for (std::uint32_t run = 0; run < 280; ++run, ++runs) {
+          const Branch branch = Branch::of(seed, replicate, stage, run, parents);
+          seeds.insert(branch.seed);
+          CHECK(branch.parent < parents);
+          ++chosen[branch.parent];
+        }
+      }
+    }
+  }
+  CHECK(seeds.size() == static_cast<std::size_t>(runs));
+  for (const int n : chosen) CHECK(std::abs(n - 3000) < 5 * 51);  // the deviation is 50.7
+  // Of the other half of a seed's bits, too: no two in 2³² would be alike by chance.
+  std::set<std::uint64_t> halves[2];
+  for (const std::uint64_t seed : seeds) {
+    halves[0].insert(seed >> 32);
+    halves[1].insert(seed & 0xFFFFFFFF);
+  }
+  for (const auto& half : halves) CHECK(half.size() + 10 > seeds.size());
+}
+
 }  // namespace
 
 int main() {
+  test_branches();
   test_unbiased_whatever_the_levels();
   test_a_leap_over_levels_loses_nothing();
   test_levels_are_reached_by_the_wanted_share();
