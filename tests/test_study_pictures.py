@@ -16,7 +16,7 @@ from palmbots.studies import explain, figures
 from palmbots.studies.design import design, shares
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import Done, cut_of, run_study
-from palmbots.studies.sensitivity import sensitivities
+from palmbots.studies.sensitivity import Index, sensitivities
 from studies import said
 
 FEW: dict[str, Any] = {"set": {"task.distance_m": 0.2}, "seeds": {"count": 4}}
@@ -63,7 +63,7 @@ def test_two_keys_are_maps_on_one_scale(tmp_path: Path) -> None:
         assert shown.reshape(-1) == pytest.approx(scale * done.values[metric][0][:, c % 2])
         for text in image.axes.texts:
             i, k = text.get_position()
-            assert float(text.get_text()) == pytest.approx(shown[i, k], rel=0.006)
+            assert float(text.get_text()) == pytest.approx(shown[int(i), int(k)], rel=0.006)
     assert [panel.get_title() for panel in figure.axes[:2]] == ["none", "distributed"]
     for panel in figure.axes[2:4]:
         assert panel.get_xlabel() == "radio latency [s]"
@@ -164,19 +164,31 @@ def test_indices_of_a_function_with_known_ones() -> None:
     assert [i.first for i in found] == pytest.approx(first, abs=0.04)
     assert [i.total for i in found] == pytest.approx(total, abs=0.04)
     assert all(0 < i.total_half < 0.1 for i in found)
-    # Other points scatter by no more than the intervals say, which do not know how even points are.
-    others = []
-    for seed in range(1, 13):
+
+
+def test_intervals_of_indices_are_wide_enough() -> None:
+    """Other points scatter by no more than the bootstrap says, which does not know how even they
+    are; and it says the same each time."""
+    keys = ["robot.noise_m_s", "radio.latency_s", "radio.jitter_s"]
+    table = {
+        "controllers": ["none"],
+        "vary": {key: {"from": 0.0, "to": 0.1} for key in keys},
+        "design": {"kind": "sobol-indices", "points": 8},
+    }
+    points = design(load_plan(table))
+
+    def told(seed: int) -> list[Index]:
         x = math.pi * (2 * shares("sobol-indices", 3, 256, seed) - 1)
-        y = np.sin(x[:, 0]) + a * np.sin(x[:, 1]) ** 2 + b * x[:, 2] ** 4 * np.sin(x[:, 0])
-        values = {"drop_rate": (y[:, None], None), "rms_m": (y[:, None] * 0, None)}
-        others.append(sensitivities(points, values))
+        y = (np.sin(x[:, 0]) * (1 + 0.1 * x[:, 2] ** 4) + 7 * np.sin(x[:, 1]) ** 2)[:, None]
+        return sensitivities(points, {"drop_rate": (y, None), "rms_m": (0 * y, None)})
+
+    several = [told(seed) for seed in range(12)]
+    assert told(11) == several[11]
     for k in range(3):
         for name in ("first", "total"):
-            each = [getattr(one[k], name) for one in others]
-            told = np.mean([getattr(one[k], f"{name}_half") for one in others])
-            assert 0.8 * 1.96 * np.std(each, ddof=1) < told < 0.3
-    assert sensitivities(points, values) == others[-1], "the same each time"
+            scatter = np.std([getattr(one[k], name) for one in several], ddof=1)
+            half = np.mean([getattr(one[k], f"{name}_half") for one in several])
+            assert 0.8 * 1.96 * scatter < half < 0.3
 
 
 def test_what_decides_is_found(tmp_path: Path) -> None:
