@@ -158,6 +158,13 @@ def test_both_ends_of_every_interval() -> None:
             assert mean[0, c] == pytest.approx(some.mean(), rel=1e-9, abs=1e-18), name
             told = pytest.approx([some.mean() - half, some.mean() + half], rel=1e-9, abs=1e-18)
             assert ends[0, c] == told, name
+    for c in range(2):
+        some = square[c][done[c]]
+        half = 1.959963984540054 * some.std(ddof=1) / math.sqrt(some.size)
+        rms, ends = found["rms_m"]
+        assert ends is not None
+        told = np.sqrt([some.mean() - half, some.mean(), some.mean() + half])
+        assert [ends[0, c, 0], rms[0, c], ends[0, c, 1]] == pytest.approx(told, rel=1e-9)
     for name, code in (("drop_rate", 2), ("stall_rate", 3)):
         for c in range(2):
             events, n = int((outcome[c] == code).sum()), int(done[c].sum())
