@@ -98,6 +98,33 @@ def test_outcomes_are_told_apart() -> None:
     assert (row.stall_rate, row.stall_interval) == (stalls / 60, wilson(stalls, 60))
 
 
+def test_the_interval_of_messages_where_ways_differ() -> None:
+    """Carries that end early send less and go less far: what counts is how far each of them is off
+    the common ratio. By the jackknife, which knows no formula for that."""
+    keys = {"robot.noise_m_s": 0.03}
+    (row,) = pb.compare(
+        values=[0.05], controllers=["distributed"], carries=400, overrides=keys
+    ).rows
+    scene = pb.load_scene("paper", keys | {"radio.latency_s": 0.05})
+    run = run_seeds(lower(scene), "distributed", 0, 400)
+    sent, way = run["messages"].astype(float), run["distance_m"]
+    assert np.std(way) > 0.1 * np.mean(way)
+    without = (sent.sum() - sent) / (way.sum() - way)
+    half = 1.959963984540054 * math.sqrt(399 / 400 * np.sum((without - without.mean()) ** 2))
+    low, high = row.messages_interval_per_m
+    assert (high - low) / 2 == pytest.approx(half, rel=0.03)
+    assert (high + low) / 2 == pytest.approx(row.messages_per_m)
+
+
+def test_what_the_resilient_algorithm_refuses_is_said() -> None:
+    found = pb.compare(values=[0.05, 0.5], controllers=["none", "resilient"], carries=2)
+    told = [(row.controller, row.value) for row in found.rows]
+    assert told == [("none", 0.05), ("none", 0.5), ("resilient", 0.05)]
+    (why,) = found.refused
+    assert why.startswith("radio.latency_s = 0.5: ") and "radio.lease_s" in why
+    assert found.summary()["refused"] == [why]
+
+
 def test_the_interval_of_messages_covers() -> None:
     """Of the intervals of many small comparisons about 95 % hold the ratio of very many carries."""
     whole = pb.compare(values=[0.05], controllers=["distributed"], carries=4000, seed=10**6).rows[0]
