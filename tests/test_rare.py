@@ -62,6 +62,7 @@ def test_the_answer_is_that_of_the_replicates_that_count() -> None:
     keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
     told = rare("paper", "distributed", overrides=keys, seed=3, within=1.0, effort=60)
     spec = lower(load_scene("paper", keys))
+    assert list(told.levels) == _core.choose_levels(spec, "distributed", 3, 1000, 0.2)
     rows, ticks = _core.replicates(
         spec, "distributed", 3, 60, list(told.levels), PLANNING, told.replicates, 1
     )
@@ -82,6 +83,25 @@ def test_the_answer_is_that_of_the_replicates_that_count() -> None:
     assert told.reached[0] == pytest.approx(np.mean(first))
     carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
     assert told.carries == pytest.approx(ticks * spec.period / carry_s)
+
+
+def test_the_interval_is_as_narrow_as_was_asked_for() -> None:
+    """About, since how many replicates that takes is an estimate; and no more work than that."""
+    keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.3}
+    widths = []
+    for seed in range(4):
+        found = rare(overrides=keys, seed=seed, within=0.15, effort=50)
+        widths.append((found.interval[1] - found.drop_rate) / found.drop_rate / 0.15)
+        assert found.replicates > 30, "or the least number decides"
+    assert 0.8 < np.mean(widths) < 1.25
+
+
+def test_progress_goes_on_to_the_end() -> None:
+    told: list[float] = []
+    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
+    rare(overrides=keys, within=1.0, effort=50, threads=2, progress=told.append)
+    assert told == sorted(told) and 0 < told[0] < 0.2 and told[-1] == 1
+    assert sum(part <= 0.2 for part in told) == PLANNING / 4
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
