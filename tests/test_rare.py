@@ -56,30 +56,34 @@ def test_levels_change_the_scatter_only() -> None:
     assert told[2][1] < 0.7 * told[0][1]
 
 
-def test_the_answer_is_that_of_the_replicates_that_count() -> None:
+@pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.016, 0, 10)])
+def test_the_answer_is_that_of_the_replicates_that_count(
+    noise: float, seed: int, effort: int
+) -> None:
     """Worked out here, product by product, from those after the planning ones: the rate, its
     interval by scipy's Student t, and the share of stages; no replicate is used twice."""
-    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
-    told = rare("paper", "distributed", overrides=keys, seed=3, within=1.0, effort=60)
+    keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+    told = rare("paper", "distributed", overrides=keys, seed=seed, within=1.0, effort=effort)
     spec = lower(load_scene("paper", keys))
-    assert list(told.levels) == _core.choose_levels(spec, "distributed", 3, 1000, 0.2)
+    assert list(told.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.2)
     rows, ticks = _core.replicates(
-        spec, "distributed", 3, 60, list(told.levels), PLANNING, told.replicates, 1
+        spec, "distributed", seed, effort, list(told.levels), PLANNING, told.replicates, 1
     )
     rates = []
     for stages in rows:
         rate, before = 0.0, 1.0
         for reached, drops in stages:
-            rate += before * drops / 60
-            before *= reached / 60
+            rate += before * drops / effort
+            before *= reached / effort
         rates.append(rate)
     assert told.drop_rate == pytest.approx(np.mean(rates), rel=1e-12)
     n = told.replicates
     half = stats.t.ppf(0.975, n - 1) * np.std(rates, ddof=1) / math.sqrt(n)
     low, high = told.interval
+    assert low >= 0 and (low == 0) == (noise < 0.02), "cut off where chance may explain all drops"
     assert 0.999 * half <= high - told.drop_rate <= 1.04 * half  # a table of quantiles
     assert low == pytest.approx(max(2 * told.drop_rate - high, 0))
-    first = [stages[0][0] / 60 for stages in rows]
+    first = [stages[0][0] / effort for stages in rows]
     assert told.reached[0] == pytest.approx(np.mean(first))
     carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
     assert told.carries == pytest.approx(ticks * spec.period / carry_s)
