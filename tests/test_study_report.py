@@ -60,6 +60,9 @@ def test_every_number_of_the_table(tmp_path: Path, capsys: pytest.CaptureFixture
             exact = (values[i, c], *ends[i, c])
             for told, one in zip(found.groups(), exact, strict=True):
                 rounded(told, scale * one)
+            decimals = len(found[2].partition(".")[2])
+            width = scale * (exact[2] - exact[1]) * 10.0**decimals
+            assert 10 <= width < 100, "two digits of the interval"
     drops, stalls = done.drops, done.stalls
     outcome = done.dataset().load().outcome
     assert (drops, stalls) == (int((outcome == 2).sum()), int((outcome == 3).sum()))
