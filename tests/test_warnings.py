@@ -47,7 +47,7 @@ def test_limit_cycles_by_side() -> None:
 ])  # fmt: skip
 def test_how_long_a_robot_may_wait(lasts: float, latency_s: float, warned: bool) -> None:
     """Two seconds, and what the radio takes both ways at most, jitter included."""
-    hanging = {"hanging": ((1.0, lasts, "Ack"), (2.0, 0.0, ""))}
+    hanging: dict[str, Any] = {"hanging": ((1.0, lasts, "Ack"), (2.0, 0.0, ""))}
     found = told(latency_s=latency_s, messages_lost=1, **hanging)
     assert len(found) == warned
     for one in found:
