@@ -131,7 +131,7 @@ def test_whatever_happens_in_a_step_happens_in_its_order() -> None:
     pieces = 0
     for _ in range(250):
         keys = {
-            "palm__friction": float(rng.choice([0.12, 0.2, 0.3, 0.5])),
+            "palm__friction": float(rng.choice([0.12, 0.2, 0.3, 0.5, 0.9, 2.0])),
             "object__com_m": [rng.uniform(0.1, 0.15), rng.uniform(0.02, 0.08)],
             "start__left_m": rng.uniform(-0.04, 0.04),
             "start__right_m": rng.uniform(-0.04, 0.04),
