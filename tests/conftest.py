@@ -5,10 +5,15 @@ import signal
 import sys
 
 import pytest
+from hypothesis import settings
 
 # A shell that runs the tests in the background lets them, and what they start, ignore Ctrl-C.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# How long an example takes tells how busy the machine is, and nothing of what is tested.
+settings.register_profile("unhurried", settings(deadline=None))
+settings.load_profile("unhurried")
 
 # Some 150 Python processes are started: not each of them shall compile every module again.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

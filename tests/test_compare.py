@@ -64,6 +64,67 @@ def test_a_row_is_made_of_single_carries() -> None:
     assert row.bytes_per_s == pytest.approx(28 * sent / sum(c.time_s for c in carries))
 
 
+def test_all_rows_have_the_same_seeds() -> None:
+    """A row does not depend on the others, and its precision is the one that was asked for."""
+    options: dict[str, Any] = {"carries": 8, "seed": 3, "overrides": {"robot.noise_m_s": 0.02}}
+    for precision in ("double", "float"):
+        options |= {"precision": precision}
+        several = pb.compare(values=[0.0, 0.1], controllers=["none", "distributed"], **options)
+        for row in several.rows:
+            alone = pb.compare(values=[row.value], controllers=[row.controller], **options)
+            assert alone.rows == (row,)
+            scene = {"radio.latency_s": row.value, **options["overrides"]}
+            single = [
+                pb.carry(
+                    "paper", row.controller, seed=s, precision=precision, record=False,
+                    overrides=scene,
+                ).contact_rms_m.values()
+                for s in range(3, 11)
+            ]  # fmt: skip
+            squares = [rms**2 for pair in single for rms in pair]
+            assert row.rms_m == pytest.approx(math.sqrt(np.mean(squares)), rel=1e-12)
+
+
+def test_outcomes_are_told_apart() -> None:
+    """Some arrive, some are dropped, and some do not get there in time."""
+    keys = {"robot.noise_m_s": 0.025, "task.timeout_s": 25.2}
+    (row,) = pb.compare(values=[0.05], controllers=["distributed"], carries=60, overrides=keys).rows
+    keys |= {"radio.latency_s": 0.05}
+    single = [pb.carry(seed=s, record=False, overrides=keys).outcome for s in range(60)]
+    drops, stalls = single.count("dropped"), single.count("stalled")
+    assert 0 < drops != stalls > 0
+    assert drops + stalls < 60
+    assert (row.drop_rate, row.interval) == (drops / 60, wilson(drops, 60))
+    assert (row.stall_rate, row.stall_interval) == (stalls / 60, wilson(stalls, 60))
+
+
+def test_the_interval_of_messages_where_ways_differ() -> None:
+    """Carries that end early send less and go less far: what counts is how far each of them is off
+    the common ratio. By the jackknife, which knows no formula for that."""
+    keys = {"robot.noise_m_s": 0.03}
+    (row,) = pb.compare(
+        values=[0.05], controllers=["distributed"], carries=400, overrides=keys
+    ).rows
+    scene = pb.load_scene("paper", keys | {"radio.latency_s": 0.05})
+    run = run_seeds(lower(scene), "distributed", 0, 400)
+    sent, way = run["messages"].astype(float), run["distance_m"]
+    assert np.std(way) > 0.1 * np.mean(way)
+    without = (sent.sum() - sent) / (way.sum() - way)
+    half = 1.959963984540054 * math.sqrt(399 / 400 * np.sum((without - without.mean()) ** 2))
+    low, high = row.messages_interval_per_m
+    assert (high - low) / 2 == pytest.approx(half, rel=0.03)
+    assert (high + low) / 2 == pytest.approx(row.messages_per_m)
+
+
+def test_what_the_resilient_algorithm_refuses_is_said() -> None:
+    found = pb.compare(values=[0.05, 0.5], controllers=["none", "resilient"], carries=2)
+    told = [(row.controller, row.value) for row in found.rows]
+    assert told == [("none", 0.05), ("none", 0.5), ("resilient", 0.05)]
+    (why,) = found.refused
+    assert why.startswith("radio.latency_s = 0.5: ") and "radio.lease_s" in why
+    assert found.summary()["refused"] == [why]
+
+
 def test_the_interval_of_messages_covers() -> None:
     """Of the intervals of many small comparisons about 95 % hold the ratio of very many carries."""
     whole = pb.compare(values=[0.05], controllers=["distributed"], carries=4000, seed=10**6).rows[0]

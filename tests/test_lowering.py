@@ -85,6 +85,74 @@ def test_keys_arrive_where_they_belong():
     assert (spec.inertia, spec.inertia_lag, spec.timeout_ticks) == (0, 0, 700)
 
 
+def test_keys_of_radio_and_faults_arrive_too():
+    """No two numbers are alike, and none is the default."""
+    numbers = {
+        "latency": 0.06, "jitter": 0.02, "loss": 0.03, "duplicate": 0.04, "corruption": 0.07,
+        "burst_share": 0.08, "airtime_s": 0.002, "beacon_s": 0.09, "lease_s": 0.6, "burst_s": 0.3,
+    }  # fmt: skip
+    spec = lower(
+        load_scene(
+            "paper",
+            {
+                "radio": {
+                    **{k + "_s" * (k in ("latency", "jitter")): v for k, v in numbers.items()},
+                    "reorder": True,
+                    "outages": [
+                        {"sender": "station", "start_s": 1.5, "end_s": 2.5},
+                        {"sender": "right", "start_s": 0.5, "end_s": 3.5},
+                    ],
+                    "script": [
+                        {"sender": "right", "message": 4, "fate": "late", "late_s": 0.11},
+                        {"sender": "left", "message": 2, "fate": "lost"},
+                        {"sender": "left", "message": 3, "fate": "copied", "late_s": 0.12},
+                    ],
+                },
+                "faults": {
+                    "reboots": 3,
+                    "reboot_s": 0.7,
+                    "script": [
+                        {"kind": "station", "at_s": 1.1, "for_s": 0.21},
+                        {
+                            "kind": "stuck",
+                            "robot": "right",
+                            "at_s": 1.2,
+                            "for_s": 0.22,
+                            "reads": "-",
+                        },
+                        {
+                            "kind": "flicker",
+                            "robot": "left",
+                            "at_s": 1.3,
+                            "for_s": 0.23,
+                            "rate": 0.4,
+                        },
+                        {"kind": "freeze", "robot": "right", "at_s": 1.4, "for_s": 0.24},
+                        {"kind": "reboot", "robot": "left", "at_s": 1.6, "for_s": 0.25},
+                    ],
+                },
+                "control.watchdog_s": 0.2,
+                "robot.left.clock_ppm": 150,
+            },
+        )
+    )
+    for name, number in numbers.items():
+        told = {"burst_s": "burst_mean"}.get(name, name.removesuffix("_s"))
+        assert getattr(spec, told) == number, name
+    assert spec.reorders == 1
+    assert spec.outages == [(2, 1.5, 2.5), (1, 0.5, 3.5)]
+    assert spec.mishaps == [(1, 4, 1, 0.11), (0, 2, 0, 0.0), (0, 3, 2, 0.12)]
+    assert spec.faults == [
+        (4, 0, 1.1, 0.21, 0, 0.0),
+        (2, 1, 1.2, 0.22, -1, 0.0),
+        (3, 0, 1.3, 0.23, 0, 0.4),
+        (1, 1, 1.4, 0.24, 0, 0.0),
+        (0, 0, 1.6, 0.25, 0, 0.0),
+    ]
+    assert (spec.random_reboots, spec.reboot, spec.watchdog) == (3, 0.7, 0.2)
+    assert [robot.clock_drift for robot in spec.robots] == [pytest.approx(150e-6), 0]
+
+
 @pytest.mark.parametrize(("direction", "sign"), [("forward", 1), ("backward", -1)])
 def test_uphill_pulls_the_object_back(direction, sign):
     scene = load_scene("paper", {"task.slope_deg": 3, "task.direction": direction})

@@ -56,32 +56,56 @@ def test_levels_change_the_scatter_only() -> None:
     assert told[2][1] < 0.7 * told[0][1]
 
 
-def test_the_answer_is_that_of_the_replicates_that_count() -> None:
+@pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.016, 0, 10)])
+def test_the_answer_is_that_of_the_replicates_that_count(
+    noise: float, seed: int, effort: int
+) -> None:
     """Worked out here, product by product, from those after the planning ones: the rate, its
     interval by scipy's Student t, and the share of stages; no replicate is used twice."""
-    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
-    told = rare("paper", "distributed", overrides=keys, seed=3, within=1.0, effort=60)
+    keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+    told = rare("paper", "distributed", overrides=keys, seed=seed, within=1.0, effort=effort)
     spec = lower(load_scene("paper", keys))
+    assert list(told.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.2)
     rows, ticks = _core.replicates(
-        spec, "distributed", 3, 60, list(told.levels), PLANNING, told.replicates, 1
+        spec, "distributed", seed, effort, list(told.levels), PLANNING, told.replicates, 1
     )
     rates = []
     for stages in rows:
         rate, before = 0.0, 1.0
         for reached, drops in stages:
-            rate += before * drops / 60
-            before *= reached / 60
+            rate += before * drops / effort
+            before *= reached / effort
         rates.append(rate)
     assert told.drop_rate == pytest.approx(np.mean(rates), rel=1e-12)
     n = told.replicates
     half = stats.t.ppf(0.975, n - 1) * np.std(rates, ddof=1) / math.sqrt(n)
     low, high = told.interval
+    assert low >= 0 and (low == 0) == (noise < 0.02), "cut off where chance may explain all drops"
     assert 0.999 * half <= high - told.drop_rate <= 1.04 * half  # a table of quantiles
     assert low == pytest.approx(max(2 * told.drop_rate - high, 0))
-    first = [stages[0][0] / 60 for stages in rows]
+    first = [stages[0][0] / effort for stages in rows]
     assert told.reached[0] == pytest.approx(np.mean(first))
     carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
     assert told.carries == pytest.approx(ticks * spec.period / carry_s)
+
+
+def test_the_interval_is_as_narrow_as_was_asked_for() -> None:
+    """About, since how many replicates that takes is an estimate; and no more work than that."""
+    keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.3}
+    widths = []
+    for seed in range(4):
+        found = rare(overrides=keys, seed=seed, within=0.15, effort=50)
+        widths.append((found.interval[1] - found.drop_rate) / found.drop_rate / 0.15)
+        assert found.replicates > 30, "or the least number decides"
+    assert 0.8 < np.mean(widths) < 1.25
+
+
+def test_progress_goes_on_to_the_end() -> None:
+    told: list[float] = []
+    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
+    rare(overrides=keys, within=1.0, effort=50, threads=2, progress=told.append)
+    assert told == sorted(told) and 0 < told[0] < 0.2 and told[-1] == 1
+    assert sum(part <= 0.2 for part in told) == PLANNING / 4
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
@@ -104,11 +128,12 @@ def test_threads_change_nothing_and_seeds_do() -> None:
 def test_a_rate_that_no_monte_carlo_sees() -> None:
     """With less noise ever fewer are dropped, down to where a billion carries would show none."""
     rates = []
-    for noise in (0.018, 0.013, 0.0105):
+    for noise in (0.018, 0.013, 0.01):
         keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
-        rates.append(rare(overrides=keys, within=1.0, effort=500).drop_rate)
-    assert rates[0] > 100 * rates[1] > 100 * 10 * rates[2] > 0
-    assert rates[2] < 1e-9
+        rates.append(rare(overrides=keys, within=1.0, effort=500))
+    first, second, third = (told.drop_rate for told in rates)
+    assert first > 100 * second > 100 * 10 * third > 0
+    assert rates[2].interval[1] < 1e-9
 
 
 def palmbots(*arguments: str) -> "subprocess.CompletedProcess[str]":

@@ -2,16 +2,22 @@
 
 import json
 import os
+import random
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
+from palmbots.studies.arrays import Arrays
+from palmbots.studies.design import design
+from palmbots.studies.layout import Layout
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import run_study
+from palmbots.studies.store import Store
 from studies import SMALL, hash_of
 
 
@@ -80,3 +86,71 @@ def test_a_record_of_an_impossible_cut_is_refused(
     (root / "study.json").write_text(json.dumps(record))
     with pytest.raises(PalmbotsError, match=r"study\.json is missing or not of a study"):
         run_study(load_plan(SMALL), root)
+
+
+@pytest.mark.parametrize("what", ["another shape", "floats", "no tally", "no archive"])
+def test_a_mark_of_something_else_is_no_mark(small: Path, tmp_path: Path, what: str) -> None:
+    """Files of the right name that a study did not write: their chunk is carried again."""
+    root = tmp_path / "study"
+    shutil.copytree(small, root)
+    mark = root / "chunks" / "0.npz"
+    with np.load(mark) as told:
+        tally, checksum = told["tally"], told["checksum"]
+    match what:
+        case "another shape":
+            np.savez(mark, tally=tally[:1], checksum=checksum)
+        case "floats":
+            np.savez(mark, tally=tally.astype(float), checksum=checksum)
+        case "no tally":
+            np.savez(mark, checksum=checksum)
+        case _:
+            np.save(mark.with_suffix(".npy"), tally)
+            mark.with_suffix(".npy").rename(mark)
+    done = run_study(load_plan(SMALL), root)
+    assert done.hash == hash_of(small)
+    assert done.resumed == 0
+    xr.testing.assert_identical(pb.open_study(small).load(), done.dataset().load())
+
+
+def test_a_bit_that_flips_in_a_mark(small: Path, tmp_path: Path) -> None:
+    """Wherever it is, the mark is what it was or none."""
+    points = design(load_plan(SMALL))
+    mark = tmp_path / "chunks" / "0.npz"
+    mark.parent.mkdir()
+    whole = (small / "chunks" / "0.npz").read_bytes()
+    cut = Layout(points.shape, points.shape, 2, 30, 30)
+    store = Store(tmp_path, points, cut, Arrays(small / "results.zarr", points, cut))
+    mark.write_bytes(whole)
+    sound = store.kept(0, (6, 2))
+    assert sound is not None
+    rng = random.Random(0)
+    lost = 0
+    for _ in range(1500):
+        damaged = bytearray(whole)
+        # Most of a mark is its tally, whose damage a checksum tells: more often elsewhere.
+        at = rng.randrange(250) if rng.random() < 0.5 else -1 - rng.randrange(700)
+        damaged[at] ^= 1 << rng.randrange(8)
+        mark.write_bytes(damaged)
+        kept = store.kept(0, (6, 2))
+        lost += kept is None
+        assert kept is None or ((kept[0] == sound[0]).all() and kept[1] == sound[1])
+    assert lost > 500
+    assert store.kept(1, (6, 2)) is None
+
+
+def test_a_record_of_another_format_is_refused(small: Path, tmp_path: Path) -> None:
+    record = json.loads((small / "study.json").read_text())
+    (tmp_path / "study.json").write_text(json.dumps(record | {"palmbots study": 2}))
+    with pytest.raises(PalmbotsError, match=r"study\.json is missing or not of a study"):
+        run_study(load_plan(SMALL), tmp_path)
+
+
+def test_what_was_kept_counts_as_such_also_after_a_repair(small: Path, tmp_path: Path) -> None:
+    """Carries of a damaged chunk had been kept, as far as anybody knew."""
+    root = tmp_path / "study"
+    run_study(load_plan(SMALL), root, chunk=60)
+    (root / "chunks" / "1.npz").unlink()
+    times = root / "results.zarr" / "time_s"
+    shutil.rmtree(times / "1")  # three chunks of six
+    done = run_study(load_plan(SMALL), root)
+    assert (done.resumed, done.carries, done.hash) == (300, 360, hash_of(small))

@@ -44,6 +44,40 @@ def test_nothing_varied_is_one_point() -> None:
     assert (found.shape, found.values, found.dims) == ((1,), ((),), ("point",))
 
 
+def test_entries_of_a_list_beside_other_keys() -> None:
+    """Two entries of one list, the second first, and a key that has nothing to do with it."""
+    found = points(
+        vary={
+            "object.com_m[1]": [0.05, 0.06],
+            "robot.noise_m_s": [0.02, 0.03],
+            "object.com_m[0]": [0.12, 0.13],
+        }
+    )
+    for i, (height, noise, place) in enumerate(found.values):
+        keys = {"robot.noise_m_s": noise, "object.com_m": [place, height]}
+        assert found.scene(i) == pb.load_scene("paper", keys)
+
+
+def test_an_entry_of_a_list_that_another_key_has_changed() -> None:
+    """The other entries of the COM are those of the point's own object."""
+    found = points(vary={"object.com_m[1]": [0.02, 0.03], "object": ["box", "l-shape"]})
+    coms = set()
+    for i, (height, thing) in enumerate(found.values):
+        own = pb.load_scene("paper", {"object": thing}).object
+        coms.add(own.com_m)
+        done = found.scene(i).object
+        assert done.com_m == (own.com_m[0], height)
+        assert done.vertices_m == own.vertices_m
+    assert len({com[0] for com in coms}) == 2
+
+
+def test_a_curved_path_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    table = {"vary": {"task.path": [{"kind": "straight"}, {"kind": "arc", "radius_m": 3.0}]}}
+    with pytest.raises(SceneError, match=r"^study: point 1 \(task.path = .*is a curved path"):
+        pb.study(table, tmp_path / "study")
+    assert not (tmp_path / "study").exists()
+
+
 @pytest.mark.parametrize("kind", ["random", "sobol", "halton", "latin-hypercube"])
 def test_designs_fill_the_cube_and_keep_their_seed(kind: str) -> None:
     unit = shares(kind, 2, 256, 5)
@@ -57,6 +91,21 @@ def test_designs_fill_the_cube_and_keep_their_seed(kind: str) -> None:
     assert off < (0.12 if kind == "random" else 0.06)
     if kind in ("sobol", "latin-hypercube"):
         assert all(np.unique(np.floor(256 * column)).size == 256 for column in unit.T)
+
+
+def test_halton_s_points_are_even_in_powers_of_its_bases() -> None:
+    """As those of no other design: one point in every 3^5th of the second coordinate."""
+    first, second, third = shares("halton", 3, 243, 5).T
+    assert np.unique(np.floor(243 * second)).size == 243
+    assert np.unique(np.floor(128 * first[:128])).size == 128
+    assert np.unique(np.floor(125 * third[:125])).size == 125
+
+
+def test_points_for_indices_keep_their_seed() -> None:
+    one, same, other = (shares("sobol-indices", 3, 64, seed) for seed in (5, 5, 6))
+    assert one.shape == (64 * 5, 3)
+    assert (one == same).all()
+    assert (one != other).any()
 
 
 def test_ranges_of_a_design_and_lists_in_it() -> None:
@@ -91,6 +140,37 @@ def test_carries_take_the_place_of_the_file_s() -> None:
     assert (told.seeds.first, told.seeds.count) == (3, 50)
     assert told.stop is not None
     assert told.stop.block == 50
+
+
+WHOLE: dict[str, Any] = {
+    "controllers": ["centralized", "distributed"],
+    "vary": {"radio.latency_s": [0.0, 0.1]},
+    "seeds": {"first": 3, "count": 9},
+    "stop": {"block": 3, "drop_rate": 0.1},
+}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"scene": "paper-offset"},
+        {"set": {"radio.loss": 0.1}},
+        {"controllers": ["distributed", "centralized"]},
+        {"precision": "float"},
+        {"vary": {"radio.latency_s": [0.1, 0.0]}},
+        {"vary": {"radio.jitter_s": [0.0, 0.1]}},
+        {"seeds": {"first": 4, "count": 9}},
+        {"seeds": {"first": 3, "count": 10}},
+        {"stop": {"block": 4, "drop_rate": 0.1}},
+        {"stop": {"block": 3, "drop_rate": 0.2}},
+        {"stop": {"block": 3, "drop_rate": 0.1, "rms": 0.1}},
+    ],
+    ids=str,
+)
+def test_what_results_depend_on_is_the_identity(change: dict[str, Any]) -> None:
+    """So that a folder is refused where any of it has changed; a remark is no part of it."""
+    assert points(**WHOLE | change).identity != points(**WHOLE).identity
+    assert points(**WHOLE, about="a remark").identity == points(**WHOLE).identity
 
 
 SPAN = {"from": 0.0, "to": 1.0}
@@ -274,3 +354,13 @@ def test_chunks_cover_everything_once(
     assert (seen == 1).all()
     if stop is None:
         assert cut.carries_a_chunk <= max(chunk, 2)
+
+
+@pytest.mark.parametrize("points_", [4, 100])
+def test_chunks_that_nobody_has_chosen(points_: int) -> None:
+    """64 parts of a study, about, of at most 32 768 carries; and one part of what is small."""
+    for seeds, parts, most in ((10, 1, 2048), (100_000 // points_, 64, 3125), (10**6, 0, 32_768)):
+        cut = layout((points_,), 2, seeds)
+        carries = points_ * 2 * seeds
+        assert cut.carries_a_chunk <= most
+        assert cut.chunks <= 2 * (parts or carries / most)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.container import BarContainer
 
 from palmbots import cli
 from palmbots.errors import PalmbotsError
@@ -15,7 +16,7 @@ from palmbots.studies import explain, figures
 from palmbots.studies.design import design, shares
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import Done, cut_of, run_study
-from palmbots.studies.sensitivity import sensitivities
+from palmbots.studies.sensitivity import Index, sensitivities
 from studies import said
 
 FEW: dict[str, Any] = {"set": {"task.distance_m": 0.2}, "seeds": {"count": 4}}
@@ -36,12 +37,17 @@ def test_one_key_is_curves_with_bands(tmp_path: Path) -> None:
     drops, rms = figure.axes
     assert drops.get_xlabel() == "robot noise [m/s]"
     assert (drops.get_ylabel(), rms.get_ylabel()) == ("dropped [%]", "contact rms [mm]")
-    for c, line in enumerate(drops.lines):
-        assert line.get_ydata() == pytest.approx(100 * done.values["drop_rate"][0][:, c])
-        band = drops.collections[c].get_paths()[0].vertices
-        ends = done.values["drop_rate"][1]
+    for panel, metric, scale in ((drops, "drop_rate", 100), (rms, "rms_m", 1e3)):
+        values, ends = done.values[metric]
         assert ends is not None
-        assert np.max(np.asarray(band)[:, 1]) == pytest.approx(100 * ends[:, c, 1].max())
+        for c, line in enumerate(panel.lines):
+            assert line.get_label() == done.points.plan.study.controllers[c]
+            assert line.get_xdata() == pytest.approx([0.01, 0.1, 0.2])
+            assert line.get_ydata() == pytest.approx(scale * values[:, c])
+            band = np.asarray(panel.collections[c].get_paths()[0].vertices)
+            for k, x in enumerate((0.01, 0.1, 0.2)):
+                there = band[band[:, 0] == x, 1]
+                assert (there.min(), there.max()) == pytest.approx(tuple(scale * ends[k, c]))
 
 
 def test_two_keys_are_maps_on_one_scale(tmp_path: Path) -> None:
@@ -51,10 +57,21 @@ def test_two_keys_are_maps_on_one_scale(tmp_path: Path) -> None:
     images = [panel.images[0] for panel in figure.axes[:4]]
     limits = [image.get_clim() for image in images]
     assert limits[0] == limits[1] != limits[2] == limits[3]
-    for c in range(2):
-        shown = np.asarray(images[c].get_array()).T.reshape(-1)
-        assert shown == pytest.approx(100 * done.values["drop_rate"][0][:, c])
+    for c, image in enumerate(images):
+        metric, scale = (("drop_rate", 100), ("rms_m", 1e3))[c // 2]
+        shown = np.asarray(image.get_array()).T
+        assert shown.reshape(-1) == pytest.approx(scale * done.values[metric][0][:, c % 2])
+        for text in image.axes.texts:
+            i, k = text.get_position()
+            assert float(text.get_text()) == pytest.approx(shown[int(i), int(k)], rel=0.006)
     assert [panel.get_title() for panel in figure.axes[:2]] == ["none", "distributed"]
+    for panel in figure.axes[2:4]:
+        assert panel.get_xlabel() == "radio latency [s]"
+        assert [t.get_text() for t in panel.get_xticklabels()] == ["0", "0.1"]
+    for panel in (figure.axes[0], figure.axes[2]):
+        assert panel.get_ylabel() == "robot noise [m/s]"
+        assert [t.get_text() for t in panel.get_yticklabels()] == ["0.01", "0.1", "0.2"]
+    assert [bar.get_ylabel() for bar in figure.axes[4:]] == ["dropped [%]", "contact rms [mm]"]
 
 
 def test_what_is_refused_is_named_in_the_map(tmp_path: Path) -> None:
@@ -74,8 +91,11 @@ def test_three_keys_are_a_map_for_each_pair(tmp_path: Path) -> None:
     maps = [panel for panel in figure.axes if panel.images]
     assert len(maps) == 3
     rate = 100 * done.values["drop_rate"][0].reshape(2, 2, 2)
-    shown = np.asarray(maps[1].images[0].get_array()).T
-    assert shown == pytest.approx(rate.mean(axis=1))
+    labels = ("radio latency [s]", "robot noise [m/s]", "palm friction")
+    for panel, (x, y, gone) in zip(maps, ((0, 1, 2), (0, 2, 1), (1, 2, 0)), strict=True):
+        shown = np.asarray(panel.images[0].get_array()).T
+        assert shown == pytest.approx(rate.mean(axis=gone))
+        assert (panel.get_xlabel(), panel.get_ylabel()) == (labels[x], labels[y])
 
 
 @pytest.mark.parametrize("kind", ["random", "sobol"])
@@ -146,6 +166,31 @@ def test_indices_of_a_function_with_known_ones() -> None:
     assert all(0 < i.total_half < 0.1 for i in found)
 
 
+def test_intervals_of_indices_are_wide_enough() -> None:
+    """Other points scatter by no more than the bootstrap says, which does not know how even they
+    are; and it says the same each time."""
+    keys = ["robot.noise_m_s", "radio.latency_s", "radio.jitter_s"]
+    table = {
+        "controllers": ["none"],
+        "vary": {key: {"from": 0.0, "to": 0.1} for key in keys},
+        "design": {"kind": "sobol-indices", "points": 8},
+    }
+    points = design(load_plan(table))
+
+    def told(seed: int) -> list[Index]:
+        x = math.pi * (2 * shares("sobol-indices", 3, 256, seed) - 1)
+        y = (np.sin(x[:, 0]) * (1 + 0.1 * x[:, 2] ** 4) + 7 * np.sin(x[:, 1]) ** 2)[:, None]
+        return sensitivities(points, {"drop_rate": (y, None), "rms_m": (0 * y, None)})
+
+    several = [told(seed) for seed in range(12)]
+    assert told(11) == several[11]
+    for k in range(3):
+        for name in ("first", "total"):
+            scatter = np.std([getattr(one[k], name) for one in several], ddof=1)
+            half = np.mean([getattr(one[k], f"{name}_half") for one in several])
+            assert 0.8 * 1.96 * scatter < half < 0.3
+
+
 def test_what_decides_is_found(tmp_path: Path) -> None:
     """Without a controller the radio can decide nothing, and noise everything."""
     done = run_study(
@@ -166,6 +211,20 @@ def test_what_decides_is_found(tmp_path: Path) -> None:
     figure = figures.draw(done)
     names = [t.get_text() for t in figure.axes[0].get_yticklabels()]
     assert names == ["radio latency", "robot noise"]
+    for panel, metric in zip(figure.axes, ("drop_rate", "rms_m"), strict=True):
+        assert panel.get_title() == {"drop_rate": "drop rate", "rms_m": "contact rms"}[metric]
+        one = {i.key: i for i in sensitivities(done.points, done.values) if i.metric == metric}
+        mine = [one["radio.latency_s"], one["robot.noise_m_s"]]
+        bars = {
+            kind.get_label(): [bar.get_width() for bar in kind]
+            for kind in panel.containers
+            if isinstance(kind, BarContainer)
+        }
+        assert bars["none, total"] == pytest.approx([i.total for i in mine])
+        assert bars["none, alone"] == pytest.approx([max(i.first, 0) for i in mine])
+        whiskers = [np.asarray(path.vertices)[:, 0] for path in panel.collections[0].get_paths()]
+        for index, ends in zip(mine, whiskers, strict=True):
+            assert np.ptp(ends) == pytest.approx(2 * index.total_half)
 
 
 def test_the_command_draws_and_tells(

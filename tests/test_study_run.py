@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 import palmbots as pb
 from palmbots.compare import wilson
 from palmbots.errors import PalmbotsError
 from palmbots.studies.plan import load_plan
 from palmbots.studies.run import run_study
+from palmbots.studies.work import VARIABLES
 from studies import SMALL, command, hash_of, marks, said
 
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
@@ -51,6 +53,46 @@ def test_every_carry_is_the_single_one(small: Path) -> None:
             assert float(told.contact_rms_m) == np.float32(one.contact_rms_m[side])
             assert float(told.contact_peak_m) == np.float32(one.contact_peak_m[side])
             assert float(told.waiting_s) == np.float32(one.waiting_s[side])
+
+
+def test_reasons_and_single_precision(tmp_path: Path) -> None:
+    """Objects that fall for unlike reasons, each as the legend of the array names it."""
+    table = {
+        "controllers": ["none"],
+        "precision": "float",
+        "set": {"robot.noise_m_s": 0.03},
+        "vary": {"task.slope_deg": [0, 20], "object.com_m": [[0.125, 0.04], [0.24, 0.15]]},
+        "seeds": {"count": 12},
+    }
+    found = pb.study(table, tmp_path / "study").load()
+    names = dict(entry.split(" ", 1) for entry in found.reason.attrs["long_name"].split(", "))
+    outcomes = dict(entry.split(" ", 1) for entry in found.outcome.attrs["long_name"].split(", "))
+    seen, unlike = set(), 0
+    for slope, com, seed in itertools.product((0, 20), range(2), (0, 5, 11)):
+        keys = {"task.slope_deg": slope, "object.com_m": table["vary"]["object.com_m"][com]}
+        keys |= table["set"]
+        one = pb.carry("paper", "none", seed=seed, precision="float", record=False, overrides=keys)
+        two = pb.carry("paper", "none", seed=seed, record=False, overrides=keys)
+        told = found.sel({"task.slope_deg": slope, "seed": seed, "controller": "none"})
+        told = told.isel({"object.com_m": com})
+        assert names[str(int(told.reason))] == (one.reason or "none")
+        assert outcomes[str(int(told.outcome))] == one.outcome
+        rms = float(told.contact_rms_m.sel(side="left"))
+        assert rms == np.float32(one.contact_rms_m["left"])
+        unlike += rms != np.float32(two.contact_rms_m["left"])
+        seen.add(one.reason)
+    assert seen >= {"off-palm", "sliding", "tipping"}
+    assert unlike > 0
+
+
+def test_progress_is_the_share_of_what_is_due(tmp_path: Path) -> None:
+    """Never back, also from one controller of a chunk to the next, and in the end all of it."""
+    told: list[float] = []
+    table = {**SMALL, "seeds": {"count": 400}}
+    pb.study(table, tmp_path / "study", chunk=10**6, threads=1, progress=told.append)
+    assert told[0] == 0 and told[-1] == 1
+    assert told == sorted(told)
+    assert sum(0.5 < part < 1 for part in told) >= 2, "within a chunk it is told, too"
 
 
 def test_statistics_are_those_of_the_carries(small: Path) -> None:
@@ -242,6 +284,42 @@ def test_results_of_another_folder_are_noticed(small: Path, tmp_path: Path) -> N
     shutil.copytree(small, root)
     (root / "results.zarr" / "time_s" / "0" / "0" / "0" / "0").unlink()
     assert run_study(load_plan(SMALL), root).hash == hash_of(small)
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_a_mark_tells_of_every_column(small: Path, tmp_path: Path, name: str) -> None:
+    """Other values that are as honest as the old ones, in one array alone."""
+    root = tmp_path / "study"
+    shutil.copytree(small, root)
+    store = zarr.open_group(str(root / "results.zarr"), mode="r+")
+    column = store[name]
+    assert isinstance(column, zarr.Array)
+    column[1, 2, 1, 3] = np.asarray(column[1, 2, 1, 3]) + 1
+    done = run_study(load_plan(SMALL), root)
+    assert done.hash == hash_of(small)
+    xr.testing.assert_identical(pb.open_study(small).load(), done.dataset().load())
+
+
+def test_the_summary_is_the_sum_of_the_cells(tmp_path: Path) -> None:
+    """Some arrive, some are dropped, and some do not get there in time."""
+    table = {**SMALL, "set": {"task.timeout_s": 25.3}}
+    done = run_study(load_plan(table), tmp_path / "study")
+    outcome = done.dataset().load().outcome.values
+    n, drops, stalls = (int((outcome == code).sum()) for code in (1, 2, 3))
+    assert n > 0 and stalls > drops > 0
+    told = done.summary()
+    assert told["carries"] == n + drops + stalls == 360
+    assert told["drop_rate"] == drops / 360
+    assert told["stall_rate"] == stalls / 360
+    assert told["interval"] == pytest.approx(wilson(drops, 360))
+    for i, row in enumerate(told["cells"]):
+        cell = outcome.reshape(12, 30)[i]
+        assert row["drop_rate"] == np.mean(cell == 2)
+        assert row["drop_rate_interval"] == pytest.approx(wilson(int((cell == 2).sum()), 30))
+        assert row["stall_rate"] == np.mean(cell == 3)
+        point = list(itertools.product(*SMALL["vary"].values()))[i // 2]
+        at = dict(zip(SMALL["vary"], point, strict=True))
+        assert (row["at"], row["controller"]) == (at, SMALL["controllers"][i % 2])
 
 
 def test_no_study_no_results(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from palmbots.compare import wilson
 from palmbots.studies.plan import Stop, load_plan
 from palmbots.studies.run import run_study
-from palmbots.studies.statistics import statistics_of
+from palmbots.studies.statistics import pooled_rate, statistics_of
 from palmbots.studies.stopping import precise_enough, wilson_intervals
 from palmbots.studies.tally import WIDTH, count_of, sum_of, tally_of
 from palmbots.studies.work import VARIABLES, Block
@@ -111,6 +111,72 @@ def test_the_interval_of_a_paired_difference_covers() -> None:
     assert 0.925 < cover(one) < 0.98
 
 
+@pytest.mark.parametrize(
+    ("first", "this", "n"), [(0, 0, 3), (3, 0, 3), (0, 3, 3), (9, 2, 40), (0, 1, 1000), (0, 0, 0)]
+)
+def test_the_interval_of_a_paired_difference_in_closed_form(first: int, this: int, n: int) -> None:
+    """Agresti and Min (2005): Wald's interval with half a pair added to each of four kinds."""
+    outcome = np.ones((1, 2, n + 1), int)
+    outcome[0, :, n] = 0  # not carried
+    outcome[0, 0, :first] = 2
+    outcome[0, 1, first : first + this] = 2
+    rate, ends = statistics_of(tally_of(block_of(outcome)))["drop_rate_difference"]
+    assert ends is not None
+    if n == 0:
+        assert np.isnan(rate).all() and np.isnan(ends).all()
+        return
+    assert rate[0].tolist() == [0, (this - first) / n]
+    assert ends[0, 0].tolist() == [0, 0]
+    shares = [(count + 0.5) / (n + 2) for count in (first, this)]
+    centre = shares[1] - shares[0]
+    half = 1.959963984540054 * math.sqrt((sum(shares) - centre**2) / (n + 2))
+    low, high = max(centre - half, -1), min(centre + half, 1)
+    assert ends[0, 1] == pytest.approx([low, high], rel=1e-12)
+
+
+def test_both_ends_of_every_interval() -> None:
+    """Of means the normal interval of those carries that count, of rates Wilson's; drops, stalls
+    and deliveries are told apart."""
+    block = random_block(1, 2, 300, 4)
+    found = statistics_of(tally_of(block))
+    outcome = block["outcome"][0]
+    done, arrived = outcome != 0, outcome == 1
+    square = (block["contact_rms_m"][0].astype(float) ** 2).mean(axis=2)
+    excess = square - square[0]
+    each = {
+        "mean_time_s": (block["time_s"][0], arrived),
+        "mean_corrections": (block["corrections"][0], done),
+        "mean_peak_m": (block["contact_peak_m"][0].max(axis=2), done),
+        "square_difference": (excess, done & done[0]),
+    }
+    for name, (values, counted) in each.items():
+        for c in range(2):
+            some = values[c][counted[c]].astype(float)
+            half = 1.959963984540054 * some.std(ddof=1) / math.sqrt(some.size)
+            mean, ends = found[name]
+            assert ends is not None
+            assert mean[0, c] == pytest.approx(some.mean(), rel=1e-9, abs=1e-18), name
+            told = pytest.approx([some.mean() - half, some.mean() + half], rel=1e-9, abs=1e-18)
+            assert ends[0, c] == told, name
+    for c in range(2):
+        some = square[c][done[c]]
+        half = 1.959963984540054 * some.std(ddof=1) / math.sqrt(some.size)
+        rms, ends = found["rms_m"]
+        assert ends is not None
+        told = np.sqrt([some.mean() - half, some.mean(), some.mean() + half])
+        assert [ends[0, c, 0], rms[0, c], ends[0, c, 1]] == pytest.approx(told, rel=1e-9)
+    for name, code in (("drop_rate", 2), ("stall_rate", 3)):
+        for c in range(2):
+            events, n = int((outcome[c] == code).sum()), int(done[c].sum())
+            rate, ends = found[name]
+            assert ends is not None
+            assert rate[0, c] == events / n
+            assert ends[0, c] == pytest.approx(wilson(events, n), rel=1e-12)
+    counts = [int((outcome == code).sum()) for code in (2, 3)]
+    assert counts[0] != counts[1]
+    assert pooled_rate(tally_of(block)) == (int(done.sum()), *counts)
+
+
 def test_common_seeds_narrow_the_difference() -> None:
     rng = np.random.default_rng(0)
     luck = rng.random(1000)
@@ -199,3 +265,29 @@ def test_stopping_by_rms() -> None:
         mean, spread = square[:n].mean(), 1.96 * square[:n].std(ddof=1) / math.sqrt(n)
         half = (math.sqrt(mean + spread) - math.sqrt(mean - spread)) / 2
         assert (half <= 0.05 * math.sqrt(mean)) == (n == reached[0])
+
+
+def test_stopping_by_both_takes_both() -> None:
+    """Drops that are rare are known before the rms is, and the other way round."""
+    rng = np.random.default_rng(0)
+    scattered = np.abs(rng.normal(0.005, 0.004, (1, 1, 2000, 2)))
+    even = np.full((1, 1, 2000, 2), 0.005)
+    sure, unsure = np.ones((1, 1, 2000)), 1 + (rng.random((1, 1, 2000)) < 0.5)
+    for outcome, rms in ((sure, scattered), (unsure, even)):
+        tally = tally_of(piece(block_of(outcome, contact_rms_m=rms), slice(600)))
+        one, other = ({"drop_rate": 0.01}, {"rms": 0.01})
+        each = [bool(precise_enough(tally, Stop(block=10, **k))[0, 0]) for k in (one, other)]
+        assert sorted(each) == [False, True]
+        assert not precise_enough(tally, Stop(block=10, **one, **other))[0, 0]
+
+
+def test_what_is_refused_stays_empty_where_cells_stop(tmp_path: Path) -> None:
+    """A cell that may not be carried is never precise enough, and is not carried for that."""
+    table = {
+        "controllers": ["distributed", "resilient"],
+        "vary": {"radio.latency_s": [0.05, 0.5]},
+        "seeds": {"count": 40},
+        "stop": {"block": 10, "drop_rate": 0.2},
+    }
+    done = run_study(load_plan(table), tmp_path / "study")
+    assert done.values["carries"][0].tolist() == [[10, 10], [10, 0]]

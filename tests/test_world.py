@@ -123,6 +123,41 @@ def test_steps_of_any_size_end_alike(rig: str) -> None:
             assert once.contacts == pytest.approx(often.contacts, abs=1e-7 if turning else 1e-12)
 
 
+def test_whatever_happens_in_a_step_happens_in_its_order() -> None:
+    """Steps of up to 15 cm and 12°, in which contacts take turns, the drive reverses and the object
+    is lost: one of them against a hundred, for the end and its instant, too."""
+    rng = np.random.default_rng(1)
+    seen: dict[str, int] = {}
+    pieces = 0
+    for _ in range(250):
+        keys = {
+            "palm__friction": float(rng.choice([0.12, 0.2, 0.3, 0.5, 0.9, 2.0])),
+            "object__com_m": [rng.uniform(0.1, 0.15), rng.uniform(0.02, 0.08)],
+            "start__left_m": rng.uniform(-0.04, 0.04),
+            "start__right_m": rng.uniform(-0.04, 0.04),
+            "palm__pivot_offset_m": float(rng.choice([0, 0.01])),
+        }
+        _, once = world(**keys)
+        _, often = world(**keys)
+        change = rng.uniform(-0.15, 0.15)
+        turns = [math.radians(rng.uniform(-12, 6)) * (rng.random() < 0.7) for _ in range(2)]
+        end, fraction, *_, parts = once.advance(change, (STEEP + turns[0], STEEP + turns[1]))
+        told, when = "", 1.0
+        for k in range(1, 101):
+            goal = (STEEP + k / 100 * turns[0], STEEP + k / 100 * turns[1])
+            told, part, *_ = often.advance(change / 100, goal)
+            if told:
+                when = (k - 1 + part) / 100
+                break
+        assert end == told
+        assert fraction == pytest.approx(when, abs=1e-6)
+        assert once.contacts == pytest.approx(often.contacts, abs=1e-6)
+        seen[end] = seen.get(end, 0) + 1
+        pieces += parts > 3
+    assert seen[""] > 80 and seen["off-palm"] > 80
+    assert pieces > 150
+
+
 def test_a_reversal_inside_a_step_is_found() -> None:
     """A palm turns under a contact off its pivot: the drive opens at first, then closes."""
     keys = {"start__left_m": 0.03, "palm__friction": 0.2}

@@ -81,10 +81,11 @@ class Splitting {
       std::sort(tops.begin(), tops.end(), std::greater<>());
       const double level = tops[static_cast<std::size_t>(share * effort_)];
       if (!(level < never) || !(level > last)) break;  // the top itself, or no way up
-      last = level;
-      levels.push_back(level);
       stage = {};
       parents = run(pilot, k, parents, level, stage, nullptr);
+      if (parents.empty()) break;  // who came there was over with that step
+      last = level;
+      levels.push_back(level);
     }
     return levels;
   }
@@ -114,7 +115,7 @@ class Splitting {
       }
       if (fate == Course::hit) {
         ++stage.hits;
-      } else if (top >= level) {
+      } else if (top >= level && fate == Course::going) {  // what is over has no way on
         ++stage.reached;
         reached.push_back(std::move(process));
       }

@@ -3,6 +3,8 @@
 #include "palmbots/splitting.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <set>
 
 #include "check.hpp"
 
@@ -104,6 +106,77 @@ void test_levels_are_reached_by_the_wanted_share() {
   }
 }
 
+// Half of them end in the very step in which they come to the level, and can no longer hit: whoever goes
+// on with one of those would see it hit at once. The others hit every fourth time.
+struct Lapse {
+  std::uint64_t seed;
+  int at = 0;
+  bool ended = false;
+
+  Course step() {
+    CHECK(!ended);
+    const double u =
+        unit_uniform<double>(draw(seed, static_cast<std::uint32_t>(at), Stream::noise)[0]);
+    if (at++ == 0) {
+      ended = u < 0.5;
+      return ended ? Course::over : Course::going;
+    }
+    ended = true;
+    return u < 0.25 ? Course::hit : Course::over;
+  }
+  double height() const { return at; }
+  void fork(std::uint64_t other) { seed = other; }
+};
+
+void test_what_is_over_does_not_go_on() {
+  const auto make = [](std::uint64_t seed) { return Lapse{seed}; };
+  check_estimates(make, {1}, 0.125, 0.05);
+  Splitting<Lapse, decltype(make)> splitting(make, 3, 1000);
+  CHECK(splitting.choose_levels(0.2).size() <= 1);
+}
+
+// Where there is no way up, levels end.
+struct Flat {
+  std::uint64_t seed;
+  int steps = 0;
+
+  Course step() { return ++steps == 3 ? Course::over : Course::going; }
+  double height() const { return 0; }
+  void fork(std::uint64_t other) {
+    seed = other;
+    steps = 0;
+  }
+};
+
+void test_levels_rise_or_end() {
+  const auto make = [](std::uint64_t seed) { return Flat{seed}; };
+  Splitting<Flat, decltype(make)> splitting(make, 3, 50);
+  CHECK(splitting.choose_levels(0.2).size() <= 1);
+}
+
+// Every step is counted; and the pilot's runs are none of a replicate's, or levels would suit them.
+void test_steps_are_counted_and_the_pilot_is_apart() {
+  static std::set<std::uint64_t> begun;
+  static std::uint64_t taken;
+  struct Counted : Ruin {
+    Course step() {
+      ++taken;
+      return Ruin::step();
+    }
+  };
+  const auto make = [](std::uint64_t seed) {
+    begun.insert(seed);
+    return Counted{{0.4, 12, seed}};
+  };
+  Splitting<Counted, decltype(make)> splitting(make, 3, 100);
+  const std::vector<double> levels = splitting.choose_levels(0.3);
+  CHECK(levels.size() >= 2 && begun.size() == 100);
+  CHECK(splitting.steps() == taken && taken > 0);
+  for (std::uint32_t r = 0; r < 20; ++r) splitting.replicate(r, levels);
+  CHECK(begun.size() == 100 + 20 * 100);
+  CHECK(splitting.steps() == taken);
+}
+
 void test_a_replicate_depends_on_its_number_alone() {
   const auto make = [](std::uint64_t seed) { return Ruin{0.4, 10, seed}; };
   Splitting<Ruin, decltype(make)> one(make, 3, 100), other(make, 3, 100);
@@ -119,11 +192,44 @@ void test_a_replicate_depends_on_its_number_alone() {
   CHECK(differs);
 }
 
+// No two runs have one seed, whatever tells them apart, and every parent has its share of them.
+void test_branches() {
+  constexpr std::size_t parents = 7;
+  std::set<std::uint64_t> seeds;
+  std::vector<int> chosen(parents);
+  int runs = 0;
+  for (const std::uint64_t seed : {0ULL, 1ULL, 1ULL << 40}) {
+    for (std::uint32_t replicate = 0; replicate < 5; ++replicate) {
+      for (std::uint32_t stage = 0; stage < 5; ++stage) {
+        for (std::uint32_t run = 0; run < 280; ++run, ++runs) {
+          const Branch branch = Branch::of(seed, replicate, stage, run, parents);
+          seeds.insert(branch.seed);
+          CHECK(branch.parent < parents);
+          ++chosen[branch.parent];
+        }
+      }
+    }
+  }
+  CHECK(seeds.size() == static_cast<std::size_t>(runs));
+  for (const int n : chosen) CHECK(std::abs(n - 3000) < 5 * 51);  // the deviation is 50.7
+  // Of the other half of a seed's bits, too: no two in 2³² would be alike by chance.
+  std::set<std::uint64_t> halves[2];
+  for (const std::uint64_t seed : seeds) {
+    halves[0].insert(seed >> 32);
+    halves[1].insert(seed & 0xFFFFFFFF);
+  }
+  for (const auto& half : halves) CHECK(half.size() + 10 > seeds.size());
+}
+
 }  // namespace
 
 int main() {
+  test_branches();
   test_unbiased_whatever_the_levels();
   test_a_leap_over_levels_loses_nothing();
+  test_what_is_over_does_not_go_on();
+  test_levels_rise_or_end();
+  test_steps_are_counted_and_the_pilot_is_apart();
   test_levels_are_reached_by_the_wanted_share();
   test_a_replicate_depends_on_its_number_alone();
 }

@@ -155,7 +155,10 @@ def scene_at(base: Scene, keys: Sequence[str], values: Sequence[Any], called: st
     if scene is base:
         entries = plain | entries
     done = load_scene(scene, entries, called=called) if entries else scene
-    refuse_curved(done)
+    try:
+        refuse_curved(done)
+    except SceneError as error:
+        raise SceneError(f"{called} {error}") from None
     return done
 
 
