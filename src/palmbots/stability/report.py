@@ -161,7 +161,9 @@ def certificate_report(found: "Certificate", written: Sequence[Path]) -> None:
         "undecided": "UNDECIDED",
     }
     head = Text(words[found.verdict], style=looks[found.verdict])
-    head.append(f"  {', '.join(found.data['claims'])}", style="bold")
+    claims = found.data["claims"]
+    one_of_them = "at least one of " if found.verdict == "fails" and len(claims) > 1 else ""
+    head.append(f"  {one_of_them}{', '.join(claims)}", style="bold")
     console.print(head)
     if found.verdict == "holds":
         console.print(f"{found.parts} parts of the box proved at their corners", style="dim")
