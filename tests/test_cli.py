@@ -167,6 +167,7 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
         (["compare", "--sweep", "robot.noise_m_s"], ["--values"]),
         (["compare", "--values", "1,b"], ["--values", "1,b"]),
         (["compare", "--carries", "0"], ["carries", "allowed"]),
+        (["compare", "--seed", "-1"], ["seed", "allowed"]),
         (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
         (["compare", "--controllers", "none, none"], ["controllers", "none", "twice"]),
         (["compare", "--values", "0.1,0.10"], ["values", "0.1", "twice"]),

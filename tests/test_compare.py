@@ -120,6 +120,15 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
     assert wilson(n, n)[1] == 1
 
 
+def test_numbers_of_numpy_are_numbers() -> None:
+    """Seeds come out of np.arange, and counts out of arrays."""
+    two, seven, three = (np.array([2, 7, 3], np.int64)[i] for i in range(3))
+    (row,) = pb.compare(values=[0.0], controllers=["none"], carries=two, seed=seven).rows
+    assert row == pb.compare(values=[0.0], controllers=["none"], carries=2, seed=7).rows[0]
+    done = pb.carry(seed=three, overrides={"task.distance_m": 0.05})
+    assert (done.seed, type(done.seed)) == (3, int)
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
@@ -127,6 +136,9 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
         ({"carries": 0}, PalmbotsError, "carries: value is 0"),
         ({"carries": 2.0}, PalmbotsError, "carries: value is 2.0"),
         ({"carries": True}, PalmbotsError, "carries"),
+        ({"seed": -1}, PalmbotsError, "seed: value is -1"),
+        ({"seed": 2**64}, PalmbotsError, "seed: value is 1844"),
+        ({"seed": 0.5}, PalmbotsError, "seed: value is 0.5"),
         ({"values": []}, PalmbotsError, "values: none given"),
         ({"values": [0.1, 0.2, 0.10]}, PalmbotsError, "values: 0.1 is given twice"),
         ({"controllers": []}, PalmbotsError, "controllers: none given"),

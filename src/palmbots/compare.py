@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from palmbots.batch import DELIVERED, DROPPED, cores, run_seeds
 from palmbots.bounds import bounds_of
 from palmbots.carry import CONTROLLERS, PRECISIONS
-from palmbots.errors import PalmbotsError, SceneError, one_of, show
+from palmbots.errors import PalmbotsError, SceneError, one_of, seed_of, show, whole_number
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 from palmbots.wire import PACKET_SIZE
@@ -110,8 +110,8 @@ def compare(
         one_of("controller", controller, CONTROLLERS)
     _each_once("controllers", controllers)
     one_of("precision", precision, PRECISIONS)
-    if isinstance(carries, bool) or not isinstance(carries, int) or not 1 <= carries <= 10**8:
-        raise PalmbotsError(f"carries: value is {show(carries)}; allowed: 1 to 100000000")
+    carries = whole_number("carries", carries, 1, 10**8)
+    seed = seed_of(seed)
     base = load_scene(scene, overrides)
     scenes = [load_scene(base, {key: value}, called="sweep:") for value in values]
     _each_once("values", values)
