@@ -182,6 +182,17 @@ def test_bad_input_is_one_line_and_exit_status_2(
     refused(here(*arguments), *words)
 
 
+def test_compare_sweeps_a_key_of_whole_numbers(here: Here) -> None:
+    result = here(
+        *("compare", "--sweep", "faults.reboots", "--values", "0,1", "--json"),
+        *("--carries", "2", "--controllers", "distributed"),
+    )
+    assert [row["value"] for row in json.loads(result.stdout)["rows"]] == [0, 1]
+    refused(
+        here("compare", "--sweep", "faults.reboots", "--values", "0.5"), "0.5", "a whole number"
+    )
+
+
 def test_a_carry_by_robots_that_hang_says_so(here: Here) -> None:
     result = here("carry", "--set", "radio.loss=1")
     assert "(2 unanswered)" in result.stdout

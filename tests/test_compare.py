@@ -129,6 +129,16 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert (done.seed, type(done.seed)) == (3, int)
 
 
+def test_an_entry_of_a_list_is_swept() -> None:
+    """As in a study: the COM is the first thing that anybody wants to sweep."""
+    swept = {"key": "object.com_m[0]", "values": [0.1], "controllers": ["none"], "carries": 3}
+    (row,) = pb.compare(**swept).rows
+    given = pb.compare(
+        controllers=["none"], values=[0.05], carries=3, overrides={"object.com_m": [0.1, 0.04]}
+    )
+    assert (row.rms_m, row.drop_rate) == (given.rows[0].rms_m, given.rows[0].drop_rate)
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
@@ -146,6 +156,8 @@ def test_numbers_of_numpy_are_numbers() -> None:
         ({"precision": "half"}, PalmbotsError, "precision: value is .*half"),
         ({"key": "radio.latncy_s"}, SceneError, "^sweep: .*latency_s"),
         ({"values": [-1.0]}, SceneError, "radio.latency_s"),
+        ({"key": 3}, SceneError, "^sweep: 3 is not a key"),
+        ({"key": "object.com_m[2]"}, SceneError, r"^sweep: object.com_m\[2\]: there is no such"),
         ({"scene": "nowhere"}, SceneError, "nowhere"),
     ],
 )

@@ -325,8 +325,14 @@ def rare(
 def _numbers(option: str, text: str) -> list[float]:
     from palmbots.errors import show
 
+    def number(part: str) -> float:
+        try:
+            return int(part)  # a key that wants a whole number takes no 1.0
+        except ValueError:
+            return float(part)
+
     try:
-        return [float(part) for part in text.split(",")]
+        return [number(part) for part in text.split(",")]
     except ValueError:
         raise PalmbotsError(
             f"{option}: value is {show(text)}; allowed: numbers with commas between, as in 0.1,0.2"

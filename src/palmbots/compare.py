@@ -14,6 +14,7 @@ from palmbots.carry import CONTROLLERS, PRECISIONS
 from palmbots.errors import PalmbotsError, SceneError, one_of, seed_of, show, whole_number
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
+from palmbots.studies.axes import scene_at
 from palmbots.wire import PACKET_SIZE
 
 __all__ = ["Comparison", "Row", "compare", "wilson"]
@@ -93,7 +94,7 @@ def compare(
 
     Args:
         scene: as in `palmbots.carry`.
-        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``robot.noise_m_s``.
+        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``object.com_m[0]``.
         values: what to set it to.
         controllers: which controllers.
         carries: how many for each controller and value; seeds are seed, seed + 1, …
@@ -112,8 +113,10 @@ def compare(
     one_of("precision", precision, PRECISIONS)
     carries = whole_number("carries", carries, 1, 10**8)
     seed = seed_of(seed)
+    if not isinstance(key, str):
+        raise SceneError(f"sweep: {show(key)} is not a key; allowed: a dotted key")
     base = load_scene(scene, overrides)
-    scenes = [load_scene(base, {key: value}, called="sweep:") for value in values]
+    scenes = [scene_at(base, [key], [value], called="sweep:") for value in values]
     _each_once("values", values)
     rows, refused = [], []
     cells = [(c, v, s) for c in controllers for v, s in zip(values, scenes, strict=True)]
