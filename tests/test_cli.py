@@ -193,6 +193,23 @@ def test_compare_sweeps_a_key_of_whole_numbers(here: Here) -> None:
     )
 
 
+def test_of_one_carry_no_interval_is_told(here: Here, tmp_path: Path) -> None:
+    few = ("--values", "0", "--carries", "1", "--out", str(tmp_path))
+    said = here("compare", *few, "--controllers", "none,distributed").stdout
+    assert "±" not in said and "nan" not in said and " mm" in said
+    study = tmp_path / "one.toml"
+    study.write_text("[vary]\nrobot.noise_m_s = [0.02]\n[seeds]\ncount = 1\n")
+    said = here("study", str(study), "--out", str(tmp_path / "one")).stdout
+    assert "nan" not in said and " mm" in said
+
+
+def test_a_comparison_of_which_all_is_refused_is_bad_input(here: Here, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    late = ("--values", "0.4,0.5", "--controllers", "resilient", "--out", str(out))
+    refused(here("compare", *late), "resilient refused radio.latency_s = 0.4", "lease_s")
+    assert not out.exists()
+
+
 def test_a_carry_by_robots_that_hang_says_so(here: Here) -> None:
     result = here("carry", "--set", "radio.loss=1")
     assert "(2 unanswered)" in result.stdout
@@ -226,7 +243,7 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "…" not in plain
         for word in ("controller", "value", "dropped (95 %)", "rms (95 %)", "messages/m", "B/s"):
             assert word in rows[1]
-        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 26.4 ± 0.0 mm │          0 │   0 │" in plain
+        assert "0.50000000001 │ 0.0 % (0.0–79.3) │    26.4 mm │          0 │   0 │" in plain
 
 
 def test_an_animation_of_an_earlier_carry_is_removed(here: Here, tmp_path: Path) -> None:

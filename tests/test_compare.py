@@ -1,5 +1,6 @@
 """Controllers side by side: rows, their statistics, and what is refused."""
 
+import json
 import math
 from typing import Any
 
@@ -127,6 +128,16 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert row == pb.compare(values=[0.0], controllers=["none"], carries=2, seed=7).rows[0]
     done = pb.carry(seed=three, overrides={"task.distance_m": 0.05})
     assert (done.seed, type(done.seed)) == (3, int)
+
+
+def test_a_single_carry_tells_no_scatter() -> None:
+    """An interval of no width would say that one carry is certain."""
+    found = pb.compare(values=[0.0], controllers=["distributed"], carries=1)
+    (row,) = found.rows
+    assert all(math.isnan(end) for end in (*row.rms_interval_m, *row.messages_interval_per_m))
+    told = json.loads(json.dumps(found.summary(), allow_nan=False))["rows"][0]
+    assert told["rms_interval_m"] == told["messages_interval_per_m"] == [None, None]
+    assert told["interval"] == list(wilson(0, 1))
 
 
 def test_an_entry_of_a_list_is_swept() -> None:

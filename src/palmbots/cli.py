@@ -274,6 +274,8 @@ def compare(
             precision=precision,
             progress=report,
         )
+    if not done.rows:
+        raise PalmbotsError(f"resilient refused {done.refused[0]}")
     written = None
     if out is not None:
         from palmbots.comparison_figure import save

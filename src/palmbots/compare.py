@@ -26,7 +26,7 @@ _Z95 = 1.959963984540054  # 97.5 % quantile of the normal distribution
 
 
 Interval = tuple[float, float]
-"""95 %."""
+"""95 %; NaN where a single carry cannot tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +70,21 @@ class Comparison:
     def summary(self) -> dict[str, Any]:
         """What ``palmbots compare --json`` prints."""
         return {
-            "rows": [{field: getattr(row, field) for field in Row.__slots__} for row in self.rows],
+            "rows": [
+                {field: _told(getattr(row, field)) for field in Row.__slots__} for row in self.rows
+            ],
             "refused": list(self.refused),
             "key": self.key,
             "seed": self.seed,
             "scene": self.scene.model_dump(),
         }
+
+
+def _told(entry: Any) -> Any:
+    """An entry of a row as JSON has it, null for what is not known."""
+    if isinstance(entry, tuple):
+        return [_told(end) for end in entry]
+    return None if isinstance(entry, float) and math.isnan(entry) else entry
 
 
 def compare(
@@ -178,15 +187,15 @@ def _cell(
 def _ratio(of: NDArray[Any], to: NDArray[Any]) -> tuple[float, float, float]:
     """The ratio of two sums over carries and its 95 % interval, from the carries' scatter about it.
 
-    No less than 0; of a single carry the ratio alone.
+    No less than 0; of a single carry the ratio alone, with an interval of NaN.
     """
     total = float(np.sum(to))
     if total <= 0:  # nobody got anywhere
         return 0.0, 0.0, 0.0
     n, ratio = len(of), float(np.sum(of)) / total
-    half = 0.0
-    if n > 1:
-        half = _Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
+    if n == 1:  # which tells nothing of how carries scatter
+        return ratio, math.nan, math.nan
+    half = _Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
     return ratio, max(ratio - half, 0.0), ratio + half
 
 

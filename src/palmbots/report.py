@@ -281,11 +281,12 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         if last is not None and row.controller != last:
             table.add_section()
         half_rms = 0.5 * (row.rms_interval_m[1] - row.rms_interval_m[0])
+        spread = "" if math.isnan(half_rms) else f" ± {1e3 * half_rms:.1f}"
         table.add_row(
             row.controller if row.controller != last else "",
             _exactly(row.value),
             _rate(row.drop_rate, row.interval),
-            f"{1e3 * row.rms_m:.1f} ± {1e3 * half_rms:.1f} mm",
+            f"{1e3 * row.rms_m:.1f}{spread} mm",
             f"{row.messages_per_m:.0f}",
             f"{row.bytes_per_s:.0f}",
         )

@@ -183,6 +183,8 @@ def _spread(of: Any, i: int, c: int, scale: float, unit: str, sign: str = "") ->
     if math.isnan(values[i, c]):
         return "–"
     low, high = (scale * end for end in ends[i, c])
+    if math.isnan(low):  # of a single carry
+        return f"{scale * values[i, c]:{sign}.1f}{unit}"
     digits = max(0, min(4, 1 - math.floor(math.log10(high - low)))) if high > low else 2
     to = " to " if sign else "–"  # a dash before a minus sign is hard to read
     return f"{scale * values[i, c]:{sign}.{digits}f}{unit} ({low:.{digits}f}{to}{high:.{digits}f})"
