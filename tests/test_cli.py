@@ -3,6 +3,7 @@
 Of real processes where they matter; what is asked of many texts is run here, without their starts.
 """
 
+import importlib
 import json
 import os
 import re
@@ -281,6 +282,33 @@ def test_an_unwritable_folder_is_refused(tmp_path: Path) -> None:
     blocked.write_text("not a folder")
     refused(palmbots("carry", "--out", str(blocked)), "file")
     assert blocked.read_text() == "not a folder"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "works"),
+    [
+        (("compare", "--out"), "palmbots.compare"),
+        (("design", "--out"), "palmbots.stability.design"),
+        (("analyze", "--figures"), "palmbots.stability.analysis"),
+    ],
+)
+def test_a_folder_that_is_none_is_refused_before_the_work(
+    arguments: tuple[str, ...],
+    works: str,
+    here: Here,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Hours of carries are not lost for a misspelt --out."""
+
+    def worked(*_: object, **__: object) -> None:
+        pytest.fail("worked first")
+
+    monkeypatch.setattr(importlib.import_module(works), arguments[0], worked)
+    taken = tmp_path / "file"
+    taken.write_text("mine")
+    refused(here(*arguments, str(taken)), "file", "cannot be used as a folder")
+    assert taken.read_text() == "mine"
 
 
 def test_the_dead_band_is_warned_of_before_and_reported_after() -> None:

@@ -259,8 +259,11 @@ def compare(
     """Put controllers side by side over any numeric scene key, radio latency by default."""
     from palmbots.compare import DEFAULT_SWEEP, DEFAULT_VALUES
     from palmbots.compare import compare as run_comparison
+    from palmbots.files import check_folder
     from palmbots.report import compare_report
 
+    if out is not None:
+        check_folder(out)
     if values is None and key != DEFAULT_SWEEP:
         raise PalmbotsError(f"--values: not given; allowed: numbers to set {key} to, as in 0.1,0.2")
     with progress("comparing", as_json) as report:
