@@ -350,6 +350,28 @@ def test_interrupted_it_leaves_nothing_half_written(tmp_path: Path) -> None:
     assert palmbots("replay", str(out / "carry.mcap")).returncode == DONE
 
 
+@pytest.mark.parametrize("json_too", [(), ("--json",)])
+def test_a_full_disk_under_stdout_is_told_in_one_line(json_too: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(
+            [sys.executable, "-m", "palmbots", "modes", *json_too],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert result.returncode == BAD_INPUT
+    assert result.stderr == "palmbots: the output cannot be written: No space left on device\n"
+
+
+def test_an_encoding_that_lacks_a_sign_is_no_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    result = palmbots("modes")
+    assert (result.returncode, result.stderr) == (DONE, "")
+    assert "palms 15?, 15?" in result.stdout
+
+
 def test_help_shows_an_example(here: Here) -> None:
     for command in ("carry", "modes", "compare", "replay"):
         result = here(command, "--help")

@@ -5,7 +5,10 @@ Every command has ``--json`` (one object on stdout, nothing else) and exits with
 job, 1 when what it was asked about failed, 2 on bad input, which is answered with one line.
 """
 
+import contextlib
+import io
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -40,7 +43,17 @@ _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "
 
 def main() -> None:
     """Run the command line and exit with its status."""
-    sys.exit(run(sys.argv[1:]))
+    for stream in (sys.stdout, sys.stderr):  # where an encoding has no ° there is a ?, no traceback
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    try:
+        status = run(sys.argv[1:])
+        if sys.stdout is not None:
+            sys.stdout.flush()  # here, where a full disk can still be told
+    except OSError as error:
+        _muted()
+        status = FAILED if isinstance(error, BrokenPipeError) else _unwritable(error)
+    sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:
@@ -60,9 +73,17 @@ def run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         print("palmbots: interrupted; nothing half-written is left behind", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        sys.stderr.close()  # nobody reads on; say nothing
-        return FAILED
+
+
+def _muted() -> None:
+    """Nobody reads on, or there is no room: what is left to print goes nowhere, without a word."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _unwritable(error: OSError) -> int:
+    name = f"{error.filename}: " if error.filename else ""
+    return _refuse(f"{name}the output cannot be written: {error.strerror or error}")
 
 
 def _refuse(message: str) -> int:
