@@ -218,6 +218,15 @@ def test_a_carry_by_robots_that_hang_says_so(here: Here) -> None:
     assert "unanswered" not in here("carry").stdout
 
 
+def test_a_stalled_carry_says_that_time_is_up(here: Here) -> None:
+    result = here("carry", "--set", "task.timeout_s=3")
+    assert result.returncode == FAILED
+    assert "STALLED" in result.stdout
+    assert "\n  time is up: task.timeout_s is 3 s\n" in result.stdout
+    result = here("carry", "-c", "resilient", "--set", "radio.loss=1")
+    assert "task.timeout_s is 50 s, the default: twice the time" in result.stdout
+
+
 def test_one_is_no_plural(here: Here) -> None:
     changes = ("robot.noise_m_s=0", "start.left_m=0.006", "radio.loss=1")
     script = "bumps.script=[{robot='left', at_s=0, shift_m=0.001}]"

@@ -105,6 +105,10 @@ def carry_report(
     console.print(head)
     if done.reason is not None:
         console.print(f"  {done.reason}: {_REASONS[done.reason]}")
+    elif done.outcome == "stalled":
+        given = done.scene.task.timeout_s is not None
+        usual = "" if given else ", the default: twice the time at nominal speed"
+        console.print(f"  time is up: task.timeout_s is {done.scene.timeout_s:g} s{usual}")
 
     table = _plain()
     table.add_row("", Text("left", style="bold"), Text("right", style="bold"))
