@@ -227,6 +227,15 @@ def test_a_stalled_carry_says_that_time_is_up(here: Here) -> None:
     assert "task.timeout_s is 50 s, the default: twice the time" in result.stdout
 
 
+def test_a_long_carry_tells_how_many_corrections_there_were(here: Here) -> None:
+    """Not how many of them are listed."""
+    long = ("carry", "--set", "task.distance_m=40")
+    told = json.loads(here(*long, "--json").stdout)
+    assert len(told["corrections"]) == 512 < told["correction_count"]
+    said = here(*long).stdout
+    assert f"\n{told['correction_count']} corrections, of the first 512:\n" in said
+
+
 def test_one_is_no_plural(here: Here) -> None:
     changes = ("robot.noise_m_s=0", "start.left_m=0.006", "radio.loss=1")
     script = "bumps.script=[{robot='left', at_s=0, shift_m=0.001}]"

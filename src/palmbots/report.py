@@ -121,7 +121,9 @@ def carry_report(
     console.print(table)
 
     if done.corrections:
-        console.print(counted(len(done.corrections), "correction"))
+        listed = len(done.corrections)
+        first = f", of the first {listed}:" if listed < done.correction_count else ""
+        console.print(f"{counted(done.correction_count, 'correction')}{first}")
         counts = Counter((c.case, c.robot) for c in done.corrections)
         alone = Counter(c.case for c in done.corrections if c.assistant is None)
         cases = _plain()
