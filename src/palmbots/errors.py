@@ -10,7 +10,16 @@ import operator
 
 from palmbots.toml_text import toml_value
 
-__all__ = ["PalmbotsError", "SceneError", "one_line", "one_of", "seed_of", "show", "whole_number"]
+__all__ = [
+    "PalmbotsError",
+    "SceneError",
+    "one_line",
+    "one_of",
+    "seed_of",
+    "show",
+    "two_numbers",
+    "whole_number",
+]
 
 _LONGEST_VALUE = 60
 
@@ -70,6 +79,20 @@ def whole_number(key: str, value: object, least: int, most: int, allowed: str = 
             f"{key}: value is {show(value)}; allowed: {allowed or f'{least} to {most}'}"
         )
     return number
+
+
+def two_numbers(key: str, value: object) -> tuple[float, float]:
+    """The ends of an interval, in the order given, NaN and all.
+
+    Raises `PalmbotsError` for anything but a pair of numbers: a single one is easily given.
+    """
+    try:
+        low, high = value  # type: ignore[misc]
+        return float(low), float(high)
+    except (TypeError, ValueError):
+        raise PalmbotsError(
+            f"{key}: value is {show(value)}; allowed: two numbers, the lower one first"
+        ) from None
 
 
 def seed_of(value: object) -> int:
