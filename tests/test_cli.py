@@ -396,5 +396,13 @@ def test_help_shows_an_example(here: Here) -> None:
         assert result.returncode == DONE
         assert f"Example: palmbots {command}" in result.stdout
     assert "numeric scene key" in here("compare", "--help").stdout
+
+
+def test_help_begins_with_the_main_command_and_has_them_all(here: Here) -> None:
+    said = here("--help").stdout.split("Commands:")[1]
+    listed = re.findall(r"^  ([a-z]+)  ", said, re.MULTILINE)
+    assert listed[:3] == ["carry", "modes", "analyze"]
+    assert listed[-1] == "derive" and len(listed) == len(set(listed)) == 14
+    assert "..." not in said  # no sentence is cut short
     assert "Commands:" in here().stdout
     assert palmbots("--version").stdout.startswith("palmbots 0.")

@@ -237,7 +237,7 @@ def modes(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say which contact modes balance in one state, and what happens, at any contacts."""
+    """Say which contact modes balance in one state, and what happens."""
     from palmbots.modes import modes as find_modes
     from palmbots.report import modes_report
 
@@ -277,7 +277,7 @@ def compare(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Put controllers side by side over any numeric scene key, radio latency by default."""
+    """Put controllers side by side over any numeric scene key. Radio latency by default."""
     from palmbots.compare import DEFAULT_SWEEP, DEFAULT_VALUES
     from palmbots.compare import compare as run_comparison
     from palmbots.files import check_folder
@@ -326,7 +326,7 @@ def rare(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Tell the drop rate of a scene, however small, by multilevel splitting."""
+    """Tell the drop rate of a scene, however small. By multilevel splitting."""
     from palmbots.rare import rare as run_rare
     from palmbots.report import rare_report
 

@@ -29,7 +29,7 @@ def analyze(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say whether the two properties hold, by how much, and what would break them."""
+    """Say whether the two properties hold, and by how much. And what would break them."""
     from palmbots.errors import PalmbotsError, one_of
     from palmbots.files import check_folder
     from palmbots.stability.analysis import analyze as run_analysis
