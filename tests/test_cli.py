@@ -265,6 +265,22 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "0.50000000001 │ 0.0 % (0.0–79.3) │    26.4 mm │          0 │   0 │" in plain
 
 
+@pytest.mark.parametrize("command", ["analyze", "certify", "modes", "carry"])
+def test_no_report_cuts_numbers(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither in a terminal that is too narrow, nor breaks it a line in a pipe."""
+    flush = ("--theta-left-deg", "0") if command == "modes" else ()
+    for terminal in ("", "1"):
+        monkeypatch.setenv("FORCE_COLOR", terminal)
+        monkeypatch.setenv("COLUMNS", "30")
+        told = palmbots(command, *flush, "--set", "palm.shallow_deg=4").stdout
+        table = [line for line in told.splitlines() if "squeeze" not in line]
+        assert told and not any("…" in line for line in table)
+        if not terminal and command == "analyze":
+            assert re.search(
+                r"\n  first: left palm, flush .*, p -?[0-9.]+ mm, -?[0-9.]+ mm\n", told
+            )
+
+
 def test_an_animation_of_an_earlier_carry_is_removed(here: Here, tmp_path: Path) -> None:
     short = ("carry", "--set", "task.distance_m=0.05", "--out", str(tmp_path))
     (tmp_path / "carry.mp4").write_text("a film")

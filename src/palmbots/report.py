@@ -35,6 +35,8 @@ _SIDES = ("left", "right")
 _GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
 _ANY_WIDTH = 10_000  # columns: a pipe or a file has no edge at which to break or cut a line
 
+_LEAST_WIDTH = 80  # columns; for the widest table but that of `compare`, which finds its own
+
 _REASONS = {
     "off-palm": "a contact ran past an end or a side of its palm",
     "sliding": "no squeeze balances the object: it slides on both palms",
@@ -67,10 +69,12 @@ def counted(n: int, noun: str) -> str:
 
 
 def console_for_people() -> Console:
-    """Stdout; what is no terminal has lines of any length."""
+    """Stdout; what is no terminal has lines of any length.
+
+    A terminal that is too narrow may break lines, but no table cuts numbers to fit into it.
+    """
     console = Console(highlight=False)
-    if not console.is_terminal:
-        console.width = _ANY_WIDTH
+    console.width = max(console.width, _LEAST_WIDTH) if console.is_terminal else _ANY_WIDTH
     return console
 
 

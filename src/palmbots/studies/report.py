@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palmbots.compare import wilson
-from palmbots.report import counted, files_written
+from palmbots.report import console_for_people, counted, files_written
 from palmbots.studies.design import Points
 from palmbots.studies.explain import Cost
 from palmbots.studies.run import Done
@@ -123,7 +123,7 @@ def _cells(done: Done) -> Table:
 
 def cost_report(points: Points, cost: Cost) -> None:
     """What a study will take."""
-    console = Console(highlight=False)
+    console = console_for_people()
     plan = points.plan
     most = "at most " if plan.study.stop else ""
     rows = [
