@@ -209,7 +209,28 @@ def test_bad_intervals_are_refused() -> None:
         {"region_m": (-0.5, 0.5)},
         {"com_x_m": (math.nan, 0.2)},
         {"com_polygon_m": [(0.1, 0.1)], "com_x_m": (0.1, 0.1)},
+        {"friction": 0.3},
+        {"friction": (0.2, 0.3, 0.4)},
+        {"friction": "ab"},
     )
     for given in bad:
         with pytest.raises(pb.PalmbotsError, match="allowed"):
             certify("paper", **given)
+
+
+def test_of_nothing_nothing_is_certified() -> None:
+    """A claim that nobody knows has no obligations, all of which would hold."""
+    for claims in ((), ("propert 1",), ("property 1", "x"), "clearance"):
+        with pytest.raises(pb.PalmbotsError, match=r"claims: .*allowed: .*property 1"):
+            certify("paper", claims=claims)  # type: ignore[arg-type]
+
+
+def test_a_failing_certificate_does_not_say_that_every_claim_fails(tmp_path: Path) -> None:
+    """A witness refutes one claim; of the others it says nothing."""
+    failing = certify("paper", length_m=(0.14, 0.17))
+    assert failing.verdict == "fails"
+    assert check_function(saved(failing, tmp_path)).claim == (
+        "fails: at least one of property 1, property 2, property 0, clearance"
+    )
+    alone = certify("paper", length_m=(0.14, 0.17), claims=("clearance",))
+    assert check_function(saved(alone, tmp_path)).claim == "fails: clearance"

@@ -3,6 +3,7 @@
 Of real processes where they matter; what is asked of many texts is run here, without their starts.
 """
 
+import importlib
 import json
 import os
 import re
@@ -167,6 +168,7 @@ def test_compare_json_has_the_contract(tmp_path: Path) -> None:
         (["compare", "--sweep", "robot.noise_m_s"], ["--values"]),
         (["compare", "--values", "1,b"], ["--values", "1,b"]),
         (["compare", "--carries", "0"], ["carries", "allowed"]),
+        (["compare", "--seed", "-1"], ["seed", "allowed"]),
         (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
         (["compare", "--controllers", "none, none"], ["controllers", "none", "twice"]),
         (["compare", "--values", "0.1,0.10"], ["values", "0.1", "twice"]),
@@ -181,11 +183,57 @@ def test_bad_input_is_one_line_and_exit_status_2(
     refused(here(*arguments), *words)
 
 
+def test_compare_sweeps_a_key_of_whole_numbers(here: Here) -> None:
+    result = here(
+        *("compare", "--sweep", "faults.reboots", "--values", "0,1", "--json"),
+        *("--carries", "2", "--controllers", "distributed"),
+    )
+    assert [row["value"] for row in json.loads(result.stdout)["rows"]] == [0, 1]
+    refused(
+        here("compare", "--sweep", "faults.reboots", "--values", "0.5"), "0.5", "a whole number"
+    )
+
+
+def test_of_one_carry_no_interval_is_told(here: Here, tmp_path: Path) -> None:
+    few = ("--values", "0", "--carries", "1", "--out", str(tmp_path))
+    said = here("compare", *few, "--controllers", "none,distributed").stdout
+    assert "±" not in said and "nan" not in said and " mm" in said
+    study = tmp_path / "one.toml"
+    study.write_text("[vary]\nrobot.noise_m_s = [0.02]\n[seeds]\ncount = 1\n")
+    said = here("study", str(study), "--out", str(tmp_path / "one")).stdout
+    assert "nan" not in said and " mm" in said
+
+
+def test_a_comparison_of_which_all_is_refused_is_bad_input(here: Here, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    late = ("--values", "0.4,0.5", "--controllers", "resilient", "--out", str(out))
+    refused(here("compare", *late), "resilient refused radio.latency_s = 0.4", "lease_s")
+    assert not out.exists()
+
+
 def test_a_carry_by_robots_that_hang_says_so(here: Here) -> None:
     result = here("carry", "--set", "radio.loss=1")
     assert "(2 unanswered)" in result.stdout
     assert "warning: left has waited since 0.9 s for an Ack that does not come" in result.stdout
     assert "unanswered" not in here("carry").stdout
+
+
+def test_a_stalled_carry_says_that_time_is_up(here: Here) -> None:
+    result = here("carry", "--set", "task.timeout_s=3")
+    assert result.returncode == FAILED
+    assert "STALLED" in result.stdout
+    assert "\n  time is up: task.timeout_s is 3 s\n" in result.stdout
+    result = here("carry", "-c", "resilient", "--set", "radio.loss=1")
+    assert "task.timeout_s is 50 s, the default: twice the time" in result.stdout
+
+
+def test_a_long_carry_tells_how_many_corrections_there_were(here: Here) -> None:
+    """Not how many of them are listed."""
+    long = ("carry", "--set", "task.distance_m=40")
+    told = json.loads(here(*long, "--json").stdout)
+    assert len(told["corrections"]) == 512 < told["correction_count"]
+    said = here(*long).stdout
+    assert f"\n{told['correction_count']} corrections, of the first 512:\n" in said
 
 
 def test_one_is_no_plural(here: Here) -> None:
@@ -214,7 +262,23 @@ def test_compare_cuts_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "…" not in plain
         for word in ("controller", "value", "dropped (95 %)", "rms (95 %)", "messages/m", "B/s"):
             assert word in rows[1]
-        assert "0.50000000001 │ 0.0 % (0.0–79.3) │ 26.4 ± 0.0 mm │          0 │   0 │" in plain
+        assert "0.50000000001 │ 0.0 % (0.0–79.3) │    26.4 mm │          0 │   0 │" in plain
+
+
+@pytest.mark.parametrize("command", ["analyze", "certify", "modes", "carry"])
+def test_no_report_cuts_numbers(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither in a terminal that is too narrow, nor breaks it a line in a pipe."""
+    flush = ("--theta-left-deg", "0") if command == "modes" else ()
+    for terminal in ("", "1"):
+        monkeypatch.setenv("FORCE_COLOR", terminal)
+        monkeypatch.setenv("COLUMNS", "30")
+        told = palmbots(command, *flush, "--set", "palm.shallow_deg=4").stdout
+        table = [line for line in told.splitlines() if "squeeze" not in line]
+        assert told and not any("…" in line for line in table)
+        if not terminal and command == "analyze":
+            assert re.search(
+                r"\n  first: left palm, flush .*, p -?[0-9.]+ mm, -?[0-9.]+ mm\n", told
+            )
 
 
 def test_an_animation_of_an_earlier_carry_is_removed(here: Here, tmp_path: Path) -> None:
@@ -252,6 +316,33 @@ def test_an_unwritable_folder_is_refused(tmp_path: Path) -> None:
     blocked.write_text("not a folder")
     refused(palmbots("carry", "--out", str(blocked)), "file")
     assert blocked.read_text() == "not a folder"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "works"),
+    [
+        (("compare", "--out"), "palmbots.compare"),
+        (("design", "--out"), "palmbots.stability.design"),
+        (("analyze", "--figures"), "palmbots.stability.analysis"),
+    ],
+)
+def test_a_folder_that_is_none_is_refused_before_the_work(
+    arguments: tuple[str, ...],
+    works: str,
+    here: Here,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Hours of carries are not lost for a misspelt --out."""
+
+    def worked(*_: object, **__: object) -> None:
+        pytest.fail("worked first")
+
+    monkeypatch.setattr(importlib.import_module(works), arguments[0], worked)
+    taken = tmp_path / "file"
+    taken.write_text("mine")
+    refused(here(*arguments, str(taken)), "file", "cannot be used as a folder")
+    assert taken.read_text() == "mine"
 
 
 def test_the_dead_band_is_warned_of_before_and_reported_after() -> None:
@@ -293,11 +384,41 @@ def test_interrupted_it_leaves_nothing_half_written(tmp_path: Path) -> None:
     assert palmbots("replay", str(out / "carry.mcap")).returncode == DONE
 
 
+@pytest.mark.parametrize("json_too", [(), ("--json",)])
+def test_a_full_disk_under_stdout_is_told_in_one_line(json_too: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(
+            [sys.executable, "-m", "palmbots", "modes", *json_too],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert result.returncode == BAD_INPUT
+    assert result.stderr == "palmbots: the output cannot be written: No space left on device\n"
+
+
+def test_an_encoding_that_lacks_a_sign_is_no_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    result = palmbots("modes")
+    assert (result.returncode, result.stderr) == (DONE, "")
+    assert "palms 15?, 15?" in result.stdout
+
+
 def test_help_shows_an_example(here: Here) -> None:
     for command in ("carry", "modes", "compare", "replay"):
         result = here(command, "--help")
         assert result.returncode == DONE
         assert f"Example: palmbots {command}" in result.stdout
     assert "numeric scene key" in here("compare", "--help").stdout
+
+
+def test_help_begins_with_the_main_command_and_has_them_all(here: Here) -> None:
+    said = here("--help").stdout.split("Commands:")[1]
+    listed = re.findall(r"^  ([a-z]+)  ", said, re.MULTILINE)
+    assert listed[:3] == ["carry", "modes", "analyze"]
+    assert listed[-1] == "derive" and len(listed) == len(set(listed)) == 14
+    assert "..." not in said  # no sentence is cut short
     assert "Commands:" in here().stdout
     assert palmbots("--version").stdout.startswith("palmbots 0.")

@@ -1,5 +1,6 @@
 """Controllers side by side: rows, their statistics, and what is refused."""
 
+import json
 import math
 from typing import Any
 
@@ -181,6 +182,35 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
     assert wilson(n, n)[1] == 1
 
 
+def test_numbers_of_numpy_are_numbers() -> None:
+    """Seeds come out of np.arange, and counts out of arrays."""
+    two, seven, three = (np.array([2, 7, 3], np.int64)[i] for i in range(3))
+    (row,) = pb.compare(values=[0.0], controllers=["none"], carries=two, seed=seven).rows
+    assert row == pb.compare(values=[0.0], controllers=["none"], carries=2, seed=7).rows[0]
+    done = pb.carry(seed=three, overrides={"task.distance_m": 0.05})
+    assert (done.seed, type(done.seed)) == (3, int)
+
+
+def test_a_single_carry_tells_no_scatter() -> None:
+    """An interval of no width would say that one carry is certain."""
+    found = pb.compare(values=[0.0], controllers=["distributed"], carries=1)
+    (row,) = found.rows
+    assert all(math.isnan(end) for end in (*row.rms_interval_m, *row.messages_interval_per_m))
+    told = json.loads(json.dumps(found.summary(), allow_nan=False))["rows"][0]
+    assert told["rms_interval_m"] == told["messages_interval_per_m"] == [None, None]
+    assert told["interval"] == list(wilson(0, 1))
+
+
+def test_an_entry_of_a_list_is_swept() -> None:
+    """As in a study: the COM is the first thing that anybody wants to sweep."""
+    swept = {"key": "object.com_m[0]", "values": [0.1], "controllers": ["none"], "carries": 3}
+    (row,) = pb.compare(**swept).rows
+    given = pb.compare(
+        controllers=["none"], values=[0.05], carries=3, overrides={"object.com_m": [0.1, 0.04]}
+    )
+    assert (row.rms_m, row.drop_rate) == (given.rows[0].rms_m, given.rows[0].drop_rate)
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
@@ -188,6 +218,9 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
         ({"carries": 0}, PalmbotsError, "carries: value is 0"),
         ({"carries": 2.0}, PalmbotsError, "carries: value is 2.0"),
         ({"carries": True}, PalmbotsError, "carries"),
+        ({"seed": -1}, PalmbotsError, "seed: value is -1"),
+        ({"seed": 2**64}, PalmbotsError, "seed: value is 1844"),
+        ({"seed": 0.5}, PalmbotsError, "seed: value is 0.5"),
         ({"values": []}, PalmbotsError, "values: none given"),
         ({"values": [0.1, 0.2, 0.10]}, PalmbotsError, "values: 0.1 is given twice"),
         ({"controllers": []}, PalmbotsError, "controllers: none given"),
@@ -195,6 +228,8 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
         ({"precision": "half"}, PalmbotsError, "precision: value is .*half"),
         ({"key": "radio.latncy_s"}, SceneError, "^sweep: .*latency_s"),
         ({"values": [-1.0]}, SceneError, "radio.latency_s"),
+        ({"key": 3}, SceneError, "^sweep: 3 is not a key"),
+        ({"key": "object.com_m[2]"}, SceneError, r"^sweep: object.com_m\[2\]: there is no such"),
         ({"scene": "nowhere"}, SceneError, "nowhere"),
     ],
 )

@@ -9,7 +9,10 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots.between import overlap_m
 from palmbots.deadband import overrun_m, warnings_before, zero_zone_m
+from palmbots.geometry import place_rows
+from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 
 STARTS = [(0.02, 0.0), (-0.02, 0.0), (0.02, 0.02), (-0.02, -0.02), (0.02, -0.02), (-0.02, 0.02)]
@@ -151,3 +154,27 @@ def test_noise_is_not_mistaken_for_a_cycle() -> None:
     for controller in ("centralized", "distributed"):
         for seed in range(100):
             assert not cycles(pb.carry("paper", controller, seed=seed, record=False))
+
+
+def test_palms_that_would_collide_are_told_of() -> None:
+    """Under an object of 50 mm palms of 150 mm stand in the same place, in every world."""
+    narrow = {
+        "object.vertices_m": [[0, 0], [0.05, 0], [0.05, 0.1], [0, 0.1]],
+        "object.com_m": [0.025, 0.04],
+    }
+    told = "reach past each other by 94.9 mm"  # 150 mm cos 15 degrees less 50 mm
+    for world in ("quasistatic", "mujoco"):
+        done = pb.carry(
+            controller="none", world=world, overrides=narrow | {"task.distance_m": 0.01}
+        )
+        assert any(told in warning for warning in done.warnings)
+    # Where the inner ends are, from the trace itself: at p = 20 mm each palm reaches 20 mm further.
+    for length, start in ((0.05, 0.0), (0.05, 0.02), (0.052, 0.0), (0.03, 0.014)):
+        keys = {"palm.length_m": length, "start.left_m": start, "robot.noise_m_s": 0}
+        scene = load_scene("paper", narrow | keys | {"task.distance_m": 0.01})
+        trace = pb.carry(scene, "none").trace
+        assert trace is not None
+        placed = place_rows(lower(scene), trace, slice(0, 1))
+        past = placed.palm_inner[0, 0, 0] - placed.palm_inner[0, 1, 0]
+        assert overlap_m(scene) == pytest.approx(past, abs=1e-12)
+        assert bool(warnings_before(scene, "none")) == (past > 0)

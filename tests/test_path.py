@@ -161,6 +161,12 @@ def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
     scene = load_scene("paper", {"task.path.file": str(file)})
     assert scene.task.path.waypoints_m == ((0, 0), (1, 0.2), (2, 1))
     assert (scene.task.path.kind, scene.task.path.file) == ("waypoints", None)
+    beside = tmp_path / "scene.toml"
+    beside.write_text('task.path.file = "way.csv"\n')
+    assert load_scene(beside).task.path == scene.task.path  # not in the working directory
+    assert load_scene(beside, {"task.slope_deg": 0}).task.path == scene.task.path
+    beside.write_text(f'task.path.file = "{file}"\n')
+    assert load_scene(beside).task.path == scene.task.path
     file.unlink()
     assert load_scene(scene.model_dump()) == scene
 

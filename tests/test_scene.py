@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from palmbots.carry import carry
 from palmbots.complaints import dotted_keys
 from palmbots.errors import SceneError
 from palmbots.scene import Scene, load_scene
@@ -74,6 +75,12 @@ def test_a_side_may_differ():
 def test_the_timeout_follows_distance_and_the_slower_robot_unless_given():
     assert load_scene("paper", {"task.distance_m": 3}).timeout_s == 100
     assert load_scene("paper", {"robot.left.speed_m_s": 0.03}).timeout_s == 100
+    # A millimetre is gone before nominal speed is reached: time to speed up counts as well.
+    short = {"task.distance_m": 0.001}
+    assert load_scene("paper", short).timeout_s == pytest.approx(0.001 / 0.06 + 2 * 0.06 / 0.5)
+    assert carry(overrides=short).outcome == "delivered"
+    slow = {"robot.acceleration_m_s2": 0.001}
+    assert carry(overrides=slow, record=False).outcome == "delivered"
     given_one = load_scene("paper", {"task.timeout_s": 7})
     assert (given_one.timeout_s, given_one.timeout_ticks) == (7, 700)
     assert load_scene(given_one, {"task.timeout_s": None}) == PAPER

@@ -63,6 +63,18 @@ def test_cases_are_shaded_where_they_last(lost_ack: pb.Carry) -> None:
     assert starts == {1: pytest.approx(0.4), 0: pytest.approx(0.45)}  # (a) right, (c) left
 
 
+def test_names_of_cases_that_follow_at_once_do_not_overlap() -> None:
+    """Where requests cross, (a) becomes (b) after a twentieth of a second."""
+    crossing = pb.carry(overrides={"task.direction": "backward"})
+    assert any(c.case == "b" for c in crossing.corrections)
+    figure = sequence_chart.draw(crossing)
+    figure.canvas.draw()
+    for panel in figure.axes:
+        boxes = [t.get_window_extent() for t in panel.texts if t.get_text().startswith("(")]
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+
+
 def test_time_runs_on_from_column_to_column() -> None:
     done = pb.carry("paper", "distributed", seed=1)
     figure = sequence_chart.draw(done)

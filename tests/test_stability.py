@@ -363,8 +363,11 @@ def test_wedging_starts_where_a_squeeze_becomes_unbounded() -> None:
         (found.wedging.friction + 1e-6, True),
     ):
         infinite = False
-        for number, shallow in STEEP_CASES:
-            angles, p = at.palms(shallow), contacts(at, number, shallow, 2)
+        ends = np.array([-0.075, 0.075])
+        # The properties' own poses, and both palms steep, as most of the time.
+        poses = [(at.palms(shallow), contacts(at, n, shallow, 2)) for n, shallow in STEEP_CASES]
+        both_steep = (at.angles[0][1], at.angles[1][1])
+        for angles, p in (*poses, (both_steep, (ends[:, None], ends[None, :]))):
             states = pb.states(
                 width=at.width, com_x=at.com[0], com_y=at.com[1], theta_left=angles[0],
                 theta_right=angles[1], p_left=p[0], p_right=p[1], friction_left=friction,

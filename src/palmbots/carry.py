@@ -6,7 +6,7 @@ from typing import Any
 from palmbots import _core
 from palmbots.bounds import bounds_of
 from palmbots.controllers import Controller, adapted_pair
-from palmbots.errors import PalmbotsError, one_of, show
+from palmbots.errors import one_of, seed_of
 from palmbots.lowering import lower
 from palmbots.result import Carry, finished
 from palmbots.scene import load_scene
@@ -16,8 +16,6 @@ __all__ = ["CONTROLLERS", "PRECISIONS", "WORLDS", "carry"]
 CONTROLLERS = ("none", "centralized", "distributed", "resilient")
 WORLDS = ("quasistatic", "mujoco")
 PRECISIONS = ("double", "float")
-
-_MOST_SEED = 2**64 - 1
 
 
 def carry(
@@ -58,10 +56,7 @@ def carry(
     chosen = load_scene(scene, overrides)
     one_of("world", world, WORLDS)
     one_of("precision", precision, PRECISIONS)
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= _MOST_SEED:
-        raise PalmbotsError(
-            f"seed: value is {show(seed)}; allowed: a whole number from 0 to 2^64-1"
-        )
+    seed = seed_of(seed)
     if isinstance(controller, str):
         one_of("controller", controller, CONTROLLERS)
         name, core_controller = controller, controller

@@ -282,7 +282,8 @@ def check(path: Any) -> Checked:
     claims = certificate.get("claims")
     if not isinstance(claims, list) or not all(isinstance(c, str) for c in claims):
         return Checked(False, "", "claims is not a list of names")
-    claim = f"{verdict}: {', '.join(claims)}"
+    one_of_them = "at least one of " if verdict == "fails" and len(claims) > 1 else ""
+    claim = f"{verdict}: {one_of_them}{', '.join(claims)}"
     try:
         if verdict == "holds":
             _check_holds(certificate)

@@ -5,7 +5,10 @@ Every command has ``--json`` (one object on stdout, nothing else) and exits with
 job, 1 when what it was asked about failed, 2 on bad input, which is answered with one line.
 """
 
+import contextlib
+import io
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -40,7 +43,17 @@ _UsageFault: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "
 
 def main() -> None:
     """Run the command line and exit with its status."""
-    sys.exit(run(sys.argv[1:]))
+    for stream in (sys.stdout, sys.stderr):  # where an encoding has no ° there is a ?, no traceback
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    try:
+        status = run(sys.argv[1:])
+        if sys.stdout is not None:
+            sys.stdout.flush()  # here, where a full disk can still be told
+    except OSError as error:
+        _muted()
+        status = FAILED if isinstance(error, BrokenPipeError) else _unwritable(error)
+    sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:
@@ -60,9 +73,17 @@ def run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         print("palmbots: interrupted; nothing half-written is left behind", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        sys.stderr.close()  # nobody reads on; say nothing
-        return FAILED
+
+
+def _muted() -> None:
+    """Nobody reads on, or there is no room: what is left to print goes nowhere, without a word."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _unwritable(error: OSError) -> int:
+    name = f"{error.filename}: " if error.filename else ""
+    return _refuse(f"{name}the output cannot be written: {error.strerror or error}")
 
 
 def _refuse(message: str) -> int:
@@ -216,7 +237,7 @@ def modes(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say which contact modes balance in one state, and what happens, at any contacts."""
+    """Say which contact modes balance in one state, and what happens."""
     from palmbots.modes import modes as find_modes
     from palmbots.report import modes_report
 
@@ -256,11 +277,14 @@ def compare(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Put controllers side by side over any numeric scene key, radio latency by default."""
+    """Put controllers side by side over any numeric scene key. Radio latency by default."""
     from palmbots.compare import DEFAULT_SWEEP, DEFAULT_VALUES
     from palmbots.compare import compare as run_comparison
+    from palmbots.files import check_folder
     from palmbots.report import compare_report
 
+    if out is not None:
+        check_folder(out)
     if values is None and key != DEFAULT_SWEEP:
         raise PalmbotsError(f"--values: not given; allowed: numbers to set {key} to, as in 0.1,0.2")
     with progress("comparing", as_json) as report:
@@ -274,6 +298,8 @@ def compare(
             precision=precision,
             progress=report,
         )
+    if not done.rows:
+        raise PalmbotsError(f"resilient refused {done.refused[0]}")
     written = None
     if out is not None:
         from palmbots.comparison_figure import save
@@ -300,7 +326,7 @@ def rare(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Tell the drop rate of a scene, however small, by multilevel splitting."""
+    """Tell the drop rate of a scene, however small. By multilevel splitting."""
     from palmbots.rare import rare as run_rare
     from palmbots.report import rare_report
 
@@ -325,8 +351,14 @@ def rare(
 def _numbers(option: str, text: str) -> list[float]:
     from palmbots.errors import show
 
+    def number(part: str) -> float:
+        try:
+            return int(part)  # a key that wants a whole number takes no 1.0
+        except ValueError:
+            return float(part)
+
     try:
-        return [float(part) for part in text.split(",")]
+        return [number(part) for part in text.split(",")]
     except ValueError:
         raise PalmbotsError(
             f"{option}: value is {show(text)}; allowed: numbers with commas between, as in 0.1,0.2"

@@ -3,9 +3,10 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from palmbots.scene import Scene
 
@@ -26,8 +27,23 @@ __all__ = [
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 
+# As a newcomer needs them; a command that is not here comes last.
+_ORDER = (
+    "carry", "modes", "analyze", "certify", "check", "design", "compare", "study", "rare", "speed",
+    "validate", "export", "replay", "derive",
+)  # fmt: skip
+
+
+class _InOrder(TyperGroup):
+    """The commands, the main one first, whichever module brought them."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return sorted(self.commands, key=lambda n: _ORDER.index(n) if n in _ORDER else len(_ORDER))
+
+
 app = typer.Typer(
     name="palmbots",
+    cls=_InOrder,
     help="Two robots, a flat tiltable palm each, carry one object together.",
     add_completion=False,
     rich_markup_mode=None,

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from palmbots.batch import DELIVERED, DROPPED, cores, run_seeds
 from palmbots.bounds import bounds_of
 from palmbots.carry import CONTROLLERS, PRECISIONS
-from palmbots.errors import PalmbotsError, SceneError, one_of, show
+from palmbots.errors import PalmbotsError, SceneError, one_of, seed_of, show, whole_number
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
+from palmbots.studies.axes import scene_at
 from palmbots.wire import PACKET_SIZE
 
 __all__ = ["Comparison", "Row", "compare", "wilson"]
@@ -25,7 +26,7 @@ _Z95 = 1.959963984540054  # 97.5 % quantile of the normal distribution
 
 
 Interval = tuple[float, float]
-"""95 %."""
+"""95 %; NaN where a single carry cannot tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +70,21 @@ class Comparison:
     def summary(self) -> dict[str, Any]:
         """What ``palmbots compare --json`` prints."""
         return {
-            "rows": [{field: getattr(row, field) for field in Row.__slots__} for row in self.rows],
+            "rows": [
+                {field: _told(getattr(row, field)) for field in Row.__slots__} for row in self.rows
+            ],
             "refused": list(self.refused),
             "key": self.key,
             "seed": self.seed,
             "scene": self.scene.model_dump(),
         }
+
+
+def _told(entry: Any) -> Any:
+    """An entry of a row as JSON has it, null for what is not known."""
+    if isinstance(entry, tuple):
+        return [_told(end) for end in entry]
+    return None if isinstance(entry, float) and math.isnan(entry) else entry
 
 
 def compare(
@@ -93,7 +103,7 @@ def compare(
 
     Args:
         scene: as in `palmbots.carry`.
-        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``robot.noise_m_s``.
+        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``object.com_m[0]``.
         values: what to set it to.
         controllers: which controllers.
         carries: how many for each controller and value; seeds are seed, seed + 1, …
@@ -110,10 +120,12 @@ def compare(
         one_of("controller", controller, CONTROLLERS)
     _each_once("controllers", controllers)
     one_of("precision", precision, PRECISIONS)
-    if isinstance(carries, bool) or not isinstance(carries, int) or not 1 <= carries <= 10**8:
-        raise PalmbotsError(f"carries: value is {show(carries)}; allowed: 1 to 100000000")
+    carries = whole_number("carries", carries, 1, 10**8)
+    seed = seed_of(seed)
+    if not isinstance(key, str):
+        raise SceneError(f"sweep: {show(key)} is not a key; allowed: a dotted key")
     base = load_scene(scene, overrides)
-    scenes = [load_scene(base, {key: value}, called="sweep:") for value in values]
+    scenes = [scene_at(base, [key], [value], called="sweep:") for value in values]
     _each_once("values", values)
     rows, refused = [], []
     cells = [(c, v, s) for c in controllers for v, s in zip(values, scenes, strict=True)]
@@ -175,15 +187,15 @@ def _cell(
 def _ratio(of: NDArray[Any], to: NDArray[Any]) -> tuple[float, float, float]:
     """The ratio of two sums over carries and its 95 % interval, from the carries' scatter about it.
 
-    No less than 0; of a single carry the ratio alone.
+    No less than 0; of a single carry the ratio alone, with an interval of NaN.
     """
     total = float(np.sum(to))
     if total <= 0:  # nobody got anywhere
         return 0.0, 0.0, 0.0
     n, ratio = len(of), float(np.sum(of)) / total
-    half = 0.0
-    if n > 1:
-        half = _Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
+    if n == 1:  # which tells nothing of how carries scatter
+        return ratio, math.nan, math.nan
+    half = _Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
     return ratio, max(ratio - half, 0.0), ratio + half
 
 

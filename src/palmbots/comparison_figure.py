@@ -48,7 +48,7 @@ def draw(comparison: "Comparison") -> Figure:
                 axes.errorbar(
                     [row.value for row in rows],
                     y,
-                    yerr=np.clip(np.abs(ends - y), 0, None),
+                    yerr=np.nan_to_num(np.abs(ends - y)),  # NaN: a single carry cannot tell
                     capsize=2,
                     elinewidth=0.8,
                     label=controller,

@@ -9,6 +9,7 @@ side, and the opposite correction begins: for ever. Source: PROTOCOL, "Dead band
 import math
 from itertools import pairwise
 
+from palmbots.between import overlap_m
 from palmbots.geometry import SIDES, Side
 from palmbots.scene import Scene
 from palmbots.sections import RobotParameters
@@ -81,6 +82,11 @@ def warnings_before(scene: Scene, controller: str) -> tuple[str, ...]:
         )
     if controller != "none":
         told += [line for side in SIDES if (line := _blind(scene, side))]
+    if (overlap := overlap_m(scene)) > 0:
+        told.append(
+            f"the palms reach past each other by {_mm(overlap)} under the object and would "
+            "collide, which no world here sees (a wider object, or a shorter palm.length_m)"
+        )
     return tuple(told)
 
 

@@ -6,10 +6,20 @@ are escaped: a message is always one line that any terminal and any encoding can
 """
 
 import difflib
+import operator
 
 from palmbots.toml_text import toml_value
 
-__all__ = ["PalmbotsError", "SceneError", "one_line", "one_of", "show"]
+__all__ = [
+    "PalmbotsError",
+    "SceneError",
+    "one_line",
+    "one_of",
+    "seed_of",
+    "show",
+    "two_numbers",
+    "whole_number",
+]
 
 _LONGEST_VALUE = 60
 
@@ -53,3 +63,38 @@ def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
         near = difflib.get_close_matches(str(value), legal, n=1)
         hint = f"did you mean {near[0]}? " if near else ""
         raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")
+
+
+def whole_number(key: str, value: object, least: int, most: int, allowed: str = "") -> int:
+    """The value as an int, also of one of NumPy's whole numbers.
+
+    Raises `PalmbotsError`, saying what is allowed, for anything else and beyond the limits.
+    """
+    try:
+        number = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        number = None
+    if number is None or not least <= number <= most:
+        raise PalmbotsError(
+            f"{key}: value is {show(value)}; allowed: {allowed or f'{least} to {most}'}"
+        )
+    return number
+
+
+def two_numbers(key: str, value: object) -> tuple[float, float]:
+    """The ends of an interval, in the order given, NaN and all.
+
+    Raises `PalmbotsError` for anything but a pair of numbers: a single one is easily given.
+    """
+    try:
+        low, high = value  # type: ignore[misc]
+        return float(low), float(high)
+    except (TypeError, ValueError):
+        raise PalmbotsError(
+            f"{key}: value is {show(value)}; allowed: two numbers, the lower one first"
+        ) from None
+
+
+def seed_of(value: object) -> int:
+    """The seed of a carry; raises `PalmbotsError` where it is none."""
+    return whole_number("seed", value, 0, 2**64 - 1, "a whole number from 0 to 2^64-1")

@@ -156,7 +156,7 @@ def _head(figure: Figure, view: _View, left_in: float, height_in: float) -> None
     who = f"{carry.controller} algorithm" if carry.controller != "none" else "no controller"
     first = f"{who}: {ending} after {carry.time_s:.2f} s and {carry.distance_m:.2f} m"
     facts = [
-        f"{len(carry.corrections)} corrections",
+        f"{carry.correction_count} corrections",
         f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",
         f"peak {peak['left'] * 1e3:.1f}, {peak['right'] * 1e3:.1f} mm",
         f"seed {carry.seed}",

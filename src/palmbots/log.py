@@ -52,6 +52,7 @@ _TEXTS = ("controller", "world", "precision", "version", "outcome", "trace_hash"
 _VALUES = (
     "seed", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
     "messages_lost", "waiting_s", "bumps", "warnings", "links", "bounds", "across_peak_m",
+    "correction_count",
 )  # fmt: skip
 
 # Variable of the trace, field of the message.
@@ -91,6 +92,7 @@ class Log:
     contact_rms_m: dict[str, float]
     contact_peak_m: dict[str, float]
     corrections: tuple[Correction, ...]
+    correction_count: int
     touches: tuple[Touch, ...]
     messages: int
     messages_lost: int
@@ -337,8 +339,10 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     letters = [LetterEvent.FromString(m) for m in messages.get("/messages", [])]
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     told: dict[str, Any] = {name: facts[name] for name in _TEXTS}
-    # Logs from before there were curved paths say nothing of what is across.
+    # Older logs say nothing of what is across, nor how many corrections they do not list.
     told |= {name: json.loads(facts.get(name, "null")) for name in ("scene", *_VALUES)}
+    if told["correction_count"] is None:
+        told["correction_count"] = len(corrections)
     told["touches"] = tuple(Touch(**touch) for touch in json.loads(facts["touches"]))
     told["warnings"] = tuple(told["warnings"])
     told["links"] = {name: LinkCounts(**counts) for name, counts in told["links"].items()}

@@ -64,7 +64,8 @@ class Path(Section):
     """Points of the floor, in any frame: the curve begins in the first and ends in the last one."""
     file: str | None = None
     """A CSV file with a point `x,y` in m on each line, in place of `waypoints_m`; a line that
-    begins with # is a comment. A scene keeps the points, not the name."""
+    begins with # is a comment. Beside the scene file that names it. A scene keeps the points, not
+    the name."""
 
     @model_validator(mode="before")
     @classmethod

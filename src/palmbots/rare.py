@@ -19,7 +19,7 @@ from palmbots import _core
 from palmbots.batch import cores
 from palmbots.bounds import bounds_of
 from palmbots.carry import CONTROLLERS
-from palmbots.errors import PalmbotsError, one_of, show
+from palmbots.errors import PalmbotsError, one_of, seed_of, show, whole_number
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
 
@@ -107,16 +107,14 @@ def rare(
     one_of("controller", controller, CONTROLLERS)
     if not 0.01 <= within <= 1:
         raise PalmbotsError(f"within: value is {show(within)}; allowed: 0.01 to 1")
-    if isinstance(effort, bool) or not 10 <= effort <= 100_000:
-        raise PalmbotsError(f"effort: value is {show(effort)}; allowed: 10 to 100000")
-    if not 0 <= seed < 2**64:
-        raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64 - 1")
+    effort = whole_number("effort", effort, 10, 100_000)
+    seed = seed_of(seed)
+    workers = cores() if threads is None else whole_number("threads", threads, 1, 1024)
     chosen = load_scene(scene, overrides)
     if controller == "resilient":
         bounds_of(chosen)
     spec = lower(chosen)
     told = progress or (lambda fraction: None)
-    workers = cores() if threads is None else threads
     levels = _core.choose_levels(spec, controller, seed, max(effort, 1000), SHARE)
 
     def run(first: int, count: int, share: tuple[float, float]) -> tuple[NDArray[Any], int]:

@@ -35,6 +35,8 @@ _SIDES = ("left", "right")
 _GOOD, _BAD, _QUIET = "bold green", "bold red", "dim"
 _ANY_WIDTH = 10_000  # columns: a pipe or a file has no edge at which to break or cut a line
 
+_LEAST_WIDTH = 80  # columns; for the widest table but that of `compare`, which finds its own
+
 _REASONS = {
     "off-palm": "a contact ran past an end or a side of its palm",
     "sliding": "no squeeze balances the object: it slides on both palms",
@@ -67,10 +69,12 @@ def counted(n: int, noun: str) -> str:
 
 
 def console_for_people() -> Console:
-    """Stdout; what is no terminal has lines of any length."""
+    """Stdout; what is no terminal has lines of any length.
+
+    A terminal that is too narrow may break lines, but no table cuts numbers to fit into it.
+    """
     console = Console(highlight=False)
-    if not console.is_terminal:
-        console.width = _ANY_WIDTH
+    console.width = max(console.width, _LEAST_WIDTH) if console.is_terminal else _ANY_WIDTH
     return console
 
 
@@ -105,6 +109,10 @@ def carry_report(
     console.print(head)
     if done.reason is not None:
         console.print(f"  {done.reason}: {_REASONS[done.reason]}")
+    elif done.outcome == "stalled":
+        given = done.scene.task.timeout_s is not None
+        usual = "" if given else ", the default: twice the time at nominal speed"
+        console.print(f"  time is up: task.timeout_s is {done.scene.timeout_s:g} s{usual}")
 
     table = _plain()
     table.add_row("", Text("left", style="bold"), Text("right", style="bold"))
@@ -117,7 +125,9 @@ def carry_report(
     console.print(table)
 
     if done.corrections:
-        console.print(counted(len(done.corrections), "correction"))
+        listed = len(done.corrections)
+        first = f", of the first {listed}:" if listed < done.correction_count else ""
+        console.print(f"{counted(done.correction_count, 'correction')}{first}")
         counts = Counter((c.case, c.robot) for c in done.corrections)
         alone = Counter(c.case for c in done.corrections if c.assistant is None)
         cases = _plain()
@@ -281,11 +291,12 @@ def compare_report(done: "Comparison", written: Path | None) -> None:
         if last is not None and row.controller != last:
             table.add_section()
         half_rms = 0.5 * (row.rms_interval_m[1] - row.rms_interval_m[0])
+        spread = "" if math.isnan(half_rms) else f" ± {1e3 * half_rms:.1f}"
         table.add_row(
             row.controller if row.controller != last else "",
             _exactly(row.value),
             _rate(row.drop_rate, row.interval),
-            f"{1e3 * row.rms_m:.1f} ± {1e3 * half_rms:.1f} mm",
+            f"{1e3 * row.rms_m:.1f}{spread} mm",
             f"{row.messages_per_m:.0f}",
             f"{row.bytes_per_s:.0f}",
         )

@@ -115,6 +115,8 @@ class Carry:
     contact_peak_m: dict[str, float]
     """The largest absolute contact coordinate."""
     corrections: tuple[Correction, ...]
+    """The first 512; `correction_count` tells how many there were."""
+    correction_count: int
     touches: tuple[Touch, ...]
     """When the object rested on more, or on something else, than its two contact vertices."""
     messages: int
@@ -153,6 +155,7 @@ class Carry:
                 {field: getattr(c, field) for field in Correction.__slots__}
                 for c in self.corrections
             ],
+            "correction_count": self.correction_count,
             "touches": [
                 {field: getattr(t, field) for field in Touch.__slots__} for t in self.touches
             ],
@@ -203,6 +206,7 @@ def finished(
         contact_rms_m=_by_side(run.contact_rms_m),
         contact_peak_m=_by_side(run.contact_peak_m),
         corrections=_corrections(run.corrections),
+        correction_count=run.correction_count,
         touches=tuple(Touch(_SIDES[side], kind, start, end) for side, kind, start, end in touches),
         messages=run.messages,
         messages_lost=run.messages_lost,

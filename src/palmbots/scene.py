@@ -80,11 +80,18 @@ class Scene(Section):
 
     @property
     def timeout_s(self) -> float:
-        """When the carry is given up [s]: `task.timeout_s`, or twice distance / slower speed."""
+        """When the carry is given up [s]: `task.timeout_s`, or twice distance / slower speed.
+
+        Where speeding up takes longer than half of the way there is time for that twice, instead.
+        """
         if self.task.timeout_s is not None:
             return self.task.timeout_s
-        slower = min(self.robot_of("left").speed_m_s, self.robot_of("right").speed_m_s)
-        return 2 * self.task.distance_m / slower if slower > 0 else math.inf
+        robots = [self.robot_of(side) for side in SIDES]
+        slower = min(robot.speed_m_s for robot in robots)
+        if slower <= 0:
+            return math.inf
+        way = self.task.distance_m / slower
+        return way + max(way, 2 * max(r.speed_m_s / r.acceleration_m_s2 for r in robots))
 
     @property
     def timeout_ticks(self) -> int:

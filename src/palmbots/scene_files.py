@@ -33,7 +33,16 @@ def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     if name in names:
         text = (resources.files("palmbots") / "scenes" / f"{name}.toml").read_text("utf-8")
         return name, tomllib.loads(text)
-    return name, read_table(name, "a scene file", names)
+    return name, _beside(name, read_table(name, "a scene file", names))
+
+
+def _beside(name: str, table: dict[str, Any]) -> dict[str, Any]:
+    """The table with the file that it names (`task.path.file`) looked for beside the scene."""
+    path: Any = table.get("task")
+    path = path.get("path") if isinstance(path, dict) else None
+    if isinstance(path, dict) and isinstance(path.get("file"), str):
+        path["file"] = os.path.join(os.path.dirname(name), path["file"])
+    return table
 
 
 def read_table(name: str, what: str, built_in: list[str]) -> dict[str, Any]:

@@ -365,7 +365,8 @@ class Task(Section):
     slope_deg: Angle = 0.0
     """Slope of the floor; > 0 is uphill in the direction of travel."""
     timeout_s: Patience | None = None
-    """When to give up; not set: twice the time that the slower robot needs at nominal speed."""
+    """When to give up; not set: twice the time that the slower robot needs at nominal speed, or
+    more where speeding up takes long."""
     direction: Direction = "forward"
     """forward: the right robot leads; backward: the left one does."""
     inertia: Switch = True

@@ -37,6 +37,7 @@ _DENSE = 0.16  # s: letters closer than this in the mean get more room
 _LINE = {"left": 0.0, "right": 1.0}
 _BAR = 0.07  # width of a case's bar
 _NAME = 0.13  # inches that a letter's name is high
+_NAME_WIDE = 13  # points that a name of a case, as (a), takes
 
 
 def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
@@ -129,6 +130,7 @@ def _draw_cases(panel: Axes, carry: "Carry", side: str, start: float, end: float
     assert carry.trace is not None
     times = carry.trace["time"].to_numpy()
     cases = carry.trace["case"].sel(side=side).to_numpy()
+    begun: list[tuple[float, str]] = []
     for case in sorted(set(cases) - {" "}):
         for first, after in runs(cases == case):
             low, high = times[first], times[min(after, len(times) - 1)]
@@ -142,17 +144,23 @@ def _draw_cases(panel: Axes, carry: "Carry", side: str, start: float, end: float
             if case == "c":  # it assists
                 over = {"fc": "none", "ec": colour, "hatch": HATCH[side], "lw": 0, "alpha": 0.6}
                 panel.add_patch(Rectangle(place, _BAR, high - low, zorder=2, **over))
-            outward = -1 if side == "left" else 1
-            panel.annotate(
-                f"({case})",
-                (_LINE[side], low),
-                (outward * 6, -1),
-                textcoords="offset points",
-                ha="right" if outward < 0 else "left",
-                va="top",
-                size=7,
-                color=colour,
-            )
+            begun.append((low, case))
+    outward = -1 if side == "left" else 1
+    above, away = -math.inf, 0.0
+    for low, case in sorted(begun):
+        # Beside the bar, or beside the name above where there is no room below it.
+        away = away + _NAME_WIDE if low - above < _NAME * (end - start) / _TALL else 6
+        above = low
+        panel.annotate(
+            f"({case})",
+            (_LINE[side], low),
+            (outward * away, -1),
+            textcoords="offset points",
+            ha="right" if outward < 0 else "left",
+            va="top",
+            size=7,
+            color=HUE[side],
+        )
 
 
 def _draw_faults(panel: Axes, carry: "Carry", side: str, start: float, end: float) -> None:

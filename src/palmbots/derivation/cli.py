@@ -28,7 +28,7 @@ def derive(
     ] = False,
     as_json: JsonOption = False,
 ) -> int:
-    """Derive each robot's rules from the global policy, and check controllers against it.
+    """Derive each robot's rules from the global policy. Check controllers against it.
 
     Exit status 1: the policy does not give Table 2, or something is wrong with it.
     """

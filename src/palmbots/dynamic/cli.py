@@ -206,7 +206,7 @@ def speed(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Find how hard and how fast the robots may go before quasistatic mechanics ends."""
+    """Find how hard and how fast the robots may go. Where quasistatic mechanics ends."""
     from palmbots.dynamic.report import speed_report
     from palmbots.dynamic.speed import speed_limits
     from palmbots.files import check_folder

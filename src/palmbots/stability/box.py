@@ -103,8 +103,15 @@ class Box:
 def _ends(name: str, given: Any, usual: Any, least: float, most: float) -> Ends:
     if given is None:
         return exact(usual), exact(usual)
-    low, high = given
-    if not least <= low <= high <= most:
+    try:
+        low, high = given
+        fits = least <= low <= high <= most
+    except (TypeError, ValueError):  # one number, three, or none at all
+        raise PalmbotsError(
+            f"{name}: value is {show(given)}; allowed: two numbers, the lower one first, from "
+            f"{least:g} to {most:g}"
+        ) from None
+    if not fits:
         raise PalmbotsError(
             f"{name}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
             f"from {least:g} to {most:g}"

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Literal
 
+from palmbots.errors import PalmbotsError, one_of, show
 from palmbots.files import write_whole
 from palmbots.lowering import refuse_curved
 from palmbots.scene import Scene, load_scene
@@ -48,7 +49,15 @@ class Certificate:
 def prove(
     box: Box, claims: tuple[str, ...] = CLAIMS, *, most_parts: int = _MOST_PARTS
 ) -> Certificate:
-    """Prove or refute the claims for a whole box, with at most so many parts looked at."""
+    """Prove or refute the claims for a whole box, with at most so many parts looked at.
+
+    Raises:
+        PalmbotsError: no claim, or one that is none of `CLAIMS`: of nothing all would hold.
+    """
+    if isinstance(claims, str) or not claims:
+        raise PalmbotsError(f"claims: value is {show(claims)}; allowed: some of {list(CLAIMS)}")
+    for claim in claims:
+        one_of("claims", claim, CLAIMS)
     from flint import ctx  # here, as in `_way`: whoever proves nothing need not wait for it
 
     with ctx.workprec(_BITS):
@@ -132,7 +141,7 @@ def certify(
 
     Raises:
         SceneError: the scene cannot be read or makes no sense.
-        PalmbotsError: an interval is upside down or beyond what a scene allows.
+        PalmbotsError: an interval is upside down or beyond what a scene allows, or a claim is none.
     """
     chosen: Scene = load_scene(scene, overrides)
     refuse_curved(chosen)

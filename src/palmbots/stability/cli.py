@@ -29,8 +29,9 @@ def analyze(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say whether the two properties hold, by how much, and what would break them."""
+    """Say whether the two properties hold, and by how much. And what would break them."""
     from palmbots.errors import PalmbotsError, one_of
+    from palmbots.files import check_folder
     from palmbots.stability.analysis import analyze as run_analysis
     from palmbots.stability.report import analysis_report
 
@@ -42,6 +43,8 @@ def analyze(
             raise PalmbotsError(
                 "--p-left-m, --p-right-m: choose the state that is drawn; allowed: with --figures"
             )
+    if figures is not None:
+        check_folder(figures)
     found = run_analysis(scene_of(scene, changes), region_m=region_m)
     written: list[Path] = []
     if figures is not None:
@@ -177,10 +180,13 @@ def design(
 ) -> int:
     """Find the palm angles that tolerate most, with a certificate."""
     from palmbots.errors import one_of
+    from palmbots.files import check_folder
     from palmbots.stability.design import design as run_design
     from palmbots.stability.report import design_report
 
     one_of("--format", kind, ("png", "svg", "pdf"))
+    if out is not None:
+        check_folder(out)
     where: Any = region if region in ("implied", "palm") else _pair("--region", region)
     found = run_design(
         scene_of(scene, changes),

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots.errors import PalmbotsError, show
+from palmbots.errors import PalmbotsError, show, two_numbers
 from palmbots.scene import Scene, load_scene
 from palmbots.stability.box import box_of
 from palmbots.stability.certificate import Certificate, prove
@@ -132,7 +132,7 @@ def design(
         )
     quantity: Quantity = maximize
     step = resolution_deg if resolution_deg is not None else (0.1 if quantity == "com" else 0.5)
-    low, high = angles_deg
+    low, high = two_numbers("angles_deg", angles_deg)
     if not (math.isfinite(step) and 0.01 <= step <= 10):
         raise PalmbotsError(f"resolution_deg: value is {show(step)}; allowed: 0.01 to 10 degrees")
     if not -45 <= low < high <= 75:
@@ -150,10 +150,13 @@ def design(
             f"least_clearance_deg: value is {show(least_clearance_deg)}; allowed: 0 to 90"
         )
     for name, ends in (("friction", friction), ("com_y_m", com_y_m), ("slope", slope)):
-        if ends is not None and not -10 <= ends[0] <= ends[1] <= 100:
-            raise PalmbotsError(
-                f"{name}: value is {show(list(ends))}; allowed: two numbers, the lower one first"
-            )
+        if ends is not None:
+            least, most = two_numbers(name, ends)
+            if not -10 <= least <= most <= 100:
+                raise PalmbotsError(
+                    f"{name}: value is {show([least, most])}; allowed: two numbers, the lower one "
+                    "first"
+                )
     at = _at(chosen, region_m)
     if friction is not None and friction[0] < 0:
         raise PalmbotsError(f"friction: value is {show(list(friction))}; allowed: 0 or more")

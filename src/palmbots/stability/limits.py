@@ -42,7 +42,7 @@ class Wedging:
     """The least friction (alike on both palms) at which a contact of the region is wedged."""
     side: Side
     palm: str
-    """The angle of that palm: shallow or steep."""
+    """The angle of that palm: shallow, steep, or turning between them."""
     happens: bool
     """Whether the scene's own friction is that high."""
 
@@ -200,14 +200,15 @@ def wedging(at: Situation) -> Wedging:
     """The least friction at which an upper edge contains the line to the other contact."""
     best: tuple[float, Side, str] = (math.inf, "left", "steep")
     for shallow in SIDES:
-        for number in (1, 2):
-            pose = at.pose(number, shallow)
+        # All poses that the palms pass through: most of a carry both are steep.
+        for pose in (at.pose(1, shallow), at.pose(2, shallow), *at.poses(0, shallow)):
             for index, side in enumerate(SIDES):
                 # The line to the other contact, seen from this palm, rises by ±z.
                 rise = pose.rise[1] if index == 0 else -pose.rise[0]
                 across = math.sqrt((at.width - rise) * (at.width + rise))
                 friction = math.tan(math.atan2(across, rise) - pose.angles[index])
                 if 0 < friction < best[0]:
-                    best = (friction, side, "shallow" if side == shallow else "steep")
+                    names = dict(zip(at.angles[index], ("shallow", "steep"), strict=True))
+                    best = (friction, side, names.get(pose.angles[index], "turning"))
     friction, side, palm = best
     return Wedging(friction, side, palm, at.friction[SIDES.index(side)] >= friction)

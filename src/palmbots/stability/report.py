@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from palmbots.report import files_written
+from palmbots.report import console_for_people, files_written
 from palmbots.stability.forms import text_of
 from palmbots.stability.ranges import Interval
 
@@ -28,7 +28,7 @@ _NAMES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
 def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path]) -> None:
     """The properties with their margins, what binds, the ranges, and the warnings they deserve."""
-    console = Console(highlight=False)
+    console = console_for_people()
     good = found.holds
     head = Text("HOLDS" if good else "FAILS", style="bold green" if good else "bold red")
     region = found.situation.contacts[0]
@@ -153,7 +153,7 @@ def _union(pieces: Sequence[Interval], scale: float, unit: str) -> str:
 
 def certificate_report(found: "Certificate", written: Sequence[Path]) -> None:
     """What was proved, or where it fails."""
-    console = Console(highlight=False)
+    console = console_for_people()
     looks = {"holds": "bold green", "fails": "bold red", "undecided": "bold yellow"}
     words = {
         "holds": "CERTIFIED TO HOLD",
@@ -161,7 +161,9 @@ def certificate_report(found: "Certificate", written: Sequence[Path]) -> None:
         "undecided": "UNDECIDED",
     }
     head = Text(words[found.verdict], style=looks[found.verdict])
-    head.append(f"  {', '.join(found.data['claims'])}", style="bold")
+    claims = found.data["claims"]
+    one_of_them = "at least one of " if found.verdict == "fails" and len(claims) > 1 else ""
+    head.append(f"  {one_of_them}{', '.join(claims)}", style="bold")
     console.print(head)
     if found.verdict == "holds":
         console.print(f"{found.parts} parts of the box proved at their corners", style="dim")
@@ -199,7 +201,7 @@ def _witness(console: Console, witness: dict[str, Any]) -> None:
 
 def check_report(found: "Checked", path: Path) -> None:
     """Whether a certificate proves what it claims."""
-    console = Console(highlight=False)
+    console = console_for_people()
     if found.valid:
         console.print(Text("VALID", style="bold green").append(f"  {path}", style="default"))
     else:
@@ -212,7 +214,7 @@ def design_report(found: "Design", scene_name: str, written: Sequence[Path]) -> 
     """The angles, what they are worth, and at what price."""
     from palmbots.stability.design import QUANTITIES
 
-    console = Console(highlight=False)
+    console = console_for_people()
     *_, unit, scale, name = QUANTITIES[found.quantity]
     head = Text(f"{found.shallow_deg:g}° and {found.steep_deg:g}°", style="bold green")
     head.append(f"  tolerate most: {name.split(' [')[0]}", style="bold")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from palmbots import _core
-from palmbots.errors import PalmbotsError, show
+from palmbots.errors import PalmbotsError, show, two_numbers
 from palmbots.lowering import lower
 from palmbots.scene import Scene
 from palmbots.sections import SIDES, Side
@@ -152,6 +152,8 @@ def situation_of(scene: Scene, region_m: Pair | None = None, beyond_m: float = 0
     """
     spec = lower(scene)
     half = (0.5 * spec.palms[0].length, 0.5 * spec.palms[1].length)
+    if region_m is not None:
+        region_m = two_numbers("region_m", region_m)
     contacts = (region_m, region_m) if region_m else ((-half[0], half[0]), (-half[1], half[1]))
     if region_m:
         low, high = region_m

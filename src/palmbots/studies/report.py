@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palmbots.compare import wilson
-from palmbots.report import counted, files_written
+from palmbots.report import console_for_people, counted, files_written
 from palmbots.studies.design import Points
 from palmbots.studies.explain import Cost
 from palmbots.studies.run import Done
@@ -123,7 +123,7 @@ def _cells(done: Done) -> Table:
 
 def cost_report(points: Points, cost: Cost) -> None:
     """What a study will take."""
-    console = Console(highlight=False)
+    console = console_for_people()
     plan = points.plan
     most = "at most " if plan.study.stop else ""
     rows = [
@@ -183,6 +183,8 @@ def _spread(of: Any, i: int, c: int, scale: float, unit: str, sign: str = "") ->
     if math.isnan(values[i, c]):
         return "–"
     low, high = (scale * end for end in ends[i, c])
+    if math.isnan(low):  # of a single carry
+        return f"{scale * values[i, c]:{sign}.1f}{unit}"
     digits = max(0, min(4, 1 - math.floor(math.log10(high - low)))) if high > low else 2
     to = " to " if sign else "–"  # a dash before a minus sign is hard to read
     return f"{scale * values[i, c]:{sign}.{digits}f}{unit} ({low:.{digits}f}{to}{high:.{digits}f})"
