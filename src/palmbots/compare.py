@@ -14,7 +14,7 @@ from palmbots.carry import CONTROLLERS, PRECISIONS
 from palmbots.errors import PalmbotsError, SceneError, one_of, seed_of, show, whole_number
 from palmbots.lowering import lower
 from palmbots.scene import Scene, load_scene
-from palmbots.studies.axes import scene_at
+from palmbots.scene_at import scene_at
 from palmbots.wire import PACKET_SIZE
 
 __all__ = ["Comparison", "Row", "compare", "wilson"]

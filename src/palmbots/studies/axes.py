@@ -6,22 +6,19 @@ to twelve digits, so that 0.1 + 0.2 reads as 0.3 and no library's last bit gets 
 """
 
 import math
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from palmbots.errors import SceneError, show
-from palmbots.lowering import refuse_curved
+from palmbots.errors import show
 from palmbots.quantities import Range, fault, whole
-from palmbots.scene import Scene, load_scene
+from palmbots.scene_at import ENTRY
 from palmbots.section import Section
 
-__all__ = ["Axis", "Levels", "Span", "axes_of", "scene_at"]
+__all__ = ["Axis", "Levels", "Span", "axes_of"]
 
 _MOST_LEVELS = 100_000
-_INDEXED = re.compile(r"(.+)\[(\d{1,3})\]")
 
 
 class Span(Section):
@@ -65,7 +62,7 @@ def axes_of(table: object) -> dict[str, Axis]:
     pairs = _flat(table, "")
     found = dict(pairs)
     for name, _ in pairs:
-        entry = _INDEXED.fullmatch(name)
+        entry = ENTRY.fullmatch(name)
         if entry and entry[1] in found:
             raise fault(entry[1], f"is given beside {name}", "the list or its entries", name)
         if sum(name == other for other, _ in pairs) > 1:
@@ -126,45 +123,3 @@ def _levels(name: str, value: object) -> Levels:
             raise fault(value, f"has {show(one)} twice", "each value once", name)
         seen.add(plain)
     return tuple(value)
-
-
-def scene_at(base: Scene, keys: Sequence[str], values: Sequence[Any], called: str) -> Scene:
-    """The base scene with these keys set to these values.
-
-    Raises `SceneError`, one line that begins with `called`, where that is no scene.
-    """
-    given = dict(zip(keys, values, strict=True))
-    plain = {key: value for key, value in given.items() if not _INDEXED.fullmatch(key)}
-    names = {found[1] for key in given if (found := _INDEXED.fullmatch(key))}
-    # A scene is made once, with all keys, where no other key can have changed a list.
-    apart = not any(f"{name}.".startswith(f"{key}.") for name in names for key in plain)
-    scene = base if names and apart else load_scene(base, plain, called=called)
-    entries: dict[str, Any] = {}
-    for key, value in given.items():
-        indexed = _INDEXED.fullmatch(key)
-        if indexed is None:
-            continue
-        name, index = indexed[1], int(indexed[2])
-        there = entries.setdefault(name, _looked_up(scene, name))
-        if index >= len(there):
-            raise SceneError(
-                f"{called} {key}: there is no such entry; allowed: an index of a list that the "
-                "scene has, as in object.com_m[0]"
-            )
-        there[index] = value
-    if scene is base:
-        entries = plain | entries
-    done = load_scene(scene, entries, called=called) if entries else scene
-    try:
-        refuse_curved(done)
-    except SceneError as error:
-        raise SceneError(f"{called} {error}") from None
-    return done
-
-
-def _looked_up(scene: Scene, name: str) -> list[Any]:
-    """A list of the scene; empty where there is none of that name."""
-    table: Any = scene.model_dump()
-    for part in name.split("."):
-        table = table.get(part) if isinstance(table, Mapping) else None
-    return list(table) if isinstance(table, list | tuple) else []

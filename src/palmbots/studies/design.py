@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from palmbots.bounds import bounds_of
 from palmbots.errors import PalmbotsError, SceneError, show
 from palmbots.scene import Scene
-from palmbots.studies.axes import Axis, Span, scene_at
+from palmbots.scene_at import scene_at
+from palmbots.studies.axes import Axis, Span
 from palmbots.studies.needs import needed
 from palmbots.studies.plan import Plan
 from palmbots.version import __version__
