@@ -56,7 +56,7 @@ def test_levels_change_the_scatter_only() -> None:
     assert told[2][1] < 0.7 * told[0][1]
 
 
-@pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.016, 0, 10)])
+@pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.0145, 0, 10)])
 def test_the_answer_is_that_of_the_replicates_that_count(
     noise: float, seed: int, effort: int
 ) -> None:
@@ -65,9 +65,9 @@ def test_the_answer_is_that_of_the_replicates_that_count(
     keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
     told = rare("paper", "distributed", overrides=keys, seed=seed, within=1.0, effort=effort)
     spec = lower(load_scene("paper", keys))
-    assert list(told.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.2)
+    assert list(told.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.4)
     rows, ticks = _core.replicates(
-        spec, "distributed", seed, effort, list(told.levels), PLANNING, told.replicates, 1
+        spec, "distributed", seed, effort, list(told.levels), told.planning, told.replicates, 1
     )
     rates = []
     for stages in rows:
@@ -97,7 +97,10 @@ def test_the_interval_is_as_narrow_as_was_asked_for() -> None:
         found = rare(overrides=keys, seed=seed, within=0.15, effort=50)
         widths.append((found.interval[1] - found.drop_rate) / found.drop_rate / 0.15)
         assert found.replicates > 30, "or the least number decides"
-    assert 0.8 < np.mean(widths) < 1.25
+        assert found.planning == max(PLANNING, math.ceil(found.replicates / 4)) or (
+            PLANNING < found.planning > found.replicates / 4
+        )
+    assert 0.8 < np.mean(widths) < 1.1
 
 
 def test_progress_goes_on_to_the_end() -> None:
@@ -105,7 +108,7 @@ def test_progress_goes_on_to_the_end() -> None:
     keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
     rare(overrides=keys, within=1.0, effort=50, threads=2, progress=told.append)
     assert told == sorted(told) and 0 < told[0] < 0.2 and told[-1] == 1
-    assert sum(part <= 0.2 for part in told) == PLANNING / 4
+    assert sum(part < 0.201 for part in told) == PLANNING / 4
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
@@ -144,6 +147,7 @@ def palmbots(*arguments: str) -> "subprocess.CompletedProcess[str]":
 
 def test_the_command() -> None:
     keys = ("--set", "robot.noise_m_s=0.02", "--set", "task.distance_m=0.3")
+    keys += ("--effort", "300")
     done = palmbots(*keys, "--within-percent", "50", "--json")
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
@@ -163,7 +167,7 @@ def test_the_command() -> None:
         (("--effort", "3"), "effort"),
         (("--seed", "-1"), "seed"),
         (("-c", "nobody"), "controller"),
-        (("--set", "robot.noise_m_s=0"), "none came to a drop"),
+        (("--set", "robot.noise_m_s=0", "--effort", "50"), "none came to a drop"),
         (("-c", "resilient", "--set", "radio.latency_s=2"), "allowed"),
     ],
 )

@@ -321,7 +321,7 @@ def rare(
     within_percent: Annotated[
         float, typer.Option("--within-percent", help="Wanted half-width of the 95 % interval.")
     ] = 20.0,
-    effort: Annotated[int, typer.Option("--effort", help="Carries in each stage.")] = 500,
+    effort: Annotated[int, typer.Option("--effort", help="Carries in each stage.")] = 1000,
     seed: SeedOption = 0,
     changes: SetOption = None,
     as_json: JsonOption = False,

@@ -4,7 +4,8 @@ A carry that is dropped first has to get a contact far out on its palm. Of the c
 a level, a part of the palm's half-length, copies go on from there, each with random numbers of its
 own, to the next level; the product of the parts that get on is an unbiased estimate of the drop
 rate (`splitting.hpp` says how). The levels are found by a pilot, how many replicates are needed by
-a first few; neither of the two counts.
+some that come before (at least a quarter of those, or they would tell too little of the scatter).
+Neither of the two counts: an estimate that had a say in when to stop would be too low on average.
 """
 
 import math
@@ -25,13 +26,16 @@ from palmbots.scene import Scene, load_scene
 
 __all__ = ["DropRate", "rare"]
 
-SHARE = 0.2
+SHARE = 0.4
 """Of the carries from one level, this part gets to the next one."""
-PLANNING = 16
-"""Replicates from which is told how many are needed."""
+EFFORT = 1000
+"""Carries in each stage of a replicate. Replicates of fewer, or of fewer levels, scatter more than
+they save: at one drop in a million, 500 with a share of 0.2 took more than twice the time."""
+PLANNING = 12
+"""The fewest replicates from which is told how many are needed."""
 FEWEST, MOST = 16, 10_000
 """Replicates that count."""
-_TO_SPARE = 1.2  # more than the scatter of a few replicates asks for: it is an estimate itself
+_TO_SPARE = 1.3  # more than the scatter of a few replicates asks for: it is an estimate itself
 
 # 97.5 % quantiles of Student's t for 15, 20, 30, 60, 120 and ever more degrees of freedom.
 _T95 = ((15, 2.131), (20, 2.086), (30, 2.042), (60, 2.000), (120, 1.980), (MOST, 1.960))
@@ -49,6 +53,8 @@ class DropRate:
     reached: tuple[float, ...]
     """Of the carries from one level, which part came to the next; mean over the replicates."""
     replicates: int
+    planning: int
+    """Replicates before those, which told how many were needed and do not count."""
     effort: int
     """Carries in each stage of a replicate."""
     carries: float
@@ -65,6 +71,7 @@ class DropRate:
             "levels": list(self.levels),
             "reached": list(self.reached),
             "replicates": self.replicates,
+            "planning": self.planning,
             "effort": self.effort,
             "carries": self.carries,
             "controller": self.controller,
@@ -79,7 +86,7 @@ def rare(
     *,
     seed: int = 0,
     within: float = 0.2,
-    effort: int = 500,
+    effort: int = EFFORT,
     overrides: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
@@ -94,7 +101,7 @@ def rare(
         seed: of all that is random.
         within: wanted half-width of the 95 % interval, as a part of the rate. The interval that
             comes out may be wider: how many replicates it takes is an estimate too, and at most
-            10000 are run.
+            10000 count.
         effort: carries in each stage of a replicate.
         overrides: scene keys to set.
         threads: how many replicates at once; None: as many as there are processors.
@@ -132,18 +139,25 @@ def rare(
         return np.array(rows, float), ticks
 
     planning, _ = run(0, PLANNING, (0.0, 0.2))
-    first = _estimates(planning, effort)
-    if not first.any():
-        raise PalmbotsError(
-            f"rare: of {PLANNING} times {effort} carries none came to a drop, by "
-            f"{len(levels)} level{'s' * (len(levels) != 1)} up to "
-            f"{max(levels, default=0.0):.2f} of the palm's half-length; allowed: scenes "
-            "that may drop by chance, or a greater effort"
-        )
-    scatter = float(first.std(ddof=1) / first.mean())
-    wanted = math.ceil(_TO_SPARE * (_t95(MOST) * scatter / within) ** 2)
-    count = min(max(wanted, FEWEST), MOST)
-    stages, ticks = run(PLANNING, count, (0.2, 1.0))
+    spent = 0.2
+    while True:
+        before = _estimates(planning, effort)
+        if not before.any():
+            raise PalmbotsError(
+                f"rare: of {PLANNING} times {effort} carries none came to a drop, by "
+                f"{len(levels)} level{'s' * (len(levels) != 1)} up to "
+                f"{max(levels, default=0.0):.2f} of the palm's half-length; allowed: scenes "
+                "that may drop by chance, or a greater effort"
+            )
+        count = _needed(before, within)
+        first = len(planning)
+        more = math.ceil(count / 4) - first
+        if more <= 0:
+            break
+        further, _ = run(first, more, (spent, 0.5 * (spent + 0.4)))
+        planning = np.concatenate([planning, further])
+        spent = 0.5 * (spent + 0.4)
+    stages, ticks = run(first, count, (spent, 1.0))
     estimates = _estimates(stages, effort)
     rate = float(estimates.mean())
     half = _t95(count - 1) * float(estimates.std(ddof=1)) / math.sqrt(count)
@@ -153,6 +167,7 @@ def rare(
         levels=tuple(levels),
         reached=tuple(_parts(stages, effort)),
         replicates=count,
+        planning=first,
         effort=effort,
         carries=ticks * spec.period / (chosen.task.distance_m / chosen.robot_of("left").speed_m_s),
         controller=controller,
@@ -168,6 +183,16 @@ def _estimates(stages: NDArray[Any], effort: int) -> NDArray[Any]:
         [np.ones((len(stages), 1)), np.cumprod(reached, axis=1)[:, :-1]], axis=1
     )
     return np.sum(before * drops, axis=1)
+
+
+def _needed(estimates: NDArray[Any], within: float) -> int:
+    """How many replicates that scatter like these take for such an interval."""
+    scatter = float(estimates.std(ddof=1) / estimates.mean())
+    count = MOST
+    for _ in range(2):  # Student's quantile is that of the number sought: a little more for a few
+        wanted = math.ceil(_TO_SPARE * (_t95(count - 1) * scatter / within) ** 2)
+        count = min(max(wanted, FEWEST), MOST)
+    return count
 
 
 def _parts(stages: NDArray[Any], effort: int) -> list[float]:
