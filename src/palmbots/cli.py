@@ -185,7 +185,12 @@ def carry(
         foreseen = None if budget is None else budget.summary()
         print(json.dumps(done.summary() | {"sideways": foreseen}, allow_nan=False))
     else:
-        carry_report(done, scene, [w for w in done.warnings if w not in before], written, removed)
+        from palmbots.stability.lacking import pointer
+
+        dropped = done.outcome == "dropped"
+        hint = pointer(chosen, controller, scene, changes) if dropped else None
+        told = [w for w in done.warnings if w not in before]
+        carry_report(done, scene, told, written, removed, hint)
     return DONE if done.outcome == "delivered" else FAILED
 
 
