@@ -29,10 +29,8 @@ _NAMES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path]) -> None:
     """The properties with their margins, what binds, the ranges, and the warnings they deserve."""
     console = console_for_people()
-    good = found.holds
-    head = Text("HOLDS" if good else "FAILS", style="bold green" if good else "bold red")
+    head = _verdict(found)
     region = found.situation.contacts[0]
-    head.append("  both properties, either palm shallow", style="bold")
     head.append(f"   {scene_name}, p {1e3 * region[0]:.1f} to {_mm(region[1])}", style="dim")
     console.print(head)
 
@@ -70,7 +68,7 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
     ranges.add_row("  friction, both palms", _union(found.friction, 1, ""))
     half = found.half_length_m
     ranges.add_row("  palm half-length", "none" if half is None else f"up to {_mm(half[1])}")
-    ranges.add_row("  angle error", _signed(found.angle_error_rad, 180 / math.pi, "°", "±"))
+    ranges.add_row("  angle error", _angle_error(found))
     slope = found.slope
     degrees = None if slope is None else tuple(math.degrees(math.atan(s)) for s in slope)
     ranges.add_row(
@@ -95,6 +93,29 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
         f"{math.degrees(sideways.tilt_rad):.1f}° or {sideways.acceleration_g:.2f} g"
     )
     files_written(console, written)
+
+
+def _verdict(found: "Analysis") -> Text:
+    """The headline; properties that hold are worth nothing where a palm is in the object."""
+    if not found.holds:
+        word, style, what = "FAILS", "bold red", "both properties, either palm shallow"
+    elif found.clearance.touches:
+        word, style = "TOUCHES", "bold red"
+        what = "a palm, though both properties hold, either palm shallow"
+    else:
+        word, style, what = "HOLDS", "bold green", "both properties, either palm shallow"
+    return Text(word, style).append(f"  {what}", "bold")
+
+
+def _angle_error(found: "Analysis") -> str:
+    """What the properties bear, and what clearance leaves of it."""
+    error, turn = found.angle_error_rad, found.clearance.turn.margin
+    told = _signed(error, 180 / math.pi, "°", "±")
+    if error is None or turn > error:
+        return told
+    if found.clearance.touches:
+        return f"{told}, but a palm touches already"
+    return f"{told}, but something touches after a turn of {math.degrees(turn):.2f}°"
 
 
 _TOUCH = {"flush": "flush with the outline", "tip": "tip", "back end": "back end"}
