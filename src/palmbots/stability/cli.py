@@ -1,6 +1,7 @@
 """The commands that know before a carry: `palmbots analyze`, `certify`, `check`, `design`."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -113,11 +114,26 @@ def certify(
     if out is not None and found.verdict != "undecided":
         found.save(out)
         written.append(out)
+    elif out is not None:
+        _set_aside(out)
     if as_json:
         print(json.dumps(found.data | {"parts": found.parts}, allow_nan=False))
     else:
         certificate_report(found, written)
     return DONE if found.verdict == "holds" else FAILED
+
+
+def _set_aside(certificate: Path) -> None:
+    """An older certificate there would pass for what could not be proved now."""
+    from palmbots.files import set_aside
+
+    kept = set_aside(certificate)
+    if kept is not None:
+        print(
+            f"palmbots: warning: nothing is proved, and {certificate} was of an earlier run: "
+            f"it is {kept} now",
+            file=sys.stderr,
+        )
 
 
 @app.command(epilog="Example: palmbots check box.json")
@@ -212,6 +228,8 @@ def design(
         if found.certificate.verdict == "holds":
             written.append(target / "design.json")
             found.certificate.save(written[1])
+        else:
+            _set_aside(target / "design.json")
     if as_json:
         print(json.dumps(found.summary(), allow_nan=False))
     else:
