@@ -144,3 +144,11 @@ def test_a_link_is_set_aside_and_not_what_it_names(tmp_path):
     (tmp_path / "link").symlink_to("real")
     assert set_aside(tmp_path / "link") == tmp_path / "link.old"
     assert sorted(os.listdir(tmp_path)) == ["link.old", "real"]
+
+
+@pytest.mark.parametrize("make", [folder, check_folder])
+def test_an_empty_name_is_no_folder(make, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(PalmbotsError, match="allowed: a name") as error:
+        make("")
+    only_line(error)

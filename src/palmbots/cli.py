@@ -26,6 +26,7 @@ from palmbots.cli_options import (
     SeedOption,
     SetOption,
     app,
+    path_given,
     progress,
     scene_of,
 )
@@ -116,7 +117,12 @@ def carry(
     changes: SetOption = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Write pictures, animation and log there."),
+        typer.Option(
+            "--out",
+            parser=path_given,
+            metavar="DIR",
+            help="Write pictures, animation and log there.",
+        ),
     ] = None,
     video: Annotated[
         str | None, typer.Option("--animation", help="gif, mp4 or none [default: gif].")
@@ -278,7 +284,8 @@ def compare(
     precision: PrecisionOption = "double",
     changes: SetOption = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write compare.png there.")
+        Path | None,
+        typer.Option("--out", parser=path_given, metavar="DIR", help="Write compare.png there."),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:

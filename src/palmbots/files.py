@@ -118,10 +118,17 @@ def set_aside(path: Path) -> Path | None:
     return free
 
 
+def _folder_named(path: str | os.PathLike[str]) -> Path:
+    """The path; an empty name, which `Path` takes for the working directory, is refused."""
+    if not os.fspath(path):
+        raise PalmbotsError('folder: value is ""; allowed: a name (. is the working directory)')
+    return Path(path)
+
+
 def check_folder(path: str | os.PathLike[str]) -> None:
     """What `folder` would refuse, as far as it can be told without making anything: for what takes
     long before it writes."""
-    place = Path(path)
+    place = _folder_named(path)
     if place.exists() and not place.is_dir():
         raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
     above = place.absolute()
@@ -135,7 +142,7 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 
 def folder(path: str | os.PathLike[str]) -> Path:
     """The folder `path`, made with its parents if missing; checked to be writable."""
-    place = Path(path)
+    place = _folder_named(path)
     try:
         place.mkdir(parents=True, exist_ok=True)
     except FileExistsError:

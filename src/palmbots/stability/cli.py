@@ -7,7 +7,16 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from palmbots.cli_options import DONE, FAILED, JsonOption, SceneArgument, SetOption, app, scene_of
+from palmbots.cli_options import (
+    DONE,
+    FAILED,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    app,
+    path_given,
+    scene_of,
+)
 
 __all__ = ["analyze", "certify", "check", "design"]
 
@@ -16,7 +25,10 @@ __all__ = ["analyze", "certify", "check", "design"]
 def analyze(
     scene: SceneArgument = "paper",
     figures: Annotated[
-        Path | None, typer.Option("--figures", metavar="DIR", help="Draw Figures 2 to 7 there.")
+        Path | None,
+        typer.Option(
+            "--figures", parser=path_given, metavar="DIR", help="Draw Figures 2 to 7 there."
+        ),
     ] = None,
     kind: Annotated[str, typer.Option("--format", help="png, svg or pdf.")] = "png",
     region_m: Annotated[
@@ -86,7 +98,10 @@ def certify(
     slope: Annotated[Interval, _interval("--slope", "Tangent of the floor's slope")] = None,
     region_m: Annotated[Interval, _interval("--region-m", "Contacts, within the palms")] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the certificate.")
+        Path | None,
+        typer.Option(
+            "--out", "-o", parser=path_given, metavar="FILE", help="Write the certificate."
+        ),
     ] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -188,7 +203,12 @@ def design(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Write design.png, design.json (certificate)."),
+        typer.Option(
+            "--out",
+            parser=path_given,
+            metavar="DIR",
+            help="Write design.png, design.json (certificate).",
+        ),
     ] = None,
     kind: Annotated[str, typer.Option("--format", help="png, svg or pdf.")] = "png",
     changes: SetOption = None,
