@@ -54,3 +54,34 @@ def test_an_angle_error_says_what_clearance_leaves_of_it(
     assert found.clearance.turn.margin > found.angle_error_rad
     keys = [word for key, value in roomy.items() for word in ("--set", f"{key}={value}")]
     assert re.fullmatch(r"±[\d.]+°", row(told(capsys, "analyze", *keys), "angle error"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("analyze", "--set", "object=plank"),
+        ("design", "--maximize", "friction", "--resolution-deg", "1"),
+    ],
+)
+def test_friction_that_no_scene_accepts_is_told_with_its_limit(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Scenes themselves say where the limit is."""
+    lines = told(capsys, *words)
+    name = "friction, both palms" if words[0] == "analyze" else "friction "
+    match = re.match(
+        r"[\d.]+ to ([\d.]+).*, but a scene takes less than ([\d.]+) with a palm at ([\d.]+)°",
+        row(lines, name),
+    )
+    assert match is not None, lines
+    most, limit, steep_deg = map(float, match.groups())
+    assert most > limit
+    palm = {"palm.steep_deg": steep_deg, "palm.shallow_deg": 0.0}
+    pb.load_scene("paper", palm | {"palm.friction": limit - 0.001})
+    for friction in (limit + 0.001, most):
+        with pytest.raises(pb.SceneError, match="allowed: less than"):
+            pb.load_scene("paper", palm | {"palm.friction": friction})
+
+
+def test_friction_within_the_limit_is_told_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert row(told(capsys, "analyze"), "friction, both palms") == "0.094 to 1.046"
