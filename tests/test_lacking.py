@@ -72,6 +72,16 @@ def test_a_drop_of_a_scene_that_lacks_nothing_says_nothing(
     assert carried(capsys, *words) == []
 
 
+def test_nothing_is_said_of_a_scene_that_the_analysis_refuses(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Palms so long that the object cannot reach across them, and no zone that is smaller."""
+    keys = (OFF_CENTRE, "palm.length_m=1.0", "tactile.zones=[]", "task.distance_m=100.0")
+    words = [word for key in keys for word in ("--set", key)]
+    assert carried(capsys, *words) == []
+    assert cli.run(["analyze", *words]) == 2
+
+
 def test_nothing_is_said_of_a_delivery_nor_in_json(capsys: pytest.CaptureFixture[str]) -> None:
     far_off = ("--set", "object.com_m=[0.01,0.04]")
     assert lacking(pb.load_scene("paper", {"object.com_m": [0.01, 0.04]}), "distributed")
