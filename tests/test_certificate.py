@@ -12,6 +12,7 @@ import pytest
 
 import palmbots as pb
 from palmbots import check as check_function
+from palmbots.cli import run
 from palmbots.sections import SIDES
 from palmbots.stability.box import exact, text
 from palmbots.stability.certificate import Certificate, certify
@@ -161,6 +162,30 @@ def test_little_work_leaves_it_undecided() -> None:
     assert found.verdict == "undecided"
     assert found.undecided
     assert "proof" not in found.data
+
+
+def test_an_older_certificate_does_not_pass_for_an_undecided_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`certify -o FILE; check FILE` may not end in VALID; and nothing of the user's is lost."""
+    path = tmp_path / "box.json"
+    assert run(["certify", "-o", str(path)]) == 0
+    older = path.read_bytes()
+    capsys.readouterr()
+    flat = ["--set", "palm.shallow_deg=0", "--region-m", "0", "0"]  # it lies on the palm
+    for suffix in (".old", ".old2"):
+        assert run(["certify", *flat, "-o", str(path), "--json"]) == 1
+        said = capsys.readouterr()
+        assert json.loads(said.out)["verdict"] == "undecided"
+        (line,) = said.err.splitlines()
+        assert line.endswith(f"{path} was of an earlier run: it is {path}{suffix} now")
+        assert run(["check", str(path)]) == 2
+        capsys.readouterr()
+        assert Path(f"{path}{suffix}").read_bytes() == older
+        path.write_bytes(older)
+    path.unlink()
+    assert run(["certify", *flat, "-o", str(path), "--json"]) == 1
+    assert capsys.readouterr().err == ""
 
 
 def test_no_mutation_crashes_the_check_or_proves_what_is_false(tmp_path: Path) -> None:

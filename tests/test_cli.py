@@ -13,10 +13,13 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from typer.main import get_command
 
 from palmbots import cli
+from palmbots.cli_options import app
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 Here = Callable[..., subprocess.CompletedProcess[str]]
@@ -422,3 +425,31 @@ def test_help_begins_with_the_main_command_and_has_them_all(here: Here) -> None:
     assert "..." not in said  # no sentence is cut short
     assert "Commands:" in here().stdout
     assert palmbots("--version").stdout.startswith("palmbots 0.")
+
+
+def _outputs() -> list[tuple[str, str]]:
+    """Every option of every command that names a file or a folder to write."""
+    commands: Any = get_command(app)
+    return [
+        (name, option)
+        for name, command in commands.commands.items()
+        for parameter in command.params
+        if parameter.metavar in ("DIR", "FILE") and parameter.param_type_name == "option"
+        for option in parameter.opts
+    ]
+
+
+def test_every_output_is_among_those_asked() -> None:
+    known = {("carry", "--out"), ("certify", "-o"), ("analyze", "--figures"), ("export", "--urdf")}
+    assert known <= set(_outputs())
+
+
+@pytest.mark.parametrize(("command", "option"), _outputs())
+def test_an_empty_name_does_not_mean_the_working_directory(
+    command: str, option: str, here: Here, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``--out "$DIR"`` with DIR unset."""
+    monkeypatch.chdir(tmp_path)
+    argument = ["study.toml"] if command == "study" else []
+    refused(here(command, *argument, option, ""), option, 'value is ""; allowed: a name')
+    assert list(tmp_path.iterdir()) == []

@@ -1,9 +1,11 @@
 """Designed angles against brute force, their certificates, and what is refused."""
 
+import importlib
 import itertools
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -307,3 +309,20 @@ def test_the_search_stays_within_the_limits_of_the_angles() -> None:
         assert float(found.map[name].max()) <= 17.0
     assert float(found.map["shallow"].min()) == 2.0
     assert float(found.map["steep"].max()) == 17.0
+
+
+def test_an_older_certificate_does_not_pass_for_the_designs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["design", "--region", "palm", "--resolution-deg", "2", "--out", str(tmp_path)]
+    assert run(words) == 0
+    older = (tmp_path / "design.json").read_bytes()
+    found = pb.design("paper", region_m="palm", resolution_deg=2.0)
+    unproved = replace(found.certificate, verdict="undecided", undecided="property 1")
+    module = importlib.import_module("palmbots.stability.design")
+    monkeypatch.setattr(module, "design", lambda *_, **__: replace(found, certificate=unproved))
+    capsys.readouterr()
+    assert run(words) == 0
+    assert "design.json.old now" in capsys.readouterr().err
+    assert {path.name for path in tmp_path.iterdir()} == {"design.png", "design.json.old"}
+    assert (tmp_path / "design.json.old").read_bytes() == older

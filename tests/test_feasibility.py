@@ -1,6 +1,7 @@
 """`feasible_modes` gives the answers of `states`, in every state, as bits."""
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import NDArray
 
 import palmbots as pb
 from oracles import random_state
-from palmbots import _core
+from palmbots import _core, columns
+from palmbots.errors import show
 
 # The paper's box between a shallow and a steep palm.
 BOX: dict[str, Any] = {
@@ -110,8 +112,12 @@ def test_nothing_balances_where_the_object_cannot_reach() -> None:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_any_numbers(seed: int) -> None:
-    """Zeros of both signs, numbers next to nothing and beyond all bounds, and none at all."""
+def test_any_numbers(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Zeros of both signs, numbers next to nothing and beyond all bounds, and none at all.
+
+    The core takes them, though Python refuses what cannot be.
+    """
+    monkeypatch.setattr(columns, "refuse_impossible", lambda *_: None)
     rng = np.random.default_rng(seed)
     odd = [0.0, -0.0, 1e-320, 1e-160, 1e160, 1e308, -1e308, np.inf, -np.inf, np.nan, 0.25, 0.125]
     turns = [0.0, -0.0, np.pi / 4, np.nextafter(np.pi / 4, 1), -np.pi / 2, 2.0, -3.0, 6.2, np.nan]
@@ -139,7 +145,8 @@ def test_any_numbers(seed: int) -> None:
 @pytest.mark.parametrize("key", ["p_left", "theta_right", "com_x", "friction_left"])
 def test_any_number_of_states(n: int, key: str) -> None:
     arguments = BOX | {"p_left": 0.01, "p_right": -0.02}
-    assert_same(**arguments | {key: np.linspace(-0.01, 0.3, n)})
+    low = 0.0 if key.startswith("friction") else -0.01
+    assert_same(**arguments | {key: np.linspace(low, 0.3, n)})
 
 
 def test_bits_are_in_the_order_of_the_modes() -> None:
@@ -169,8 +176,50 @@ def test_bad_shapes() -> None:
     with pytest.raises(ValueError):
         pb.feasible_modes(**BOX, p_left=np.zeros(3), p_right=np.zeros(4))
     with pytest.raises(ValueError):
-        pb.feasible_modes(**BOX | {"width": np.zeros((2, 3))}, p_left=np.zeros(2), p_right=0.0)
+        pb.feasible_modes(**BOX | {"width": np.ones((2, 3))}, p_left=np.zeros(2), p_right=0.0)
     with pytest.raises(ValueError, match="13 columns"):
         _core.feasible_modes([np.zeros(1)] * 12, 1)
     with pytest.raises(ValueError, match="one number, or one for each state"):
         _core.feasible_modes([np.zeros(1)] * 12 + [np.zeros(3)], 2)
+
+
+@pytest.mark.parametrize("function", [pb.states, pb.feasible_modes])
+@pytest.mark.parametrize(
+    ("key", "wrong", "allowed"),
+    [
+        ("theta_left", 5, "radians"),  # degrees, most likely
+        ("theta_right", -math.pi / 2, "radians"),
+        ("theta_right", math.nan, "radians"),
+        ("width", 0.0, "more than 0"),
+        ("width", -0.25, "more than 0"),
+        ("width", math.inf, "more than 0"),
+        ("friction_left", -0.1, "0 or more"),
+        ("friction_right", math.inf, "0 or more"),
+        ("p_left", math.nan, "finite"),
+        ("p_right", -math.inf, "finite"),
+        ("com_x", math.nan, "finite"),
+        ("com_y", math.inf, "finite"),
+        ("offset_left", math.nan, "finite"),
+        ("slope", math.nan, "finite"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(
+    function: Any, key: str, wrong: float, allowed: str
+) -> None:
+    """As one number, and as one among many that can be."""
+    fine = BOX | {"p_left": 0.01, "p_right": -0.02}
+    among = np.full((3, 4), fine.get(key, 0.0))
+    function(**fine | {key: among})
+    among[1, 2] = wrong
+    told = re.escape(f"{key}: value is {show(float(wrong))}; allowed: ") + f".*{allowed}"
+    for value in (wrong, among):
+        with pytest.raises(pb.PalmbotsError, match=told):
+            function(**fine | {key: value})
+
+
+def test_what_can_be_is_not_refused() -> None:
+    """The ends, and finite numbers whose sum is not."""
+    steepest = np.nextafter(math.pi / 2, 0)
+    pb.states(**BOX | {"theta_left": steepest, "friction_left": 0.0}, p_left=0.0, p_right=0.0)
+    huge = np.full(9, 1e308)
+    assert not pb.feasible_modes(**BOX, p_left=huge, p_right=0.0).any()

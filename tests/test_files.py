@@ -2,11 +2,12 @@
 
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
 from palmbots.errors import PalmbotsError
-from palmbots.files import check_folder, folder, whole_file, write_whole
+from palmbots.files import check_folder, folder, set_aside, whole_file, write_whole
 
 
 def only_line(error):
@@ -121,3 +122,33 @@ def test_a_folder_is_checked_before_anything_is_made(tmp_path):
     with pytest.raises(PalmbotsError, match="is not a folder"):
         (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
         check_folder(tmp_path / "gone" / "new")
+
+
+def test_what_is_set_aside_replaces_nothing(tmp_path):
+    for round_ in range(3):
+        write_whole(tmp_path / "box.json", f"{round_}")
+        set_aside(tmp_path / "box.json")
+    kept = {name: (tmp_path / name).read_text() for name in os.listdir(tmp_path)}
+    assert kept == {"box.json.old": "0", "box.json.old2": "1", "box.json.old3": "2"}
+
+
+def test_only_a_file_is_set_aside(tmp_path):
+    assert set_aside(tmp_path / "missing") is None
+    assert set_aside(tmp_path) is None
+    assert set_aside(Path(os.devnull)) is None
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_link_is_set_aside_and_not_what_it_names(tmp_path):
+    write_whole(tmp_path / "real", "x")
+    (tmp_path / "link").symlink_to("real")
+    assert set_aside(tmp_path / "link") == tmp_path / "link.old"
+    assert sorted(os.listdir(tmp_path)) == ["link.old", "real"]
+
+
+@pytest.mark.parametrize("make", [folder, check_folder])
+def test_an_empty_name_is_no_folder(make, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(PalmbotsError, match="allowed: a name") as error:
+        make("")
+    only_line(error)

@@ -3,6 +3,7 @@
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -73,6 +74,33 @@ def test_names_of_cases_that_follow_at_once_do_not_overlap() -> None:
         boxes = [t.get_window_extent() for t in panel.texts if t.get_text().startswith("(")]
         for k, box in enumerate(boxes):
             assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+
+
+def test_no_arrow_crosses_a_letters_name() -> None:
+    """Where a contact comes back at once, TiltDown is sent as the Ack arrives."""
+    at_once = 0
+    for seed in (0, 1):
+        done = pb.carry(overrides={"robot.noise_m_s": 0.02}, seed=seed)
+        at_once += sum(
+            after.sent_s - (before.received_s or 0.0) < 0.02
+            for before, after in pairwise(done.letters)
+            if (before.letter, after.letter) == ("Ack", "TiltDown")
+        )
+        figure = sequence_chart.draw(done)
+        figure.canvas.draw()
+        for panel in figure.axes:
+            lines = [panel.transData.transform(ends) for ends in arrows(panel)]
+            ways = [np.linspace(ends[0], ends[1], 300) for ends in lines]
+            boxes = [
+                text.get_window_extent().padded(-1)
+                for text in panel.texts
+                if text.get_text() in ("TiltUp", "TiltDown", "Ack")
+            ]
+            heads = [label.get_window_extent() for label in panel.get_xticklabels()]
+            for k, box in enumerate(boxes):
+                assert not any(box.contains(x, y) for way in ways for x, y in way)
+                assert not any(box.overlaps(other) for other in boxes[k + 1 :] + heads)
+    assert at_once > 1
 
 
 def test_time_runs_on_from_column_to_column() -> None:

@@ -312,6 +312,35 @@ def test_figure_5_of_the_paper_and_its_panels(paper: Analysis) -> None:
     assert len(figure5(shifted).axes) == 4  # no longer its own mirror image
 
 
+def test_figure_5_names_the_arrow_and_not_its_end(analysis: Analysis) -> None:
+    """The arrow is the travel margin; k_upper and k_lower stand by the lines they are of."""
+    figure = figure5(analysis)
+    with styled():
+        figure.draw_without_rendering()
+    for axes, number, shallow in planes(figure):
+        inside = [t for t in axes.texts if axes.bbox.contains(*t.get_window_extent().p0)]
+        texts = {text.get_text(): text for text in inside if text.get_text()}
+        arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
+        margins = analysis.properties[number, shallow].margins
+        told = [] if not arrows else [f"travel margin {1e3 * (margins.travel_m or 0.0):.1f}"]
+        lines = {str(line.get_gid()): line for line in axes.lines if line.get_gid()}
+        assert set(texts) == {"E", "F", *told, *lines}
+        for name, line in lines.items():
+            at = texts[name].get_window_extent().get_points().mean(axis=0)
+            ends = axes.transData.transform(np.asarray(line.get_xydata()))
+            assert away(at, ends) < 0.5 * figure.dpi  # half an inch
+            for other in told:
+                box = texts[other].get_window_extent().get_points()
+                assert away(at, ends) < away(box.mean(axis=0), ends)
+
+
+def away(point: NDArray[np.float64], segment: NDArray[np.float64]) -> float:
+    """The distance of a point from a segment."""
+    along = segment[1] - segment[0]
+    share = np.clip((point - segment[0]) @ along / (along @ along), 0.0, 1.0)
+    return float(np.hypot(*(segment[0] + share * along - point)))
+
+
 def test_figure_6_shades_the_permitted_coms() -> None:
     """Random COMs in the outline are shaded exactly where the core permits them."""
     rng = np.random.default_rng(1)

@@ -26,6 +26,7 @@ from palmbots.cli_options import (
     SeedOption,
     SetOption,
     app,
+    path_given,
     progress,
     scene_of,
 )
@@ -116,7 +117,12 @@ def carry(
     changes: SetOption = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Write pictures, animation and log there."),
+        typer.Option(
+            "--out",
+            parser=path_given,
+            metavar="DIR",
+            help="Write pictures, animation and log there.",
+        ),
     ] = None,
     video: Annotated[
         str | None, typer.Option("--animation", help="gif, mp4 or none [default: gif].")
@@ -185,7 +191,12 @@ def carry(
         foreseen = None if budget is None else budget.summary()
         print(json.dumps(done.summary() | {"sideways": foreseen}, allow_nan=False))
     else:
-        carry_report(done, scene, [w for w in done.warnings if w not in before], written, removed)
+        from palmbots.stability.lacking import pointer
+
+        dropped = done.outcome == "dropped"
+        hint = pointer(chosen, controller, scene, changes) if dropped else None
+        told = [w for w in done.warnings if w not in before]
+        carry_report(done, scene, told, written, removed, hint)
     return DONE if done.outcome == "delivered" else FAILED
 
 
@@ -273,7 +284,8 @@ def compare(
     precision: PrecisionOption = "double",
     changes: SetOption = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write compare.png there.")
+        Path | None,
+        typer.Option("--out", parser=path_given, metavar="DIR", help="Write compare.png there."),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -21,6 +22,7 @@ __all__ = [
     "SeedOption",
     "SetOption",
     "app",
+    "path_given",
     "progress",
     "scene_of",
 ]
@@ -64,6 +66,16 @@ ControllerOption = Annotated[
 ]
 SeedOption = Annotated[int, typer.Option("--seed", help="Seed of all that is random.")]
 PrecisionOption = Annotated[str, typer.Option("--precision", help="double or float.")]
+
+
+def path_given(text: str) -> Path:
+    """Where to write, as the parser of an option; an empty name would mean the working directory.
+
+    An unset variable of a shell is the usual reason: ``--out "$DIR"``.
+    """
+    if not text:
+        raise typer.BadParameter('value is ""; allowed: a name (. is the working directory)')
+    return Path(text)
 
 
 def scene_of(source: str, changes: list[str] | None) -> Scene:

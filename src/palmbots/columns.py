@@ -1,4 +1,8 @@
-"""States given as numbers or arrays, as the columns of numbers that the core takes."""
+"""States given as numbers or arrays, as the columns of numbers that the core takes.
+
+Units are SI and radians. What cannot be is refused: an angle beyond a quarter turn (degrees, most
+likely), a width that is not positive, negative friction, and what is no finite number.
+"""
 
 import math
 from collections.abc import Sequence
@@ -7,7 +11,54 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from palmbots.errors import PalmbotsError, show
+from palmbots.sections import SIDES
+
 __all__ = ["columns_of"]
+
+
+_HALF_PI = math.pi / 2
+_PAIRS = ("offset", "friction", "theta", "p")
+_NAMES = ("width", "com_x", "com_y", "slope", *(f"{k}_{s}" for k in _PAIRS for s in SIDES))
+_WORDS = {
+    "width": "numbers in m, more than 0",
+    "friction": "numbers, 0 or more",
+    "theta": "radians between -pi/2 and pi/2 (numpy.radians makes them of degrees)",
+}
+
+
+def _all_possible(what: str, v: NDArray[np.float64]) -> bool:
+    """Whether all numbers can be, in one or two passes; False: look closer."""
+    if v.size == 0:
+        return True
+    if v.size == 1:
+        low = high = total = v.item()
+    else:
+        with np.errstate(all="ignore"):
+            bounded = what in ("width", "friction", "theta")
+            low = float(v.min()) if bounded else 0.0
+            high = float(v.max()) if what == "theta" else 0.0
+            total = 0.0 if what == "theta" else float(v.sum())
+    if what == "theta":
+        return low > -_HALF_PI and high < _HALF_PI  # NaN is in both
+    if not math.isfinite(total):  # NaN, an infinity, or a sum that overflows
+        return False
+    return low > 0 if what == "width" else what != "friction" or low >= 0
+
+
+def refuse_impossible(name: str, v: NDArray[np.float64]) -> None:
+    """Raise `PalmbotsError`, with the first number that cannot be, unless all can."""
+    what = name.split("_")[0]
+    if _all_possible(what, v):
+        return
+    fine = np.abs(v) < (_HALF_PI if what == "theta" else math.inf)
+    if what == "width":
+        fine &= v > 0
+    elif what == "friction":
+        fine &= v >= 0
+    if not np.all(fine):
+        allowed = _WORDS.get(what, "finite numbers")
+        raise PalmbotsError(f"{name}: value is {show(float(v[~fine][0]))}; allowed: {allowed}")
 
 
 def columns_of(
@@ -32,9 +83,13 @@ def columns_of(
 
     Raises:
         ValueError: the arguments do not broadcast.
+        PalmbotsError: a number cannot be.
     """
-    w, x = np.asarray(width, float), np.asarray(com_x, float)
-    given = [w, x, w - x, *(np.asarray(v, float) for v in (com_y, slope, *chain(*pairs)))]
+    values = [np.asarray(v, float) for v in (width, com_x, com_y, slope, *chain(*pairs))]
+    for name, value in zip(_NAMES, values, strict=True):
+        refuse_impossible(name, value)
+    w, x, *others = values
+    given = [w, x, w - x, *others]
     shape = np.broadcast_shapes(*(v.shape for v in given))
     n = math.prod(shape)
     # One number for all states stays one number: nothing is blown up that need not be.

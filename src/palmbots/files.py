@@ -9,6 +9,7 @@ Errors: every function raises `PalmbotsError` with one line that names the path 
 """
 
 import contextlib
+import itertools
 import os
 import secrets
 import stat
@@ -18,7 +19,7 @@ from typing import BinaryIO
 
 from palmbots.errors import PalmbotsError
 
-__all__ = ["check_folder", "folder", "remove", "whole_file", "write_whole"]
+__all__ = ["check_folder", "folder", "remove", "set_aside", "whole_file", "write_whole"]
 
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:
@@ -100,10 +101,34 @@ def remove(path: Path) -> bool:
     return True
 
 
+def set_aside(path: Path) -> Path | None:
+    """Give an older file `path` another name, so that it does not pass for one of this run.
+
+    Returns the new name, the first free one of ``NAME.old``, ``NAME.old2``, …; None: there was no
+    such file. What is no regular file (a device, a folder) stays.
+    """
+    if not path.is_file():
+        return None
+    names = (f"{path.name}.old{number if number > 1 else ''}" for number in itertools.count(1))
+    free = next(place for name in names if not os.path.lexists(place := path.with_name(name)))
+    try:
+        path.rename(free)
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be renamed: {error.strerror or error}") from None
+    return free
+
+
+def _folder_named(path: str | os.PathLike[str]) -> Path:
+    """The path; an empty name, which `Path` takes for the working directory, is refused."""
+    if not os.fspath(path):
+        raise PalmbotsError('folder: value is ""; allowed: a name (. is the working directory)')
+    return Path(path)
+
+
 def check_folder(path: str | os.PathLike[str]) -> None:
     """What `folder` would refuse, as far as it can be told without making anything: for what takes
     long before it writes."""
-    place = Path(path)
+    place = _folder_named(path)
     if place.exists() and not place.is_dir():
         raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
     above = place.absolute()
@@ -117,7 +142,7 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 
 def folder(path: str | os.PathLike[str]) -> Path:
     """The folder `path`, made with its parents if missing; checked to be writable."""
-    place = Path(path)
+    place = _folder_named(path)
     try:
         place.mkdir(parents=True, exist_ok=True)
     except FileExistsError:

@@ -72,7 +72,7 @@ def states(
         width: distance w between the contact vertices [m].
         com_x: COM from the left contact along the line of contacts [m].
         com_y: COM above that line [m].
-        theta_left: palm angle, positive when the palm rises outward [rad].
+        theta_left: palm angle, positive when the palm rises outward [rad, not degrees].
         theta_right: the same on the right.
         p_left: contact coordinate from the foot of the pivot, outward [m].
         p_right: the same on the right.
@@ -84,6 +84,8 @@ def states(
 
     Raises:
         ValueError: the arguments do not broadcast.
+        PalmbotsError: a number cannot be: an angle that is not between -π/2 and π/2 (degrees?), a
+            width that is not positive, negative friction, NaN or infinity.
     """
     pairs = (
         (offset_left, offset_right),

@@ -92,8 +92,9 @@ def carry_report(
     warnings: Sequence[str],
     written: Sequence[Path],
     removed: Sequence[Path] = (),
+    hint: str | None = None,
 ) -> None:
-    """The outcome of a carry at a glance: result, contacts, corrections, files."""
+    """The outcome of a carry at a glance: result, hint, contacts, corrections, files."""
     console = console_for_people()
     good = done.outcome == "delivered"
     head = Text(done.outcome.upper(), style=_GOOD if good else _BAD)
@@ -109,6 +110,8 @@ def carry_report(
     console.print(head)
     if done.reason is not None:
         console.print(f"  {done.reason}: {_REASONS[done.reason]}")
+        if hint is not None:
+            console.print(f"  {hint}", soft_wrap=True, markup=False)
     elif done.outcome == "stalled":
         given = done.scene.task.timeout_s is not None
         usual = "" if given else ", the default: twice the time at nominal speed"

@@ -36,6 +36,7 @@ __all__ = [
     "Tactile",
     "Task",
     "Zone",
+    "friction_limit",
     "other_side",
 ]
 
@@ -109,6 +110,15 @@ class Object(Section):
         return self
 
 
+def friction_limit(*palms_deg: float) -> float:
+    """The coefficient that palms at these angles must stay below: friction angle + palm angle 90°.
+
+    There an edge of the friction cone is level, and the contact holds against any force sideways.
+    """
+    steepest = math.radians(max(map(abs, palms_deg)))
+    return 1 / math.tan(steepest) if steepest > 0 else math.inf
+
+
 class PalmParameters(Section):
     """One palm: a flat plate that turns about a pivot below its middle."""
 
@@ -180,12 +190,12 @@ class Palm(PalmParameters):
                     _key(override, side, "steep_deg"),
                 )
             steepest = max(abs(palm.steep_deg), abs(palm.shallow_deg))
-            tangent = math.tan(math.radians(steepest))
-            if palm.friction * tangent >= 1:
+            most = friction_limit(steepest)
+            if palm.friction >= most:
                 raise fault(
                     palm.friction,
                     f"is too large for a palm at {steepest:g} degrees",
-                    f"less than {1 / tangent:g} (friction angle + palm angle below 90 degrees)",
+                    f"less than {most:g} (friction angle + palm angle below 90 degrees)",
                     _key(override, side, "friction"),
                 )
         return self

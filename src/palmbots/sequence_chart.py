@@ -110,20 +110,45 @@ def _draw_column(
         panel.plot([_LINE[side]] * 2, [start, end], color=HUE[side], lw=0.8, zorder=1)
         _draw_cases(panel, carry, side, start, end)
         _draw_faults(panel, carry, side, start, end)
-    named = dict.fromkeys(SIDES, -math.inf)
+    high = _NAME * (end - start) / _TALL
+    # Above the column stand the robots' names.
+    taken: dict[str, list[tuple[float, float]]] = {side: [(-math.inf, start)] for side in SIDES}
+    arrows: list[Letter] = []
     for letter, news in told:
         if not start <= letter.sent_s <= end:
             continue
-        # A name stands above its arrow, or below where there is another one.
-        below = letter.sent_s - named[letter.sender] < _NAME * (end - start) / _TALL
+        # A name stands above its arrow, or below where another name or an arrow is in its way.
+        spots = [(letter.sent_s - high, letter.sent_s), (letter.sent_s, letter.sent_s + high)]
+        costs = [_in_the_way(letter, spot, taken[letter.sender], arrows) for spot in spots]
+        below = costs[1] < costs[0]
         _draw_letter(panel, letter, news, below)
         if news:
-            named[letter.sender] = letter.sent_s
+            taken[letter.sender].append(spots[below])
+            arrows.append(letter)
     for copy in _copies(carry):
         if start <= copy.sent_s <= end:
             _draw_letter(panel, copy, news=True, below=True, copy=True)
     if carry.outcome != "delivered" and start <= carry.time_s <= end:
         panel.axhline(carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)
+
+
+def _in_the_way(
+    letter: "Letter",
+    spot: tuple[float, float],
+    names: list[tuple[float, float]],
+    arrows: list["Letter"],
+) -> int:
+    """What a letter's name would meet from one time to another; a name counts for many arrows."""
+    slack = 0.1 * (spot[1] - spot[0])
+    found = 100 * sum(low < spot[1] - slack and high > spot[0] + slack for low, high in names)
+    for arrow in arrows:
+        if arrow.sender == letter.sender or arrow.received_s is None:
+            continue
+        # The name is between 1/10 and 1/2 of its own letter's way, near the end of the partner's.
+        lasts = arrow.received_s - arrow.sent_s
+        first, last = arrow.sent_s + 0.5 * lasts, arrow.sent_s + 0.9 * lasts
+        found += first <= spot[1] and last >= spot[0]
+    return found
 
 
 def _draw_cases(panel: Axes, carry: "Carry", side: str, start: float, end: float) -> None:

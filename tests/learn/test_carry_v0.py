@@ -253,6 +253,26 @@ def test_a_wrong_action_is_refused_and_nothing_happens(action: Any) -> None:
     assert (env.state() == before).all()
 
 
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"overides": {"start.left_m": 0.03}}, "overides.*did you mean overrides"),
+        ({"start.left_m": 0.03}, "start.left_m.*allowed: overrides"),
+        ({"overrides": {}, 3: 4}, "3.*allowed: overrides"),
+        ("overrides", "allowed: {overrides"),
+        ({"overrides": 3}, "overrides"),
+    ],
+)
+def test_a_misspelt_option_is_no_episode_of_another_scene(options: Any, told: str) -> None:
+    """And the seeds of later episodes are as if it had not been asked for."""
+    env, other = short(), short()
+    env.reset(seed=5)
+    other.reset(seed=5)
+    with pytest.raises(PalmbotsError, match=told):
+        env.reset(seed=6, options=options)
+    assert env.reset()[1] == other.reset()[1]
+
+
 def test_wrong_calls_are_refused() -> None:
     env = short()
     with pytest.raises(PalmbotsError, match="call reset first"):

@@ -16,6 +16,7 @@ from palmbots.cli_options import (
     SceneArgument,
     SetOption,
     app,
+    path_given,
     progress,
     scene_of,
 )
@@ -112,10 +113,14 @@ def write_film(done: "Carry", out: Path, quiet: bool) -> list[Path]:
 def export(
     scene: SceneArgument = "paper",
     mjcf: Annotated[
-        Path | None, typer.Option("--mjcf", metavar="FILE", help="The whole scene for MuJoCo.")
+        Path | None,
+        typer.Option(
+            "--mjcf", parser=path_given, metavar="FILE", help="The whole scene for MuJoCo."
+        ),
     ] = None,
     urdf: Annotated[
-        Path | None, typer.Option("--urdf", metavar="FILE", help="One robot as URDF.")
+        Path | None,
+        typer.Option("--urdf", parser=path_given, metavar="FILE", help="One robot as URDF."),
     ] = None,
     robot: Annotated[
         str, typer.Option("--robot", help="Which robot --urdf writes: left or right.")
@@ -163,7 +168,8 @@ def validate(
     seeds: Annotated[int, typer.Option("--seeds", help="How many carries to pair.")] = 12,
     changes: SetOption = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write validation.png there.")
+        Path | None,
+        typer.Option("--out", parser=path_given, metavar="DIR", help="Write validation.png there."),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
@@ -202,7 +208,8 @@ def speed(
     seeds: Annotated[int, typer.Option("--seeds", help="How many carries at each speed.")] = 4,
     changes: SetOption = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write speed.png there.")
+        Path | None,
+        typer.Option("--out", parser=path_given, metavar="DIR", help="Write speed.png there."),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:

@@ -40,6 +40,7 @@ except ModuleNotFoundError as error:
 __all__ = ["CarryEnv", "Rewards", "env", "parallel_env", "raw_env"]
 
 AGENTS = ["left", "right"]
+_PETTINGZOO_PROBE = "options"  # its API tests call reset(options={"options": 1})
 _MOST_TICKS = 1000
 _STATE = 8
 
@@ -154,9 +155,14 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         Args:
             seed: of this carry, as in ``palmbots carry --seed``; carries begun after it without a
                 seed get others that depend on it. Each `info` tells the carry's own as ``seed``.
-            options: ``{"overrides": {…}}`` sets scene keys for this carry alone; others are
-                ignored, as PettingZoo wants it.
+            options: ``{"overrides": {…}}`` sets scene keys for this carry alone. No other option is
+                known but ``options``, which PettingZoo's own tests give and which does nothing.
+
+        Raises:
+            SceneError: a scene key is wrong, or the object is not held at the start.
+            PalmbotsError: an option is unknown, or the seed is none.
         """
+        scene = self._scene_for(options)
         if seed is not None:
             if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
                 raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
@@ -164,7 +170,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         own = int(self._random.integers(2**63)) if seed is None else int(seed)
         if own >= 2**64:
             raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
-        self._begin(self._scene_for(options), own)
+        self._begin(scene, own)
         self.agents = list(AGENTS)
         return self._observe(), {name: info | {"seed": own} for name, info in self._infos().items()}
 
@@ -240,7 +246,13 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
     # --- inside ---------------------------------------------------------------------------------
 
     def _scene_for(self, options: dict[str, Any] | None) -> Scene:
-        return load_scene(self._base, (options or {}).get("overrides"))
+        given: Any = {} if options is None else options
+        if not isinstance(given, Mapping):
+            raise PalmbotsError(f"options: value is {show(given)}; allowed: {{overrides = …}}")
+        for key in given:
+            if key != _PETTINGZOO_PROBE:
+                one_of("options, key", key, ("overrides",))
+        return load_scene(self._base, given.get("overrides"))
 
     def _begin(self, scene: Scene, seed: int) -> None:
         episode = begun(scene, self._world, seed, self._record)

@@ -1,12 +1,22 @@
 """The commands that know before a carry: `palmbots analyze`, `certify`, `check`, `design`."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated, Any, cast
 
 import typer
 
-from palmbots.cli_options import DONE, FAILED, JsonOption, SceneArgument, SetOption, app, scene_of
+from palmbots.cli_options import (
+    DONE,
+    FAILED,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    app,
+    path_given,
+    scene_of,
+)
 
 __all__ = ["analyze", "certify", "check", "design"]
 
@@ -15,7 +25,10 @@ __all__ = ["analyze", "certify", "check", "design"]
 def analyze(
     scene: SceneArgument = "paper",
     figures: Annotated[
-        Path | None, typer.Option("--figures", metavar="DIR", help="Draw Figures 2 to 7 there.")
+        Path | None,
+        typer.Option(
+            "--figures", parser=path_given, metavar="DIR", help="Draw Figures 2 to 7 there."
+        ),
     ] = None,
     kind: Annotated[str, typer.Option("--format", help="png, svg or pdf.")] = "png",
     region_m: Annotated[
@@ -85,7 +98,10 @@ def certify(
     slope: Annotated[Interval, _interval("--slope", "Tangent of the floor's slope")] = None,
     region_m: Annotated[Interval, _interval("--region-m", "Contacts, within the palms")] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the certificate.")
+        Path | None,
+        typer.Option(
+            "--out", "-o", parser=path_given, metavar="FILE", help="Write the certificate."
+        ),
     ] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -113,11 +129,26 @@ def certify(
     if out is not None and found.verdict != "undecided":
         found.save(out)
         written.append(out)
+    elif out is not None:
+        _set_aside(out)
     if as_json:
         print(json.dumps(found.data | {"parts": found.parts}, allow_nan=False))
     else:
         certificate_report(found, written)
     return DONE if found.verdict == "holds" else FAILED
+
+
+def _set_aside(certificate: Path) -> None:
+    """An older certificate there would pass for what could not be proved now."""
+    from palmbots.files import set_aside
+
+    kept = set_aside(certificate)
+    if kept is not None:
+        print(
+            f"palmbots: warning: nothing is proved, and {certificate} was of an earlier run: "
+            f"it is {kept} now",
+            file=sys.stderr,
+        )
 
 
 @app.command(epilog="Example: palmbots check box.json")
@@ -172,7 +203,12 @@ def design(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Write design.png, design.json (certificate)."),
+        typer.Option(
+            "--out",
+            parser=path_given,
+            metavar="DIR",
+            help="Write design.png, design.json (certificate).",
+        ),
     ] = None,
     kind: Annotated[str, typer.Option("--format", help="png, svg or pdf.")] = "png",
     changes: SetOption = None,
@@ -212,6 +248,8 @@ def design(
         if found.certificate.verdict == "holds":
             written.append(target / "design.json")
             found.certificate.save(written[1])
+        else:
+            _set_aside(target / "design.json")
     if as_json:
         print(json.dumps(found.summary(), allow_nan=False))
     else:

@@ -212,6 +212,11 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
     for corner in corners.values():
         view.axes.plot(*corner, "o", ms=4, color=INK, zorder=6)
         view.occupy(corner)
+    for name, k in (("k_lower", band.k_lower), ("k_upper", band.k_upper)):
+        edge = [] if k is None else _level(view.corners, gain, MM * k - base)
+        if len(edge) == 2:
+            view.line(*edge, colour=INK, width=1.3, gid=name)
+            view.label(name, 0.05 * edge[0] + 0.95 * edge[1], (1, -0.3))
     report = analysis.properties[number, shallow]
     travel, binding = report.margins.travel_m, MM * np.array(report.binding_p_m)
     if travel is not None and travel > 0:
@@ -219,12 +224,8 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
         outward = np.sign(gain) * (1 if highest else -1)
         end = binding + MM * travel * outward
         if (np.abs(end) < view.corners[2]).all():
-            view.span(binding, end, _mm(travel), (outward[1], -outward[0]))
-    for name, k in (("k_lower", band.k_lower), ("k_upper", band.k_upper)):
-        edge = [] if k is None else _level(view.corners, gain, MM * k - base)
-        if len(edge) == 2:
-            view.line(*edge, colour=INK, width=1.3, gid=name)
-            view.label(name, 0.25 * edge[0] + 0.75 * edge[1], (0, -1))
+            # It goes along both axes, by the margin along each.
+            view.span(binding, end, f"travel margin {_mm(travel)}", (outward[1], -outward[0]))
     for name, corner in corners.items():
         view.label(name, corner, corner)
     return corners

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palmbots.report import console_for_people, files_written
+from palmbots.sections import friction_limit
 from palmbots.stability.forms import text_of
 from palmbots.stability.ranges import Interval
 
@@ -29,10 +30,8 @@ _NAMES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path]) -> None:
     """The properties with their margins, what binds, the ranges, and the warnings they deserve."""
     console = console_for_people()
-    good = found.holds
-    head = Text("HOLDS" if good else "FAILS", style="bold green" if good else "bold red")
+    head = _verdict(found)
     region = found.situation.contacts[0]
-    head.append("  both properties, either palm shallow", style="bold")
     head.append(f"   {scene_name}, p {1e3 * region[0]:.1f} to {_mm(region[1])}", style="dim")
     console.print(head)
 
@@ -67,10 +66,12 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
     ranges = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
     ranges.add_row("  COM along the object", _interval(found.com_x_m, 1e3, "mm"))
     ranges.add_row("  COM height", _union(found.com_y_m, 1e3, "mm"))
-    ranges.add_row("  friction, both palms", _union(found.friction, 1, ""))
+    palms = [math.degrees(angle) for pair in found.situation.angles for angle in pair]
+    friction = _union(found.friction, 1, "") + _beyond_scenes(found.friction, *palms)
+    ranges.add_row("  friction, both palms", friction)
     half = found.half_length_m
     ranges.add_row("  palm half-length", "none" if half is None else f"up to {_mm(half[1])}")
-    ranges.add_row("  angle error", _signed(found.angle_error_rad, 180 / math.pi, "°", "±"))
+    ranges.add_row("  angle error", _angle_error(found))
     slope = found.slope
     degrees = None if slope is None else tuple(math.degrees(math.atan(s)) for s in slope)
     ranges.add_row(
@@ -95,6 +96,38 @@ def analysis_report(found: "Analysis", scene_name: str, written: Sequence[Path])
         f"{math.degrees(sideways.tilt_rad):.1f}° or {sideways.acceleration_g:.2f} g"
     )
     files_written(console, written)
+
+
+def _verdict(found: "Analysis") -> Text:
+    """The headline; properties that hold are worth nothing where a palm is in the object."""
+    if not found.holds:
+        word, style, what = "FAILS", "bold red", "both properties, either palm shallow"
+    elif found.clearance.touches:
+        word, style = "TOUCHES", "bold red"
+        what = "a palm, though both properties hold, either palm shallow"
+    else:
+        word, style, what = "HOLDS", "bold green", "both properties, either palm shallow"
+    return Text(word, style).append(f"  {what}", "bold")
+
+
+def _angle_error(found: "Analysis") -> str:
+    """What the properties bear, and what clearance leaves of it."""
+    error, turn = found.angle_error_rad, found.clearance.turn.margin
+    told = _signed(error, 180 / math.pi, "°", "±")
+    if error is None or turn > error:
+        return told
+    if found.clearance.touches:
+        return f"{told}, but a palm touches already"
+    return f"{told}, but something touches after a turn of {math.degrees(turn):.2f}°"
+
+
+def _beyond_scenes(pieces: Sequence[Interval], *palms_deg: float) -> str:
+    """What to say of friction that no scene accepts, where the properties hold there too."""
+    most = friction_limit(*palms_deg)
+    if not pieces or pieces[-1][1] <= most:
+        return ""
+    steepest = max(map(abs, palms_deg))
+    return f", but a scene takes less than {most:.3f} with a palm at {steepest:.3g}°"
 
 
 _TOUCH = {"flush": "flush with the outline", "tip": "tip", "back end": "back end"}
@@ -235,9 +268,9 @@ def design_report(found: "Design", scene_name: str, written: Sequence[Path]) -> 
     low, high = found.region_m
     table.add_row("  contacts", f"{1e3 * low:.1f} to {_mm(high)}", "for which all of it holds")
     if found.friction is not None:
-        table.add_row(
-            "  friction", f"{found.friction[0]:.3f} to {found.friction[1]:.3f}", "both palms alike"
-        )
+        beyond = _beyond_scenes([found.friction], found.shallow_deg, found.steep_deg)
+        low, high = found.friction
+        table.add_row("  friction", f"{low:.3f} to {high:.3f}", f"both palms alike{beyond}")
     table.add_row(
         "  reaction",
         f"{found.reaction_s['own']:.2f} s, {found.reaction_s['asked']:.2f} s",

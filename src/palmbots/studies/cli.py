@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palmbots.cli_options import DONE, JsonOption, app
+from palmbots.cli_options import DONE, JsonOption, app, path_given
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -31,7 +31,9 @@ def study(
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Its folder [default: NAME.study]."),
+        typer.Option(
+            "--out", parser=path_given, metavar="DIR", help="Its folder [default: NAME.study]."
+        ),
     ] = None,
     carries: Annotated[
         int | None,
