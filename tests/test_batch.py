@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 import palmbots as pb
 from cxx import ROOT, SANITIZERS, compile_cxx
 from palmbots import _core
-from palmbots.batch import Columns, run_many, run_seeds
+from palmbots.batch import Columns, lane_modules, run_many, run_seeds
 from palmbots.bounds import bounds_of
 from palmbots.errors import SceneError
 from palmbots.lowering import lower
@@ -111,7 +112,7 @@ def test_threads_order_and_processor_change_nothing(
     for k in range(3):
         assert_same({name: v[k::3] for name, v in reference.items()}, split[k])
     table = b"".join(spec.to_bytes() for spec in specs)
-    for module in ("_lanes", *(["_lanes_v3"] if _core.has_v3() else [])):
+    for module in lane_modules():
         built = importlib.import_module(f"palmbots.{module}")
         run = built.run_many(table, which, seeds, controller, precision, 1)
         assert not run.pop("interrupted")
@@ -119,21 +120,26 @@ def test_threads_order_and_processor_change_nothing(
         assert_same(reference, run)
 
 
-def test_the_two_modules_have_other_lanes() -> None:
-    if not _core.has_v3():
-        pytest.skip("this processor has no level x86-64-v3")
-    base, v3 = (importlib.import_module(f"palmbots.{name}") for name in ("_lanes", "_lanes_v3"))
-    assert (v3.lanes_double, v3.lanes_float) == (4, 8)
-    assert (base.lanes_double, base.lanes_float) == (2, 4)
+def test_the_modules_have_other_lanes() -> None:
+    lanes = {"_lanes": (2, 4), "_lanes_v3": (4, 8), "_lanes_v4": (8, 16)}
+    for name in lane_modules():
+        built = importlib.import_module(f"palmbots.{name}")
+        assert (built.lanes_double, built.lanes_float) == lanes[name]
+    flags = Path("/proc/cpuinfo").read_text().split()
+    assert ("_lanes_v3" in lane_modules()) == ({"avx2", "bmi2", "fma"} <= set(flags))
+    assert ("_lanes_v4" in lane_modules()) == ({"avx2", "avx512vl", "avx512dq"} <= set(flags))
+    assert not _core.has_level(2)
 
 
-@pytest.mark.parametrize("compiler", ["g++", "clang++"])
-def test_lanes_of_the_larger_processors_under_sanitizers(compiler: str) -> None:
+@pytest.mark.parametrize(
+    ("level", "compiler"), [(3, "g++"), (3, "clang++"), (4, "g++"), (4, "clang++")]
+)
+def test_lanes_of_the_larger_processors_under_sanitizers(level: int, compiler: str) -> None:
     """`test_core` runs the same program with the lanes of any processor."""
-    if not _core.has_v3():
-        pytest.skip("this processor has no level x86-64-v3")
+    if not _core.has_level(level):
+        pytest.skip(f"this processor has no level x86-64-v{level}")
     source = ROOT / "tests" / "core" / "lanes_test.cpp"
-    program = compile_cxx(source, ["-O0", "-march=x86-64-v3", *SANITIZERS], compiler)
+    program = compile_cxx(source, ["-O0", f"-march=x86-64-v{level}", *SANITIZERS], compiler)
     done = subprocess.run([program], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
 

@@ -60,7 +60,7 @@ def test_wheel_holds_every_source_scene_and_type(wheel: Path) -> None:
     assert {"palmbots/py.typed", "palmbots/scenes/paper.toml", "palmbots/_core.pyi"} <= kept
     assert {f"palmbots/objects/{name}.toml" for name in palmbots.objects()} <= kept
     extensions = {Path(name).name.split(".")[0] for name in held - kept}
-    assert {"_core", "_lanes"} <= extensions <= {"_core", "_lanes", "_lanes_v3"}
+    assert {"_core", "_lanes"} <= extensions <= {"_core", "_lanes", "_lanes_v3", "_lanes_v4"}
     assert len(held - kept) == len(extensions)
     assert kept <= held
 

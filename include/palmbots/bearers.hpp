@@ -74,16 +74,24 @@ class Bearers {
   // Whether they say the same as long as the palms are touched in the same stretches.
   bool reads_truly() const { return !tactile_.has_false_readings() && !faults_.bend_readings(); }
 
-  // Is there anything for the team to do? Otherwise this tick is as the one before: the robots sense what
-  // they sensed, and the team has nothing to do by itself.
-  bool is_news(const PerSide<Sensed>& sensed) const { return sensed != sensed_ || tick_ >= wake_; }
+  // Takes in what the robots sense. Is there anything for the team to do? Otherwise this tick is as the
+  // one before: they sense what they sensed, and the team has nothing to do by itself.
+  [[gnu::always_inline]] bool notice(const PerSide<Sensed>& sensed) {
+    bool is_news = tick_ >= wake_;
+    // Field by field: a copy of the whole would wait for fields that have only just been written.
+    on_both_sides([&](std::size_t side) {
+      is_news |= !(sensed[side] == sensed_[side]);
+      sensed_[side].sign = sensed[side].sign;
+      sensed_[side].turned = sensed[side].turned;
+    });
+    return is_news;
+  }
 
   // The team runs, log(Posted) gets what it sends, and what it commands is obeyed. Tells whether the
   // commands are new.
   template <class Log>
-  bool think(const PerSide<Sensed>& sensed, Log&& log) {
-    sensed_ = sensed;
-    const PerSide<Command> commands = team_.step(tick_, sensed, log);
+  bool think(Log&& log) {
+    const PerSide<Command>& commands = team_.step(tick_, sensed_, log);
     wake_ = wake_of(team_, tick_);
     const bool are_new = commands != commands_;
     if (are_new) [[unlikely]]

@@ -64,7 +64,7 @@ class Carry : public Bearers<Real, Team> {
 
   // Then all else, with what the robots sense now.
   [[gnu::always_inline]] void act(const PerSide<Sensed>& sensed) {
-    if (is_news(sensed)) think(sensed);
+    if (notice(sensed)) think();
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
     tally_.add(world_.touched());
@@ -97,12 +97,12 @@ class Carry : public Bearers<Real, Team> {
   template <class, int, class>
   friend class Lockstep;
 
-  using Base::collect, Base::drop, Base::finish_tick, Base::is_news, Base::leader, Base::rank;
+  using Base::collect, Base::drop, Base::finish_tick, Base::leader, Base::notice, Base::rank;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
   using Base::read, Base::reads_truly, Base::tally_, Base::team_, Base::tick_, Base::wake_;
 
-  bool think(const PerSide<Sensed>& sensed) {
-    return Base::think(sensed, [&](const Posted& p) { recorder_.message(p); });
+  bool think() {
+    return Base::think([&](const Posted& p) { recorder_.message(p); });
   }
 
   // What is done for many ticks at once.

@@ -93,7 +93,7 @@ class Crew : public Bearers<double, Team> {
   Actuation<double> command() {
     recorder_.make_room();
     const PerSide<Sensed> sensed = sense();
-    if (is_news(sensed)) think(sensed, [&](const Posted& p) { recorder_.message(p); });
+    if (notice(sensed)) think([&](const Posted& p) { recorder_.message(p); });
     if (tick_ % block_ticks == 0) collect();
     const PerSide<double> random = noise();
     tally_.add(sight_.touched);
@@ -118,7 +118,7 @@ class Crew : public Bearers<double, Team> {
   const SeenWorld& world() const { return world_; }
 
  private:
-  using Base::collect, Base::drop, Base::finish_tick, Base::is_news, Base::rank, Base::read;
+  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::rank, Base::read;
   using Base::metrics_, Base::robots_, Base::seed_, Base::tally_, Base::think, Base::tick_;
 
   // The words of a tick as `Carry` draws them: four serve two robots for two ticks.

@@ -12,57 +12,33 @@
 
 #include <cstring>
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
+#include "palmbots/registers.hpp"
 #include "palmbots/scalar.hpp"
 
 namespace palmbots {
 
-// One truth value a lane: all bits of the lane are set, or none.
 template <class Real, int n>
 struct LaneMask {
-  using Int = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
-  typedef Int Raw __attribute__((vector_size(n * sizeof(Real))));
+  using In = Register<Real, n>;
+  using Raw = typename In::Truths;
   Raw raw;
 
-  friend LaneMask operator&(LaneMask a, LaneMask b) { return {a.raw & b.raw}; }
-  friend LaneMask operator|(LaneMask a, LaneMask b) { return {a.raw | b.raw}; }
-  friend LaneMask operator^(LaneMask a, LaneMask b) { return {a.raw ^ b.raw}; }
-  LaneMask operator!() const { return {~raw}; }
+  friend LaneMask operator&(LaneMask a, LaneMask b) { return {Raw(a.raw & b.raw)}; }
+  friend LaneMask operator|(LaneMask a, LaneMask b) { return {Raw(a.raw | b.raw)}; }
+  friend LaneMask operator^(LaneMask a, LaneMask b) { return {Raw(a.raw ^ b.raw)}; }
+  LaneMask operator!() const { return {Raw(~raw)}; }
 
   // Bit l tells of lane l.
-  std::uint32_t bits() const {
-#if defined(__AVX__)
-    if constexpr (n == 4 && sizeof(Real) == 8) {
-      return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd((__m256i)raw)));
-    }
-    if constexpr (n == 8 && sizeof(Real) == 4) {
-      return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps((__m256i)raw)));
-    }
-#elif defined(__SSE2__)
-    if constexpr (n == 2 && sizeof(Real) == 8) {
-      return static_cast<std::uint32_t>(_mm_movemask_pd(_mm_castsi128_pd((__m128i)raw)));
-    }
-    if constexpr (n == 4 && sizeof(Real) == 4) {
-      return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps((__m128i)raw)));
-    }
-#endif
-    Int lanes[n];
-    std::memcpy(lanes, &raw, sizeof raw);
-    std::uint32_t found = 0;
-    for (int l = 0; l < n; ++l) found |= (lanes[l] != 0 ? 1U : 0U) << l;
-    return found;
-  }
+  std::uint32_t bits() const { return In::bits(raw); }
 };
 
 template <class Real_, int n>
 struct Lanes {
   using Real = Real_;
+  using In = Register<Real, n>;
   using Mask = LaneMask<Real, n>;
   static constexpr int count = n;
-  typedef Real Raw __attribute__((vector_size(n * sizeof(Real))));
+  using Raw = typename In::Numbers;
   Raw raw;
 
   Lanes() = default;
@@ -81,12 +57,12 @@ struct Lanes {
   friend Lanes operator-(Lanes a, Lanes b) { return of(a.raw - b.raw); }
   friend Lanes operator*(Lanes a, Lanes b) { return of(a.raw * b.raw); }
   friend Lanes operator/(Lanes a, Lanes b) { return of(a.raw / b.raw); }
-  friend Mask operator<(Lanes a, Lanes b) { return {a.raw < b.raw}; }
-  friend Mask operator>(Lanes a, Lanes b) { return {a.raw > b.raw}; }
-  friend Mask operator<=(Lanes a, Lanes b) { return {a.raw <= b.raw}; }
-  friend Mask operator>=(Lanes a, Lanes b) { return {a.raw >= b.raw}; }
-  friend Mask operator==(Lanes a, Lanes b) { return {a.raw == b.raw}; }
-  friend Mask operator!=(Lanes a, Lanes b) { return {a.raw != b.raw}; }
+  friend Mask operator<(Lanes a, Lanes b) { return {In::less(a.raw, b.raw)}; }
+  friend Mask operator>(Lanes a, Lanes b) { return {In::less(b.raw, a.raw)}; }
+  friend Mask operator<=(Lanes a, Lanes b) { return {In::no_more(a.raw, b.raw)}; }
+  friend Mask operator>=(Lanes a, Lanes b) { return {In::no_more(b.raw, a.raw)}; }
+  friend Mask operator==(Lanes a, Lanes b) { return {In::equal(a.raw, b.raw)}; }
+  friend Mask operator!=(Lanes a, Lanes b) { return {In::differ(a.raw, b.raw)}; }
 };
 
 template <class Real, int n>
@@ -96,7 +72,7 @@ struct ScalarOf<Lanes<Real, n>> {
 
 template <class Real, int n>
 Lanes<Real, n> select(LaneMask<Real, n> mask, Lanes<Real, n> yes, Lanes<Real, n> no) {
-  return Lanes<Real, n>::of(mask.raw ? yes.raw : no.raw);
+  return Lanes<Real, n>::of(Register<Real, n>::blend(mask.raw, yes.raw, no.raw));
 }
 
 template <class Real, int n>
@@ -111,14 +87,7 @@ bool all(LaneMask<Real, n> mask) {
 
 template <class Real, int n>
 Lanes<Real, n> square_root(Lanes<Real, n> x) {
-#if defined(__AVX__)
-  if constexpr (n == 4 && sizeof(Real) == 8)
-    return Lanes<Real, n>::of((typename Lanes<Real, n>::Raw)_mm256_sqrt_pd((__m256d)x.raw));
-  if constexpr (n == 8 && sizeof(Real) == 4)
-    return Lanes<Real, n>::of((typename Lanes<Real, n>::Raw)_mm256_sqrt_ps((__m256)x.raw));
-#endif
-  for (int l = 0; l < n; ++l) x.raw[l] = std::sqrt(x.raw[l]);
-  return x;
+  return Lanes<Real, n>::of(Register<Real, n>::root(x.raw));
 }
 
 template <class Real, int n>

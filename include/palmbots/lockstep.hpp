@@ -47,7 +47,6 @@ class Lockstep {
 
  private:
   static constexpr std::size_t pack_count = 4;
-  static constexpr std::uint64_t never = ~std::uint64_t{0};
 
   struct Lane {
     std::optional<One> carry;
@@ -71,10 +70,9 @@ class Lockstep {
     std::uint32_t shaken = 0;  // those in which there was one in this tick
     Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
-    std::array<std::uint64_t, n> wake{};
-    std::array<std::uint64_t, n> timeout{};
-    std::uint64_t first_wake = never;
-    std::uint64_t first_timeout = never;
+    // Ticks from the begin of the block at which a lane's team wants to be asked, and its time is over.
+    V wake;
+    V timeout;
     std::uint32_t busy = 0;
     std::array<Lane, n> lanes;
   };
@@ -106,7 +104,6 @@ class Lockstep {
       if ((pack.busy >> l & 1) != 0) collect(pack, l, tick);
     }
     if (pack.busy != 0) draw_noise(pack.dice, tick, pack.noise);
-    plan(pack);
     return more;
   }
 
@@ -131,37 +128,36 @@ class Lockstep {
     pack.dice.seed[i] = one.seed_;
     pack.dice.start[i] = start;
     pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
-    pack.wake[i] = start;
-    pack.timeout[i] = start + one.spec_.timeout_ticks - 1;
   }
 
   void collect(Pack& pack, int l, std::uint64_t tick) {
-    One& one = *pack.lanes[static_cast<std::size_t>(l)].carry;
-    take(pack, l, tick);
+    One& one = take(pack, l, tick);
     one.collect();
     put_lane(pack.tally, l, one.tally_);
+    pack.wake.raw[l] = in_block(one, one.wake_);
+    pack.timeout.raw[l] = in_block(one, one.spec_.timeout_ticks - 1);
     one.bumps_.draw_block(one.spec_, one.seed_, one.tick_);
   }
 
-  // When any lane next needs its team or runs out of time.
-  void plan(Pack& pack) {
-    pack.first_wake = never;
-    pack.first_timeout = never;
-    each(pack.busy, [&](int l) {
-      const auto i = static_cast<std::size_t>(l);
-      pack.first_wake = std::min(pack.first_wake, pack.wake[i]);
-      pack.first_timeout = std::min(pack.first_timeout, pack.timeout[i]);
-    });
+  // A tick of a carry, counted from the begin of the block in which it is.
+  static Real in_block(const One& one, std::uint64_t tick) {
+    return Real(static_cast<std::int64_t>(tick) - (one.tick_ - one.tick_ % block_ticks));
+  }
+
+  // A lane's carry, which learns what tick it is.
+  static One& follow(Pack& pack, int l, std::uint64_t tick) {
+    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    lane.carry->tick_ = static_cast<std::uint32_t>(tick - lane.start);
+    return *lane.carry;
   }
 
   // Hands a lane's numbers to its carry.
-  void take(Pack& pack, int l, std::uint64_t tick) {
-    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
-    One& one = *lane.carry;
-    one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
+  static One& take(Pack& pack, int l, std::uint64_t tick) {
+    One& one = follow(pack, l, tick);
     one.world_.place(take_lane(pack.pose, l));
     one.robots_ = take_lane(pack.robots, l);
     one.tally_ = take_lane(pack.tally, l);
+    return one;
   }
 
   template <class Done>
@@ -180,46 +176,47 @@ class Lockstep {
     const Stride<V> went = stride(pack.fixture, pack.pose, act.change, act.angles, act.push);
     const std::uint32_t rest = ~went.done.bits() & pack.busy;
     const V gone = pack.robots.midpoint * pack.robots.travel_sense;
-    std::uint32_t over = (gone >= pack.goal).bits() & pack.busy;
-    if ((rest | over | pack.shaken) == 0 && tick < pack.first_timeout) [[likely]]
+    const std::uint32_t over = ((gone >= pack.goal) | (V(k) >= pack.timeout)).bits() & pack.busy;
+    if ((rest | over | pack.shaken) == 0) [[likely]]
       return;
     // A copy of its own, so that the common tick keeps it in registers.
-    const Unusual what{act, before, rest};
+    const Unusual what{act, before, rest, over};
     const std::uint32_t shaken = std::exchange(pack.shaken, 0);
-    each(rest | over | shaken | timed_out(pack, tick),
-         [&](int l) { finish(pack, l, tick, what, done); });
+    each(rest | over | shaken, [&](int l) { finish(pack, l, tick, what, done); });
   }
 
   struct Unusual {
     Actuation<V> act;
     V midpoint;            // before it
     std::uint32_t undone;  // lanes whose step the world has to take apart
+    std::uint32_t over;    // lanes that have come to their goal, or to the end of their time
   };
 
   // The end of a tick that is not like the others.
   template <class Done>
   [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, const Unusual& what,
                                 Done& done) {
-    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
-    One& one = *lane.carry;
-    take(pack, l, tick);
-    const Actuation<Real> own = take_lane(what.act, l);
+    One& one = follow(pack, l, tick);
     Advance<Real> step;
     if ((what.undone >> l & 1) != 0) {
-      step = one.world_.take_apart(own.change, own.angles);
-      if (step.end != End::none)
-        one.robots_.midpoint = Real(what.midpoint.raw[l]) + own.travel * step.fraction;
+      const PerSide<Real> angles{what.act.angles[left].raw[l], what.act.angles[right].raw[l]};
+      one.world_.place(take_lane(pack.pose, l));
+      step = one.world_.take_apart(what.act.change.raw[l], angles);
       put_lane(pack.pose, l, one.world_.pose());
     }
     one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
-    one.finish_tick(step.end, double(step.fraction), Real(what.midpoint.raw[l]));
-    if (one.done()) leave(pack, l, done);
+    if (step.end == End::none && (what.over >> l & 1) == 0) return;
+    take(pack, l, tick);
+    const Real before = what.midpoint.raw[l];
+    if (step.end != End::none)
+      one.robots_.midpoint = before + Real(what.act.travel.raw[l]) * step.fraction;
+    one.finish_tick(step.end, double(step.fraction), before);
+    leave(pack, l, done);
   }
 
   template <class Done>
   void leave(Pack& pack, int l, Done& done) {
     pack.busy &= ~(1U << l);
-    plan(pack);
     const Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
     done(lane.index, *lane.carry);
   }
@@ -257,14 +254,6 @@ class Lockstep {
     return touched;
   }
 
-  static std::uint32_t timed_out(const Pack& pack, std::uint64_t tick) {
-    std::uint32_t bits = 0;
-    each(pack.busy, [&](int l) {
-      bits |= (tick >= pack.timeout[static_cast<std::size_t>(l)] ? 1U : 0U) << l;
-    });
-    return bits;
-  }
-
   // The teams for which it is news what their robots sense, or who have something to do.
   [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
     PerSide<LaneMask<Real, n>> turned;
@@ -275,12 +264,7 @@ class Lockstep {
         (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
         (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
         !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
-    std::uint32_t asked = ~same.bits() & pack.busy;
-    if (tick >= pack.first_wake) {
-      each(pack.busy, [&](int l) {
-        asked |= (tick >= pack.wake[static_cast<std::size_t>(l)] ? 1U : 0U) << l;
-      });
-    }
+    const std::uint32_t asked = ((!same) | (V(tick % block_ticks) >= pack.wake)).bits() & pack.busy;
     if (asked == 0) return;
     pack.turned = turned;
     const PerSide<std::uint32_t> bits{turned[left].bits(), turned[right].bits()};
@@ -288,33 +272,26 @@ class Lockstep {
       ask(pack, l, tick, {touched[left].raw[l], touched[right].raw[l]},
           {(bits[left] >> l & 1) != 0, (bits[right] >> l & 1) != 0});
     });
-    plan(pack);
   }
 
   [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick, const PerSide<Real>& touched,
                              const PerSide<bool>& turned) {
-    const auto i = static_cast<std::size_t>(l);
-    Lane& lane = pack.lanes[i];
-    One& one = *lane.carry;
-    one.tick_ = static_cast<std::uint32_t>(tick - lane.start);
-    PerSide<Sensed> sensed = one.sensed_;
-    const PerSide<Sign> odd = (pack.odd >> l & 1) != 0 ? one.read(touched) : PerSide<Sign>{};
-    for (const std::size_t side : {left, right}) {
-      sensed[side].turned = turned[side];
+    One& one = follow(pack, l, tick);
+    const bool is_odd = (pack.odd >> l & 1) != 0;
+    const PerSide<Sign> odd = is_odd ? one.read(touched) : PerSide<Sign>{};
+    const auto feel = [&](std::size_t side) {
       if (touched[side] >= pack.from[side].raw[l] && touched[side] < pack.until[side].raw[l])
-        continue;
-      if ((pack.odd >> l & 1) != 0) {
-        sensed[side].sign = odd[side];
-        continue;
-      }
+        return one.sensed_[side].sign;
+      if (is_odd) return odd[side];
       const auto stretch = one.tactile_.stretch(touched[side]);
-      sensed[side].sign = stretch.sign;
       pack.from[side].raw[l] = stretch.from;
       pack.until[side].raw[l] = stretch.until;
-    }
-    if (sensed == one.sensed_ && one.tick_ < one.wake_) return;
-    const bool are_new = one.think(sensed);
-    pack.wake[i] = one.wake_ == ~0U ? never : one.wake_ + lane.start;
+      return stretch.sign;
+    };
+    const PerSide<Sensed> sensed{{{feel(left), turned[left]}, {feel(right), turned[right]}}};
+    if (!one.notice(sensed)) return;
+    const bool are_new = one.think();
+    pack.wake.raw[l] = in_block(one, one.wake_);
     if (!are_new) return;
     for (const std::size_t side : {left, right}) {
       pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
@@ -326,13 +303,8 @@ class Lockstep {
   std::array<Pack, pack_count> packs_{};
 };
 
-// As many lanes as the instructions that this is compiled for have.
-#if defined(__AVX__)
-inline constexpr int lane_bytes = 32;
-#else
-inline constexpr int lane_bytes = 16;
-#endif
+// As many lanes as a register has room for.
 template <class Real>
-inline constexpr int lanes_of = lane_bytes / static_cast<int>(sizeof(Real));
+inline constexpr int lanes_of = register_bytes / static_cast<int>(sizeof(Real));
 
 }  // namespace palmbots

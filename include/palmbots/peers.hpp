@@ -24,7 +24,7 @@ class Peers {
         faults_(faults) {}
 
   template <class Log>
-  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<bool> sends{};
     for (const std::size_t side : {left, right}) {
       if (tick < due_[side] && sensed[side] == sensed_[side] && !inbox_[side].oldest(tick))

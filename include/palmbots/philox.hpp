@@ -52,7 +52,9 @@ constexpr Words draw(std::uint64_t seed, std::uint32_t tick, Stream stream,
 namespace detail {
 
 // Numbers side by side (as in lanes.hpp), of each of which a draw uses the lower half.
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+inline constexpr std::size_t draws_at_once = 8;
+#elif defined(__AVX2__)
 inline constexpr std::size_t draws_at_once = 4;
 #else
 inline constexpr std::size_t draws_at_once = 2;
@@ -61,7 +63,9 @@ typedef std::uint64_t Halves __attribute__((vector_size(8 * draws_at_once)));
 
 // The products of the lower halves.
 inline Halves times(Halves x, std::uint32_t by) {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+  return (Halves)_mm512_maskz_mul_epu32(0xFF, (__m512i)x, _mm512_set1_epi64(by));
+#elif defined(__AVX2__)
   return (Halves)_mm256_mul_epu32((__m256i)x, _mm256_set1_epi64x(by));
 #elif defined(__SSE2__)
   return (Halves)_mm_mul_epu32((__m128i)x, _mm_set1_epi64x(by));

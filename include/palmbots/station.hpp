@@ -20,7 +20,7 @@ class Station {
         travel_(channel.longest()) {}
 
   template <class Log>
-  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&&) {
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&&) {
     close(tick);
     due_ = tick + 1;
     const Moment before = now_;
@@ -48,7 +48,7 @@ class Station {
       obeyed_[side] = now_.commands[side].palm;
     }
     if (!(now_ == before)) changed_ = tick;
-    return {now_.commands[left], now_.commands[right]};
+    return now_.commands;
   }
 
   // The next tick at which it is not sure that all goes on as now.

@@ -79,13 +79,11 @@ template <class V>
   using Mask = MaskOf<V>;
   const PerSide<PalmAngle<V>>& palms = pose.stance.palms;
   const PerSide<V>& contacts = pose.stance.contacts;
-  Moments<V> pushed = fixture.moments;
-  if (any((push != V(0)) | (pose.push != V(0)))) {
-    // Ties lie elsewhere under another push.
-    pose.tied = select(push != pose.push, V(0), pose.tied);
-    pose.push = push;
-    pushed = moments_under(fixture, push);
-  }
+  const Moments<V> pushed = moments_under(fixture, push);
+  const bool some_tied = any(pose.tied != V(0));
+  // Ties lie elsewhere under another push.
+  if (some_tied) pose.tied = select(push != pose.push, V(0), pose.tied);
+  pose.push = push;
   const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
   const Mask left_turns = turn[left] != V(0);
   const Mask right_turns = turn[right] != V(0);
@@ -104,9 +102,8 @@ template <class V>
   const V left_behind = before.at(pose.span) * way;  // < 0: the left contact slides sooner
   const Mask on_left = left_behind < V(0);
   Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
-  if (any((pose.tied != V(0)) | (pose.rests != V(0)))) {
-    good = good & (pose.tied * way <= V(0)) & (pose.rests == V(0));
-  }
+  good = good & (pose.rests == V(0));
+  if (some_tied) good = good & (pose.tied * way <= V(0));
   on_both_sides([&](std::size_t side) {
     good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
   });
@@ -158,7 +155,7 @@ template <class V>
       pose.stance.contacts[side] = kept(after[side], pose.stance.contacts[side]);
     });
     pose.span = {kept(span.dx, pose.span.dx), kept(span.dy, pose.span.dy)};
-    pose.tied = kept(V(0), pose.tied);
+    if (some_tied) pose.tied = kept(V(0), pose.tied);
   };
   if (all(good)) [[likely]] {
     settle([](V now, V) { return now; });

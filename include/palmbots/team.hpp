@@ -208,7 +208,7 @@ class Pair {
         faults_(faults) {}
 
   template <class Log>
-  PerSide<Command> step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<Letter> letters{};
     for (const std::size_t side : {left, right}) {
       if (faults_.any() && !runs(tick, side)) continue;

@@ -1,7 +1,7 @@
 // palmbots._lanes: many carries at once, in lockstep and on several threads.
 //
-// Built twice from this file, for any processor and for those of level x86-64-v3 (_lanes_v3); the
-// results have the same bits. Specs come as bytes (Spec is trivially copyable), so that the two
+// Built from this file for any processor, for those of level x86-64-v3 (_lanes_v3) and for those of
+// level x86-64-v4 (_lanes_v4); the results have the same bits. Specs come as bytes (Spec is trivially copyable), so that the two
 // modules share nothing with each other or with palmbots._core.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>

@@ -12,8 +12,10 @@ def tangent(angle: float) -> float:
     Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.
     """
 
-def has_v3() -> bool:
-    """Has this processor the instructions of level x86-64-v3?"""
+def has_level(level: int) -> bool:
+    """
+    Has this processor the instructions of that level of x86-64, 3 (AVX2) or 4 (AVX-512)?
+    """
 
 class PalmSpec:
     """One palm, in SI units and radians."""

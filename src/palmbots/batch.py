@@ -1,8 +1,8 @@
 """Many carries at once, without Python in the loop.
 
-The compiled half exists twice, for any processor and for those of level x86-64-v3, which carry
-twice as many lanes; the bits of every result are the same, and the same as those of the single
-carry (`palmbots.carry`) with that scene, seed and precision, for any number of threads.
+The compiled half exists for any processor, and for those of levels 3 and 4 of x86-64, which carry
+twice and four times as many lanes; the bits of every result are the same, and the same as those of
+the single carry (`palmbots.carry`) with that scene, seed and precision, for any number of threads.
 """
 
 import importlib
@@ -22,6 +22,7 @@ __all__ = [
     "STALLED",
     "Columns",
     "cores",
+    "lane_modules",
     "run_many",
     "run_seeds",
     "run_table",
@@ -41,9 +42,14 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
+def lane_modules() -> list[str]:
+    """Names of the compiled halves that this processor can run, that with the most lanes first."""
+    return [f"_lanes_v{level}" for level in (4, 3) if _core.has_level(level)] + ["_lanes"]
+
+
 @cache
 def _module() -> Any:
-    return importlib.import_module(f"palmbots._lanes{'_v3' if _core.has_v3() else ''}")
+    return importlib.import_module(f"palmbots.{lane_modules()[0]}")
 
 
 def run_many(
