@@ -76,6 +76,21 @@ Lanes<Real, n> select(LaneMask<Real, n> mask, Lanes<Real, n> yes, Lanes<Real, n>
 }
 
 template <class Real, int n>
+Lanes<Real, n> larger(Lanes<Real, n> x, Lanes<Real, n> y) {
+  return Lanes<Real, n>::of(Register<Real, n>::larger(x.raw, y.raw));
+}
+
+template <class Real, int n>
+Lanes<Real, n> smaller(Lanes<Real, n> x, Lanes<Real, n> y) {
+  return Lanes<Real, n>::of(Register<Real, n>::smaller(x.raw, y.raw));
+}
+
+template <class Real, int n>
+Lanes<Real, n> magnitude(Lanes<Real, n> x) {
+  return Lanes<Real, n>::of(Register<Real, n>::magnitude(x.raw));
+}
+
+template <class Real, int n>
 bool any(LaneMask<Real, n> mask) {
   return mask.bits() != 0;
 }
@@ -93,8 +108,7 @@ Lanes<Real, n> square_root(Lanes<Real, n> x) {
 template <class Real, int n>
 SinCos<Lanes<Real, n>> sin_cos(Lanes<Real, n> x) {
   using V = Lanes<Real, n>;
-  const V quarter(pi<Real> / Real(4));
-  if (all((x <= quarter) & (x >= -quarter))) return {detail::sin_kernel(x), detail::cos_kernel(x)};
+  if (all(within(x, V(pi<Real> / Real(4))))) return {detail::sin_kernel(x), detail::cos_kernel(x)};
   SinCos<V> found{};
   for (int l = 0; l < n; ++l) {
     const SinCos<Real> at = sin_cos(Real(x.raw[l]));

@@ -53,7 +53,7 @@ struct Tally {
     on_both_sides([&](std::size_t side) {
       const Real p = contacts[side];
       square_sum[side] = square_sum[side] + p * p;
-      peak[side] = larger(larger(p, -p), peak[side]);
+      peak[side] = larger(magnitude(p), peak[side]);
     });
   }
 };

@@ -76,18 +76,15 @@ class Centralized {
   // One tick with the newest reports. Before both robots have reported, call nothing.
   Output step(const Report (&in)[2]) {
     for (bool moved_on = true; moved_on;) moved_on = advance(in);
-    Output out{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-    if (stage_ == Stage::decide) return out;
     const Case& now = table[case_ - 1];
-    if (stage_ != Stage::restore && now.tilt != Who::none) {
-      out.command[static_cast<int>(now.tilt)].palm = Palm::shallow;
-    }
+    const bool tilts = stage_ != Stage::decide && stage_ != Stage::restore;
+    const auto palm = [&](Who who) {
+      return tilts && now.tilt == who ? Palm::shallow : Palm::steep;
+    };
     const Move move = stage_ == Stage::first    ? now.first.move
                       : stage_ == Stage::second ? now.second.move
                                                 : Move::hold;
-    out.command[left].move = move;
-    out.command[right].move = move;
-    return out;
+    return {{{palm(Who::on_left), move}, {palm(Who::on_right), move}}};
   }
 
   // The case in progress, 1–8 as in Table 1; 0: none.

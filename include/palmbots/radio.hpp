@@ -219,7 +219,9 @@ class Link {
     } else {
       last_due_ = due = due > last_due_ ? due : last_due_;
     }
-    line_[place % capacity] = {due, payload};
+    Waiting& last = line_[place % capacity];
+    last.due = due;
+    last.payload = payload;
     return due;
   }
 

@@ -34,6 +34,9 @@ struct Register {
   static Truths equal(Numbers a, Numbers b) { return a == b; }
   static Truths differ(Numbers a, Numbers b) { return a != b; }
   static Numbers blend(Truths truths, Numbers yes, Numbers no) { return truths ? yes : no; }
+  static Numbers larger(Numbers a, Numbers b) { return a > b ? a : b; }
+  static Numbers smaller(Numbers a, Numbers b) { return a < b ? a : b; }
+  static Numbers magnitude(Numbers x) { return (Numbers)((Truths)x & ~(Truths)(-Numbers{})); }
 
   // Bit l tells of lane l.
   static std::uint32_t bits(Truths truths) {
@@ -84,6 +87,9 @@ struct Register<double, 8> {
   static Numbers blend(Truths truths, Numbers yes, Numbers no) {
     return _mm512_mask_blend_pd(truths, no, yes);
   }
+  static Numbers larger(Numbers a, Numbers b) { return _mm512_maskz_max_pd(0xFF, a, b); }
+  static Numbers smaller(Numbers a, Numbers b) { return _mm512_maskz_min_pd(0xFF, a, b); }
+  static Numbers magnitude(Numbers x) { return _mm512_abs_pd(x); }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_pd(0xFF, x); }
 };
@@ -100,6 +106,9 @@ struct Register<float, 16> {
   static Numbers blend(Truths truths, Numbers yes, Numbers no) {
     return _mm512_mask_blend_ps(truths, no, yes);
   }
+  static Numbers larger(Numbers a, Numbers b) { return _mm512_maskz_max_ps(0xFFFF, a, b); }
+  static Numbers smaller(Numbers a, Numbers b) { return _mm512_maskz_min_ps(0xFFFF, a, b); }
+  static Numbers magnitude(Numbers x) { return _mm512_abs_ps(x); }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_ps(0xFFFF, x); }
 };

@@ -46,7 +46,7 @@ struct Wrist {
     const Real left_to_go = to - angle;
     constexpr bool is_double = sizeof(typename ScalarOf<Real>::type) == 8;
     const Real reach = gain * Real(is_double ? 1.000000001 : 1.001);
-    return select((left_to_go <= reach) & (left_to_go >= -reach), to,
+    return select(within(left_to_go, reach), to,
                   select(left_to_go > Real(0), angle + gain, angle - gain));
   }
 };

@@ -157,21 +157,31 @@ constexpr Real exp_minus(Real x) {
   return sum;
 }
 
-template <class V>
-constexpr V larger(V x, V y) {
-  return select(x > y, x, y);
+// The larger and the smaller one; y where they are equal.
+template <class Real>
+  requires std::is_arithmetic_v<Real>
+constexpr Real larger(Real x, Real y) {
+  return x > y ? x : y;
 }
+template <class Real>
+  requires std::is_arithmetic_v<Real>
+constexpr Real smaller(Real x, Real y) {
+  return x < y ? x : y;
+}
+
+// |x|
+constexpr double magnitude(double x) { return __builtin_fabs(x); }
+constexpr float magnitude(float x) { return __builtin_fabsf(x); }
 
 // Is |x| ≤ most?
 template <class V>
 constexpr MaskOf<V> within(V x, V most) {
-  return (x >= -most) & (x <= most);
+  return magnitude(x) <= most;
 }
 
 template <class V>
 constexpr V clamp(V x, V low, V high) {
-  const V raised = select(low > x, low, x);
-  return select(high < raised, high, raised);
+  return smaller(high, larger(low, x));
 }
 
 }  // namespace palmbots

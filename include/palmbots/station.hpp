@@ -4,6 +4,9 @@
 // heard either: until a robot senses something else the same messages go on, and are only counted.
 #pragma once
 
+#include <cstring>
+#include <type_traits>
+
 #include "palmbots/team.hpp"
 
 namespace palmbots {
@@ -35,18 +38,20 @@ class Station {
     // Slots keep the station's packets off the robots', but not the robots' off each other.
     const bool collides = runs[left] && runs[right] && radio_.collide(tick);
     if (now_.heard[left] && now_.heard[right] && !lost) {
-      now_.told = now_.station.step(now_.reports);
-      for (const std::size_t side : {left, right}) {
-        radio_.post(down_[side], tick, now_.told.command[side], 2, side, false, traffic);
-      }
+      const Centralized::Output told = now_.station.step(now_.reports);
+      on_both_sides([&](std::size_t side) {
+        radio_.post(down_[side], tick, told.command[side], 2, side, false, traffic);
+      });
+      now_.told = told;
     }
-    for (const std::size_t side : {left, right}) {
-      if (!runs[side]) continue;
+    on_both_sides([&](std::size_t side) {
+      if (!runs[side]) return;
       // `turned` speaks of the command in force until this tick.
-      now_.said[side] = {sensed[side].sign, obeyed_[side], sensed[side].turned};
-      radio_.post(up_[side], tick, now_.said[side], side, side, collides, traffic);
+      const Centralized::Report said{sensed[side].sign, obeyed_[side], sensed[side].turned};
+      radio_.post(up_[side], tick, said, side, side, collides, traffic);
+      now_.said[side] = said;
       obeyed_[side] = now_.commands[side].palm;
-    }
+    });
     if (!(now_ == before)) changed_ = tick;
     return now_.commands;
   }
@@ -103,7 +108,11 @@ class Station {
     PerSide<Centralized::Report> said{};
     PerSide<Command> commands{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
 
-    constexpr bool operator==(const Moment&) const = default;
+    // All of it at once: bytes without gaps.
+    bool operator==(const Moment& other) const {
+      static_assert(std::has_unique_object_representations_v<Moment>);
+      return std::memcmp(this, &other, sizeof other) == 0;
+    }
   };
 
   // Whether a robot's program runs; one that boots drives on until it hears from the station.
