@@ -26,8 +26,10 @@ template <class Real, int n>
 void test_every_operation() {
   using V = Lanes<Real, n>;
   constexpr Real inf = std::numeric_limits<Real>::infinity();
-  const Real numbers[] = {0, -Real(0), 1, -1, Real(0.1), Real(-3.7), inf, -inf, Real(1e-30), 6};
-  for (const Real x : numbers) CHECK(same_bits(V(x).raw[n - 1], x));
+  constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
+  const Real numbers[] = {0,   -Real(0), 1,           -1, Real(0.1), Real(-3.7),
+                          inf, -inf,     Real(1e-30), 6,  nan};
+  for (const Real x : numbers) CHECK(same_bits(V(x).raw[n - 1], x) || x != x);
   for (const Real x : numbers) {
     for (const Real y : numbers) {
       V a(Real(2));
@@ -42,6 +44,10 @@ void test_every_operation() {
       CHECK(bit(a < b) == (x < y) && bit(a <= b) == (x <= y) && bit(a == b) == (x == y));
       CHECK(bit(a > b) == (x > y) && bit(a >= b) == (x >= y) && bit(a != b) == (x != y));
       CHECK(same_bits(last(select(a < b, a, b)), x < y ? x : y));
+      CHECK(same_bits(last(larger(a, b)), larger(x, y)));
+      CHECK(same_bits(last(smaller(a, b)), smaller(x, y)));
+      CHECK(same_bits(last(magnitude(a)), std::fabs(x)));
+      CHECK(bit(within(a, b)) == (x >= -y && x <= y));
       CHECK(bit((a < b) & (a == a)) == (x < y) && bit((a < b) | (a > b)) == (x < y || x > y));
       CHECK(bit(!(a < b)) == !(x < y));
       CHECK(any(a < b) && all(a < b) == (x < y));
