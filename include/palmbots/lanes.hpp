@@ -106,7 +106,7 @@ Lanes<Real, n> square_root(Lanes<Real, n> x) {
 }
 
 template <class Real, int n>
-SinCos<Lanes<Real, n>> sin_cos(Lanes<Real, n> x) {
+[[gnu::always_inline]] inline SinCos<Lanes<Real, n>> sin_cos(Lanes<Real, n> x) {
   using V = Lanes<Real, n>;
   if (all(within(x, V(pi<Real> / Real(4))))) return {detail::sin_kernel(x), detail::cos_kernel(x)};
   SinCos<V> found{};

@@ -6,6 +6,8 @@
 
 #include <limits>
 
+#include "palmbots/scalar.hpp"
+
 namespace palmbots {
 
 // The last instant at which `holds(t)` is still true; it is at `good` and is not at `bad`. Bisection
@@ -20,42 +22,49 @@ Real last_holding(Real good, Real bad, Predicate holds) {
   return good;
 }
 
-// The root of f between `good` (f = f_good ≥ 0) and `bad` (f = f_bad < 0): a secant, then inverse
-// quadratic interpolation through the last three points. Each estimate is moved a little away from the
-// nearer end, so that the bracket closes from both sides. Superlinear on the smooth functions it is used
-// for; a bracket that three looks have not halved is bisected.
-template <class Real, class Function>
-Real root(Real good, Real f_good, Real bad, Real f_bad, Function f) {
-  constexpr Real tolerance = Real(4096) * std::numeric_limits<Real>::epsilon();
-  Real last = bad;  // the end that was replaced last
-  Real f_last = f_bad;
-  Real halved = bad - good;
-  int looks = 0;  // since then
-  for (int i = 0; i < 200 && bad - good > tolerance && f_good > Real(0); ++i) {
-    const Real d = f_good - f_bad;
-    const Real e = f_good - f_last;
-    Real t = good - f_good * (f_last * e * (bad - good) - f_bad * d * (last - good)) /
-                        (d * e * (f_bad - f_last));
-    if (!(t > good && t < bad)) t = good + (bad - good) * (f_good / d);
-    t += Real(t - good < bad - t ? 0.25 : -0.25) * tolerance;
-    if (looks == 3 || !(t > good && t < bad)) t = Real(0.5) * (good + bad);
-    const Real value = f(t);
-    if (value >= Real(0)) {
-      last = good;
-      f_last = f_good;
-      good = t;
-      f_good = value;
+// Where `wanted`: the root of f between `good` (f = f_good ≥ 0) and `bad` (f = f_bad < 0): a secant, then
+// inverse quadratic interpolation through the last three points. Each estimate is moved a little away from
+// the nearer end, so that the bracket closes from both sides. Superlinear on the smooth functions it is
+// used for; a bracket that three looks have not halved is bisected. For one number or for lanes, of which
+// none goes on after its own root is found; f gets a number from `good` to `bad` in every lane.
+template <class V, class Function>
+V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
+  using Real = typename ScalarOf<V>::type;
+  using Mask = MaskOf<V>;
+  const V tolerance(Real(4096) * std::numeric_limits<Real>::epsilon());
+  V last = bad;  // the end that was replaced last
+  V f_last = f_bad;
+  V halved = bad - good;
+  V looks(0);  // since then
+  Mask on = wanted & (bad - good > tolerance) & (f_good > V(0));
+  for (int i = 0; i < 200 && any(on); ++i) {
+    const V d = f_good - f_bad;
+    const V e = f_good - f_last;
+    const auto inside = [&](V t) { return (t > good) & (t < bad); };
+    const auto secant = [&] { return good + (bad - good) * (f_good / d); };
+    V t = good;
+    if (i == 0) {
+      t = secant();
     } else {
-      last = bad;
-      f_last = f_bad;
-      bad = t;
-      f_bad = value;
+      t = good - f_good * (f_last * e * (bad - good) - f_bad * d * (last - good)) /
+                     (d * e * (f_bad - f_last));
+      if (!all(inside(t))) t = select(inside(t), t, secant());
     }
-    ++looks;
-    if (bad - good <= Real(0.5) * halved) {
-      halved = bad - good;
-      looks = 0;
-    }
+    t = t + select(t - good < bad - t, V(0.25), V(-0.25)) * tolerance;
+    const Mask bisected = (looks == V(3)) | !inside(t);
+    if (any(bisected)) t = select(bisected, V(0.5) * (good + bad), t);
+    const V value = f(select(on, t, good));
+    const Mask above = value >= V(0);
+    last = select(on, select(above, good, bad), last);
+    f_last = select(on, select(above, f_good, f_bad), f_last);
+    good = select(on & above, t, good);
+    f_good = select(on & above, value, f_good);
+    bad = select(on & !above, t, bad);
+    f_bad = select(on & !above, value, f_bad);
+    const Mask is_halved = bad - good <= V(0.5) * halved;
+    halved = select(is_halved, bad - good, halved);
+    looks = select(is_halved, V(0), looks + V(1));
+    on = on & (bad - good > tolerance) & (f_good > V(0));
   }
   return good;
 }

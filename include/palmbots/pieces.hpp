@@ -37,7 +37,7 @@ struct Pieces {
   PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
   bool turning = turn[left] != Real(0) || turn[right] != Real(0);
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
-  Moments<Real> pushed = moments_under<Real>(rig, pose.push);
+  Moments<Real> pushed = moments_under(rig.load, pose.push);
 
   // Which contacts slide in a piece.
   enum class Slider : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
@@ -143,15 +143,16 @@ struct Pieces {
     if (turning && direction != Slide::stick && reverses) {
       const Real last = drives_on(then);
       if (last < Real(0)) {
-        note(Event::reversal,
-             root(done, drives_on(now), goal, last, [&](Real t) { return drives_on(at(t)); }));
+        note(Event::reversal, root(true, done, drives_on(now), goal, last,
+                                   [&](Real t) { return drives_on(at(t)); }));
       }
     }
     if (slider == Slider::on_left || slider == Slider::on_right) {
       const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
       const Real last = ahead(then);
       if (last < Real(0)) {
-        note(Event::tie, root(done, ahead(now), goal, last, [&](Real t) { return ahead(at(t)); }));
+        note(Event::tie,
+             root(true, done, ahead(now), goal, last, [&](Real t) { return ahead(at(t)); }));
       }
     }
     return first;
@@ -181,7 +182,7 @@ struct Pieces {
     const auto& offset = rig.offset;
     const Real width = rig.load.width;
     if (slider == Slider::both) {
-      const auto edges = detail::edges_at<Real>(rig, then.stance.palms, sense_of(direction));
+      const auto edges = edges_at(rig.friction, then.stance.palms, sense_of(direction));
       const Tie<Real> equal = tie(pushed, edges[left], edges[right]);
       const Real slope =
           equal.tilt != Real(0) ? -equal.level / equal.tilt : now.span.dy / now.span.dx;
@@ -224,7 +225,7 @@ struct Pieces {
   }
 
   LettingGo letting_go(const State& s, Slide direction) const {
-    const auto edges = detail::edges_at<Real>(rig, s.stance.palms, sense_of(direction));
+    const auto edges = edges_at(rig.friction, s.stance.palms, sense_of(direction));
     const auto is_wedged = [&](std::size_t side) {
       return wedged(side, edges[side], s.span.dx, s.span.dy);
     };

@@ -23,6 +23,12 @@ struct PalmAngle {
   }
 };
 
+template <class V>
+constexpr PalmAngle<V> select(MaskOf<V> mask, const PalmAngle<V>& yes, const PalmAngle<V>& no) {
+  return {select(mask, yes.angle, no.angle), select(mask, yes.sin, no.sin),
+          select(mask, yes.cos, no.cos)};
+}
+
 template <class Real>
 struct Stance {
   Real separation;                 // of the pivots [m]

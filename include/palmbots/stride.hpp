@@ -7,8 +7,7 @@
 // Source: MECHANICS sections 1, 2, 6.
 #pragma once
 
-#include "palmbots/ends.hpp"
-#include "palmbots/slip.hpp"
+#include "palmbots/handover.hpp"
 
 namespace palmbots {
 
@@ -26,33 +25,16 @@ struct Pose {
   V rests;  // 1: the object rests on more, or on something else, than its two vertices
 };
 
-// The load as it counts for which contact lets go first: with the push, a further sideways specific
-// force (an acceleration / g).
-template <class V>
-constexpr Moments<V> moments_under(const Fixture<V>& fixture, V push) {
-  return Moments<V>::of(fixture.load, fixture.load.slope + push);
-}
-
 // What a step did, where it is done.
 template <class V>
 struct Stride {
   MaskOf<V> done;
-  MaskOf<V> closing;  // the contact slid up, otherwise down
-  MaskOf<V> on_left;  // it was the left contact, otherwise the right one
+  MaskOf<V> closing;      // the contact slid up, otherwise down
+  MaskOf<V> on_left;      // it was the left contact, otherwise the right one
+  MaskOf<V> handed_over;  // the other one slid before it, up to a tie
 };
 
 namespace detail {
-
-// The edges on which contacts that slide in one direction are: `way` is +1 for up and −1 for down.
-template <class V>
-constexpr PerSide<Edge<V>> edges_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms,
-                                    V way) {
-  PerSide<Edge<V>> edges{};
-  on_both_sides([&](std::size_t side) {
-    edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * fixture.friction[side]);
-  });
-  return edges;
-}
 
 template <class V>
 constexpr PerSide<Cone<V>> cones_at(const Fixture<V>& fixture, const PerSide<PalmAngle<V>>& palms) {
@@ -61,12 +43,6 @@ constexpr PerSide<Cone<V>> cones_at(const Fixture<V>& fixture, const PerSide<Pal
     cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, fixture.friction[side]);
   });
   return cones;
-}
-
-template <class V>
-constexpr PalmAngle<V> select(MaskOf<V> mask, const PalmAngle<V>& yes, const PalmAngle<V>& no) {
-  return {palmbots::select(mask, yes.angle, no.angle), palmbots::select(mask, yes.sin, no.sin),
-          palmbots::select(mask, yes.cos, no.cos)};
 }
 
 }  // namespace detail
@@ -79,7 +55,7 @@ template <class V>
   using Mask = MaskOf<V>;
   const PerSide<PalmAngle<V>>& palms = pose.stance.palms;
   const PerSide<V>& contacts = pose.stance.contacts;
-  const Moments<V> pushed = moments_under(fixture, push);
+  const Moments<V> pushed = moments_under(fixture.load, push);
   const bool some_tied = any(pose.tied != V(0));
   // Ties lie elsewhere under another push.
   if (some_tied) pose.tied = select(push != pose.push, V(0), pose.tied);
@@ -97,10 +73,10 @@ template <class V>
   }
   const Mask closing = rate < V(0);
   const V way = select(closing, V(1), V(-1));
-  const PerSide<Edge<V>> edges = detail::edges_at(fixture, palms, way);
+  const PerSide<Edge<V>> edges = edges_at(fixture.friction, palms, way);
   const Tie<V> before = tie(pushed, edges[left], edges[right]);
   const V left_behind = before.at(pose.span) * way;  // < 0: the left contact slides sooner
-  const Mask on_left = left_behind < V(0);
+  Mask on_left = left_behind < V(0);
   Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
   good = good & (pose.rests == V(0));
   if (some_tied) good = good & (pose.tied * way <= V(0));
@@ -112,32 +88,45 @@ template <class V>
   if (some_turn) {
     const V longest(longest_turn<typename ScalarOf<V>::type>);
     on_both_sides([&](std::size_t side) { good = good & within(turn[side], longest); });
-    if (!any(good)) return {good, closing, on_left};
+    if (!any(good)) return {good, closing, on_left, good};
     // A palm that does not turn has its sine and cosine already: what is found anew are the same bits.
     if (any(left_turns)) turned[left] = PalmAngle<V>::at(angles[left]);
     if (any(right_turns)) turned[right] = PalmAngle<V>::at(angles[right]);
   }
-  // Seen from the side of the contact that slides.
   const V separation = pose.stance.separation + change;
-  Span<V> base = feet(separation, turned, fixture.offset);
-  base.dy = select(on_left, base.dy, -base.dy);
-  const PalmAngle<V> own = detail::select<V>(on_left, turned[left], turned[right]);
-  const PalmAngle<V> partner = detail::select<V>(on_left, turned[right], turned[left]);
-  const Slid<V> next = slid(base, own, partner, select(on_left, contacts[right], contacts[left]),
-                            fixture.load.width);
-  const PerSide<V> after{select(on_left, next.contact, contacts[left]),
-                         select(on_left, contacts[right], next.contact)};
-  const Span<V> span{next.span.dx, select(on_left, next.span.dy, -next.span.dy)};
+  const Slipped<V> alone =
+      slip(on_left, separation, turned, contacts, fixture.offset, fixture.load.width);
 
   Tie<V> tie_after = before;
   if (some_turn) {
-    const V rate_after = drive_rate(turned, after, fixture.offset, span, change, turn);
+    const V rate_after =
+        drive_rate(turned, alone.contacts, fixture.offset, alone.span, change, turn);
     good = good & ((!turning) | (rate_after * way < V(0)));
-    const PerSide<Edge<V>> edges_after = detail::edges_at(fixture, turned, way);
+    const PerSide<Edge<V>> edges_after = edges_at(fixture.friction, turned, way);
     tie_after = tie(pushed, edges_after[left], edges_after[right]);
   }
-  const V still_behind = tie_after.at(span) * way;
-  good = good & (select(on_left, still_behind, -still_behind) < V(0));
+  const V still_behind = tie_after.at(alone.span) * way;
+  const V lead = select(on_left, -still_behind, still_behind);
+  Mask handed_over = good & (lead < V(0));
+  good = good & (lead > V(0));
+  // Number by number, so that they stay in registers.
+  PerSide<V> after{alone.contacts[left], alone.contacts[right]};
+  Span<V> span{alone.span.dx, alone.span.dy};
+  if (any(handed_over)) {
+    const V lead_before = select(on_left, -left_behind, left_behind);
+    const HandedOver<V> over =
+        hand_over<V>(fixture, pose.stance,
+                     {on_left, way, change, {angles[left], angles[right]}, push, lead_before, lead},
+                     handed_over);
+    handed_over = over.done;
+    good = good | handed_over;
+    on_left = on_left ^ handed_over;
+    on_both_sides([&](std::size_t side) {
+      after[side] = select(handed_over, over.end.contacts[side], after[side]);
+    });
+    span = {select(handed_over, over.end.span.dx, span.dx),
+            select(handed_over, over.end.span.dy, span.dy)};
+  }
   Mask held(good);
   on_both_sides([&](std::size_t side) { held = held & within(after[side], fixture.safe_reach); });
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
@@ -162,7 +151,7 @@ template <class V>
   } else {
     settle([&](V now, V then) { return select(good, now, then); });
   }
-  return {good, closing, on_left};
+  return {good, closing, on_left, handed_over};
 }
 
 }  // namespace palmbots

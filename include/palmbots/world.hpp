@@ -80,7 +80,7 @@ class World {
       last_.fraction = Real(1);
       last_.motion[side] = step.closing ? Slide::up : Slide::down;
       last_.motion[other(side)] = Slide::stick;
-      last_.pieces = 1;
+      last_.pieces = step.handed_over ? 2 : 1;
     } else {
       take_apart(change, angles);
     }

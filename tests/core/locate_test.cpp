@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "check.hpp"
+#include "palmbots/lanes.hpp"
 
 using palmbots::last_holding;
 using palmbots::root;
@@ -27,7 +28,7 @@ double uniform() {
 template <class Real, class Function>
 int looks_at(Function f) {
   int looks = 0;
-  const Real found = root(Real(0), Real(f(Real(0))), Real(1), Real(f(Real(1))), [&](Real t) {
+  const Real found = root(true, Real(0), Real(f(Real(0))), Real(1), Real(f(Real(1))), [&](Real t) {
     CHECK(t > Real(0) && t < Real(1));
     ++looks;
     return Real(f(t));
@@ -79,12 +80,48 @@ void test_what_begins_at_its_root() {
     CHECK(false);
     return Real(0);
   };
-  CHECK(root(Real(0.25), Real(0), Real(1), Real(-1), never) == Real(0.25));
+  CHECK(root(true, Real(0.25), Real(0), Real(1), Real(-1), never) == Real(0.25));
   // Rounding may have made it negative already.
-  CHECK(root(Real(0.25), Real(-1e-20), Real(1), Real(-1), never) == Real(0.25));
+  CHECK(root(true, Real(0.25), Real(-1e-20), Real(1), Real(-1), never) == Real(0.25));
   // It rises before it falls: the root is the one at the end of the bracket.
   const auto hump = [](Real t) { return t < Real(0.5) ? t + Real(1e-12) : Real(0.75) - t; };
-  CHECK(std::abs(root(Real(0), hump(0), Real(1), hump(1), hump) - Real(0.75)) <= tolerance<Real>);
+  CHECK(std::abs(root(true, Real(0), hump(0), Real(1), hump(1), hump) - Real(0.75)) <=
+        tolerance<Real>);
+}
+
+// Every lane finds the root that it finds alone, if it is wanted, and none is ever looked at elsewhere than
+// in its bracket.
+template <class Real, int n>
+void test_lanes() {
+  using V = palmbots::Lanes<Real, n>;
+  for (int i = 0; i < 2000; ++i) {
+    V at;
+    V bend;
+    typename V::Mask wanted = V(0) > V(0);
+    for (int l = 0; l < n; ++l) {
+      at.raw[l] = Real(uniform());
+      bend.raw[l] = Real(4 * uniform() * uniform());
+      V lane(0);
+      lane.raw[l] = Real(uniform() < 0.7 ? 1 : 0);
+      wanted = wanted | (lane > V(0));
+      if (lane.raw[l] == Real(0)) at.raw[l] += Real(1);  // there is none
+    }
+    const auto condition = [](auto t, auto root_at, auto bent) {
+      using T = decltype(t);
+      return (root_at - t) * (T(1) + bent * t * t);
+    };
+    const V found =
+        root(wanted, V(0), condition(V(0), at, bend), V(1), condition(V(1), at, bend), [&](V t) {
+          CHECK(all((t >= V(0)) & (t <= V(1))));
+          return condition(t, at, bend);
+        });
+    for (int l = 0; l < n; ++l) {
+      const auto alone = [&](Real t) { return condition(t, Real(at.raw[l]), Real(bend.raw[l])); };
+      const bool is_wanted = (wanted.bits() >> l & 1) != 0;
+      const Real own = root(is_wanted, Real(0), alone(0), Real(1), alone(1), alone);
+      CHECK(Real(found.raw[l]) == own && (is_wanted || own == Real(0)));
+    }
+  }
 }
 
 template <class Real>
@@ -109,4 +146,6 @@ void test_all(int most_looks) {
 int main() {
   test_all<double>(4);
   test_all<float>(3);
+  test_lanes<double, palmbots::register_bytes / 8>();
+  test_lanes<float, palmbots::register_bytes / 4>();
 }

@@ -1,0 +1,106 @@
+// A step on whose way the contact that slides comes to a tie, and the other one slides on from there.
+//
+// While palms turn this is the commonest thing to happen inside a step, so it is written as the common
+// step is (stride.hpp), for one carry or for several side by side. It does what pieces.hpp does, which
+// takes whatever else there is.
+//
+// Source: MECHANICS sections 1, 2, 6.
+#pragma once
+
+#include "palmbots/ends.hpp"
+#include "palmbots/locate.hpp"
+#include "palmbots/slip.hpp"
+
+namespace palmbots {
+
+// A step in which the contact that lets go first slides: the left one, or the right one.
+template <class V>
+struct Approach {
+  MaskOf<V> on_left;
+  V way;  // +1: contacts slide up, −1: down
+  V change;
+  PerSide<V> angles;
+  V push;
+  V lead;       // > 0: how far the sliding contact lets go before the other, at its begin …
+  V lead_then;  // … and at its end, < 0 where there is a tie
+};
+
+template <class V>
+struct HandedOver {
+  MaskOf<V> done;
+  Slipped<V> end;
+};
+
+// Where `wanted`, hands over once; `done` tells where that is all that happens. What the common step has
+// already found on its way here is found again: it is not kept in memory for the few steps with a tie.
+template <class V>
+[[gnu::noinline, gnu::flatten]] HandedOver<V> hand_over(const Fixture<V>& fixture,
+                                                        const Stance<V>& from,
+                                                        const Approach<V>& step, MaskOf<V> wanted) {
+  using Mask = MaskOf<V>;
+  const Moments<V> pushed = moments_under(fixture.load, step.push);
+  PerSide<V> turn{};
+  PerSide<Mask> turns{};
+  PerSide<PalmAngle<V>> turned = from.palms;
+  on_both_sides([&](std::size_t side) {
+    turn[side] = step.angles[side] - from.palms[side].angle;
+    turns[side] = turn[side] != V(0);
+    if (any(turns[side])) turned[side] = PalmAngle<V>::at(step.angles[side]);
+  });
+  // How far the contact that slid first still lets go before the other; 0 where an edge is wedged.
+  const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms, const Span<V>& span) {
+    const PerSide<Edge<V>> edges = edges_at(fixture.friction, palms, step.way);
+    const V behind = tie(pushed, edges[left], edges[right]).at(span) * step.way;
+    V lead = select(step.on_left, -behind, behind);
+    on_both_sides([&](std::size_t side) {
+      lead = select(wedged(side, edges[side], span.dx, span.dy), V(0), lead);
+    });
+    return lead;
+  };
+  const auto palms_at = [&](V t) {
+    PerSide<PalmAngle<V>> palms = from.palms;
+    on_both_sides([&](std::size_t side) {
+      if (!any(turns[side])) return;
+      const V angle = from.palms[side].angle + t * turn[side];
+      palms[side] = select<V>(turns[side], PalmAngle<V>::at(angle), palms[side]);
+    });
+    return palms;
+  };
+  const auto slip_to = [&](V t, const PerSide<PalmAngle<V>>& palms) {
+    return slip(step.on_left, from.separation + t * step.change, palms, from.contacts,
+                fixture.offset, fixture.load.width);
+  };
+
+  const Slipped<V> then = slip_to(V(1), turned);
+  Mask good = wanted & (lead_at(turned, then.span) < V(0));
+  on_both_sides(
+      [&](std::size_t side) { good = good & within(then.contacts[side], fixture.safe_reach); });
+  // The last state that still leads, next to the tie.
+  PerSide<V> contacts = from.contacts;
+  V lead(0);
+  root(good, V(0), step.lead, V(1), step.lead_then, [&](V t) {
+    const PerSide<PalmAngle<V>> palms = palms_at(t);
+    const Slipped<V> there = slip_to(t, palms);
+    const V now = lead_at(palms, there.span);
+    const Mask leads = now >= V(0);
+    lead = select(leads, now, lead);
+    on_both_sides([&](std::size_t side) {
+      contacts[side] = select(leads, there.contacts[side], contacts[side]);
+    });
+    return now;
+  });
+  good = good & (lead > V(0));
+
+  const Slipped<V> end = slip<V>(!step.on_left, from.separation + step.change, turned, contacts,
+                                 fixture.offset, fixture.load.width);
+  good = good & (lead_at(turned, end.span) < V(0));
+  const V rate = drive_rate(turned, end.contacts, fixture.offset, end.span, step.change, turn);
+  const Mask drives = rate * step.way < V(0);
+  const Mask left_turns = turns[left];
+  const Mask right_turns = turns[right];
+  const Mask turning = left_turns | right_turns;
+  good = good & (drives | (!turning));
+  return {good, end};
+}
+
+}  // namespace palmbots

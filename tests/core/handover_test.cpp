@@ -1,0 +1,141 @@
+// The common step of the world, ties on its way included, against the world taking the same step apart.
+#include "palmbots/handover.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "check.hpp"
+#include "palmbots/setup.hpp"
+#include "palmbots/world.hpp"
+#include "paper_spec.hpp"
+
+namespace {
+
+using namespace palmbots;
+
+double uniform(double from, double to) {
+  static std::uint64_t state = 1;
+  state = state * 6364136223846793005 + 1442695040888963407;
+  return from + (to - from) * (double(state >> 11) / 9007199254740992.0);
+}
+
+template <class Real>
+bool same_bits(const Pose<Real>& a, const Pose<Real>& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+bool chance(double share) { return uniform(0, 1) < share; }
+
+Spec any_spec() {
+  Spec spec = paper_spec();
+  spec.safe_reach = chance(0.5) ? 0.037 : 0.015;
+  spec.com_height = uniform(0.01, 0.08);
+  if (chance(0.5)) {
+    spec.com_left = uniform(0.1, 0.15);
+    spec.com_right = spec.width - spec.com_left;
+  }
+  for (PalmSpec& palm : spec.palms) {
+    if (chance(0.5)) palm.friction = uniform(0.1, 0.6);
+    if (chance(0.1)) palm.friction = uniform(2, 10);  // wedges
+    if (chance(0.3)) palm.offset = uniform(-0.01, 0.01);
+  }
+  return spec;
+}
+
+// Near the push under which both contacts let go at once, and near the change at which the palms' turning
+// drives them neither together nor apart, all kinds of things happen.
+template <class Real>
+Real near_tie(const Fixture<Real>& fixture, const Stance<Real>& s, Span<Real> span, Real way) {
+  const auto edges = edges_at(fixture.friction, s.palms, way);
+  const auto behind = [&](Real push) {
+    return tie(moments_under(fixture.load, push), edges[left], edges[right]).at(span);
+  };
+  const Real slope = behind(Real(1)) - behind(Real(0));
+  const Real at_once = -behind(Real(0)) / slope;
+  return at_once + Real(uniform(-1, 1) * std::pow(10, uniform(-6, -2)));
+}
+
+// How many steps were like that.
+struct Seen {
+  int common = 0;
+  int handed_over = 0;
+  int missed = 0;  // handed over all the same, when taken apart
+  int otherwise = 0;
+};
+
+template <class Real>
+void test_a_step(Seen& seen) {
+  const Rig<Real> rig = rig_of<Real>(any_spec());
+  const Fixture<Real>& fixture = rig;
+  const bool coarse = chance(0.3);
+  const double degree = radians_per_degree<double>;
+  Stance<Real> stance{};
+  PerSide<Real> angles{};
+  PerSide<Real> turn{};
+  for (const std::size_t side : {left, right}) {
+    stance.palms[side] = PalmAngle<Real>::at(Real(uniform(5, 15) * degree));
+    stance.contacts[side] = Real(uniform(-0.03, 0.03));
+    const double by = coarse ? uniform(-1.1, 1.1) : (chance(0.5) ? 0.5 : -0.5);
+    const Real angle = stance.palms[side].angle;
+    angles[side] = chance(0.4) ? angle : angle + Real(by * degree);
+    turn[side] = angles[side] - angle;
+  }
+  stance.separation = closing_separation(stance, rig.offset, rig.load.width);
+  const Span<Real> from = span(stance, rig.offset);
+  auto change = Real(uniform(-1, 1) * (coarse ? 2e-3 : 2e-4));
+  const auto drive = [&](Real by) {
+    return drive_rate(stance.palms, stance.contacts, rig.offset, from, by, turn);
+  };
+  if (chance(0.4)) change = -drive(Real(0)) / from.dx + Real(uniform(-1, 1) * 5e-6);
+  const Real push = near_tie(fixture, stance, from, drive(change) < Real(0) ? Real(1) : Real(-1));
+  const auto tied = Real(chance(0.1) ? (chance(0.5) ? -1 : 1) : 0);
+  const Pose<Real> before{stance, from, chance(0.5) ? push : Real(0), tied, Real(0)};
+
+  Pose<Real> pose = before;
+  const Stride<Real> step = stride(fixture, pose, change, angles, push);
+  Pose<Real> apart = before;
+  if (apart.push != push) apart.tied = Real(0);
+  apart.push = push;
+  const Pose<Real> begun = apart;
+  const Advance<Real> advance = Pieces<Real>{rig, apart, change, angles}.run();
+  if (!step.done) {
+    CHECK(same_bits(pose, begun));
+    const Slide way = step.closing ? Slide::up : Slide::down;
+    const bool hands_over = advance.pieces == 2 && advance.end == End::none &&
+                            begun.tied == Real(0) && !coarse &&
+                            ((advance.motion[left] == way) != (advance.motion[right] == way)) &&
+                            std::abs(apart.stance.contacts[left]) < rig.safe_reach &&
+                            std::abs(apart.stance.contacts[right]) < rig.safe_reach;
+    (hands_over ? seen.missed : seen.otherwise) += 1;
+    return;
+  }
+  (step.handed_over ? seen.handed_over : seen.common) += 1;
+  CHECK(same_bits(pose, apart));
+  CHECK(advance.end == End::none && advance.fraction == Real(1));
+  CHECK(advance.pieces == (step.handed_over ? 2 : 1));
+  const std::size_t side = step.on_left ? left : right;
+  CHECK(advance.motion[side] == (step.closing ? Slide::up : Slide::down));
+  CHECK(advance.motion[other(side)] == Slide::stick);
+  if (before.push != Real(0) || tied != Real(0)) return;
+  World<Real> world(rig, stance);
+  const Advance<Real>& told = world.advance(change, angles, push);
+  CHECK(same_bits(world.pose(), apart));
+  CHECK(told.end == advance.end && told.fraction == advance.fraction);
+  CHECK(told.motion == advance.motion && told.pieces == advance.pieces);
+}
+
+template <class Real>
+void test_all(int steps) {
+  Seen seen;
+  for (int i = 0; i < steps; ++i) test_a_step<Real>(seen);
+  CHECK(seen.common > steps / 4 && seen.handed_over > steps / 20);
+  CHECK(seen.missed <= seen.handed_over / 4 && seen.otherwise > steps / 100);
+}
+
+}  // namespace
+
+int main() {
+  test_all<double>(100000);
+  test_all<float>(100000);
+}
