@@ -243,7 +243,27 @@ def test_a_mirrored_world_moves_mirrored_to_the_bit(scene: Scene, script: list[S
         assert there.separation == back.separation
 
 
+# A corner of the object passes the tip on which it rests, and then nothing touches that palm.
+PAST_A_TIP = load_scene(
+    {
+        "object": {
+            "vertices_m": [[0, 0], [0.06, -0.01], [0.25, 0], [0.25, 0.1], [0, 0.1]],
+            "contacts": [0, 2],
+            "com_m": [0.125, 0.05],
+        }
+    },
+    {
+        "palm.friction": 0.15,
+        "palm.right.friction": 0.2,
+        "palm.pivot_offset_m": 0.01,
+        "start.left_m": 0.005859375,
+        "start.right_m": 0.0,
+    },
+)
+
+
 @settings(max_examples=150, deadline=None)
+@example(PAST_A_TIP, [(0.0, -5.0, -5.0, 0.0)] + 4 * [(0.004, -5.0, -5.0, 0.0)])
 @given(scenes, scripts)
 def test_the_object_stays_rigid_held_and_outside_the_palms(
     scene: Scene, script: list[Step]

@@ -70,7 +70,6 @@ class PalmView {
     const Place pivot = world({own_, -rig_.offset[side_]});
     found.pivot_x[side_] = pivot.inward;
     found.pivot_y[side_] = pivot.above;
-    found.sunk[side_] = sunk();
     Surface surface{};
     const bool stands = lift_ <= near_;
     if (stands) {
@@ -78,6 +77,7 @@ class PalmView {
     }
     add_flush(surface);
     add_vertices(surface);
+    found.sunk[side_] = sunk(surface);
     for (std::size_t k = 0; k < surface.count; ++k) {
       // Between the outermost contacts of one plate others add nothing: their forces and velocities
       // lie between those of the outer ones.
@@ -191,14 +191,18 @@ class PalmView {
     }
   }
 
+  // Does the plate touch so near to there that it is one contact?
+  bool touches_at(const Surface& surface, Real place) const {
+    for (std::size_t k = 0; k < surface.count; ++k) {
+      if (absolute(surface.places[k].place - place) <= Real(100) * near_) return true;
+    }
+    return false;
+  }
+
   // Where a palm's tip meets an edge, unless the plate touches there anyway.
   void add_tips(Touching<Real>& found, const Surface& surface) const {
     for (const Real end : {-half_, half_}) {
-      bool known = false;
-      for (std::size_t k = 0; k < surface.count; ++k) {
-        known = known || absolute(surface.places[k].place - end) <= Real(100) * near_;
-      }
-      if (known) continue;
+      if (touches_at(surface, end)) continue;
       for (std::size_t i = 0; i < rig_.outline.count; ++i) {
         if (distance({own_ - end, Real(0)}, i) <= near_) {
           put(found, {end, Meeting::tip, true, i}, into(i));
@@ -253,8 +257,9 @@ class PalmView {
   }
 
   // The deepest of the palm's tips, the places where edges cross it or below or above which vertices
-  // lie, and the places halfway between two of those: no piece of palm in the object escapes.
-  Real sunk() const {
+  // lie, and the places halfway between two of those: no piece of palm in the object escapes. A tip that
+  // is one contact with a corner is as deep in the object as that was above the palm, which is nothing.
+  Real sunk(const Surface& surface) const {
     std::array<Real, 2 * max_outline + 2> marks{};
     std::size_t count = 0;
     const auto mark = [&](Real inward) {
@@ -271,12 +276,18 @@ class PalmView {
     marks[count++] = own_ - half_;
     marks[count++] = own_ + half_;
     std::sort(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(count));
-    Real deepest = depth(marks[0]);
+    Real deepest = Real(0);
+    const auto look = [&](Real inward) {
+      const Real place = own_ - inward;
+      const bool at_tip = absolute(place) > half_ - Real(100) * near_;
+      if (at_tip && touches_at(surface, place)) return;
+      const Real here = depth(inward);
+      if (here > deepest) deepest = here;
+    };
+    look(marks[0]);
     for (std::size_t k = 1; k < count; ++k) {
-      for (const Real inward : {marks[k], Real(0.5) * (marks[k - 1] + marks[k])}) {
-        const Real here = depth(inward);
-        if (here > deepest) deepest = here;
-      }
+      look(marks[k]);
+      look(Real(0.5) * (marks[k - 1] + marks[k]));
     }
     return deepest;
   }
