@@ -7,7 +7,6 @@
 // takes the next one at the next block of ticks.
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <optional>
 #include <utility>
