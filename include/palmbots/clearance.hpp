@@ -30,6 +30,11 @@ struct Outline {
   std::array<Vertex<Real>, max_outline> vertices{};
   std::size_t count = 0;
   PerSide<std::size_t> contact{};  // the vertices the object stands on
+
+  // The i-th vertex from a side's contact vertex on, inward along the bottom: in the mirror the same.
+  constexpr std::size_t walked(std::size_t side, std::size_t i) const {
+    return (contact[side] + (side == left ? i : count - i)) % count;
+  }
 };
 
 // The directions of a palm that certainly touch nothing, however long it is: all vertices lie above

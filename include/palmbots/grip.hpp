@@ -66,7 +66,8 @@ class Echelon {
     }
     if (count_ == 4 || !(largest(row) > dependent * scale)) return false;
     std::size_t pivot = 0;
-    for (std::size_t c = 1; c < 4; ++c) pivot = size(row[c]) > size(row[pivot]) ? c : pivot;
+    for (std::size_t c = 1; c < 4; ++c)
+      pivot = magnitude(row[c]) > magnitude(row[pivot]) ? c : pivot;
     rows_[count_] = row;
     values_[count_] = value;
     pivots_[count_++] = pivot;
@@ -88,10 +89,9 @@ class Echelon {
 
   static constexpr Real dependent = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-5);
 
-  static constexpr Real size(Real x) { return x < Real(0) ? -x : x; }
   static constexpr Real largest(const Row& row) {
     Real most = Real(0);
-    for (const Real x : row) most = size(x) > most ? size(x) : most;
+    for (const Real x : row) most = magnitude(x) > most ? magnitude(x) : most;
     return most;
   }
 

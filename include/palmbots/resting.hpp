@@ -59,8 +59,11 @@ class Instant {
  public:
   // Contacts of `grip` count as they are, others only once they have closed.
   Instant(const Rig<Real>& rig, const Stance<Real>& stance, const Drive<Real>& drive,
-          const Grip<Real>& grip)
-      : rig_(rig), stance_(stance), found_(touching(rig, stance, closed_tolerance<Real>)) {
+          const Grip<Real>& grip, Real push)
+      : rig_(rig),
+        stance_(stance),
+        push_(push),
+        found_(touching(rig, stance, closed_tolerance<Real>)) {
     const detail::Equations<Real> equations(rig, stance, left);
     const Real closed = Real(64) * std::numeric_limits<Real>::epsilon() * rig.load.width;
     std::array<bool, max_supports> counts{};
@@ -123,7 +126,7 @@ class Instant {
   }
 
   // Does what moves as the grip says go on to be what happens? How the vertices move.
-  bool goes_on(const Grip<Real>& grip, Real push, Mode& motion) const {
+  bool goes_on(const Grip<Real>& grip, Mode& motion) const {
     std::array<const Hold<Real>*, max_supports> holds{};
     std::size_t found = 0;
     for (std::size_t i = 0; i < supports_.count; ++i) {
@@ -134,7 +137,7 @@ class Instant {
     }
     if (found < grip.count) return false;
     bool same = false;
-    each(push, [&](const Motions& m) {
+    each([&](const Motions& m) {
       if (same) return;
       for (std::size_t i = 0; i < supports_.count; ++i) {
         if ((m[i] != Motion::leave) != (holds[i] != nullptr)) return;
@@ -163,11 +166,11 @@ class Instant {
   };
 
   // What happens next; a grip that is none: the object goes on upon its two vertices alone.
-  Fate fate(Real push) const {
+  Fate fate() const {
     Fate fate{check(), {}, {}};
     if (fate.end != End::none) return fate;
     std::size_t best = 0;
-    each(push, [&](const Motions& m) {
+    each([&](const Motions& m) {
       std::size_t staying = 0;
       std::size_t vertices = 0;
       std::size_t slide = 0;
@@ -220,13 +223,29 @@ class Instant {
   std::size_t leading(const PerSide<std::size_t>& beside,
                       const PerSide<std::size_t>& stuck = {}) const {
     const auto ranks = [&](std::size_t side) {
-      return std::array<Real, 8>{
-          Real(beside[side]),     stance_.palms[side].angle,
-          stance_.contacts[side], Real(stuck[side]),
-          rig_.friction[side],    rig_.offset[side],
-          rig_.half_length[side], side == left ? rig_.load.com_left : rig_.load.com_right};
+      return std::array<Real, 9>{
+          Real(beside[side]),
+          stance_.palms[side].angle,
+          stance_.contacts[side],
+          Real(stuck[side]),
+          rig_.friction[side],
+          rig_.offset[side],
+          rig_.half_length[side],
+          side == left ? rig_.load.com_left : rig_.load.com_right,
+          mirrored(side, rig_.load.slope + push_),
+      };
     };
-    return ranks(right) > ranks(left) ? right : left;
+    const auto of_left = ranks(left);
+    const auto of_right = ranks(right);
+    if (of_left != of_right) return of_right > of_left ? right : left;
+    const auto& outline = rig_.outline;
+    for (std::size_t i = 0; i < outline.count; ++i) {
+      const Vertex<Real>& a = outline.vertices[outline.walked(left, i)];
+      const Vertex<Real>& b = outline.vertices[outline.walked(right, i)];
+      if (a.along[left] != b.along[right]) return b.along[right] > a.along[left] ? right : left;
+      if (a.height != b.height) return b.height > a.height ? right : left;
+    }
+    return left;
   }
 
   static Hold<Real> hold(const TouchPoint<Real>& p) {
@@ -271,17 +290,18 @@ class Instant {
 
   // The motions in balance under the push; where there are none, without it.
   template <class Found>
-  void each(Real push, Found found) const {
+  void each(Found found) const {
     bool any = false;
-    each_outcome(supports_, velocities_, rig_.load.slope + push, [&](const Motions& m) {
+    each_outcome(supports_, velocities_, rig_.load.slope + push_, [&](const Motions& m) {
       any = true;
       found(m);
     });
-    if (!any && push != Real(0)) each_outcome(supports_, velocities_, rig_.load.slope, found);
+    if (!any && push_ != Real(0)) each_outcome(supports_, velocities_, rig_.load.slope, found);
   }
 
   const Rig<Real>& rig_;
   const Stance<Real>& stance_;
+  Real push_;
   Touching<Real> found_;
   Supports<Real> supports_{};
   Velocities<Real> velocities_{};
@@ -317,9 +337,9 @@ struct Rest {
       const auto stays = [&](Real t) {
         Stance<Real> there{};
         if (!at(t, there)) return false;
-        const Instant<Real> instant(rig, there, drive, grip);
+        const Instant<Real> instant(rig, there, drive, grip, push);
         if (instant.check() != End::none) return false;
-        return by_force ? instant.is_all(grip) : instant.goes_on(grip, push, result.motion);
+        return by_force ? instant.is_all(grip) : instant.goes_on(grip, result.motion);
       };
       const bool through = stays(goal);
       const Real when = through ? goal : last_holding(done, goal, stays);
@@ -353,7 +373,7 @@ struct Rest {
 
   // What happens from here on; false where it is nothing for a grip.
   bool decide(const Stance<Real>& stance, Grip<Real>& grip, Advance<Real>& result) const {
-    const auto fate = Instant<Real>(rig, stance, drive, grip).fate(push);
+    const auto fate = Instant<Real>(rig, stance, drive, grip, push).fate();
     result.end = fate.end;
     if (fate.end != End::none) return false;
     result.motion = fate.motion;

@@ -43,7 +43,9 @@ struct Touching {
 
 namespace detail {
 
-// One palm and the object in the palm's frame, whose origin is the contact vertex's foot on the palm.
+// One palm and the object in the palm's frame, whose origin is the contact vertex's foot on the palm. The
+// outline is walked from that vertex inward along the object's bottom, which in the mirror is the same
+// walk: every number comes out alike to the last bit, and the events found by it come at one instant.
 template <class Real>
 class PalmView {
  public:
@@ -60,8 +62,8 @@ class PalmView {
     cos_ = r.inward / rig.load.width;
     sin_ = r.normal / rig.load.width;
     com_ = seen(side == left ? rig.load.com_left : rig.load.com_right, rig.load.com_height);
-    for (std::size_t i = 0; i < rig.outline.count; ++i) {
-      const Vertex<Real>& v = rig.outline.vertices[i];
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Vertex<Real>& v = rig.outline.vertices[vertex(i)];
       at_[i] = seen(v.along[side], v.height);
     }
   }
@@ -127,26 +129,28 @@ class PalmView {
   }
   Place world(Place v) const { return turned({v.inward - com_.inward, v.above - com_.above}); }
 
-  std::size_t next(std::size_t i) const { return i + 1 == rig_.outline.count ? 0 : i + 1; }
+  // The walk: its vertices, and their numbers and those of its edges in the outline.
+  std::size_t count() const { return rig_.outline.count; }
+  std::size_t next(std::size_t i) const { return i + 1 == count() ? 0 : i + 1; }
+  std::size_t vertex(std::size_t i) const { return rig_.outline.walked(side_, i); }
+  std::size_t edge(std::size_t i) const { return vertex(side_ == left ? i : next(i)); }
 
-  // Across the edge from vertex i to the next one, into the object; the outline is counter-clockwise,
-  // and from the right clockwise.
+  // Across the edge from vertex i to the next one, into the object.
   Place into(std::size_t i) const {
     const Place& a = at_[i];
     const Place& b = at_[next(i)];
-    const Real x = mirrored(side_, a.above - b.above);
-    const Real y = mirrored(side_, b.inward - a.inward);
+    const Real x = a.above - b.above;
+    const Real y = b.inward - a.inward;
     const Real length = std::sqrt(x * x + y * y);
     return {x / length, y / length};
   }
 
-  static Real absolute(Real x) { return x < Real(0) ? -x : x; }
-  bool on_palm(Real place) const { return absolute(place) <= half_ + near_; }
+  bool on_palm(Real place) const { return magnitude(place) <= half_ + near_; }
 
   // The same place once; an end of a flush edge is that before it is a vertex.
   void insert(Surface& surface, const OnPalm& point) const {
     for (std::size_t k = 0; k < surface.count; ++k) {
-      if (absolute(surface.places[k].place - point.place) <= Real(2) * near_) {
+      if (magnitude(surface.places[k].place - point.place) <= Real(2) * near_) {
         if (point.meeting == Meeting::flush) surface.places[k].meeting = point.meeting;
         return;
       }
@@ -155,38 +159,36 @@ class PalmView {
   }
 
   void add_flush(Surface& surface) const {
-    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const Place& a = at_[i];
       const Place& b = at_[next(i)];
       const Real run = b.inward - a.inward;
-      if (!(mirrored(side_, run) > Real(0))) continue;  // the object is below this edge
-      const std::size_t inner = run > Real(0) ? next(i) : i;
-      const std::size_t outer = run > Real(0) ? i : next(i);
-      const Real low = clamp(own_ - at_[inner].inward, -half_, half_);
-      const Real high = clamp(own_ - at_[outer].inward, -half_, half_);
+      if (!(run > Real(0))) continue;  // the object is below this edge
+      const Real low = clamp(own_ - b.inward, -half_, half_);
+      const Real high = clamp(own_ - a.inward, -half_, half_);
       if (!(high - low > Real(100) * near_)) continue;  // too short a stretch to have a direction
       const Real rise = (b.above - a.above) / run;
       const Real above_low = a.above + rise * ((own_ - low) - a.inward);
       const Real above_high = a.above + rise * ((own_ - high) - a.inward);
-      if (absolute(above_low) <= near_ && absolute(above_high) <= near_) {
-        const bool ends_low = own_ - at_[inner].inward < -half_ - near_;
-        const bool ends_high = own_ - at_[outer].inward > half_ + near_;
-        insert(surface, {low, Meeting::flush, ends_low, ends_low ? i : inner});
-        insert(surface, {high, Meeting::flush, ends_high, ends_high ? i : outer});
+      if (magnitude(above_low) <= near_ && magnitude(above_high) <= near_) {
+        const bool ends_low = own_ - b.inward < -half_ - near_;
+        const bool ends_high = own_ - a.inward > half_ + near_;
+        insert(surface, {low, Meeting::flush, ends_low, ends_low ? edge(i) : vertex(next(i))});
+        insert(surface, {high, Meeting::flush, ends_high, ends_high ? edge(i) : vertex(i)});
       }
     }
   }
 
   void add_vertices(Surface& surface) const {
-    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const Place& v = at_[i];
-      const Place& before = at_[i == 0 ? rig_.outline.count - 1 : i - 1];
+      const Place& before = at_[i == 0 ? count() - 1 : i - 1];
       const Place& after = at_[next(i)];
-      const Real turn = mirrored(side_, (v.inward - before.inward) * (after.above - v.above) -
-                                            (v.above - before.above) * (after.inward - v.inward));
+      const Real turn = (v.inward - before.inward) * (after.above - v.above) -
+                        (v.above - before.above) * (after.inward - v.inward);
       const bool below = before.above < -near_ && after.above < -near_;
-      if (absolute(v.above) <= near_ && on_palm(own_ - v.inward) && turn > Real(0) && !below) {
-        insert(surface, {clamp(own_ - v.inward, -half_, half_), Meeting::vertex, false, i});
+      if (magnitude(v.above) <= near_ && on_palm(own_ - v.inward) && turn > Real(0) && !below) {
+        insert(surface, {clamp(own_ - v.inward, -half_, half_), Meeting::vertex, false, vertex(i)});
       }
     }
   }
@@ -194,7 +196,7 @@ class PalmView {
   // Does the plate touch so near to there that it is one contact?
   bool touches_at(const Surface& surface, Real place) const {
     for (std::size_t k = 0; k < surface.count; ++k) {
-      if (absolute(surface.places[k].place - place) <= Real(100) * near_) return true;
+      if (magnitude(surface.places[k].place - place) <= Real(100) * near_) return true;
     }
     return false;
   }
@@ -203,9 +205,9 @@ class PalmView {
   void add_tips(Touching<Real>& found, const Surface& surface) const {
     for (const Real end : {-half_, half_}) {
       if (touches_at(surface, end)) continue;
-      for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+      for (std::size_t i = 0; i < count(); ++i) {
         if (distance({own_ - end, Real(0)}, i) <= near_) {
-          put(found, {end, Meeting::tip, true, i}, into(i));
+          put(found, {end, Meeting::tip, true, edge(i)}, into(i));
         }
       }
     }
@@ -249,7 +251,7 @@ class PalmView {
     const Real along = inward * cos_ - lift_ * sin_;
     if (!inside(rig_.outline, side_, along, -inward * sin_ - lift_ * cos_)) return Real(0);
     Real least = distance({inward, Real(0)}, 0);
-    for (std::size_t i = 1; i < rig_.outline.count; ++i) {
+    for (std::size_t i = 1; i < count(); ++i) {
       const Real other = distance({inward, Real(0)}, i);
       if (other < least) least = other;
     }
@@ -261,11 +263,11 @@ class PalmView {
   // is one contact with a corner is as deep in the object as that was above the palm, which is nothing.
   Real sunk(const Surface& surface) const {
     std::array<Real, 2 * max_outline + 2> marks{};
-    std::size_t count = 0;
+    std::size_t found = 0;
     const auto mark = [&](Real inward) {
-      if (absolute(own_ - inward) <= half_) marks[count++] = inward;
+      if (magnitude(own_ - inward) <= half_) marks[found++] = inward;
     };
-    for (std::size_t i = 0; i < rig_.outline.count; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       const Place& a = at_[i];
       const Place& b = at_[next(i)];
       mark(a.inward);
@@ -273,19 +275,19 @@ class PalmView {
         mark(a.inward + (b.inward - a.inward) * (a.above / (a.above - b.above)));
       }
     }
-    marks[count++] = own_ - half_;
-    marks[count++] = own_ + half_;
-    std::sort(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(count));
+    marks[found++] = own_ - half_;
+    marks[found++] = own_ + half_;
+    std::sort(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(found));
     Real deepest = Real(0);
     const auto look = [&](Real inward) {
       const Real place = own_ - inward;
-      const bool at_tip = absolute(place) > half_ - Real(100) * near_;
+      const bool at_tip = magnitude(place) > half_ - Real(100) * near_;
       if (at_tip && touches_at(surface, place)) return;
       const Real here = depth(inward);
       if (here > deepest) deepest = here;
     };
     look(marks[0]);
-    for (std::size_t k = 1; k < count; ++k) {
+    for (std::size_t k = 1; k < found; ++k) {
       look(marks[k]);
       look(Real(0.5) * (marks[k - 1] + marks[k]));
     }
@@ -302,7 +304,7 @@ class PalmView {
   Real cos_ = Real(1);
   Real sin_ = Real(0);
   Place com_{};
-  std::array<Place, max_outline> at_{};
+  std::array<Place, max_outline> at_{};  // the vertices, as they are walked
 };
 
 }  // namespace detail

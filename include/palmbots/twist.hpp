@@ -126,15 +126,13 @@ class HalfSpaces {
   using Side = Condition<Real>;
 
   // With shares ≥ 0 that add up to `total`: is Σ share h ≥ 0, but for rounding?
-  static constexpr bool nothing_left(Real value, Real magnitude, Real total) {
-    return value >= -wrench_tolerance<Real> * (total + magnitude);
+  static constexpr bool nothing_left(Real value, Real sizes, Real total) {
+    return value >= -wrench_tolerance<Real> * (total + sizes);
   }
-
-  static constexpr Real absolute(Real x) { return x < Real(0) ? -x : x; }
 
   static constexpr bool contradict(const Side& a, const Side& b) {
     if (!(size(a.row + b.row) <= wrench_tolerance<Real>)) return false;
-    return nothing_left(a.value + b.value, absolute(a.value) + absolute(b.value), Real(2));
+    return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), Real(2));
   }
 
   // Three in a plane: by Lami's theorem each share is the sine between the other two.
@@ -147,7 +145,7 @@ class HalfSpaces {
     if (!(p > least && q > least && r > least)) return false;
     if (!(size((a.row * p + b.row * q) + c.row * r) <= least)) return false;
     return nothing_left(p * a.value + q * b.value + r * c.value,
-                        p * absolute(a.value) + q * absolute(b.value) + r * absolute(c.value),
+                        p * magnitude(a.value) + q * magnitude(b.value) + r * magnitude(c.value),
                         total);
   }
 
@@ -160,15 +158,15 @@ class HalfSpaces {
     Real total = Real(0);
     for (const Real share : shares) total = total + sign * share;
     Real value = Real(0);
-    Real magnitude = Real(0);
+    Real sizes = Real(0);
     for (std::size_t k = 0; k < 4; ++k) {
       const Real share = sign * shares[k];
       // Where one has (almost) no share the other three decide.
       if (!(share > wrench_tolerance<Real> * total) || !(share > Real(0))) return false;
       value = value + share * values[k];
-      magnitude = magnitude + share * absolute(values[k]);
+      sizes = sizes + share * magnitude(values[k]);
     }
-    return nothing_left(value, magnitude, total);
+    return nothing_left(value, sizes, total);
   }
 
   std::array<Side, max_supports> sides_{};

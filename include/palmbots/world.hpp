@@ -47,11 +47,11 @@ class World {
   // Why the object is not held where it is now (none: it is).
   End check() const {
     const Stance<Real>& here = pose_.stance;
-    if (!grip_.none()) return Instant<Real>(rig_, here, {}, grip_).check();
+    if (!grip_.none()) return Instant<Real>(rig_, here, {}, grip_, pose_.push).check();
     const Statics<Real> statics = Statics<Real>::at(rig_, here.palms);
     const End end = first_end(rig_, statics, here.palms, here.contacts, pose_.span);
     if (!is_touch(end)) return end;
-    const Instant<Real> now(rig_, here, {}, grip_);
+    const Instant<Real> now(rig_, here, {}, grip_, pose_.push);
     const End found = now.check();
     return now.kind() == Touch::none || is_touch(found) ? end : found;
   }
@@ -123,9 +123,9 @@ class World {
         }
         pose_.span = palmbots::span(stance, vertex_offset(rig_, stance));
       } else if (is_touch(part.end)) {
-        const Instant<Real> now(rig_, stance, drive, grip_);
+        const Instant<Real> now(rig_, stance, drive, grip_, pose_.push);
         if (now.kind() == Touch::none) return total;  // at the very end of a palm
-        const auto fate = now.fate(pose_.push);
+        const auto fate = now.fate();
         const bool again = released == total.fraction;
         if (!again) {
           touches_ = {touches_.count + 1, now.kind(), now.side(), total.fraction, total.fraction};
