@@ -22,18 +22,26 @@ Real last_holding(Real good, Real bad, Predicate holds) {
   return good;
 }
 
+// How far from an event, in fractions of the step, the instant may be that is found for it. A contact
+// moves less than a millimetre in a step.
+template <class Real>
+inline constexpr Real instant_tolerance = Real(sizeof(Real) == 8 ? 4e-10 : 5e-4);
+
 // Where `wanted`: the root of f between `good` (f = f_good ≥ 0) and `bad` (f = f_bad < 0): a secant, then
-// inverse quadratic interpolation through the last three points. Each estimate is moved a little away from
-// the nearer end, so that the bracket closes from both sides. Superlinear on the smooth functions it is
-// used for; a bracket that three looks have not halved is bisected. For one number or for lanes, of which
-// none goes on after its own root is found; f gets a number from `good` to `bad` in every lane.
+// inverse quadratic interpolation through the last three points. Each estimate is moved a little towards
+// the good end, so that it mostly becomes that end; whether it is near enough is told by the slope since
+// the look before. Superlinear on the smooth functions it is used for; a bracket that three looks have not
+// halved is bisected. For one number or for lanes, of which none goes on after its own root is found; f
+// gets a number from `good` to `bad` in every lane.
 template <class V, class Function>
 V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
   using Real = typename ScalarOf<V>::type;
   using Mask = MaskOf<V>;
-  const V tolerance(Real(4096) * std::numeric_limits<Real>::epsilon());
+  const V tolerance(instant_tolerance<Real>);
   V last = bad;  // the end that was replaced last
   V f_last = f_bad;
+  V before = bad;  // the look before
+  V f_before = f_bad;
   V halved = bad - good;
   V looks(0);  // since then
   Mask on = wanted & (bad - good > tolerance) & (f_good > V(0));
@@ -50,11 +58,14 @@ V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
                      (d * e * (f_bad - f_last));
       if (!all(inside(t))) t = select(inside(t), t, secant());
     }
-    t = t + select(t - good < bad - t, V(0.25), V(-0.25)) * tolerance;
+    t = t - V(0.5) * tolerance;
     const Mask bisected = (looks == V(3)) | !inside(t);
     if (any(bisected)) t = select(bisected, V(0.5) * (good + bad), t);
     const V value = f(select(on, t, good));
     const Mask above = value >= V(0);
+    const Mask near = value * magnitude(t - before) <= tolerance * magnitude(value - f_before);
+    before = t;
+    f_before = value;
     last = select(on, select(above, good, bad), last);
     f_last = select(on, select(above, f_good, f_bad), f_last);
     good = select(on & above, t, good);
@@ -64,7 +75,7 @@ V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
     const Mask is_halved = bad - good <= V(0.5) * halved;
     halved = select(is_halved, bad - good, halved);
     looks = select(is_halved, V(0), looks + V(1));
-    on = on & (bad - good > tolerance) & (f_good > V(0));
+    on = on & (bad - good > tolerance) & !(above & near);
   }
   return good;
 }
