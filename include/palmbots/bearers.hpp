@@ -141,6 +141,10 @@ class Bearers {
   // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
   // processor guesses that they did not.
   [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
+    for (const std::size_t side : {left, right}) {
+      const bool turns = commands[side].palm != commands_[side].palm;
+      if (expects_turns<Team>() && turns) sensed_[side].turned = false;
+    }
     commands_ = commands;
     for (const std::size_t side : {left, right}) {
       robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);

@@ -28,6 +28,8 @@ struct LaneMask {
   friend LaneMask operator^(LaneMask a, LaneMask b) { return {Raw(a.raw ^ b.raw)}; }
   LaneMask operator!() const { return {Raw(~raw)}; }
 
+  void put(int lane, bool truth) { In::put(raw, lane, truth); }
+
   // Bit l tells of lane l.
   std::uint32_t bits() const { return In::bits(raw); }
 };

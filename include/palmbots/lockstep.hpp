@@ -35,9 +35,12 @@ class Lockstep {
         if (stop()) return;
         for (Pack& pack : packs_) more = refill(pack, tick, more, next, done);
       }
-      busy = 0;
       for (Pack& pack : packs_) {
         if ((pack.busy & pack.bumpy) != 0) shake(pack, tick, done);
+      }
+      think(tick);
+      busy = 0;
+      for (Pack& pack : packs_) {
         if (pack.busy != 0) step(pack, tick, done);
         busy |= pack.busy;
       }
@@ -161,12 +164,6 @@ class Lockstep {
 
   template <class Done>
   [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick, Done& done) {
-    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
-    if (on_more == 0) [[likely]] {
-      sense(pack, tick, pack.pose.stance.contacts);
-    } else {
-      sense(pack, tick, where_touched(pack, on_more));
-    }
     const std::size_t k = tick % block_ticks;
     const V before = pack.robots.midpoint;
     const Actuation<V> act =
@@ -237,10 +234,35 @@ class Lockstep {
     });
   }
 
-  // What is sensed and measured with the palms touched there.
-  [[gnu::always_inline]] void sense(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
-    think(pack, tick, touched);
+  // The teams for which it is news what their robots sense, or who have something to do. Which they are is
+  // found for all packs before the first is asked: a processor that guesses wrong does so once a tick.
+  [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {
+    static_assert(n * pack_count <= 64);
+    std::uint64_t asked = 0;  // a bit a lane
+    for (std::size_t p = pack_count; p-- > 0;) asked = asked << n | sense(packs_[p], tick);
+    for (; asked != 0; asked &= asked - 1) {
+      const int lane = std::countr_zero(asked);
+      ask(packs_[static_cast<std::size_t>(lane / n)], lane % n, tick);
+    }
+  }
+
+  // What is sensed and measured; tells for which lanes it is news.
+  [[gnu::always_inline]] std::uint32_t sense(Pack& pack, std::uint64_t tick) {
+    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
+    PerSide<V> touched = pack.pose.stance.contacts;
+    if (on_more != 0) [[unlikely]]
+      touched = where_touched(pack, on_more);
     pack.tally.add(touched);
+    PerSide<LaneMask<Real, n>> turned;
+    on_both_sides([&](std::size_t side) {
+      turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
+    });
+    const LaneMask<Real, n> same =
+        (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
+        (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
+        !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
+    pack.turned = turned;
+    return ((!same) | (V(tick % block_ticks) >= pack.wake)).bits() & pack.busy;
   }
 
   // Where the palms are touched, as World::touched(), if some objects rest on more than two vertices.
@@ -253,29 +275,12 @@ class Lockstep {
     return touched;
   }
 
-  // The teams for which it is news what their robots sense, or who have something to do.
-  [[gnu::always_inline]] void think(Pack& pack, std::uint64_t tick, const PerSide<V>& touched) {
-    PerSide<LaneMask<Real, n>> turned;
-    on_both_sides([&](std::size_t side) {
-      turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
-    });
-    const LaneMask<Real, n> same =
-        (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
-        (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
-        !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
-    const std::uint32_t asked = ((!same) | (V(tick % block_ticks) >= pack.wake)).bits() & pack.busy;
-    if (asked == 0) return;
-    pack.turned = turned;
-    const PerSide<std::uint32_t> bits{turned[left].bits(), turned[right].bits()};
-    each(asked, [&](int l) {
-      ask(pack, l, tick, {touched[left].raw[l], touched[right].raw[l]},
-          {(bits[left] >> l & 1) != 0, (bits[right] >> l & 1) != 0});
-    });
-  }
-
-  [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick, const PerSide<Real>& touched,
-                             const PerSide<bool>& turned) {
+  [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick) {
     One& one = follow(pack, l, tick);
+    PerSide<Real> touched{pack.pose.stance.contacts[left].raw[l],
+                          pack.pose.stance.contacts[right].raw[l]};
+    if (pack.pose.rests.raw[l] != Real(0)) [[unlikely]]
+      touched = one.world_.touched();
     const bool is_odd = (pack.odd >> l & 1) != 0;
     const PerSide<Sign> odd = is_odd ? one.read(touched) : PerSide<Sign>{};
     const auto feel = [&](std::size_t side) {
@@ -287,7 +292,8 @@ class Lockstep {
       pack.until[side].raw[l] = stretch.until;
       return stretch.sign;
     };
-    const PerSide<Sensed> sensed{{{feel(left), turned[left]}, {feel(right), turned[right]}}};
+    const auto turned = [&](std::size_t side) { return (pack.turned[side].bits() >> l & 1) != 0; };
+    const PerSide<Sensed> sensed{{{feel(left), turned(left)}, {feel(right), turned(right)}}};
     if (!one.notice(sensed)) return;
     const bool are_new = one.think();
     pack.wake.raw[l] = in_block(one, one.wake_);
@@ -296,6 +302,7 @@ class Lockstep {
       pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
       pack.robots.goal_speed[side].raw[l] = one.robots_.goal_speed[side];
       pack.robots.brakes[side].raw[l] = one.robots_.brakes[side];
+      pack.turned[side].put(l, one.sensed_[side].turned);
     }
   }
 

@@ -158,19 +158,19 @@ class Link {
 
   // The oldest message that has arrived, or null.
   const Payload* oldest(std::uint32_t now) const {
-    if (head_ == tail_ || line_[head_ % capacity].due > now) return nullptr;
+    if (first_due_ > now || head_ == tail_) return nullptr;
     return &line_[head_ % capacity].payload;
   }
 
-  void pop() { ++head_; }
+  void pop() {
+    ++head_;
+    first_due_ = head_ == tail_ ? never : line_[head_ % capacity].due;
+  }
 
   // When the oldest message that is still on its way arrives; never, if none is. Nothing arrives
   // before it: the line is in order of arrival.
   std::uint32_t next_arrival(std::uint32_t now) const {
-    constexpr std::uint32_t never = ~0U;
-    if (head_ == tail_) return never;
-    const std::uint32_t due = line_[head_ % capacity].due;
-    return due > now ? due : never;
+    return first_due_ > now ? first_due_ : never;
   }
 
   // Forgets all that has arrived: nobody listened.
@@ -191,6 +191,7 @@ class Link {
   }
 
  private:
+  static constexpr std::uint32_t never = ~0U;
   static constexpr std::uint32_t capacity = 256;
   static_assert(capacity > max_delay_ticks);
 
@@ -222,12 +223,14 @@ class Link {
     Waiting& last = line_[place % capacity];
     last.due = due;
     last.payload = payload;
+    if (place == head_) first_due_ = due;
     return due;
   }
 
   std::array<Waiting, capacity> line_;  // deliberately not cleared: head_ and tail_ say what counts
   std::uint32_t head_ = 0;
   std::uint32_t tail_ = 0;
+  std::uint32_t first_due_ = never;  // when the oldest arrives
   std::uint32_t last_due_ = 0;
   std::uint32_t seen_ = 0;  // when the burst process was last looked at
   bool told_ = false;

@@ -38,6 +38,8 @@ struct Register {
   static Numbers smaller(Numbers a, Numbers b) { return a < b ? a : b; }
   static Numbers magnitude(Numbers x) { return (Numbers)((Truths)x & ~(Truths)(-Numbers{})); }
 
+  static void put(Truths& truths, int lane, bool truth) { truths[lane] = truth ? -1 : 0; }
+
   // Bit l tells of lane l.
   static std::uint32_t bits(Truths truths) {
 #if defined(__AVX__)
@@ -90,6 +92,9 @@ struct Register<double, 8> {
   static Numbers larger(Numbers a, Numbers b) { return _mm512_maskz_max_pd(0xFF, a, b); }
   static Numbers smaller(Numbers a, Numbers b) { return _mm512_maskz_min_pd(0xFF, a, b); }
   static Numbers magnitude(Numbers x) { return _mm512_abs_pd(x); }
+  static void put(Truths& truths, int lane, bool truth) {
+    truths = static_cast<Truths>((truths & ~(1U << lane)) | (truth ? 1U : 0U) << lane);
+  }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_pd(0xFF, x); }
 };
@@ -109,6 +114,9 @@ struct Register<float, 16> {
   static Numbers larger(Numbers a, Numbers b) { return _mm512_maskz_max_ps(0xFFFF, a, b); }
   static Numbers smaller(Numbers a, Numbers b) { return _mm512_maskz_min_ps(0xFFFF, a, b); }
   static Numbers magnitude(Numbers x) { return _mm512_abs_ps(x); }
+  static void put(Truths& truths, int lane, bool truth) {
+    truths = static_cast<Truths>((truths & ~(1U << lane)) | (truth ? 1U : 0U) << lane);
+  }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_ps(0xFFFF, x); }
 };

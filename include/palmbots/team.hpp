@@ -160,6 +160,14 @@ struct Unattended {
   std::uint32_t wake(std::uint32_t) const { return ~0U; }
 };
 
+// Does a team take it that a palm that it tells to turn is not there yet in the next tick? Then it is news
+// only if it is.
+template <class Team>
+constexpr bool expects_turns() {
+  if constexpr (requires { Team::expects_turns; }) return Team::expects_turns;
+  return false;
+}
+
 // The next tick at which a team has something to do even if the robots sense what they sense now. A
 // team that does not say is asked every tick.
 template <class Team>
@@ -198,6 +206,7 @@ template <class Controller>
 class Pair {
  public:
   static constexpr bool half_moves = false;
+  static constexpr bool expects_turns = true;
   Traffic traffic{};
 
   Pair(PerSide<Controller> controllers, const Channel& channel, std::uint64_t seed,
@@ -210,24 +219,28 @@ class Pair {
   template <class Log>
   const PerSide<Command>& step(std::uint32_t tick, const PerSide<Sensed>& sensed, Log&& log) {
     PerSide<Letter> letters{};
+    const bool may_fail = faults_.any();
+    PerSide<bool> rest{};   // which of them stay as they are, and so does what they command
+    PerSide<bool> turns{};  // which of them tell their palm to turn
     for (const std::size_t side : {left, right}) {
-      if (faults_.any() && !runs(tick, side)) continue;
-      const auto out = controllers_[side].step(input(tick, side, sensed[side]));
-      if (out.read && inbox_[side].oldest(tick) != nullptr) inbox_[side].pop();
+      if (may_fail && !runs(tick, side)) continue;
+      const Distributed::Input in = input(tick, side, sensed[side]);
+      rest[side] = !may_fail && rests(controllers_[side], in);
+      if (rest[side]) continue;
+      const auto out = controllers_[side].step(in);
+      if (out.read && in.letter != Letter::none) inbox_[side].pop();
+      turns[side] = out.command.palm != commands_[side].palm;
       commands_[side] = out.command;
       letters[side] = out.send;
     }
-    const bool both = letters[left] != Letter::none && letters[right] != Letter::none;
-    const bool collides = both && radio_.collide(tick);
+    if (letters[left] != Letter::none || letters[right] != Letter::none) post(tick, letters, log);
+    settled_ = true;
     for (const std::size_t side : {left, right}) {
-      if (letters[side] == Letter::none) continue;
-      const std::uint32_t received =
-          radio_.post(inbox_[other(side)], tick, letters[side], side, side, collides, traffic);
-      log(Posted{tick, received, static_cast<std::uint8_t>(side),
-                 static_cast<std::uint8_t>(other(side)), letters[side]});
+      if (!rest[side]) {
+        const Sensed then{sensed[side].sign, sensed[side].turned && !turns[side]};
+        settled_ = settled_ && rests(controllers_[side], input(tick, side, then));
+      }
     }
-    settled_ = rests(controllers_[left], input(tick, left, sensed[left])) &&
-               rests(controllers_[right], input(tick, right, sensed[right]));
     return commands_;
   }
 
@@ -271,6 +284,19 @@ class Pair {
       return controller.rests(in);
     } else {
       return false;
+    }
+  }
+
+  template <class Log>
+  void post(std::uint32_t tick, const PerSide<Letter>& letters, Log&& log) {
+    const bool both = letters[left] != Letter::none && letters[right] != Letter::none;
+    const bool collides = both && radio_.collide(tick);
+    for (const std::size_t side : {left, right}) {
+      if (letters[side] == Letter::none) continue;
+      const std::uint32_t received =
+          radio_.post(inbox_[other(side)], tick, letters[side], side, side, collides, traffic);
+      log(Posted{tick, received, static_cast<std::uint8_t>(side),
+                 static_cast<std::uint8_t>(other(side)), letters[side]});
     }
   }
 
