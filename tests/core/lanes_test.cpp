@@ -52,6 +52,10 @@ void test_every_operation() {
       CHECK(bit(!(a < b)) == !(x < y));
       CHECK(any(a < b) && all(a < b) == (x < y));
       CHECK(any(a > b) == (x > y) && !all(a > b));
+      auto put = a < b;
+      put.put(n - 1, x >= y);
+      constexpr std::uint32_t others = (1U << (n - 1)) - 1;
+      CHECK(bit(put) == (x >= y) && (put.bits() & others) == ((a < b).bits() & others));
     }
   }
 }

@@ -30,6 +30,8 @@ FROZEN = {
         {"kind": "stuck", "robot": "right", "at_s": 6, "for_s": 0.5, "reads": "0"},
     ]
 }
+# Palms that turn within a tick: they are there when they are first looked at again.
+SNAPPY = {"palm.rate_deg_s": 2000}
 # Everything but `case`: which of its cases a policy is in is not told to the environment.
 SAME = (
     "contact", "lift", "palm", "speed", "commanded", "separation", "midpoint", "object", "sign",
@@ -38,7 +40,7 @@ SAME = (
 
 
 @pytest.mark.parametrize(
-    "overrides", [{}, HARD, OVERTAKING, LOSING, FROZEN], ids=lambda o: str(len(o))
+    "overrides", [{}, HARD, OVERTAKING, LOSING, FROZEN, SNAPPY], ids=lambda o: str(len(o))
 )
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_it_is_the_carry_to_the_last_bit(overrides: dict[str, Any], seed: int) -> None:
