@@ -88,7 +88,7 @@ def test_reasons_and_single_precision(tmp_path: Path) -> None:
 def test_progress_is_the_share_of_what_is_due(tmp_path: Path) -> None:
     """Never back, also from one controller of a chunk to the next, and in the end all of it."""
     told: list[float] = []
-    table = {**SMALL, "seeds": {"count": 400}}
+    table = {**SMALL, "seeds": {"count": 3000}}
     pb.study(table, tmp_path / "study", chunk=10**6, threads=1, progress=told.append)
     assert told[0] == 0 and told[-1] == 1
     assert told == sorted(told)
