@@ -71,6 +71,11 @@ class Bearers {
     return signs;
   }
 
+  // The speed that the wheels go for, along the direction of travel.
+  Real goal_speed(std::size_t side, Command command) const {
+    return robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, command));
+  }
+
   // Whether they say the same as long as the palms are touched in the same stretches.
   bool reads_truly() const { return !tactile_.has_false_readings() && !faults_.bend_readings(); }
 
@@ -148,8 +153,7 @@ class Bearers {
     commands_ = commands;
     for (const std::size_t side : {left, right}) {
       robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
-      robots_.goal_speed[side] =
-          robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, commands[side]));
+      robots_.goal_speed[side] = goal_speed(side, commands[side]);
       const bool rests = commands[side].rest && robots_.goal_speed[side] == Real(0);
       robots_.brakes[side] = Real(rests ? 1 : 0);
     }

@@ -31,6 +31,7 @@ struct LaneMask {
   void put(int lane, bool truth) { In::put(raw, lane, truth); }
 
   // Bit l tells of lane l.
+  static LaneMask of(std::uint32_t bits) { return {In::of(bits)}; }
   std::uint32_t bits() const { return In::bits(raw); }
 };
 

@@ -1,10 +1,14 @@
 // Many carries in lockstep: several side by side in the lanes of one number (lanes.hpp).
 //
 // Every lane does what Carry::tick does, with the same bits. What all carries do in every tick is done
-// in lanes: sensing, driving, the common step of the world, measuring. What few do is done by the
-// lane's own Carry, to which its numbers are handed for the purpose: controllers that have something
-// to decide, steps in which more happens than one contact sliding, ends. A lane whose carry is over
-// takes the next one at the next block of ticks.
+// in lanes: sensing, driving, the common step of the world, measuring. The distributed algorithm decides
+// for all of them at once, a bit a robot (pairs_in_bits.hpp). What few do is done by the lane's own Carry,
+// to which its numbers are handed for the purpose: other controllers that have something to decide, steps
+// in which more happens than one contact sliding, ends. A lane whose carry is over takes the next one at
+// the next block of ticks.
+//
+// Of carries whose teams decide in bits corrections are counted, but not kept one by one (Metrics::rows,
+// longest_correction, limit_cycle).
 #pragma once
 
 #include <bit>
@@ -12,6 +16,7 @@
 #include <utility>
 
 #include "palmbots/lane_noise.hpp"
+#include "palmbots/pairs_in_bits.hpp"
 #include "palmbots/recorder.hpp"
 
 namespace palmbots {
@@ -48,7 +53,10 @@ class Lockstep {
   }
 
  private:
-  static constexpr std::size_t pack_count = 4;
+  // As many carries as a word has bits.
+  static constexpr std::size_t pack_count = 64 / n;
+  static constexpr std::uint32_t all_lanes = (1U << n) - 1;
+  using Crowd = TeamsInBits<Team>;
 
   struct Lane {
     std::optional<One> carry;
@@ -67,6 +75,11 @@ class Lockstep {
     PerSide<V> from;
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> turned;
+    // Of carries whose team is one of those in bits: from where on palms read 0 or +, and +, and what
+    // moves come to.
+    V not_negative;
+    V positive;
+    PerSide<std::array<V, 3>> speeds;
     std::uint32_t odd = 0;    // lanes whose readings may be false: they are looked at in every tick
     std::uint32_t bumpy = 0;  // lanes in which there are bumps
     std::uint32_t shaken = 0;  // those in which there was one in this tick
@@ -78,12 +91,6 @@ class Lockstep {
     std::uint32_t busy = 0;
     std::array<Lane, n> lanes;
   };
-
-  // Calls visit(lane) for every bit set.
-  template <class Visit>
-  static void each(std::uint32_t bits, Visit&& visit) {
-    for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
-  }
 
   template <class Next, class Done>
   bool refill(Pack& pack, std::uint64_t tick, bool more, Next& next, Done& done) {
@@ -125,6 +132,7 @@ class Lockstep {
       goal = std::nextafter(goal, std::numeric_limits<Real>::infinity());
     }
     pack.goal.raw[l] = goal;
+    if constexpr (Crowd::exist) enlist(pack, l, one);
     const auto i = static_cast<std::size_t>(l);
     const std::uint64_t start = pack.lanes[i].start;
     pack.dice.seed[i] = one.seed_;
@@ -132,8 +140,31 @@ class Lockstep {
     pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
   }
 
+  // The team goes on in bits, if it can.
+  void enlist(Pack& pack, int l, const One& one) {
+    const auto steps = one.tactile_.steps();
+    const std::uint32_t delay = one.team_.plain_delay();
+    if (!one.reads_truly() || !steps || delay == 0 || delay > Crowd::longest_delay) return;
+    pack.not_negative.raw[l] = steps->not_negative;
+    pack.positive.raw[l] = steps->positive;
+    for (const std::size_t side : {left, right}) {
+      for (const Move move : {Move::hold, Move::away, Move::closer}) {
+        pack.speeds[side][static_cast<std::size_t>(move)].raw[l] =
+            one.goal_speed(side, {Palm::steep, move});
+      }
+    }
+    crowd_.put(bit(pack, l), delay);
+    in_bits_ |= Bits{1} << bit(pack, l);
+  }
+
+  // Which bit of a word tells of a lane.
+  int bit(const Pack& pack, int l = 0) const {
+    return static_cast<int>(&pack - packs_.data()) * n + l;
+  }
+
   void collect(Pack& pack, int l, std::uint64_t tick) {
-    One& one = take(pack, l, tick);
+    One& one = follow(pack, l, tick);
+    one.tally_ = take_lane(pack.tally, l);
     one.collect();
     put_lane(pack.tally, l, one.tally_);
     pack.wake.raw[l] = in_block(one, one.wake_);
@@ -178,7 +209,7 @@ class Lockstep {
     // A copy of its own, so that the common tick keeps it in registers.
     const Unusual what{act, before, rest, over};
     const std::uint32_t shaken = std::exchange(pack.shaken, 0);
-    each(rest | over | shaken, [&](int l) { finish(pack, l, tick, what, done); });
+    each_bit(rest | over | shaken, [&](int l) { finish(pack, l, tick, what, done); });
   }
 
   struct Unusual {
@@ -213,14 +244,23 @@ class Lockstep {
   template <class Done>
   void leave(Pack& pack, int l, Done& done) {
     pack.busy &= ~(1U << l);
-    const Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
+    if constexpr (Crowd::exist) {
+      const int i = bit(pack, l);
+      if ((in_bits_ >> i & 1) != 0) {
+        One& one = *lane.carry;
+        crowd_.tell(i, one.tick_, one.metrics_, one.team_.traffic);
+        crowd_.remove(i);
+        in_bits_ &= ~(Bits{1} << i);
+      }
+    }
     done(lane.index, *lane.carry);
   }
 
   // The bumps of a tick, before all else.
   template <class Done>
   [[gnu::noinline]] void shake(Pack& pack, std::uint64_t tick, Done& done) {
-    each(pack.busy & pack.bumpy, [&](int l) {
+    each_bit(pack.busy & pack.bumpy, [&](int l) {
       Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
       One& one = *lane.carry;
       const auto own_tick = static_cast<std::uint32_t>(tick - lane.start);
@@ -234,41 +274,89 @@ class Lockstep {
     });
   }
 
-  // The teams for which it is news what their robots sense, or who have something to do. Which they are is
-  // found for all packs before the first is asked: a processor that guesses wrong does so once a tick.
+  // What is sensed and measured, and what the teams make of it: all at once those that can, the others one
+  // by one if it is news to them, or they have something to do. Which they are is found for all packs before
+  // the first is asked: a processor that guesses wrong does so once a tick.
   [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {
-    static_assert(n * pack_count <= 64);
-    std::uint64_t asked = 0;  // a bit a lane
-    for (std::size_t p = pack_count; p-- > 0;) asked = asked << n | sense(packs_[p], tick);
-    for (; asked != 0; asked &= asked - 1) {
-      const int lane = std::countr_zero(asked);
-      ask(packs_[static_cast<std::size_t>(lane / n)], lane % n, tick);
+    Bits asked = 0;
+    SensedBits sensed;
+    for (std::size_t p = pack_count; p-- > 0;) {
+      Pack& pack = packs_[p];
+      const PerSide<V> touched = where_touched(pack);
+      pack.tally.add(touched);
+      PerSide<LaneMask<Real, n>> turned;
+      on_both_sides([&](std::size_t side) {
+        turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
+        if constexpr (Crowd::exist) {
+          const auto append = [&](BothBits& words, LaneMask<Real, n> mask) {
+            words[side] = words[side] << n | mask.bits();
+          };
+          append(sensed.positive, touched[side] >= pack.positive);
+          append(sensed.negative, touched[side] < pack.not_negative);
+          append(sensed.turned, turned[side]);
+        }
+      });
+      const std::uint32_t one_by_one =
+          pack.busy & ~static_cast<std::uint32_t>(in_bits_ >> bit(pack));
+      if (!Crowd::exist || one_by_one != 0) {
+        asked |= Bits{news(pack, touched, turned, tick) & one_by_one} << bit(pack);
+      }
+    }
+    if constexpr (Crowd::exist) {
+      if (in_bits_ != 0) decide(tick, sensed);
+    }
+    each_bit(asked, [&](int i) { ask(packs_[static_cast<std::size_t>(i / n)], i % n, tick); });
+  }
+
+  // The teams in bits.
+  [[gnu::always_inline]] void decide(std::uint64_t tick, const SensedBits& sensed) {
+    const CommandBits& commands = crowd_.commands();
+    for (Bits are_new = crowd_.step(tick, sensed); are_new != 0;) {
+      const int first = std::countr_zero(are_new) / n * n;
+      const auto here = [&](Bits word) {
+        return LaneMask<Real, n>::of(static_cast<std::uint32_t>(word >> first) & all_lanes);
+      };
+      Pack& pack = packs_[static_cast<std::size_t>(first / n)];
+      const LaneMask<Real, n> told = here(are_new);
+      are_new &= ~(Bits{all_lanes} << first);
+      on_both_sides([&](std::size_t side) {
+        const auto& [hold, away, closer] = pack.speeds[side];
+        const Wrist<V>& wrist = pack.robots.wrists[side];
+        V& angle = pack.robots.goal_angle[side];
+        V& speed = pack.robots.goal_speed[side];
+        const V to = select(here(commands.shallow[side]), wrist.shallow, wrist.steep);
+        const V by = select(here(commands.away[side]), away,
+                            select(here(commands.closer[side]), closer, hold));
+        angle = select(told, to, angle);
+        speed = select(told, by, speed);
+      });
     }
   }
 
-  // What is sensed and measured; tells for which lanes it is news.
-  [[gnu::always_inline]] std::uint32_t sense(Pack& pack, std::uint64_t tick) {
-    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
-    PerSide<V> touched = pack.pose.stance.contacts;
-    if (on_more != 0) [[unlikely]]
-      touched = where_touched(pack, on_more);
-    pack.tally.add(touched);
-    PerSide<LaneMask<Real, n>> turned;
-    on_both_sides([&](std::size_t side) {
-      turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
-    });
+  // For which lanes it is news what their robots sense.
+  [[gnu::always_inline]] std::uint32_t news(Pack& pack, const PerSide<V>& touched,
+                                            const PerSide<LaneMask<Real, n>>& turned,
+                                            std::uint64_t tick) {
     const LaneMask<Real, n> same =
         (touched[left] >= pack.from[left]) & (touched[left] < pack.until[left]) &
         (touched[right] >= pack.from[right]) & (touched[right] < pack.until[right]) &
         !(turned[left] ^ pack.turned[left]) & !(turned[right] ^ pack.turned[right]);
     pack.turned = turned;
-    return ((!same) | (V(tick % block_ticks) >= pack.wake)).bits() & pack.busy;
+    return ((!same) | (V(tick % block_ticks) >= pack.wake)).bits();
   }
 
-  // Where the palms are touched, as World::touched(), if some objects rest on more than two vertices.
+  // Where the palms are touched, as World::touched().
+  [[gnu::always_inline]] static PerSide<V> where_touched(const Pack& pack) {
+    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
+    if (on_more == 0) [[likely]]
+      return pack.pose.stance.contacts;
+    return where_touched(pack, on_more);
+  }
+
+  // The same, if some objects rest on more than two vertices.
   [[gnu::noinline]] static PerSide<V> where_touched(const Pack& pack, std::uint32_t on_more) {
     PerSide<V> touched = pack.pose.stance.contacts;
-    each(on_more, [&](int l) {
+    each_bit(on_more, [&](int l) {
       const PerSide<Real> at = pack.lanes[static_cast<std::size_t>(l)].carry->world_.touched();
       for (const std::size_t side : {left, right}) touched[side].raw[l] = at[side];
     });
@@ -307,6 +395,8 @@ class Lockstep {
   }
 
   std::array<Pack, pack_count> packs_{};
+  Crowd crowd_;
+  Bits in_bits_ = 0;  // who is among them
 };
 
 // As many lanes as a register has room for.

@@ -41,6 +41,11 @@ struct Register {
   static void put(Truths& truths, int lane, bool truth) { truths[lane] = truth ? -1 : 0; }
 
   // Bit l tells of lane l.
+  static Truths of(std::uint32_t bits) {
+    Truths found{};
+    for (int l = 0; l < n; ++l) put(found, l, (bits >> l & 1) != 0);
+    return found;
+  }
   static std::uint32_t bits(Truths truths) {
 #if defined(__AVX__)
     if constexpr (n == 4 && sizeof(Real) == 8) {
@@ -95,6 +100,7 @@ struct Register<double, 8> {
   static void put(Truths& truths, int lane, bool truth) {
     truths = static_cast<Truths>((truths & ~(1U << lane)) | (truth ? 1U : 0U) << lane);
   }
+  static Truths of(std::uint32_t bits) { return static_cast<Truths>(bits); }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_pd(0xFF, x); }
 };
@@ -117,6 +123,7 @@ struct Register<float, 16> {
   static void put(Truths& truths, int lane, bool truth) {
     truths = static_cast<Truths>((truths & ~(1U << lane)) | (truth ? 1U : 0U) << lane);
   }
+  static Truths of(std::uint32_t bits) { return static_cast<Truths>(bits); }
   static std::uint32_t bits(Truths truths) { return truths; }
   static Numbers root(Numbers x) { return _mm512_maskz_sqrt_ps(0xFFFF, x); }
 };

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "palmbots/message.hpp"
@@ -70,6 +71,25 @@ class Tactile {
       found.sign = readings_[i + 1];
     }
     return found;
+  }
+
+  // From where on outward it reads 0 or +, and from where on +, if no reading is less than one further in.
+  struct Steps {
+    Real not_negative;
+    Real positive;
+  };
+  constexpr std::optional<Steps> steps() const {
+    constexpr Real inf = std::numeric_limits<Real>::infinity();
+    const auto from = [&](Sign sign) {
+      for (std::size_t i = 0; i <= change_count_; ++i) {
+        if (readings_[i] >= sign) return i == 0 ? -inf : changes_[i - 1];
+      }
+      return inf;
+    };
+    for (std::size_t i = 0; i < change_count_; ++i) {
+      if (readings_[i + 1] < readings_[i]) return std::nullopt;
+    }
+    return Steps{from(Sign::zero), from(Sign::positive)};
   }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }

@@ -76,6 +76,9 @@ class Radio {
   // From here on the random numbers of another seed.
   void fork(std::uint64_t seed) { seed_ = seed; }
 
+  // How long every message takes, if it arrives for certain and always after the same time [ticks]; else 0.
+  std::uint32_t plain_delay() const { return plain_delay_; }
+
   // Before a tick's messages: whether those of two stations that both send in it collide.
   bool collide(std::uint32_t tick) const {
     if (channel_.airtime_ticks <= 0) return false;
@@ -138,7 +141,7 @@ class Radio {
   }
 
   Channel channel_;
-  std::uint32_t plain_delay_;  // of every message, if it is always the same [ticks]; else 0
+  std::uint32_t plain_delay_;
   std::uint64_t seed_;
   std::size_t leader_;
 };
@@ -245,6 +248,9 @@ class Pair {
   }
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
+
+  // As that of the radio; 0, too, if robots may fail.
+  std::uint32_t plain_delay() const { return faults_.any() ? 0 : radio_.plain_delay(); }
 
   // Whether a robot's program runs in a tick that is still to come, and the letter that it will find.
   bool is_on(std::uint32_t tick, std::size_t side) const {

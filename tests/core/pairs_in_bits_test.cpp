@@ -1,0 +1,185 @@
+// Sixty-four pairs at once do what each does alone, and never have more letters than there is room for.
+#include "palmbots/pairs_in_bits.hpp"
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "check.hpp"
+#include "paper_spec.hpp"
+
+using namespace palmbots;
+
+namespace {
+
+using Robot = Distributed;
+constexpr auto ignore = [](const Posted&) {};
+
+// All that two robots can come to, however long each letter takes, whatever they sense: of the letters for
+// one of them, on their way or unread, there are never more than two.
+void test_there_are_never_more_than_two_letters() {
+  struct Node {
+    PerSide<Robot> robots;
+    PerSide<std::vector<Letter>> letters;  // for each, oldest first
+
+    auto key() const {
+      return std::tuple(robots[left].state(), robots[right].state(), letters[left], letters[right]);
+    }
+  };
+  std::set<decltype(Node{}.key())> seen;
+  std::deque<Node> queue{Node{}};
+  seen.insert(queue.front().key());
+  std::size_t most = 0;
+  while (!queue.empty()) {
+    const Node node = queue.front();
+    queue.pop_front();
+    // What they sense, and whether the oldest letter has come, in all combinations: 3 · 2 · 2 each.
+    for (int choice = 0; choice < 144; ++choice) {
+      Node next = node;
+      PerSide<Letter> sent{};
+      for (const std::size_t side : {left, right}) {
+        const int own = side == left ? choice % 12 : choice / 12;
+        const bool has_come = own / 6 != 0 && !node.letters[side].empty();
+        const Letter got = has_come ? node.letters[side].front() : Letter::none;
+        const auto out =
+            next.robots[side].step({static_cast<Sign>(own % 3 - 1), got, own / 3 % 2 != 0});
+        if (out.read && has_come) next.letters[side].erase(next.letters[side].begin());
+        sent[side] = out.send;
+      }
+      for (const std::size_t side : {left, right}) {
+        if (sent[side] != Letter::none) next.letters[other(side)].push_back(sent[side]);
+        most = std::max(most, next.letters[other(side)].size());
+      }
+      CHECK(most <= 4);
+      if (seen.insert(next.key()).second) queue.push_back(next);
+    }
+  }
+  CHECK(most == 2);
+  CHECK(seen.size() > 50);
+}
+
+// One pair, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
+struct Alone {
+  std::unique_ptr<Pair<Robot>> pair;
+  std::unique_ptr<Metrics> metrics;
+  std::uint32_t tick = 0;
+  std::uint32_t hold = 1;  // ticks that a sign lasts
+  PerSide<Command> before{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+};
+
+std::uint32_t longest_wait = 0;
+std::uint32_t most_corrections = 0;
+std::uint32_t ended_waiting = 0;
+std::uint32_t ended_not_waiting = 0;
+
+void compare(const PairsInBits& bits, int i, Alone& alone) {
+  alone.metrics->close(alone.tick);
+  Metrics found;
+  Traffic traffic;
+  bits.tell(i, alone.tick, found, traffic);
+  const Metrics& truth = *alone.metrics;
+  CHECK(found.corrections == truth.corrections);
+  CHECK(found.waiting_ticks == truth.waiting_ticks && found.waits_since == truth.waits_since);
+  CHECK(traffic.sent == alone.pair->traffic.sent);
+  for (const std::size_t side : {left, right}) {
+    CHECK(traffic.links[side].sent == alone.pair->traffic.links[side].sent);
+    const std::uint32_t waits = alone.tick - truth.waits_since[side];
+    longest_wait = std::max(longest_wait, waits);
+    (waits > 0 ? ended_waiting : ended_not_waiting) += 1;
+  }
+  most_corrections = std::max(most_corrections, truth.corrections);
+}
+
+void test_every_pair_goes_as_it_does_alone() {
+  auto bits = std::make_unique<PairsInBits>();
+  std::array<Alone, 64> all;
+  std::uint32_t began = 0;
+  for (std::uint64_t tick = 0; tick < 30000; ++tick) {
+    SensedBits sensed;
+    std::array<PerSide<Sensed>, 64> senses{};
+    for (int i = 0; i < 64; ++i) {
+      Alone& alone = all[static_cast<std::size_t>(i)];
+      const Words chance =
+          draw(7, static_cast<std::uint32_t>(tick), Stream::radio, static_cast<std::uint32_t>(i));
+      if (alone.pair && chance[0] % 4096 == 0) {
+        compare(*bits, i, alone);
+        bits->remove(i);
+        alone = {};
+      }
+      if (!alone.pair && chance[1] % 256 == 0) {
+        // Of every delay some, and some that hang for a long time.
+        const std::uint32_t delay = 1 + chance[2] % PairsInBits::longest_delay;
+        const Channel channel = Channel::of(delay * 0.01, 0, 0, 0.01);
+        alone.pair = std::make_unique<Pair<Robot>>(PerSide<Robot>{}, channel, 0, left);
+        alone.metrics = std::make_unique<Metrics>();
+        alone.hold = 1U << chance[3] % 10;
+        CHECK(alone.pair->plain_delay() == delay);
+        bits->put(i, delay);
+        ++began;
+      }
+      // Who is not there senses something, too.
+      const Words seen = draw(8, static_cast<std::uint32_t>(tick / alone.hold), Stream::tactile,
+                              static_cast<std::uint32_t>(i));
+      for (const std::size_t side : {left, right}) {
+        const Sensed one{static_cast<Sign>(static_cast<int>(seen[side] % 3) - 1),
+                         (chance[2 + side] & 7 << 16) == 0};
+        senses[static_cast<std::size_t>(i)][side] = one;
+        sensed.positive[side] |= Bits{one.sign == Sign::positive} << i;
+        sensed.negative[side] |= Bits{one.sign == Sign::negative} << i;
+        sensed.turned[side] |= Bits{one.turned} << i;
+      }
+    }
+    const Bits are_new = bits->step(tick, sensed);
+    const CommandBits& told = bits->commands();
+    for (int i = 0; i < 64; ++i) {
+      Alone& alone = all[static_cast<std::size_t>(i)];
+      const auto bit = [&](BothBits both, std::size_t side) { return (both[side] >> i & 1) != 0; };
+      if (!alone.pair) {
+        CHECK((are_new >> i & 1) == 0);
+        continue;
+      }
+      const PerSide<Command> commands =
+          alone.pair->step(alone.tick, senses[static_cast<std::size_t>(i)], ignore);
+      alone.metrics->note(alone.tick++, *alone.pair);
+      CHECK(((are_new >> i & 1) != 0) == (commands != alone.before));
+      alone.before = commands;
+      for (const std::size_t side : {left, right}) {
+        CHECK(bit(told.shallow, side) == (commands[side].palm == Palm::shallow));
+        CHECK(bit(told.away, side) == (commands[side].move == Move::away));
+        CHECK(bit(told.closer, side) == (commands[side].move == Move::closer));
+      }
+    }
+  }
+  CHECK(began > 300 && ended_waiting > 100 && ended_not_waiting > 100);
+  CHECK(longest_wait > 300 && most_corrections > 256);
+}
+
+// Where messages may be lost or take one time or another, or robots fail, pairs do not go in bits.
+void test_who_has_a_plain_delay() {
+  const auto delay = [](Channel channel, const Faults& faults = {}) {
+    return Pair<Robot>({}, channel, 0, left, faults).plain_delay();
+  };
+  const Channel plain = Channel::of(0.05, 0, 0, 0.01);
+  CHECK(delay(plain) == 5);
+  CHECK(delay(Channel::of(0, 0, 0, 0.01)) == 1);
+  CHECK(delay(Channel::of(0.05, 0.01, 0, 0.01)) == 0 &&
+        delay(Channel::of(0.05, 0, 0.1, 0.01)) == 0);
+  Channel collides = plain;
+  collides.airtime_ticks = 0.1;
+  CHECK(delay(collides) == 0);
+  Spec failing = paper_spec();
+  failing.faults[0] = {FaultKind::reboot, 0, 1.0, 0.5};
+  failing.fault_count = 1;
+  CHECK(delay(plain, Faults::of(failing, 0)) == 0);
+}
+
+}  // namespace
+
+int main() {
+  test_there_are_never_more_than_two_letters();
+  test_every_pair_goes_as_it_does_alone();
+  test_who_has_a_plain_delay();
+}
