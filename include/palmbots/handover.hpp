@@ -19,7 +19,7 @@ struct Approach {
   MaskOf<V> on_left;
   V way;  // +1: contacts slide up, −1: down
   V change;
-  PerSide<V> angles;
+  PerSide<PalmAngle<V>> turned;  // the palms at its end
   V push;
   V lead;       // > 0: how far the sliding contact lets go before the other, at its begin …
   V lead_then;  // … and at its end, < 0 where there is a tie
@@ -31,8 +31,8 @@ struct HandedOver {
   Slipped<V> end;
 };
 
-// Where `wanted`, hands over once; `done` tells where that is all that happens. What the common step has
-// already found on its way here is found again: it is not kept in memory for the few steps with a tie.
+// Where `wanted`, hands over once; `done` tells where that is all that happens. Wanted may be where the
+// contact that slides, if it slid on up to the end, would still be held, with neither edge wedged.
 template <class V>
 [[gnu::noinline, gnu::flatten]] HandedOver<V> hand_over(const Fixture<V>& fixture,
                                                         const Stance<V>& from,
@@ -41,11 +41,10 @@ template <class V>
   const Moments<V> pushed = moments_under(fixture.load, step.push);
   PerSide<V> turn{};
   PerSide<Mask> turns{};
-  PerSide<PalmAngle<V>> turned = from.palms;
+  const PerSide<PalmAngle<V>>& turned = step.turned;
   on_both_sides([&](std::size_t side) {
-    turn[side] = step.angles[side] - from.palms[side].angle;
+    turn[side] = turned[side].angle - from.palms[side].angle;
     turns[side] = turn[side] != V(0);
-    if (any(turns[side])) turned[side] = PalmAngle<V>::at(step.angles[side]);
   });
   // How far the contact that slid first still lets go before the other; 0 where an edge is wedged.
   const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms, const Span<V>& span) {
@@ -71,14 +70,10 @@ template <class V>
                 fixture.offset, fixture.load.width);
   };
 
-  const Slipped<V> then = slip_to(V(1), turned);
-  Mask good = wanted & (lead_at(turned, then.span) < V(0));
-  on_both_sides(
-      [&](std::size_t side) { good = good & within(then.contacts[side], fixture.safe_reach); });
   // The last state that still leads, next to the tie.
   PerSide<V> contacts = from.contacts;
   V lead(0);
-  root(good, V(0), step.lead, V(1), step.lead_then, [&](V t) {
+  root(wanted, V(0), step.lead, V(1), step.lead_then, [&](V t) {
     const PerSide<PalmAngle<V>> palms = palms_at(t);
     const Slipped<V> there = slip_to(t, palms);
     const V now = lead_at(palms, there.span);
@@ -89,7 +84,7 @@ template <class V>
     });
     return now;
   });
-  good = good & (lead > V(0));
+  Mask good = wanted & (lead > V(0));
 
   const Slipped<V> end = slip<V>(!step.on_left, from.separation + step.change, turned, contacts,
                                  fixture.offset, fixture.load.width);

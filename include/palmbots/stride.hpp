@@ -113,10 +113,14 @@ template <class V>
   PerSide<V> after{alone.contacts[left], alone.contacts[right]};
   Span<V> span{alone.span.dx, alone.span.dy};
   if (any(handed_over)) {
+    const PerSide<Edge<V>> edges_then = edges_at(fixture.friction, turned, way);
+    on_both_sides([&](std::size_t side) {
+      handed_over = handed_over & within(after[side], fixture.safe_reach) &
+                    !wedged(side, edges_then[side], span.dx, span.dy);
+    });
     const V lead_before = select(on_left, -left_behind, left_behind);
     const HandedOver<V> over =
-        hand_over<V>(fixture, pose.stance,
-                     {on_left, way, change, {angles[left], angles[right]}, push, lead_before, lead},
+        hand_over<V>(fixture, pose.stance, {on_left, way, change, turned, push, lead_before, lead},
                      handed_over);
     handed_over = over.done;
     good = good | handed_over;
