@@ -1,11 +1,11 @@
 // Many carries in lockstep: several side by side in the lanes of one number (lanes.hpp).
 //
 // Every lane does what Carry::tick does, with the same bits. What all carries do in every tick is done
-// in lanes: sensing, driving, the common step of the world, measuring. The distributed algorithm decides
-// for all of them at once, a bit a robot (pairs_in_bits.hpp). What few do is done by the lane's own Carry,
-// to which its numbers are handed for the purpose: other controllers that have something to decide, steps
-// in which more happens than one contact sliding, ends. A lane whose carry is over takes the next one at
-// the next block of ticks.
+// in lanes: sensing, driving, the common step of the world, measuring. Teams of which there is a kind for
+// many carries at once decide so, a bit a robot (bits.hpp). What few do is done by the lane's own Carry, to
+// which its numbers are handed for the purpose: other teams that have something to decide, steps in which
+// more happens than one contact sliding, ends. A lane whose carry is over takes the next one at the next
+// block of ticks.
 //
 // Of carries whose teams decide in bits corrections are counted, but not kept one by one (Metrics::rows,
 // longest_correction, limit_cycle).
@@ -18,6 +18,7 @@
 #include "palmbots/lane_noise.hpp"
 #include "palmbots/pairs_in_bits.hpp"
 #include "palmbots/recorder.hpp"
+#include "palmbots/stations_in_bits.hpp"
 
 namespace palmbots {
 
@@ -144,7 +145,7 @@ class Lockstep {
   void enlist(Pack& pack, int l, const One& one) {
     const auto steps = one.tactile_.steps();
     const std::uint32_t delay = one.team_.plain_delay();
-    if (!one.reads_truly() || !steps || delay == 0 || delay > Crowd::longest_delay) return;
+    if (!one.reads_truly() || !steps || delay == 0 || delay > DelayBits::longest) return;
     pack.not_negative.raw[l] = steps->not_negative;
     pack.positive.raw[l] = steps->positive;
     for (const std::size_t side : {left, right}) {

@@ -6,72 +6,10 @@
 // pairs whose robots never fail and whose messages all take the same time.
 #pragma once
 
-#include <bit>
-#include <utility>
-
-#include "palmbots/metrics.hpp"
+#include "palmbots/bits.hpp"
 #include "palmbots/team.hpp"
 
 namespace palmbots {
-
-// A truth value of each of 64 carries.
-using Bits = std::uint64_t;
-
-// The same of their left robots, [left], and of their right ones, [right].
-typedef Bits BothBits __attribute__((vector_size(2 * sizeof(Bits))));
-
-inline BothBits both_at(int i) { return BothBits{} + (Bits{1} << i); }
-inline Bits either(BothBits words) { return words[left] | words[right]; }
-
-// Calls visit(i) for every bit set.
-template <class Visit>
-void each_bit(Bits bits, Visit&& visit) {
-  for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
-}
-
-// Counts something of each robot: a number's lowest bits as bits, the rest as a number.
-class BitCounts {
- public:
-  void add(BothBits which) {
-    for (BothBits& plane : planes_) {
-      const BothBits before = plane;
-      plane ^= which;
-      which &= before;
-    }
-    if (either(which) == 0) [[likely]]
-      return;
-    for (const std::size_t side : {left, right}) {
-      each_bit(which[side], [&](int i) { ++rest_[side][static_cast<std::size_t>(i)]; });
-    }
-    large_ |= which;
-  }
-
-  // Begins anew.
-  void clear(BothBits which) {
-    for (BothBits& plane : planes_) plane &= ~which;
-    const BothBits large = large_ & which;
-    if (either(large) == 0) [[likely]]
-      return;
-    for (const std::size_t side : {left, right}) {
-      each_bit(large[side], [&](int i) { rest_[side][static_cast<std::size_t>(i)] = 0; });
-    }
-    large_ &= ~large;
-  }
-
-  std::uint32_t of(std::size_t side, int i) const {
-    std::uint32_t count = rest_[side][static_cast<std::size_t>(i)];
-    for (std::size_t k = planes; k-- > 0;) {
-      count = count << 1 | static_cast<std::uint32_t>(planes_[k][side] >> i & 1);
-    }
-    return count;
-  }
-
- private:
-  static constexpr std::size_t planes = 7;
-  std::array<BothBits, planes> planes_{};
-  PerSide<std::array<std::uint32_t, 64>> rest_{};
-  BothBits large_{};  // whose rest is not 0
-};
 
 // A letter for each robot, or none: the two bits of Letter.
 struct LetterBits {
@@ -98,19 +36,6 @@ struct LetterBits {
   LetterBits swapped() const {
     return {{BothBits{bit[0][right], bit[0][left]}, BothBits{bit[1][right], bit[1][left]}}};
   }
-};
-
-// What robots sense, and what they are told.
-struct SensedBits {
-  BothBits positive{};
-  BothBits negative{};
-  BothBits turned{};
-};
-
-struct CommandBits {
-  BothBits shallow{};  // otherwise steep
-  BothBits away{};
-  BothBits closer{};  // otherwise hold
 };
 
 // The robots themselves. Distributed::step() for all of them.
@@ -214,15 +139,11 @@ class RobotsInBits {
 // Sixty-four pairs, their radio, and what is counted of them (metrics.hpp).
 class PairsInBits {
  public:
-  // Messages may take that long [ticks].
-  static constexpr std::uint32_t longest_delay = 31;
-
   // Pair i begins; its messages take `delay` ticks, at least one.
   void put(int i, std::uint32_t delay) {
     remove(i);
     robots_.put(i);
-    of_delay_[delay] |= both_at(i);
-    delays_ |= 1U << delay;
+    delays_.put(i, delay);
     for (BitCounts* counts : {&sent_, &corrections_, &waiting_}) counts->clear(both_at(i));
   }
 
@@ -232,10 +153,7 @@ class PairsInBits {
     robots_.remove(i);
     for (LetterBits& letters : line_) letters.remove(~those);
     for (LetterBits& letters : inbox_) letters.remove(~those);
-    for (std::uint32_t d = 0; d <= longest_delay; ++d) {
-      of_delay_[d] &= those;
-      if (either(of_delay_[d]) == 0) delays_ &= ~(1U << d);
-    }
+    delays_.remove(i);
     commands_.shallow &= those;
     commands_.away &= those;
     commands_.closer &= those;
@@ -256,10 +174,7 @@ class PairsInBits {
     first.put(out.read, second);
     second.remove(out.read);
     const LetterBits letters = out.send.swapped();
-    for (std::uint32_t rest = delays_; rest != 0; rest &= rest - 1) {
-      const auto delay = static_cast<std::uint32_t>(std::countr_zero(rest));
-      line_[(tick + delay) % line_.size()].put(of_delay_[delay], letters);
-    }
+    delays_.each(tick, [&](std::size_t row, BothBits whose) { line_[row].put(whose, letters); });
     sent_.add(out.send.any());
     count();
     return command();
@@ -317,11 +232,10 @@ class PairsInBits {
 
   RobotsInBits robots_;
   // Letters on their way to a robot, by the tick of their arrival, and those that it has not read. There are
-  // never more than two of both for a robot, however long they take (team_test).
-  std::array<LetterBits, longest_delay + 1> line_;
+  // never more than two of both for a robot, however long they take (bits_test).
+  std::array<LetterBits, DelayBits::longest + 1> line_;
   std::array<LetterBits, 2> inbox_;
-  std::array<BothBits, longest_delay + 1> of_delay_{};  // the pairs whose messages take so long
-  std::uint32_t delays_ = 0;                            // bit d: there are such pairs
+  DelayBits delays_;
   CommandBits commands_;
   std::array<BothBits, 4> names_{};  // who is in which case
   BothBits waits_{};
@@ -331,11 +245,6 @@ class PairsInBits {
   BitCounts waits_now_;  // … and without a break, of those who wait
 };
 
-// The teams of many carries at once, where there are such for a kind of team.
-template <class Team>
-struct TeamsInBits {
-  static constexpr bool exist = false;
-};
 template <>
 struct TeamsInBits<Pair<Distributed>> : PairsInBits {
   static constexpr bool exist = true;

@@ -119,9 +119,8 @@ template <class V>
                     !wedged(side, edges_then[side], span.dx, span.dy);
     });
     const V lead_before = select(on_left, -left_behind, left_behind);
-    const HandedOver<V> over =
-        hand_over<V>(fixture, pose.stance, {on_left, way, change, turned, push, lead_before, lead},
-                     handed_over);
+    const HandedOver<V> over = hand_over<V>(
+        fixture, pose.stance, {on_left, way, change, turned, push, lead_before, lead}, handed_over);
     handed_over = over.done;
     good = good | handed_over;
     on_left = on_left ^ handed_over;

@@ -1,5 +1,5 @@
-// Sixty-four pairs at once do what each does alone, and never have more letters than there is room for.
-#include "palmbots/pairs_in_bits.hpp"
+// Sixty-four teams at once do what each does alone, and pairs never have more letters than there is room for.
+#include "palmbots/bits.hpp"
 
 #include <array>
 #include <deque>
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "check.hpp"
+#include "palmbots/pairs_in_bits.hpp"
+#include "palmbots/stations_in_bits.hpp"
 #include "paper_spec.hpp"
 
 using namespace palmbots;
@@ -61,21 +63,34 @@ void test_there_are_never_more_than_two_letters() {
   CHECK(seen.size() > 50);
 }
 
-// One pair, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
+Pair<Robot> team_over(const Channel& channel, const Faults& faults, Pair<Robot>*) {
+  return {{}, channel, 0, left, faults};
+}
+Station team_over(const Channel& channel, const Faults& faults, Station*) {
+  return {channel, 0, left, faults};
+}
+
+// One team, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
+template <class Team>
 struct Alone {
-  std::unique_ptr<Pair<Robot>> pair;
+  std::unique_ptr<Team> team;
   std::unique_ptr<Metrics> metrics;
   std::uint32_t tick = 0;
   std::uint32_t hold = 1;  // ticks that a sign lasts
   PerSide<Command> before{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
 };
 
-std::uint32_t longest_wait = 0;
-std::uint32_t most_corrections = 0;
-std::uint32_t ended_waiting = 0;
-std::uint32_t ended_not_waiting = 0;
+struct Seen {
+  std::uint32_t began = 0;
+  std::uint32_t longest_wait = 0;
+  std::uint32_t most_corrections = 0;
+  std::uint32_t ended_waiting = 0;
+  std::uint32_t ended_not_waiting = 0;
+};
 
-void compare(const PairsInBits& bits, int i, Alone& alone) {
+template <class Team>
+void compare(const TeamsInBits<Team>& bits, int i, Alone<Team>& alone, Seen& seen) {
+  close_team(*alone.team, alone.tick);
   alone.metrics->close(alone.tick);
   Metrics found;
   Traffic traffic;
@@ -83,48 +98,51 @@ void compare(const PairsInBits& bits, int i, Alone& alone) {
   const Metrics& truth = *alone.metrics;
   CHECK(found.corrections == truth.corrections);
   CHECK(found.waiting_ticks == truth.waiting_ticks && found.waits_since == truth.waits_since);
-  CHECK(traffic.sent == alone.pair->traffic.sent);
+  CHECK(traffic.sent == alone.team->traffic.sent);
   for (const std::size_t side : {left, right}) {
-    CHECK(traffic.links[side].sent == alone.pair->traffic.links[side].sent);
     const std::uint32_t waits = alone.tick - truth.waits_since[side];
-    longest_wait = std::max(longest_wait, waits);
-    (waits > 0 ? ended_waiting : ended_not_waiting) += 1;
+    seen.longest_wait = std::max(seen.longest_wait, waits);
+    (waits > 0 ? seen.ended_waiting : seen.ended_not_waiting) += 1;
   }
-  most_corrections = std::max(most_corrections, truth.corrections);
+  for (std::size_t link = 0; link < traffic.links.size(); ++link) {
+    CHECK(traffic.links[link].sent == alone.team->traffic.links[link].sent);
+  }
+  seen.most_corrections = std::max(seen.most_corrections, truth.corrections);
 }
 
-void test_every_pair_goes_as_it_does_alone() {
-  auto bits = std::make_unique<PairsInBits>();
-  std::array<Alone, 64> all;
-  std::uint32_t began = 0;
+template <class Team>
+Seen test_every_team_goes_as_it_does_alone() {
+  auto bits = std::make_unique<TeamsInBits<Team>>();
+  std::array<Alone<Team>, 64> all;
+  Seen seen;
   for (std::uint64_t tick = 0; tick < 30000; ++tick) {
     SensedBits sensed;
     std::array<PerSide<Sensed>, 64> senses{};
     for (int i = 0; i < 64; ++i) {
-      Alone& alone = all[static_cast<std::size_t>(i)];
+      Alone<Team>& alone = all[static_cast<std::size_t>(i)];
       const Words chance =
           draw(7, static_cast<std::uint32_t>(tick), Stream::radio, static_cast<std::uint32_t>(i));
-      if (alone.pair && chance[0] % 4096 == 0) {
-        compare(*bits, i, alone);
+      if (alone.team && chance[0] % 4096 == 0) {
+        compare(*bits, i, alone, seen);
         bits->remove(i);
         alone = {};
       }
-      if (!alone.pair && chance[1] % 256 == 0) {
+      if (!alone.team && chance[1] % 256 == 0) {
         // Of every delay some, and some that hang for a long time.
-        const std::uint32_t delay = 1 + chance[2] % PairsInBits::longest_delay;
+        const std::uint32_t delay = 1 + chance[2] % DelayBits::longest;
         const Channel channel = Channel::of(delay * 0.01, 0, 0, 0.01);
-        alone.pair = std::make_unique<Pair<Robot>>(PerSide<Robot>{}, channel, 0, left);
+        alone.team = std::make_unique<Team>(team_over(channel, {}, static_cast<Team*>(nullptr)));
         alone.metrics = std::make_unique<Metrics>();
         alone.hold = 1U << chance[3] % 10;
-        CHECK(alone.pair->plain_delay() == delay);
+        CHECK(alone.team->plain_delay() == delay);
         bits->put(i, delay);
-        ++began;
+        ++seen.began;
       }
       // Who is not there senses something, too.
-      const Words seen = draw(8, static_cast<std::uint32_t>(tick / alone.hold), Stream::tactile,
+      const Words felt = draw(8, static_cast<std::uint32_t>(tick / alone.hold), Stream::tactile,
                               static_cast<std::uint32_t>(i));
       for (const std::size_t side : {left, right}) {
-        const Sensed one{static_cast<Sign>(static_cast<int>(seen[side] % 3) - 1),
+        const Sensed one{static_cast<Sign>(static_cast<int>(felt[side] % 3) - 1),
                          (chance[2 + side] & 7 << 16) == 0};
         senses[static_cast<std::size_t>(i)][side] = one;
         sensed.positive[side] |= Bits{one.sign == Sign::positive} << i;
@@ -135,15 +153,15 @@ void test_every_pair_goes_as_it_does_alone() {
     const Bits are_new = bits->step(tick, sensed);
     const CommandBits& told = bits->commands();
     for (int i = 0; i < 64; ++i) {
-      Alone& alone = all[static_cast<std::size_t>(i)];
+      Alone<Team>& alone = all[static_cast<std::size_t>(i)];
       const auto bit = [&](BothBits both, std::size_t side) { return (both[side] >> i & 1) != 0; };
-      if (!alone.pair) {
+      if (!alone.team) {
         CHECK((are_new >> i & 1) == 0);
         continue;
       }
       const PerSide<Command> commands =
-          alone.pair->step(alone.tick, senses[static_cast<std::size_t>(i)], ignore);
-      alone.metrics->note(alone.tick++, *alone.pair);
+          alone.team->step(alone.tick, senses[static_cast<std::size_t>(i)], ignore);
+      alone.metrics->note(alone.tick++, *alone.team);
       CHECK(((are_new >> i & 1) != 0) == (commands != alone.before));
       alone.before = commands;
       for (const std::size_t side : {left, right}) {
@@ -153,14 +171,15 @@ void test_every_pair_goes_as_it_does_alone() {
       }
     }
   }
-  CHECK(began > 300 && ended_waiting > 100 && ended_not_waiting > 100);
-  CHECK(longest_wait > 300 && most_corrections > 256);
+  CHECK(seen.began > 300 && seen.most_corrections > 256);
+  return seen;
 }
 
-// Where messages may be lost or take one time or another, or robots fail, pairs do not go in bits.
+// Where messages may be lost or take one time or another, or robots fail, teams do not go in bits.
+template <class Team>
 void test_who_has_a_plain_delay() {
-  const auto delay = [](Channel channel, const Faults& faults = {}) {
-    return Pair<Robot>({}, channel, 0, left, faults).plain_delay();
+  const auto delay = [](const Channel& channel, const Faults& faults = {}) {
+    return team_over(channel, faults, static_cast<Team*>(nullptr)).plain_delay();
   };
   const Channel plain = Channel::of(0.05, 0, 0, 0.01);
   CHECK(delay(plain) == 5);
@@ -180,6 +199,9 @@ void test_who_has_a_plain_delay() {
 
 int main() {
   test_there_are_never_more_than_two_letters();
-  test_every_pair_goes_as_it_does_alone();
-  test_who_has_a_plain_delay();
+  const Seen pairs = test_every_team_goes_as_it_does_alone<Pair<Robot>>();
+  CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
+  test_every_team_goes_as_it_does_alone<Station>();
+  test_who_has_a_plain_delay<Pair<Robot>>();
+  test_who_has_a_plain_delay<Station>();
 }

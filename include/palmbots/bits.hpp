@@ -1,0 +1,124 @@
+// Truth values of many carries at once: a bit a carry, or a bit a robot.
+//
+// What a team does in every tick is done here for sixty-four of them by operations on words, without a
+// branch. Bit i of a word tells of carry i.
+#pragma once
+
+#include <bit>
+#include <utility>
+
+#include "palmbots/metrics.hpp"
+
+namespace palmbots {
+
+// A truth value of each of 64 carries.
+using Bits = std::uint64_t;
+
+// The same of their left robots, [left], and of their right ones, [right].
+typedef Bits BothBits __attribute__((vector_size(2 * sizeof(Bits))));
+
+inline BothBits both_at(int i) { return BothBits{} + (Bits{1} << i); }
+inline Bits either(BothBits words) { return words[left] | words[right]; }
+
+// Calls visit(i) for every bit set.
+template <class Visit>
+void each_bit(Bits bits, Visit&& visit) {
+  for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
+}
+
+// Counts something of each robot: a number's lowest bits as bits, the rest as a number.
+class BitCounts {
+ public:
+  void add(BothBits which) {
+    for (BothBits& plane : planes_) {
+      const BothBits before = plane;
+      plane ^= which;
+      which &= before;
+    }
+    if (either(which) == 0) [[likely]]
+      return;
+    for (const std::size_t side : {left, right}) {
+      each_bit(which[side], [&](int i) { ++rest_[side][static_cast<std::size_t>(i)]; });
+    }
+    large_ |= which;
+  }
+
+  // Begins anew.
+  void clear(BothBits which) {
+    for (BothBits& plane : planes_) plane &= ~which;
+    const BothBits large = large_ & which;
+    if (either(large) == 0) [[likely]]
+      return;
+    for (const std::size_t side : {left, right}) {
+      each_bit(large[side], [&](int i) { rest_[side][static_cast<std::size_t>(i)] = 0; });
+    }
+    large_ &= ~large;
+  }
+
+  std::uint32_t of(std::size_t side, int i) const {
+    std::uint32_t count = rest_[side][static_cast<std::size_t>(i)];
+    for (std::size_t k = planes; k-- > 0;) {
+      count = count << 1 | static_cast<std::uint32_t>(planes_[k][side] >> i & 1);
+    }
+    return count;
+  }
+
+ private:
+  static constexpr std::size_t planes = 7;
+  std::array<BothBits, planes> planes_{};
+  PerSide<std::array<std::uint32_t, 64>> rest_{};
+  BothBits large_{};  // whose rest is not 0
+};
+
+// What robots sense, and what they are told.
+struct SensedBits {
+  BothBits positive{};
+  BothBits negative{};
+  BothBits turned{};
+};
+
+struct CommandBits {
+  BothBits shallow{};  // otherwise steep
+  BothBits away{};
+  BothBits closer{};  // otherwise hold
+};
+
+// How long the messages of each carry take, where they all take the same time.
+class DelayBits {
+ public:
+  // May be that long [ticks].
+  static constexpr std::uint32_t longest = 31;
+
+  void put(int i, std::uint32_t delay) {
+    of_[delay] |= both_at(i);
+    there_are_ |= 1U << delay;
+  }
+  void remove(int i) {
+    for (std::uint32_t d = 0; d <= longest; ++d) {
+      of_[d] &= ~both_at(i);
+      if (either(of_[d]) == 0) there_are_ &= ~(1U << d);
+    }
+  }
+
+  // Calls visit(row, whose) for every delay that there is: the row of a line, a ring of longest + 1 rows, at
+  // which what is sent in this tick arrives, and whose messages do.
+  template <class Visit>
+  void each(std::uint64_t tick, Visit&& visit) const {
+    for (std::uint32_t rest = there_are_; rest != 0; rest &= rest - 1) {
+      const auto delay = static_cast<std::uint32_t>(std::countr_zero(rest));
+      visit((tick + delay) % (longest + 1), of_[delay]);
+    }
+  }
+
+ private:
+  std::array<BothBits, longest + 1> of_{};
+  std::uint32_t there_are_ = 0;  // bit d: some take d ticks
+};
+
+// The teams of many carries at once, where there are such for a kind of team.
+template <class Team>
+struct TeamsInBits {
+  static constexpr bool exist = false;
+};
+
+}  // namespace palmbots

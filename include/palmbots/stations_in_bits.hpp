@@ -1,0 +1,232 @@
+// The centralized algorithm for sixty-four pairs of robots at once, each with its station: a bit a pair, or a
+// bit a robot.
+//
+// What Station (station.hpp) does packet by packet is done here in words; the cases are those of
+// Centralized::table. For pairs whose robots and stations never fail and whose packets all take the same
+// time: then both robots are heard from the same tick on, and hear the station from the same tick on.
+#pragma once
+
+#include "palmbots/bits.hpp"
+#include "palmbots/station.hpp"
+
+namespace palmbots {
+
+// What robots report.
+struct ReportBits {
+  BothBits positive{};
+  BothBits negative{};
+  BothBits shallow{};  // the angle last commanded …
+  BothBits turned{};   // … and whether the palm is there
+};
+
+// Sixty-four stations without their radio. Centralized::step() for all of them.
+class ControllersInBits {
+  using Table = Centralized;
+
+ public:
+  void put(int i) {
+    remove(i);
+    decide_ |= Bits{1} << i;
+  }
+  void remove(int i) {
+    for (Bits* stage : {&decide_, &tilt_, &first_, &second_, &restore_}) *stage &= ~(Bits{1} << i);
+  }
+
+  // One tick of those who have heard from both of their robots.
+  CommandBits step(Bits hear, const ReportBits& in) {
+    Bits to_decide = 0;
+    Bits to_tilt = 0;
+    Bits to_first = 0;
+    Bits to_second = 0;
+    Bits to_restore = 0;
+    entered_ = 0;
+    each_case([&](std::size_t k, const Table::Case& now) {
+      const Bits here = in_case_[k] & hear;
+      to_first |= here & tilt_ & turned(now.tilt, Palm::shallow, in);
+      const Bits done_first = here & first_ & done(now.first, in);
+      (now.second.move == Move::hold ? to_restore : to_second) |= done_first;
+      to_restore |= here & second_ & done(now.second, in);
+      to_decide |= here & restore_ & turned(now.tilt, Palm::steep, in);
+      const Bits enter =
+          hear & decide_ & are(now.sign[left], left, in) & are(now.sign[right], right, in);
+      (now.tilt == Table::Who::none ? to_first : to_tilt) |= enter;
+      in_case_[k] = (in_case_[k] & ~(hear & decide_)) | enter;
+      entered_ |= enter;
+    });
+    const Bits leave_tilt = tilt_ & to_first;
+    const Bits leave_first = first_ & (to_second | to_restore);
+    decide_ = (decide_ & ~entered_) | to_decide;
+    second_ = (second_ & ~to_restore) | to_second;
+    tilt_ = (tilt_ & ~leave_tilt) | to_tilt;
+    first_ = (first_ & ~leave_first) | to_first;
+    restore_ = (restore_ & ~to_decide) | to_restore;
+    return commands();
+  }
+
+  // Which of them have come into a case in this tick.
+  Bits entered() const { return entered_; }
+
+ private:
+  template <class Visit>
+  [[gnu::always_inline]] static void each_case(Visit visit) {
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+      (visit(k, Table::table[k]), ...);
+    }(std::make_index_sequence<std::size(Table::table)>());
+  }
+
+  static Bits are(Sign sign, std::size_t side, const ReportBits& in) {
+    switch (sign) {
+      case Sign::positive: return in.positive[side];
+      case Sign::negative: return in.negative[side];
+      case Sign::zero: break;
+    }
+    return ~(in.positive[side] | in.negative[side]);
+  }
+
+  static Bits done(const Table::Action& action, const ReportBits& in) {
+    const auto holds = [&](std::size_t side) {
+      return action.until == Table::Until::le_zero ? ~in.positive[side] : ~in.negative[side];
+    };
+    switch (action.who) {
+      case Table::Who::on_left: return holds(left);
+      case Table::Who::on_right: return holds(right);
+      case Table::Who::either: return holds(left) | holds(right);
+      case Table::Who::none: break;
+    }
+    return ~Bits{0};
+  }
+
+  static Bits turned(Table::Who who, Palm to, const ReportBits& in) {
+    if (who == Table::Who::none) return ~Bits{0};
+    const std::size_t side = who == Table::Who::on_left ? left : right;
+    return in.turned[side] & (to == Palm::shallow ? in.shallow[side] : ~in.shallow[side]);
+  }
+
+  CommandBits commands() const {
+    CommandBits told;
+    const Bits up = tilt_ | first_ | second_;
+    Bits away = 0;
+    Bits closer = 0;
+    each_case([&](std::size_t k, const Table::Case& now) {
+      const auto act = [&](Move move, Bits stage) {
+        if (move == Move::away) away |= in_case_[k] & stage;
+        if (move == Move::closer) closer |= in_case_[k] & stage;
+      };
+      act(now.first.move, first_);
+      act(now.second.move, second_);
+      if (now.tilt == Table::Who::on_left) told.shallow[left] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_right) told.shallow[right] |= in_case_[k] & up;
+    });
+    told.away = BothBits{away, away};
+    told.closer = BothBits{closer, closer};
+    return told;
+  }
+
+  std::array<Bits, Table::cases> in_case_{};  // the case in progress, or the last one
+  Bits decide_ = 0;                           // who is in that stage
+  Bits tilt_ = 0;
+  Bits first_ = 0;
+  Bits second_ = 0;
+  Bits restore_ = 0;
+  Bits entered_ = 0;
+};
+
+// Sixty-four stations with their robots and the radio, and what is counted of them (metrics.hpp).
+class StationsInBits {
+ public:
+  // Pair i begins; its packets take `delay` ticks, at least one.
+  void put(int i, std::uint32_t delay) {
+    remove(i);
+    controllers_.put(i);
+    delays_.put(i, delay);
+    delay_[static_cast<std::size_t>(i)] = delay;
+    corrections_.clear(both_at(i));
+  }
+
+  // Pair i is over, and does nothing any more.
+  void remove(int i) {
+    const BothBits those = ~both_at(i);
+    controllers_.remove(i);
+    delays_.remove(i);
+    for (Row& row : line_) {
+      row.reported &= those;
+      row.told &= those;
+    }
+    commands_.shallow &= those;
+    commands_.away &= those;
+    commands_.closer &= those;
+  }
+
+  // One tick of all of them. Tells in which pairs commands are new.
+  Bits step(std::uint64_t tick, const SensedBits& sensed) {
+    const Row& arrived = line_[tick % line_.size()];
+    const CommandBits before = commands_;
+    const auto obey = [&](BothBits& now, BothBits told) {
+      now = (now & ~arrived.told) | (told & arrived.told);
+    };
+    const ReportBits said{sensed.positive, sensed.negative, commands_.shallow, sensed.turned};
+    obey(commands_.shallow, arrived.commands.shallow);
+    obey(commands_.away, arrived.commands.away);
+    obey(commands_.closer, arrived.commands.closer);
+    const BothBits heard = arrived.reported;
+    const CommandBits told = controllers_.step(heard[left] & heard[right], arrived.report);
+    corrections_.add(BothBits{controllers_.entered(), 0});
+    delays_.each(tick, [&](std::size_t place, BothBits whose) {
+      Row& row = line_[place];
+      const auto put = [&](BothBits& there, BothBits what) {
+        there = (there & ~whose) | (what & whose);
+      };
+      put(row.report.positive, said.positive);
+      put(row.report.negative, said.negative);
+      put(row.report.shallow, said.shallow);
+      put(row.report.turned, said.turned);
+      put(row.commands.shallow, told.shallow);
+      put(row.commands.away, told.away);
+      put(row.commands.closer, told.closer);
+      put(row.told, heard);
+      put(row.reported, ~BothBits{});
+    });
+    return either((commands_.shallow ^ before.shallow) | (commands_.away ^ before.away) |
+                  (commands_.closer ^ before.closer));
+  }
+
+  const CommandBits& commands() const { return commands_; }
+
+  // What is known of pair i after `ticks` ticks: every tick each robot sends, and the station does to each
+  // as soon as it has heard.
+  void tell(int i, std::uint32_t ticks, Metrics& metrics, Traffic& traffic) const {
+    metrics.corrections = corrections_.of(left, i);
+    const std::uint32_t delay = delay_[static_cast<std::size_t>(i)];
+    const std::uint32_t answers = ticks > delay ? ticks - delay : 0;
+    for (const std::size_t side : {left, right}) {
+      metrics.waiting_ticks[side] = 0;
+      metrics.waits_since[side] = ticks;
+      traffic.links[side].sent = ticks;
+      traffic.links[side + 2].sent = answers;
+    }
+    traffic.sent = 2 * (ticks + answers);
+  }
+
+ private:
+  // What arrives in a tick, and whether anything does.
+  struct Row {
+    ReportBits report;
+    CommandBits commands;
+    BothBits reported{};
+    BothBits told{};
+  };
+
+  ControllersInBits controllers_;
+  std::array<Row, DelayBits::longest + 1> line_;
+  DelayBits delays_;
+  std::array<std::uint32_t, 64> delay_{};
+  CommandBits commands_;
+  BitCounts corrections_;
+};
+
+template <>
+struct TeamsInBits<Station> : StationsInBits {
+  static constexpr bool exist = true;
+};
+
+}  // namespace palmbots
