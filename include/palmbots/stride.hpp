@@ -115,8 +115,9 @@ template <class V>
   if (any(handed_over)) {
     const PerSide<Edge<V>> edges_then = edges_at(fixture.friction, turned, way);
     on_both_sides([&](std::size_t side) {
-      handed_over = handed_over & within(after[side], fixture.safe_reach) &
-                    !wedged(side, edges_then[side], span.dx, span.dy);
+      const Mask reached = within(after[side], fixture.safe_reach);
+      const Mask wedges = wedged(side, edges_then[side], span.dx, span.dy);
+      handed_over = handed_over & reached & (!wedges);
     });
     const V lead_before = select(on_left, -left_behind, left_behind);
     const HandedOver<V> over = hand_over<V>(
