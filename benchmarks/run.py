@@ -26,7 +26,7 @@ from palmbots.scene import Scene, load_scene
 from palmbots.version import __version__
 
 RESULTS = Path(__file__).parent / "results" / "carry.csv"
-CARRIES, REPEATS, SEEDS = 500, 9, 4
+CARRIES, REPEATS, SEEDS = 4000, 9, 4
 PEERS = {
     "pymunk": (peer_pymunk.Pymunk, peer_pymunk.version()),
     "Box2D": (peer_box2d.Box2d, peer_box2d.version()),
