@@ -87,16 +87,16 @@ struct CommandBits {
 class DelayBits {
  public:
   // May be that long [ticks].
-  static constexpr std::uint32_t longest = 31;
+  static constexpr std::uint32_t longest = 63;
 
   void put(int i, std::uint32_t delay) {
     of_[delay] |= both_at(i);
-    there_are_ |= 1U << delay;
+    there_are_ |= Bits{1} << delay;
   }
   void remove(int i) {
     for (std::uint32_t d = 0; d <= longest; ++d) {
       of_[d] &= ~both_at(i);
-      if (either(of_[d]) == 0) there_are_ &= ~(1U << d);
+      if (either(of_[d]) == 0) there_are_ &= ~(Bits{1} << d);
     }
   }
 
@@ -104,15 +104,15 @@ class DelayBits {
   // which what is sent in this tick arrives, and whose messages do.
   template <class Visit>
   void each(std::uint64_t tick, Visit&& visit) const {
-    for (std::uint32_t rest = there_are_; rest != 0; rest &= rest - 1) {
-      const auto delay = static_cast<std::uint32_t>(std::countr_zero(rest));
-      visit((tick + delay) % (longest + 1), of_[delay]);
-    }
+    each_bit(there_are_, [&](int delay) {
+      const auto d = static_cast<std::size_t>(delay);
+      visit((tick + d) % (longest + 1), of_[d]);
+    });
   }
 
  private:
   std::array<BothBits, longest + 1> of_{};
-  std::uint32_t there_are_ = 0;  // bit d: some take d ticks
+  Bits there_are_ = 0;  // bit d: some take d ticks
 };
 
 // The teams of many carries at once, where there are such for a kind of team.

@@ -203,8 +203,8 @@ std::vector<Spec> mixed_specs() {
     if (i == 9 || i == 10) add_bumps(spec, i == 10);
     if (i == 11 || i == 12) set_long_palms(spec, i == 12);
     if (i == 13) spec.latency = 0;
-    if (i == 14) spec.latency = 0.31;  // as late as pairs in bits can have it, and later
-    if (i == 15) spec.latency = 0.32;
+    if (i == 14) spec.latency = 0.63;  // as late as teams in bits can have it, and later
+    if (i == 15) spec.latency = 0.64;
     if (i == 16) spec.loss = 0.05;
     if (i == 17) spec.jitter = 0.03;
     if (i == 18) set_zones_with_an_end(spec);
