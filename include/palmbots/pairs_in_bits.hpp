@@ -152,7 +152,7 @@ class PairsInBits {
     const BothBits those = ~both_at(i);
     robots_.remove(i);
     for (LetterBits& letters : line_) letters.remove(~those);
-    for (LetterBits& letters : inbox_) letters.remove(~those);
+    inbox_.remove(~those);
     delays_.remove(i);
     commands_.shallow &= those;
     commands_.away &= those;
@@ -163,16 +163,11 @@ class PairsInBits {
 
   // One tick of all of them. Tells in which pairs commands are new.
   Bits step(std::uint64_t tick, const SensedBits& sensed) {
-    auto& [first, second] = inbox_;
     LetterBits& arrived = line_[tick % line_.size()];
-    const BothBits behind = first.any();
-    first.put(~behind, arrived);
-    second.put(behind, arrived);
+    inbox_.put(~BothBits{}, arrived);
     arrived = {};
-    const RobotsInBits::Output out = robots_.step(sensed, first);
-    first.remove(out.read);
-    first.put(out.read, second);
-    second.remove(out.read);
+    const RobotsInBits::Output out = robots_.step(sensed, inbox_);
+    inbox_.remove(out.read);
     const LetterBits letters = out.send.swapped();
     delays_.each(tick, [&](std::size_t row, BothBits whose) { line_[row].put(whose, letters); });
     sent_.add(out.send.any());
@@ -231,10 +226,10 @@ class PairsInBits {
   }
 
   RobotsInBits robots_;
-  // Letters on their way to a robot, by the tick of their arrival, and those that it has not read. There are
-  // never more than two of both for a robot, however long they take (bits_test).
+  // Letters on their way to a robot, by the tick of their arrival, and the one that it has not read. There is
+  // never more than one: if another is on its way, the robot reads the first as soon as it is there (bits_test).
   std::array<LetterBits, DelayBits::longest + 1> line_;
-  std::array<LetterBits, 2> inbox_;
+  LetterBits inbox_;
   DelayBits delays_;
   CommandBits commands_;
   std::array<BothBits, 4> names_{};  // who is in which case

@@ -149,8 +149,10 @@ class StationsInBits {
     controllers_.remove(i);
     delays_.remove(i);
     for (Row& row : line_) {
-      row.reported &= those;
-      row.told &= those;
+      row.reported &= those[left];
+      row.commands.shallow &= those;
+      row.commands.away &= those;
+      row.commands.closer &= those;
     }
     commands_.shallow &= those;
     commands_.away &= those;
@@ -161,15 +163,10 @@ class StationsInBits {
   Bits step(std::uint64_t tick, const SensedBits& sensed) {
     const Row& arrived = line_[tick % line_.size()];
     const CommandBits before = commands_;
-    const auto obey = [&](BothBits& now, BothBits told) {
-      now = (now & ~arrived.told) | (told & arrived.told);
-    };
     const ReportBits said{sensed.positive, sensed.negative, commands_.shallow, sensed.turned};
-    obey(commands_.shallow, arrived.commands.shallow);
-    obey(commands_.away, arrived.commands.away);
-    obey(commands_.closer, arrived.commands.closer);
-    const BothBits heard = arrived.reported;
-    const CommandBits told = controllers_.step(heard[left] & heard[right], arrived.report);
+    commands_ = arrived.commands;
+    // A station that has heard nothing yet would say what robots do by themselves.
+    const CommandBits told = controllers_.step(arrived.reported, arrived.report);
     corrections_.add(BothBits{controllers_.entered(), 0});
     delays_.each(tick, [&](std::size_t place, BothBits whose) {
       Row& row = line_[place];
@@ -183,8 +180,7 @@ class StationsInBits {
       put(row.commands.shallow, told.shallow);
       put(row.commands.away, told.away);
       put(row.commands.closer, told.closer);
-      put(row.told, heard);
-      put(row.reported, ~BothBits{});
+      row.reported |= whose[left];
     });
     return either((commands_.shallow ^ before.shallow) | (commands_.away ^ before.away) |
                   (commands_.closer ^ before.closer));
@@ -208,12 +204,11 @@ class StationsInBits {
   }
 
  private:
-  // What arrives in a tick, and whether anything does.
+  // What arrives in a tick, and whether reports do.
   struct Row {
     ReportBits report;
     CommandBits commands;
-    BothBits reported{};
-    BothBits told{};
+    Bits reported = 0;
   };
 
   ControllersInBits controllers_;
