@@ -81,6 +81,14 @@ struct CommandBits {
   BothBits shallow{};  // otherwise steep
   BothBits away{};
   BothBits closer{};  // otherwise hold
+
+  void remove(BothBits whose) {
+    for (BothBits* one : {&shallow, &away, &closer}) *one &= ~whose;
+  }
+  // The carries in which they are others.
+  Bits differ(const CommandBits& than) const {
+    return either((shallow ^ than.shallow) | (away ^ than.away) | (closer ^ than.closer));
+  }
 };
 
 // How long the messages of each carry take, where they all take the same time.

@@ -154,9 +154,7 @@ class PairsInBits {
     for (LetterBits& letters : line_) letters.remove(~those);
     inbox_.remove(~those);
     delays_.remove(i);
-    commands_.shallow &= those;
-    commands_.away &= those;
-    commands_.closer &= those;
+    commands_.remove(~those);
     for (BothBits& names : names_) names &= those;
     waits_ &= those;
   }
@@ -221,8 +219,7 @@ class PairsInBits {
         robots_.who([](const Distributed::Doing& d) { return d.command.palm == Palm::shallow; });
     commands_.away = who_moves(Move::away);
     commands_.closer = who_moves(Move::closer);
-    return either((commands_.shallow ^ before.shallow) | (commands_.away ^ before.away) |
-                  (commands_.closer ^ before.closer));
+    return commands_.differ(before);
   }
 
   RobotsInBits robots_;

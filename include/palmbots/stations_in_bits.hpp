@@ -150,13 +150,9 @@ class StationsInBits {
     delays_.remove(i);
     for (Row& row : line_) {
       row.reported &= those[left];
-      row.commands.shallow &= those;
-      row.commands.away &= those;
-      row.commands.closer &= those;
+      row.commands.remove(~those);
     }
-    commands_.shallow &= those;
-    commands_.away &= those;
-    commands_.closer &= those;
+    commands_.remove(~those);
   }
 
   // One tick of all of them. Tells in which pairs commands are new.
@@ -182,8 +178,7 @@ class StationsInBits {
       put(row.commands.closer, told.closer);
       row.reported |= whose[left];
     });
-    return either((commands_.shallow ^ before.shallow) | (commands_.away ^ before.away) |
-                  (commands_.closer ^ before.closer));
+    return commands_.differ(before);
   }
 
   const CommandBits& commands() const { return commands_; }
