@@ -74,16 +74,25 @@ inline Halves times(Halves x, std::uint32_t by) {
 #endif
 }
 
-// philox() of several counters and keys side by side; the upper halves of the words mean nothing.
-inline std::array<Halves, 4> philox(std::array<Halves, 4> counter, Halves k0, Halves k1) {
+// The counters of several draws, and their words; the upper halves of the words mean nothing.
+using Draws = std::array<Halves, 4>;
+
+// philox() of several counters side by side, and of m such in turn: none waits for another.
+template <std::size_t m>
+[[gnu::always_inline]] inline std::array<Draws, m> philox(std::array<Draws, m> counters,
+                                                          std::array<Halves, m> k0,
+                                                          std::array<Halves, m> k1) {
   for (int round = 0; round < 10; ++round) {
-    const Halves a = times(counter[0], 0xD2511F53);
-    const Halves b = times(counter[2], 0xCD9E8D57);
-    counter = {(b >> 32) ^ counter[1] ^ k0, b, (a >> 32) ^ counter[3] ^ k1, a};
-    k0 += 0x9E3779B9;
-    k1 += 0xBB67AE85;
+    for (std::size_t i = 0; i < m; ++i) {
+      const Draws& c = counters[i];
+      const Halves a = times(c[0], 0xD2511F53);
+      const Halves b = times(c[2], 0xCD9E8D57);
+      counters[i] = {(b >> 32) ^ c[1] ^ k0[i], b, (a >> 32) ^ c[3] ^ k1[i], a};
+      k0[i] += 0x9E3779B9;
+      k1[i] += 0xBB67AE85;
+    }
   }
-  return counter;
+  return counters;
 }
 
 }  // namespace detail
@@ -105,9 +114,9 @@ inline WordRows<n> draw_row(std::uint64_t seed, std::uint32_t tick, Stream strea
     for (std::size_t i = 0; i < width; ++i) {
       ticks[i] = tick + apart * static_cast<std::uint32_t>(first + i);
     }
-    const std::array<Halves, 4> words = detail::philox(
-        {std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)},
-        Halves{} + seed, Halves{} + (seed >> 32));
+    const auto [words] = detail::philox<1>(
+        {{{std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)}}},
+        {Halves{} + seed}, {Halves{} + (seed >> 32)});
     for (std::size_t word = 0; word < 4; ++word) {
       for (std::size_t i = 0; i < width; ++i) {
         rows[word][first + i] = static_cast<std::uint32_t>(words[word][i]);
