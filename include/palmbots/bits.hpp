@@ -19,6 +19,8 @@ typedef Bits BothBits __attribute__((vector_size(2 * sizeof(Bits))));
 
 inline BothBits both_at(int i) { return BothBits{} + (Bits{1} << i); }
 inline Bits either(BothBits words) { return words[left] | words[right]; }
+// Those of the partners.
+inline BothBits swapped(BothBits words) { return BothBits{words[right], words[left]}; }
 
 // Calls visit(i) for every bit set.
 template <class Visit>
@@ -70,6 +72,55 @@ class BitCounts {
   BothBits large_{};  // whose rest is not 0
 };
 
+// A number of each robot, from 0 to `most`; what would be more stays `most`.
+class NumberBits {
+ public:
+  static constexpr std::uint32_t most = 255;
+
+  void put(BothBits whose, std::uint32_t value) {
+    for (std::size_t k = 0; k < planes; ++k) {
+      planes_[k] = (value >> k & 1) != 0 ? planes_[k] | whose : planes_[k] & ~whose;
+    }
+  }
+  void put(BothBits whose, const NumberBits& values) {
+    for (std::size_t k = 0; k < planes; ++k) {
+      planes_[k] = (planes_[k] & ~whose) | (values.planes_[k] & whose);
+    }
+  }
+
+  // One more for everybody.
+  void count() {
+    BothBits full = planes_[0];
+    for (std::size_t k = 1; k < planes; ++k) full &= planes_[k];
+    BothBits carry = ~full;
+    for (BothBits& plane : planes_) {
+      const BothBits before = plane;
+      plane ^= carry;
+      carry &= before;
+    }
+  }
+
+  // Whose number is no less than that one's.
+  BothBits at_least(const NumberBits& that) const {
+    BothBits found = ~BothBits{};
+    for (std::size_t k = 0; k < planes; ++k) {
+      found = (planes_[k] & ~that.planes_[k]) | ((planes_[k] | ~that.planes_[k]) & found);
+    }
+    return found;
+  }
+
+  // Those of the partners.
+  NumberBits swapped() const {
+    NumberBits found;
+    for (std::size_t k = 0; k < planes; ++k) found.planes_[k] = palmbots::swapped(planes_[k]);
+    return found;
+  }
+
+ private:
+  static constexpr std::size_t planes = 8;
+  std::array<BothBits, planes> planes_{};
+};
+
 // What robots sense, and what they are told.
 struct SensedBits {
   BothBits positive{};
@@ -81,13 +132,15 @@ struct CommandBits {
   BothBits shallow{};  // otherwise steep
   BothBits away{};
   BothBits closer{};  // otherwise hold
+  BothBits rest{};
 
   void remove(BothBits whose) {
-    for (BothBits* one : {&shallow, &away, &closer}) *one &= ~whose;
+    for (BothBits* one : {&shallow, &away, &closer, &rest}) *one &= ~whose;
   }
   // The carries in which they are others.
   Bits differ(const CommandBits& than) const {
-    return either((shallow ^ than.shallow) | (away ^ than.away) | (closer ^ than.closer));
+    return either((shallow ^ than.shallow) | (away ^ than.away) | (closer ^ than.closer) |
+                  (rest ^ than.rest));
   }
 };
 
@@ -96,6 +149,7 @@ class DelayBits {
  public:
   // May be that long [ticks].
   static constexpr std::uint32_t longest = 63;
+  static constexpr bool take(std::uint32_t delay) { return delay > 0 && delay <= longest; }
 
   void put(int i, std::uint32_t delay) {
     of_[delay] |= both_at(i);
@@ -123,7 +177,14 @@ class DelayBits {
   Bits there_are_ = 0;  // bit d: some take d ticks
 };
 
-// The teams of many carries at once, where there are such for a kind of team.
+// The teams of many carries at once, where there are such for a kind of team:
+//   static bool take(const Team&)    whether such a team can go on in bits
+//   void put(int i, const Team&)     as team i it does, from its first tick on
+//   void remove(int i)               it is over, and does nothing any more
+//   Bits step(tick, SensedBits)      one tick of all of them; in which of them commands are new
+//   commands()
+//   void tell(int i, ticks, Metrics&, Traffic&)   what is known of team i after so many ticks
+//   static constexpr bool rest       whether robots are ever told to
 template <class Team>
 struct TeamsInBits {
   static constexpr bool exist = false;

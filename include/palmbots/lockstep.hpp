@@ -11,12 +11,12 @@
 // longest_correction, limit_cycle).
 #pragma once
 
-#include <bit>
 #include <optional>
 #include <utility>
 
 #include "palmbots/lane_noise.hpp"
 #include "palmbots/pairs_in_bits.hpp"
+#include "palmbots/peers_in_bits.hpp"
 #include "palmbots/recorder.hpp"
 #include "palmbots/stations_in_bits.hpp"
 
@@ -81,6 +81,7 @@ class Lockstep {
     V not_negative;
     V positive;
     PerSide<std::array<V, 3>> speeds;
+    PerSide<std::array<V, 3>> resting;  // the same while they rest
     std::uint32_t odd = 0;    // lanes whose readings may be false: they are looked at in every tick
     std::uint32_t bumpy = 0;  // lanes in which there are bumps
     std::uint32_t shaken = 0;  // those in which there was one in this tick
@@ -144,17 +145,17 @@ class Lockstep {
   // The team goes on in bits, if it can.
   void enlist(Pack& pack, int l, const One& one) {
     const auto steps = one.tactile_.steps();
-    const std::uint32_t delay = one.team_.plain_delay();
-    if (!one.reads_truly() || !steps || delay == 0 || delay > DelayBits::longest) return;
+    if (!one.reads_truly() || !steps || !Crowd::take(one.team_)) return;
     pack.not_negative.raw[l] = steps->not_negative;
     pack.positive.raw[l] = steps->positive;
     for (const std::size_t side : {left, right}) {
       for (const Move move : {Move::hold, Move::away, Move::closer}) {
-        pack.speeds[side][static_cast<std::size_t>(move)].raw[l] =
-            one.goal_speed(side, {Palm::steep, move});
+        const auto i = static_cast<std::size_t>(move);
+        pack.speeds[side][i].raw[l] = one.goal_speed(side, {Palm::steep, move});
+        pack.resting[side][i].raw[l] = one.goal_speed(side, {Palm::steep, move, true});
       }
     }
-    crowd_.put(bit(pack, l), delay);
+    crowd_.put(bit(pack, l), one.team_);
     in_bits_ |= Bits{1} << bit(pack, l);
   }
 
@@ -321,13 +322,22 @@ class Lockstep {
       const LaneMask<Real, n> told = here(are_new);
       are_new &= ~(Bits{all_lanes} << first);
       on_both_sides([&](std::size_t side) {
-        const auto& [hold, away, closer] = pack.speeds[side];
         const Wrist<V>& wrist = pack.robots.wrists[side];
         V& angle = pack.robots.goal_angle[side];
         V& speed = pack.robots.goal_speed[side];
+        const auto moving = [&](const std::array<V, 3>& speeds) {
+          const auto& [hold, away, closer] = speeds;
+          return select(here(commands.away[side]), away,
+                        select(here(commands.closer[side]), closer, hold));
+        };
         const V to = select(here(commands.shallow[side]), wrist.shallow, wrist.steep);
-        const V by = select(here(commands.away[side]), away,
-                            select(here(commands.closer[side]), closer, hold));
+        V by = moving(pack.speeds[side]);
+        if constexpr (Crowd::rest) {
+          V& brakes = pack.robots.brakes[side];
+          const LaneMask<Real, n> rests = here(commands.rest[side]);
+          by = select(rests, moving(pack.resting[side]), by);
+          brakes = select(told, select(rests & (by == V(0)), V(1), V(0)), brakes);
+        }
         angle = select(told, to, angle);
         speed = select(told, by, speed);
       });

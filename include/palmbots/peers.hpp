@@ -75,6 +75,13 @@ class Peers {
   Letter awaits(std::size_t side) const { return waits(side) ? Letter::ack : Letter::none; }
   Activity activity(std::size_t side) const { return activity_of(name(side), side); }
   const Resilient& robot(std::size_t side) const { return robots_[side]; }
+  const Resilient::Times& times() const { return times_; }
+
+  // As that of the radio; 0, too, if robots may fail or have clocks of their own.
+  std::uint32_t plain_delay() const {
+    const bool in_time = rate_[left] == 1 && rate_[right] == 1;
+    return faults_.any() || !in_time ? 0 : radio_.plain_delay();
+  }
 
  private:
   // The ticks since a robot's last step, in which all went on as before.

@@ -250,6 +250,7 @@ class Resilient {
 
   constexpr State state() const { return state_; }
   constexpr bool rests() const { return rests_; }
+  constexpr bool yields() const { return yields_; }
   // No fresh letter: the partner is silent, or does not hear this robot.
   constexpr bool silence() const { return age_ >= stale(); }
   constexpr const Doing& now() const { return doing[static_cast<int>(state_)]; }

@@ -134,8 +134,12 @@ class ControllersInBits {
 // Sixty-four stations with their robots and the radio, and what is counted of them (metrics.hpp).
 class StationsInBits {
  public:
-  // Pair i begins; its packets take `delay` ticks, at least one.
-  void put(int i, std::uint32_t delay) {
+  static constexpr bool rest = false;
+
+  static bool take(const Station& team) { return DelayBits::take(team.plain_delay()); }
+
+  void put(int i, const Station& team) {
+    const std::uint32_t delay = team.plain_delay();
     remove(i);
     controllers_.put(i);
     delays_.put(i, delay);
@@ -143,7 +147,6 @@ class StationsInBits {
     corrections_.clear(both_at(i));
   }
 
-  // Pair i is over, and does nothing any more.
   void remove(int i) {
     const BothBits those = ~both_at(i);
     controllers_.remove(i);
@@ -155,7 +158,6 @@ class StationsInBits {
     commands_.remove(~those);
   }
 
-  // One tick of all of them. Tells in which pairs commands are new.
   Bits step(std::uint64_t tick, const SensedBits& sensed) {
     const Row& arrived = line_[tick % line_.size()];
     const CommandBits before = commands_;
@@ -183,8 +185,7 @@ class StationsInBits {
 
   const CommandBits& commands() const { return commands_; }
 
-  // What is known of pair i after `ticks` ticks: every tick each robot sends, and the station does to each
-  // as soon as it has heard.
+  // Every tick each robot sends, and the station does to each as soon as it has heard.
   void tell(int i, std::uint32_t ticks, Metrics& metrics, Traffic& traffic) const {
     metrics.corrections = corrections_.of(left, i);
     const std::uint32_t delay = delay_[static_cast<std::size_t>(i)];

@@ -10,6 +10,7 @@
 
 #include "check.hpp"
 #include "palmbots/pairs_in_bits.hpp"
+#include "palmbots/peers_in_bits.hpp"
 #include "palmbots/stations_in_bits.hpp"
 #include "paper_spec.hpp"
 
@@ -70,11 +71,22 @@ void test_there_is_never_more_than_one_unread_letter() {
   CHECK(seen.size() > 50);
 }
 
-Pair<Robot> team_over(const Channel& channel, const Faults& faults, Pair<Robot>*) {
-  return {{}, channel, 0, left, faults};
-}
-Station team_over(const Channel& channel, const Faults& faults, Station*) {
-  return {channel, 0, left, faults};
+// Teams of any kind, of which some take other times than others.
+template <class Team>
+Team team_over(const Channel& channel, const Faults& faults, std::uint32_t chance) {
+  const std::size_t leader = chance % 2;
+  if constexpr (std::is_same_v<Team, Peers>) {
+    // Leases that beacons keep, and shorter ones.
+    const auto of = [&](std::uint32_t bit, std::uint32_t most) {
+      return static_cast<std::uint16_t>(1 + (chance >> bit & 0xFF) * most / 256);
+    };
+    const Resilient::Times times{of(1, 12), of(9, 254), of(17, 255), of(24, 20), of(5, 70)};
+    return Peers(times, {}, channel, 0, leader, faults);
+  } else if constexpr (std::is_same_v<Team, Station>) {
+    return Station(channel, 0, leader, faults);
+  } else {
+    return Team({}, channel, 0, leader, faults);
+  }
 }
 
 // One team, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
@@ -91,6 +103,9 @@ struct Seen {
   std::uint32_t began = 0;
   std::uint32_t longest_wait = 0;
   std::uint32_t most_corrections = 0;
+  std::uint32_t most_late = 0;
+  std::array<std::uint32_t, Resilient::states> states{};  // of resilient robots
+  std::uint32_t travelled = 0;                            // ticks of theirs
   std::uint32_t ended_waiting = 0;
   std::uint32_t ended_not_waiting = 0;
 };
@@ -113,6 +128,8 @@ void compare(const TeamsInBits<Team>& bits, int i, Alone<Team>& alone, Seen& see
   }
   for (std::size_t link = 0; link < traffic.links.size(); ++link) {
     CHECK(traffic.links[link].sent == alone.team->traffic.links[link].sent);
+    CHECK(traffic.links[link].late == alone.team->traffic.links[link].late);
+    seen.most_late = std::max(seen.most_late, traffic.links[link].late);
   }
   seen.most_corrections = std::max(seen.most_corrections, truth.corrections);
 }
@@ -138,11 +155,12 @@ Seen test_every_team_goes_as_it_does_alone() {
         // Of every delay some, and some that hang for a long time.
         const std::uint32_t delay = 1 + chance[2] % DelayBits::longest;
         const Channel channel = Channel::of(delay * 0.01, 0, 0, 0.01);
-        alone.team = std::make_unique<Team>(team_over(channel, {}, static_cast<Team*>(nullptr)));
+        alone.team = std::make_unique<Team>(team_over<Team>(channel, {}, chance[0]));
         alone.metrics = std::make_unique<Metrics>();
         alone.hold = 1U << chance[3] % 10;
         CHECK(alone.team->plain_delay() == delay);
-        bits->put(i, delay);
+        CHECK(bits->take(*alone.team));
+        bits->put(i, *alone.team);
         // As if it ended before its first tick: nothing is left of who was there before.
         Metrics none;
         Traffic silence;
@@ -177,10 +195,15 @@ Seen test_every_team_goes_as_it_does_alone() {
       alone.metrics->note(alone.tick++, *alone.team);
       CHECK(((are_new >> i & 1) != 0) == (commands != alone.before));
       alone.before = commands;
+      if constexpr (std::is_same_v<Team, Peers>) {
+        ++seen.states[static_cast<std::size_t>(alone.team->robot(left).state())];
+        seen.travelled += commands[left].rest ? 0 : 1;
+      }
       for (const std::size_t side : {left, right}) {
         CHECK(bit(told.shallow, side) == (commands[side].palm == Palm::shallow));
         CHECK(bit(told.away, side) == (commands[side].move == Move::away));
         CHECK(bit(told.closer, side) == (commands[side].move == Move::closer));
+        CHECK(bit(told.rest, side) == commands[side].rest);
       }
     }
   }
@@ -192,7 +215,7 @@ Seen test_every_team_goes_as_it_does_alone() {
 template <class Team>
 void test_who_has_a_plain_delay() {
   const auto delay = [](const Channel& channel, const Faults& faults = {}) {
-    return team_over(channel, faults, static_cast<Team*>(nullptr)).plain_delay();
+    return team_over<Team>(channel, faults, 0).plain_delay();
   };
   const Channel plain = Channel::of(0.05, 0, 0, 0.01);
   CHECK(delay(plain) == 5);
@@ -215,6 +238,11 @@ int main() {
   const Seen pairs = test_every_team_goes_as_it_does_alone<Pair<Robot>>();
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
   test_every_team_goes_as_it_does_alone<Station>();
+  const Seen peers = test_every_team_goes_as_it_does_alone<Peers>();
+  CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
+  for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
+  CHECK(peers.travelled > 10000);
   test_who_has_a_plain_delay<Pair<Robot>>();
   test_who_has_a_plain_delay<Station>();
+  test_who_has_a_plain_delay<Peers>();
 }
