@@ -126,6 +126,21 @@ struct SensedBits {
   BothBits positive{};
   BothBits negative{};
   BothBits turned{};
+
+  // Signs that are false: the next one is read, of −, 0, +, −, …, if that is so once; else the one after.
+  void falsify(BothBits wrong, BothBits once) {
+    const BothBits zero = ~(positive | negative);
+    const BothBits then_positive = (once & zero) | (~once & negative);
+    const BothBits then_negative = (once & positive) | (~once & zero);
+    positive = (positive & ~wrong) | (then_positive & wrong);
+    negative = (negative & ~wrong) | (then_negative & wrong);
+  }
+};
+
+// Whose program does not run, which leaves its robot at rest; and whose runs for the first time since.
+struct HostBits {
+  BothBits off{};
+  BothBits boots{};
 };
 
 struct CommandBits {
@@ -136,6 +151,12 @@ struct CommandBits {
 
   void remove(BothBits whose) {
     for (BothBits* one : {&shallow, &away, &closer, &rest}) *one &= ~whose;
+  }
+  // As switched_off().
+  void switch_off(BothBits whose) {
+    away &= ~whose;
+    closer &= ~whose;
+    rest |= whose;
   }
   // The carries in which they are others.
   Bits differ(const CommandBits& than) const {
@@ -181,7 +202,7 @@ class DelayBits {
 //   static bool take(const Team&)    whether such a team can go on in bits
 //   void put(int i, const Team&)     as team i it does, from its first tick on
 //   void remove(int i)               it is over, and does nothing any more
-//   Bits step(tick, SensedBits)      one tick of all of them; in which of them commands are new
+//   Bits step(tick, SensedBits, HostBits)   one tick of all of them; in which of them commands are new
 //   commands()
 //   void tell(int i, ticks, Metrics&, Traffic&)   what is known of team i after so many ticks
 //   static constexpr bool rest       whether robots are ever told to

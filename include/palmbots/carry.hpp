@@ -97,7 +97,7 @@ class Carry : public Bearers<Real, Team> {
   template <class, int, class>
   friend class Lockstep;
 
-  using Base::collect, Base::drop, Base::finish_tick, Base::goal_speed, Base::leader;
+  using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
   using Base::notice, Base::rank;
   using Base::read, Base::reads_truly, Base::tally_, Base::team_, Base::tick_, Base::wake_;

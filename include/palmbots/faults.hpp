@@ -48,6 +48,14 @@ class Faults {
 
   bool any() const { return count_ > 0; }
 
+  // Whether there are no others than robots that are off for a while.
+  bool are_reboots() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].kind != FaultKind::reboot) return false;
+    }
+    return true;
+  }
+
   // Whether any of them is a sensor's.
   bool bend_readings() const {
     for (std::size_t i = 0; i < count_; ++i) {

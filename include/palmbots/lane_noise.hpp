@@ -1,31 +1,18 @@
 // The robots' noise for several carries side by side: the same draws as a single carry's, in lanes.
 #pragma once
 
+#include <utility>
+
+#include "palmbots/dice.hpp"
 #include "palmbots/lanes.hpp"
-#include "palmbots/philox.hpp"
 #include "palmbots/side.hpp"
 
 namespace palmbots {
 
-// What a carry's draws depend on, for n carries side by side.
-template <int n>
-struct Dice {
-  std::array<std::uint64_t, n> seed;
-  std::array<std::uint64_t, n> start;       // the tick at which the carry began
-  std::array<std::uint64_t, n> left_leads;  // all bits: the left robot leads; none: the right one
-};
-
 namespace detail {
-
-// How many draws are made in turn, so that none waits for another: as many as there are registers for.
-inline constexpr std::size_t draws_in_turn = draws_at_once == 8 ? 4 : 2;
 
 // The same register as words of half the size.
 typedef std::uint32_t Wholes __attribute__((vector_size(sizeof(Halves))));
-
-// How many registers of words are drawn for one of numbers.
-template <class Real>
-inline constexpr std::size_t parts_of = sizeof(Halves) / sizeof(Real) / draws_at_once;
 
 inline constexpr std::size_t lower_half = std::endian::native == std::endian::little ? 0 : 1;
 
@@ -59,45 +46,25 @@ inline auto noise_of(Wholes words) {
 template <class Real, int n, std::size_t ticks>
 void draw_noise(const Dice<n>& dice, std::uint64_t first,
                 PerSide<std::array<Lanes<Real, n>, ticks>>& noise) {
-  using detail::Halves;
-  constexpr std::size_t width = detail::draws_at_once;
-  constexpr std::size_t parts = detail::parts_of<Real>;
-  constexpr std::size_t pairs = detail::draws_in_turn / parts;  // of ticks
-  static_assert(n == width * parts && ticks % (2 * pairs) == 0);
-  const auto part = [](const std::array<std::uint64_t, n>& row, std::size_t p) {
-    Halves found;
-    std::memcpy(&found, row.data() + p * width, sizeof found);
-    return found;
-  };
-  const auto joined = [](auto&& words) {
-    std::array<Halves, parts> all;
-    for (std::size_t p = 0; p < parts; ++p) all[p] = words(p);
+  using D = Dice<n>;
+  using Raw = decltype(noise[left][0].raw);
+  static_assert(ticks % (2 * D::in_turn) == 0);
+  const auto joined = [](auto&& part) {
+    std::array<detail::Halves, D::parts> all;
+    for (std::size_t p = 0; p < D::parts; ++p) all[p] = part(p);
     return detail::join(all);
   };
-  const auto left_leads = joined([&](std::size_t p) { return part(dice.left_leads, p); });
-  std::array<Halves, pairs * parts> k0;
-  std::array<Halves, pairs * parts> k1;
-  std::array<Halves, pairs * parts> tick;
-  for (std::size_t i = 0; i < pairs * parts; ++i) {
-    k0[i] = part(dice.seed, i % parts);
-    k1[i] = k0[i] >> 32;
-    tick[i] = first + 2 * (i / parts) - part(dice.start, i % parts);
-  }
-  for (std::size_t k = 0; k < ticks; k += 2 * pairs) {
-    std::array<detail::Draws, pairs * parts> counters;
-    for (std::size_t i = 0; i < pairs * parts; ++i) {
-      counters[i] = {tick[i], Halves{} + static_cast<std::uint32_t>(Stream::noise)};
-      tick[i] += 2 * pairs;
-    }
-    const auto words = detail::philox(counters, k0, k1);
-    for (std::size_t i = 0; i < 2 * pairs; ++i) {
-      const auto word = [&](std::size_t w) {
-        return joined([&](std::size_t p) { return words[i / 2 * parts + p][i % 2 * 2 + w]; });
+  const auto left_leads = joined([&](std::size_t p) { return D::part(dice.left_leads, p); });
+  typename D::template Draws<D::in_turn> draws(dice, Stream::noise, first, 2);
+  for (std::size_t k = 0; k < ticks; k += 2 * D::in_turn) {
+    draws.next();
+    for (std::size_t i = 0; i < 2 * D::in_turn; ++i) {
+      const auto word = [&](std::size_t robot) {
+        return joined([&](std::size_t p) { return draws.word(i / 2, p, i % 2 * 2 + robot); });
       };
       const auto leader = word(0);
       const auto follower = word(1);
       const auto swapped = (leader ^ follower) & ~left_leads;
-      using Raw = decltype(noise[left][k].raw);
       noise[left][k + i].raw = (Raw)detail::noise_of(leader ^ swapped);
       noise[right][k + i].raw = (Raw)detail::noise_of(follower ^ swapped);
     }

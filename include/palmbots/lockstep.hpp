@@ -11,16 +11,47 @@
 // longest_correction, limit_cycle).
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "palmbots/lane_noise.hpp"
+#include "palmbots/lane_readings.hpp"
 #include "palmbots/pairs_in_bits.hpp"
 #include "palmbots/peers_in_bits.hpp"
 #include "palmbots/recorder.hpp"
 #include "palmbots/stations_in_bits.hpp"
 
 namespace palmbots {
+
+// When programs of robots stop or start to run, for each of 64 carries.
+class HostChanges {
+ public:
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+
+  HostChanges() { at_.fill(none); }
+  void at(int i, std::uint64_t tick) {
+    at_[static_cast<std::size_t>(i)] = tick;
+    first_ = std::min(first_, tick);
+  }
+  void never(int i) { at_[static_cast<std::size_t>(i)] = none; }
+
+  bool due(std::uint64_t tick) const { return tick >= first_; }
+  // change(i) tells for each that is due when the next one is.
+  template <class Change>
+  void each(std::uint64_t tick, Change&& change) {
+    first_ = none;
+    for (int i = 0; i < 64; ++i) {
+      std::uint64_t& when = at_[static_cast<std::size_t>(i)];
+      if (when <= tick) when = change(i);
+      first_ = std::min(first_, when);
+    }
+  }
+
+ private:
+  std::array<std::uint64_t, 64> at_;
+  std::uint64_t first_ = none;  // no later than any of them
+};
 
 // Lanes<Real, n> numbers; Team as in Carry.
 template <class Real, int n, class Team>
@@ -39,6 +70,7 @@ class Lockstep {
     for (std::uint64_t tick = 0; busy != 0 || more; ++tick) {
       if (tick % block_ticks == 0) {
         if (stop()) return;
+        any_falsified_ = false;
         for (Pack& pack : packs_) more = refill(pack, tick, more, next, done);
       }
       for (Pack& pack : packs_) {
@@ -82,11 +114,12 @@ class Lockstep {
     V positive;
     PerSide<std::array<V, 3>> speeds;
     PerSide<std::array<V, 3>> resting;  // the same while they rest
-    std::uint32_t odd = 0;    // lanes whose readings may be false: they are looked at in every tick
-    std::uint32_t bumpy = 0;  // lanes in which there are bumps
-    std::uint32_t shaken = 0;  // those in which there was one in this tick
+    std::uint32_t odd = 0;              // lanes whose readings may be false
+    std::uint32_t bumpy = 0;            // lanes in which there are bumps
+    std::uint32_t shaken = 0;           // those in which there was one in this tick
     Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
+    FalseReadings<block_ticks> readings;  // of carries whose team is one of those in bits
     // Ticks from the begin of the block at which a lane's team wants to be asked, and its time is over.
     V wake;
     V timeout;
@@ -114,7 +147,14 @@ class Lockstep {
       }
       if ((pack.busy >> l & 1) != 0) collect(pack, l, tick);
     }
-    if (pack.busy != 0) draw_noise(pack.dice, tick, pack.noise);
+    if (pack.busy == 0) return more;
+    draw_noise(pack.dice, tick, pack.noise);
+    if constexpr (Crowd::exist) {
+      if (falsified(pack) != 0) {
+        any_falsified_ = true;
+        draw_readings(pack.dice, tick, pack.readings);
+      }
+    }
     return more;
   }
 
@@ -140,12 +180,13 @@ class Lockstep {
     pack.dice.seed[i] = one.seed_;
     pack.dice.start[i] = start;
     pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
+    pack.dice.false_words[i] = double(one.tactile_.false_words());
   }
 
   // The team goes on in bits, if it can.
   void enlist(Pack& pack, int l, const One& one) {
     const auto steps = one.tactile_.steps();
-    if (!one.reads_truly() || !steps || !Crowd::take(one.team_)) return;
+    if (!steps || !Crowd::take(one.team_)) return;
     pack.not_negative.raw[l] = steps->not_negative;
     pack.positive.raw[l] = steps->positive;
     for (const std::size_t side : {left, right}) {
@@ -155,13 +196,20 @@ class Lockstep {
         pack.resting[side][i].raw[l] = one.goal_speed(side, {Palm::steep, move, true});
       }
     }
-    crowd_.put(bit(pack, l), one.team_);
-    in_bits_ |= Bits{1} << bit(pack, l);
+    const int i = bit(pack, l);
+    crowd_.put(i, one.team_);
+    in_bits_ |= Bits{1} << i;
+    if (one.faults_.any()) host_changes_.at(i, pack.lanes[static_cast<std::size_t>(l)].start);
   }
 
   // Which bit of a word tells of a lane.
   int bit(const Pack& pack, int l = 0) const {
     return static_cast<int>(&pack - packs_.data()) * n + l;
+  }
+
+  // Those of them whose team is one of those in bits.
+  std::uint32_t falsified(const Pack& pack) const {
+    return pack.odd & static_cast<std::uint32_t>(in_bits_ >> bit(pack)) & all_lanes;
   }
 
   void collect(Pack& pack, int l, std::uint64_t tick) {
@@ -254,6 +302,8 @@ class Lockstep {
         crowd_.tell(i, one.tick_, one.metrics_, one.team_.traffic);
         crowd_.remove(i);
         in_bits_ &= ~(Bits{1} << i);
+        for (BothBits* hosts : {&hosts_.off, &hosts_.boots}) *hosts &= ~both_at(i);
+        host_changes_.never(i);
       }
     }
     done(lane.index, *lane.carry);
@@ -305,15 +355,37 @@ class Lockstep {
       }
     }
     if constexpr (Crowd::exist) {
-      if (in_bits_ != 0) decide(tick, sensed);
+      if (in_bits_ != 0) {
+        if (any_falsified_) falsify(sensed, tick);
+        decide(tick, sensed);
+      }
     }
     each_bit(asked, [&](int i) { ask(packs_[static_cast<std::size_t>(i / n)], i % n, tick); });
+  }
+
+  // What sensors that may tell something false make of it.
+  [[gnu::noinline]] void falsify(SensedBits& sensed, std::uint64_t tick) {
+    BothBits wrong{};
+    BothBits once{};
+    for (const Pack& pack : packs_) {
+      const Bits here = falsified(pack);
+      for (const std::size_t side : {left, right}) {
+        const auto put = [&](BothBits& words, const auto& rows) {
+          words[side] |= (rows[side][tick % block_ticks] & here) << bit(pack);
+        };
+        put(wrong, pack.readings.wrong);
+        put(once, pack.readings.once);
+      }
+    }
+    sensed.falsify(wrong, once);
   }
 
   // The teams in bits.
   [[gnu::always_inline]] void decide(std::uint64_t tick, const SensedBits& sensed) {
     const CommandBits& commands = crowd_.commands();
-    for (Bits are_new = crowd_.step(tick, sensed); are_new != 0;) {
+    hosts_.boots = BothBits{};
+    if (host_changes_.due(tick)) change_hosts(tick);
+    for (Bits are_new = crowd_.step(tick, sensed, hosts_); are_new != 0;) {
       const int first = std::countr_zero(are_new) / n * n;
       const auto here = [&](Bits word) {
         return LaneMask<Real, n>::of(static_cast<std::uint32_t>(word >> first) & all_lanes);
@@ -342,6 +414,28 @@ class Lockstep {
         speed = select(told, by, speed);
       });
     }
+  }
+
+  // Robots go off, or boot.
+  [[gnu::noinline]] void change_hosts(std::uint64_t tick) {
+    host_changes_.each(tick, [&](int i) {
+      const auto p = static_cast<std::size_t>(i / n);
+      const Lane& lane = packs_[p].lanes[static_cast<std::size_t>(i % n)];
+      const auto own_tick = static_cast<std::uint32_t>(tick - lane.start);
+      const Faults& faults = lane.carry->faults_;
+      std::uint32_t next = ~0U;
+      for (const std::size_t side : {left, right}) {
+        const bool is_off = faults.host(own_tick, side) == Host::off;
+        if (is_off) {
+          hosts_.off[side] |= Bits{1} << i;
+        } else {
+          hosts_.boots[side] |= hosts_.off[side] & Bits{1} << i;
+          hosts_.off[side] &= ~(Bits{1} << i);
+        }
+        next = std::min(next, faults.next_change(own_tick, side));
+      }
+      return next == ~0U ? HostChanges::none : lane.start + next;
+    });
   }
 
   // For which lanes it is news what their robots sense.
@@ -408,6 +502,9 @@ class Lockstep {
   std::array<Pack, pack_count> packs_{};
   Crowd crowd_;
   Bits in_bits_ = 0;  // who is among them
+  HostBits hosts_;    // whose programs run
+  HostChanges host_changes_;
+  bool any_falsified_ = false;  // there is somebody among them whose readings may be false
 };
 
 // As many lanes as a register has room for.

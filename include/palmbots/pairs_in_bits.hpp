@@ -17,18 +17,19 @@ class PairsInBits {
  public:
   static constexpr bool rest = false;
 
-  static bool take(const Pair<Robot>& team) { return DelayBits::take(team.plain_delay()); }
+  static bool take(const Pair<Robot>& team) {
+    return DelayBits::take(team.plain_delay()) && !team.faults().any();
+  }
 
   void put(int i, const Pair<Robot>& team) {
-    remove(i);
-    robots_.put(i, Robot::State::idle);
+    robots_.put(both_at(i), Robot::State::idle);
     delays_.put(i, team.plain_delay());
     sent_.clear(both_at(i));
     cases_.put(i);
   }
 
   void remove(int i) {
-    robots_.remove(i);
+    robots_.remove(both_at(i));
     for (Letters& letters : line_) letters.remove(both_at(i));
     inbox_.remove(both_at(i));
     delays_.remove(i);
@@ -36,14 +37,15 @@ class PairsInBits {
     cases_.remove(i);
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits&) {
     Letters& arrived = line_[tick % line_.size()];
     inbox_.put(~BothBits{}, arrived);
     arrived = {};
     const BothBits read = inbox_.any() & who_read(sensed);
     Letters send;
-    robots_.step([&](const Robot::Row& row) { return who_fits(row, sensed, inbox_); },
-                 [&](const Robot::Row& row, BothBits whose) { send.put(whose, row.send); });
+    robots_.step(
+        ~BothBits{}, [&](const Robot::Row& row) { return who_fits(row, sensed, inbox_); },
+        [&](const Robot::Row& row, BothBits whose) { send.put(whose, row.send); });
     inbox_.remove(read);
     const Letters letters = send.swapped();
     delays_.each(tick, [&](std::size_t row, BothBits whose) { line_[row].put(whose, letters); });

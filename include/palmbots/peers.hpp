@@ -77,11 +77,11 @@ class Peers {
   const Resilient& robot(std::size_t side) const { return robots_[side]; }
   const Resilient::Times& times() const { return times_; }
 
-  // As that of the radio; 0, too, if robots may fail or have clocks of their own.
-  std::uint32_t plain_delay() const {
-    const bool in_time = rate_[left] == 1 && rate_[right] == 1;
-    return faults_.any() || !in_time ? 0 : radio_.plain_delay();
-  }
+  // Whether the robots' clocks are the carry's.
+  bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
+  // As that of the radio.
+  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Faults& faults() const { return faults_; }
 
  private:
   // The ticks since a robot's last step, in which all went on as before.

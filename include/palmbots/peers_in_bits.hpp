@@ -1,9 +1,10 @@
 // The resilient algorithm for sixty-four pairs of robots at once: a bit a robot, numbers bit by bit.
 //
 // What Peers (peers.hpp) and Resilient do beacon by beacon is done here in words; the table is the one in
-// resilient.hpp. For pairs whose robots never fail, whose clocks are the carry's and whose beacons all take
-// the same time. Then none overtakes another, so that what comes is news, and of the two stamps in a
-// beacon its age is all that counts: it goes along with it.
+// resilient.hpp. For pairs whose robots do not fail but by reboots, whose clocks are the carry's and whose
+// beacons all take the same time. Then none overtakes another, so that what comes is news, and of the two
+// stamps in a beacon its age is all that counts: it goes along with it. An echo of what a robot sent before
+// it booted is older than its life.
 #pragma once
 
 #include "palmbots/peers.hpp"
@@ -24,11 +25,11 @@ class PeersInBits {
     const std::uint32_t longest =
         std::max({std::uint32_t{t.beacon}, t.lease + 1U, std::uint32_t{t.hold},
                   std::uint32_t{t.braking}, t.join + 1U});
-    return longest <= NumberBits::most && DelayBits::take(team.plain_delay());
+    return longest <= NumberBits::most && DelayBits::take(team.plain_delay()) &&
+           team.keeps_time() && team.faults().are_reboots();
   }
 
   void put(int i, const Peers& team) {
-    remove(i);
     const BothBits here = both_at(i);
     const Robot::Times& t = team.times();
     beacon_.put(here, t.beacon);
@@ -41,27 +42,16 @@ class PeersInBits {
     for (const std::size_t side : {left, right}) {
       if (team.robot(side).yields()) yields_[side] |= Bits{1} << i;
     }
-    // As robots boot.
-    robots_.put(i, Robot::State::c_tilt_down);
-    for (NumberBits* since : {&age_, &echo_, &since_ready_, &since_sent_}) {
-      since->put(here, NumberBits::most);
-    }
-    for (NumberBits* since : {&since_asked_, &since_moved_, &since_turned_, &since_entered_}) {
-      since->put(here, 0);
-    }
-    rests_ |= here;
-    partner_rests_ |= here;
     there_ |= here;
+    boot(here);
     for (BitCounts* counts : {&sent_, &late_}) counts->clear(here);
     cases_.put(i);
   }
 
   void remove(int i) {
     const BothBits here = both_at(i);
-    robots_.remove(i);
+    robots_.remove(here);
     for (Beacons& beacons : line_) beacons.letter.remove(here);
-    letter_.remove(here);
-    says_.remove(here);
     for (BothBits* words : {&yields_, &rests_, &partner_rests_, &partner_ready_, &there_}) {
       *words &= ~here;
     }
@@ -70,12 +60,15 @@ class PeersInBits {
     cases_.remove(i);
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts) {
+    if (either(hosts.boots) != 0) [[unlikely]]
+      boot(hosts.boots);
+    const BothBits run = there_ & ~hosts.off;
     pass();
-    hear(line_[tick % line_.size()]);
+    hear(line_[tick % line_.size()], run);
     const BothBits silence = age_.at_least(stale_);
 
-    since_moved_.put(~robots_.moving(Move::hold), 0);
+    since_moved_.put(~robots_.moving(Move::hold) & run, 0);
     const BothBits settled = sensed.turned & since_moved_.at_least(braking_);
     const BothBits released = ~age_.at_least(since_asked_) & ~silence;
     const BothBits held = since_entered_.at_least(hold_);
@@ -84,6 +77,7 @@ class PeersInBits {
                       letter_.are(Letter::closing) & ~silence, silence};
     BothBits entered{};
     robots_.step(
+        run,
         [&](const Robot::Row& row) {
           return who_senses(row.p, sensed) & who_hears(row.heard, heard) &
                  who_may(row.when, settled, released, held);
@@ -93,10 +87,10 @@ class PeersInBits {
         });
     since_entered_.put(entered, 0);
     const Letters said = std::exchange(says_, letters());
-    since_asked_.put(says_.are(Letter::tilt_up), 0);
+    since_asked_.put(says_.are(Letter::tilt_up) & run, 0);
 
     const BothBits centred = ~(sensed.positive | sensed.negative);
-    const BothBits ready_now = robots_.in(Robot::State::idle) & centred & ~silence;
+    const BothBits ready_now = robots_.in(Robot::State::idle) & centred & ~silence & run;
     since_ready_.put(ready_now, 0);
     const BothBits lately_ready = ~since_ready_.at_least(long_ago_);
     const BothBits known = since_turned_.at_least(age_);
@@ -105,17 +99,18 @@ class PeersInBits {
         ((partner_rests_ & ready_now & known) | (~partner_rests_ & lately_ready));
     const BothBits must_stop = silence | (partner_rests_ & known);
     const BothBits rested =
-        std::exchange(rests_, ((rests_ & ~may_start) | (~rests_ & must_stop)) & there_);
+        std::exchange(rests_, ((rests_ & ~(may_start & run)) | (~rests_ & must_stop & run)));
     since_turned_.put(rests_ ^ rested, 0);
 
     const BothBits news = says_.differ(said) | (rests_ ^ rested);
-    const BothBits send = (news | since_sent_.at_least(beacon_)) & there_;
+    const BothBits send = (news | since_sent_.at_least(beacon_)) & run;
     since_sent_.put(send, 0);
     post(tick, send, ready_now | (~rests_ & lately_ready));
     sent_.add(send);
     cases_.note(robots_);
     const CommandBits before = std::exchange(commands_, robots_.commands());
     commands_.rest = rests_;
+    commands_.switch_off(hosts.off);
     return commands_.differ(before);
   }
 
@@ -148,16 +143,36 @@ class PeersInBits {
     BothBits silence;
   };
 
+  // A robot whose palm was up for its partner keeps it up.
+  void boot(BothBits whose) {
+    const BothBits assisted =
+        robots_.in(Robot::State::c_grant) | robots_.in(Robot::State::c_withdraw);
+    robots_.put(whose & ~assisted, Robot::State::c_tilt_down);
+    robots_.put(whose & assisted, Robot::State::c_withdraw);
+    says_.remove(whose);
+    says_.put(whose, letters());
+    for (NumberBits* since : {&age_, &echo_, &since_ready_, &since_sent_}) {
+      since->put(whose, NumberBits::most);
+    }
+    for (NumberBits* since :
+         {&since_asked_, &since_moved_, &since_turned_, &since_entered_, &since_booted_}) {
+      since->put(whose, 0);
+    }
+    rests_ |= whose;
+    partner_rests_ |= whose;
+    partner_ready_ &= ~whose;
+  }
+
   void pass() {
     for (NumberBits* since : {&age_, &echo_, &since_asked_, &since_ready_, &since_moved_,
-                              &since_turned_, &since_entered_, &since_sent_}) {
+                              &since_turned_, &since_entered_, &since_sent_, &since_booted_}) {
       since->count();
     }
   }
 
-  // Takes in what arrives.
-  void hear(const Beacons& beacons) {
-    const BothBits whose = beacons.letter.any();
+  // Takes in what arrives while a robot runs.
+  void hear(const Beacons& beacons, BothBits run) {
+    const BothBits whose = beacons.letter.any() & run;
     const auto take = [&](BothBits& word, BothBits said) {
       word = (word & ~whose) | (said & whose);
     };
@@ -166,6 +181,7 @@ class PeersInBits {
     take(partner_rests_, beacons.rests);
     take(partner_ready_, beacons.ready);
     age_.put(whose, beacons.age);
+    age_.put(whose & age_.at_least(since_booted_), NumberBits::most);
     echo_.put(whose, there_and_back_);
     late_.add(swapped(whose & age_.at_least(stale_)));
   }
@@ -263,6 +279,7 @@ class PeersInBits {
   NumberBits since_turned_;
   NumberBits since_entered_;
   NumberBits since_sent_;
+  NumberBits since_booted_;
 
   std::array<Beacons, DelayBits::longest + 1> line_;
   DelayBits delays_;

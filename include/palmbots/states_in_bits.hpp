@@ -61,24 +61,24 @@ class StatesInBits {
   using Row = typename Robot::Row;
   using Doing = typename Robot::Doing;
 
-  void put(int i, State state) {
-    remove(i);
-    in_[static_cast<std::size_t>(state)] |= both_at(i);
+  void put(BothBits whose, State state) {
+    remove(whose);
+    in_[static_cast<std::size_t>(state)] |= whose;
   }
-  void remove(int i) {
-    for (BothBits& state : in_) state &= ~both_at(i);
+  void remove(BothBits whose) {
+    for (BothBits& state : in_) state &= ~whose;
   }
 
-  // Everybody runs the first row that fits: fits(row) says to whom of all it does, and went(row, whose) is
-  // told who ran it.
+  // Each of these runs the first row that fits: fits(row) says to whom of all it does, and went(row, whose)
+  // is told who ran it.
   template <class Fits, class Went>
-  [[gnu::always_inline]] void step(Fits&& fits, Went&& went) {
+  [[gnu::always_inline]] void step(BothBits these, Fits&& fits, Went&& went) {
     std::array<BothBits, Robot::states> stay = in_;
     std::array<BothBits, Robot::states> come{};
     [&]<std::size_t... i>(std::index_sequence<i...>) {
       const auto run = [&](const Row& row) {
         const auto from = static_cast<std::size_t>(row.state);
-        const BothBits go = stay[from] & fits(row);
+        const BothBits go = stay[from] & fits(row) & these;
         stay[from] &= ~go;
         come[static_cast<std::size_t>(row.next)] |= go;
         went(row, go);

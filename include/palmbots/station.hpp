@@ -71,8 +71,9 @@ class Station {
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
 
-  // As that of the radio; 0, too, if robots or the station may fail.
-  std::uint32_t plain_delay() const { return faults_.any() ? 0 : radio_.plain_delay(); }
+  // As that of the radio.
+  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Faults& faults() const { return faults_; }
 
   char name(std::size_t) const {
     const int now = now_.station.current();

@@ -2,8 +2,8 @@
 // bit a robot.
 //
 // What Station (station.hpp) does packet by packet is done here in words; the cases are those of
-// Centralized::table. For pairs whose robots and stations never fail and whose packets all take the same
-// time: then both robots are heard from the same tick on, and hear the station from the same tick on.
+// Centralized::table. For pairs whose robots do not fail but by reboots, whose stations never do, and whose
+// packets all take the same time.
 #pragma once
 
 #include "palmbots/bits.hpp"
@@ -134,17 +134,16 @@ class ControllersInBits {
 // Sixty-four stations with their robots and the radio, and what is counted of them (metrics.hpp).
 class StationsInBits {
  public:
-  static constexpr bool rest = false;
+  static constexpr bool rest = true;  // when it is off
 
-  static bool take(const Station& team) { return DelayBits::take(team.plain_delay()); }
+  static bool take(const Station& team) {
+    return DelayBits::take(team.plain_delay()) && team.faults().are_reboots();
+  }
 
   void put(int i, const Station& team) {
-    const std::uint32_t delay = team.plain_delay();
-    remove(i);
     controllers_.put(i);
-    delays_.put(i, delay);
-    delay_[static_cast<std::size_t>(i)] = delay;
-    corrections_.clear(both_at(i));
+    delays_.put(i, team.plain_delay());
+    for (BitCounts* counts : {&corrections_, &off_}) counts->clear(both_at(i));
   }
 
   void remove(int i) {
@@ -152,19 +151,27 @@ class StationsInBits {
     controllers_.remove(i);
     delays_.remove(i);
     for (Row& row : line_) {
-      row.reported &= those[left];
+      row.reported &= those;
       row.commands.remove(~those);
     }
     commands_.remove(~those);
+    heard_ &= those;
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts) {
     const Row& arrived = line_[tick % line_.size()];
     const CommandBits before = commands_;
     const ReportBits said{sensed.positive, sensed.negative, commands_.shallow, sensed.turned};
+    hear(arrived, tick);
+    // Robots that have heard nothing yet, or nothing since they booted, do what an empty row says; and a
+    // station that has not heard from both says that, too.
     commands_ = arrived.commands;
-    // A station that has heard nothing yet would say what robots do by themselves.
-    const CommandBits told = controllers_.step(arrived.reported, arrived.report);
+    const CommandBits told = controllers_.step(heard_[left] & heard_[right], reports_);
+    if (either(hosts.off) != 0) [[unlikely]] {
+      commands_.shallow = (commands_.shallow & ~hosts.off) | (before.shallow & hosts.off);
+      commands_.switch_off(hosts.off);
+      off_.add(hosts.off);
+    }
     corrections_.add(BothBits{controllers_.entered(), 0});
     delays_.each(tick, [&](std::size_t place, BothBits whose) {
       Row& row = line_[place];
@@ -178,41 +185,63 @@ class StationsInBits {
       put(row.commands.shallow, told.shallow);
       put(row.commands.away, told.away);
       put(row.commands.closer, told.closer);
-      row.reported |= whose[left];
+      put(row.reported, ~hosts.off);
     });
+    now_ = tick;
     return commands_.differ(before);
   }
 
   const CommandBits& commands() const { return commands_; }
 
-  // Every tick each robot sends, and the station does to each as soon as it has heard.
+  // Every tick each robot that runs sends, and the station does to each as soon as it has heard from both.
   void tell(int i, std::uint32_t ticks, Metrics& metrics, Traffic& traffic) const {
     metrics.corrections = corrections_.of(left, i);
-    const std::uint32_t delay = delay_[static_cast<std::size_t>(i)];
-    const std::uint32_t answers = ticks > delay ? ticks - delay : 0;
+    const bool heard = (heard_[left] & heard_[right] & Bits{1} << i) != 0;
+    const std::uint64_t answers = heard ? now_ + 1 - heard_since_[static_cast<std::size_t>(i)] : 0;
+    traffic.sent = 0;
     for (const std::size_t side : {left, right}) {
       metrics.waiting_ticks[side] = 0;
       metrics.waits_since[side] = ticks;
-      traffic.links[side].sent = ticks;
-      traffic.links[side + 2].sent = answers;
+      traffic.links[side].sent = ticks - off_.of(side, i);
+      traffic.links[side + 2].sent = static_cast<std::uint32_t>(answers);
+      traffic.sent += traffic.links[side].sent + traffic.links[side + 2].sent;
     }
-    traffic.sent = 2 * (ticks + answers);
   }
 
  private:
-  // What arrives in a tick, and whether reports do.
+  // What arrives in a tick, and whose reports do.
   struct Row {
     ReportBits report;
     CommandBits commands;
-    Bits reported = 0;
+    BothBits reported{};
   };
+
+  // The newest reports are what stations go by.
+  void hear(const Row& arrived, std::uint64_t tick) {
+    const BothBits whose = arrived.reported;
+    const auto take = [&](BothBits& newest, BothBits said) {
+      newest = (newest & ~whose) | (said & whose);
+    };
+    take(reports_.positive, arrived.report.positive);
+    take(reports_.negative, arrived.report.negative);
+    take(reports_.shallow, arrived.report.shallow);
+    take(reports_.turned, arrived.report.turned);
+    const Bits before = heard_[left] & heard_[right];
+    heard_ |= whose;
+    each_bit(heard_[left] & heard_[right] & ~before,
+             [&](int i) { heard_since_[static_cast<std::size_t>(i)] = tick; });
+  }
 
   ControllersInBits controllers_;
   std::array<Row, DelayBits::longest + 1> line_;
   DelayBits delays_;
-  std::array<std::uint32_t, 64> delay_{};
+  ReportBits reports_;
+  BothBits heard_{};                             // from whom, ever
+  std::array<std::uint64_t, 64> heard_since_{};  // the tick from which on from both
+  std::uint64_t now_ = 0;                        // the last tick
   CommandBits commands_;
   BitCounts corrections_;
+  BitCounts off_;  // ticks in which a robot was
 };
 
 template <>

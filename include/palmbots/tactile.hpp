@@ -93,6 +93,8 @@ class Tactile {
   }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }
+  // A reading is false where a random word is below this.
+  constexpr std::uint64_t false_words() const { return false_words_; }
 
   // The same with false readings: one of the two wrong signs at a given rate.
   constexpr Sign sign(Real p, std::uint32_t chance, std::uint32_t which) const {

@@ -249,8 +249,9 @@ class Pair {
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
 
-  // As that of the radio; 0, too, if robots may fail.
-  std::uint32_t plain_delay() const { return faults_.any() ? 0 : radio_.plain_delay(); }
+  // As that of the radio.
+  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Faults& faults() const { return faults_; }
 
   // Whether a robot's program runs in a tick that is still to come, and the letter that it will find.
   bool is_on(std::uint32_t tick, std::size_t side) const {

@@ -89,11 +89,28 @@ Team team_over(const Channel& channel, const Faults& faults, std::uint32_t chanc
   }
 }
 
+// Reboots at any time, some that follow each other at once; for teams that can have them in bits.
+template <class Team>
+Faults some_faults(std::uint32_t chance, std::uint32_t tick) {
+  if (std::is_same_v<Team, Pair<Robot>> || chance % 2 == 0) return {};
+  Spec spec = paper_spec();
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    const Words words = draw(chance, tick, Stream::fault, i);
+    spec.faults[i] = {FaultKind::reboot, words[0] % 2, (words[1] % 6000) * 0.01,
+                      (1 + words[2] % (words[3] % 8 == 0 ? 400 : 40)) * 0.01};
+  }
+  spec.faults[0].at = chance % 3 == 0 ? 0 : spec.faults[0].at;
+  spec.fault_count = 12;
+  return Faults::of(spec, chance);
+}
+
 // One team, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
 template <class Team>
 struct Alone {
   std::unique_ptr<Team> team;
   std::unique_ptr<Metrics> metrics;
+  Faults faults;
+  Power power;
   std::uint32_t tick = 0;
   std::uint32_t hold = 1;  // ticks that a sign lasts
   PerSide<Command> before{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
@@ -106,6 +123,7 @@ struct Seen {
   std::uint32_t most_late = 0;
   std::array<std::uint32_t, Resilient::states> states{};  // of resilient robots
   std::uint32_t travelled = 0;                            // ticks of theirs
+  std::uint32_t boots = 0;
   std::uint32_t ended_waiting = 0;
   std::uint32_t ended_not_waiting = 0;
 };
@@ -141,6 +159,7 @@ Seen test_every_team_goes_as_it_does_alone() {
   Seen seen;
   for (std::uint64_t tick = 0; tick < 30000; ++tick) {
     SensedBits sensed;
+    HostBits hosts;
     std::array<PerSide<Sensed>, 64> senses{};
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
@@ -155,7 +174,8 @@ Seen test_every_team_goes_as_it_does_alone() {
         // Of every delay some, and some that hang for a long time.
         const std::uint32_t delay = 1 + chance[2] % DelayBits::longest;
         const Channel channel = Channel::of(delay * 0.01, 0, 0, 0.01);
-        alone.team = std::make_unique<Team>(team_over<Team>(channel, {}, chance[0]));
+        alone.faults = some_faults<Team>(chance[3], static_cast<std::uint32_t>(tick));
+        alone.team = std::make_unique<Team>(team_over<Team>(channel, alone.faults, chance[0]));
         alone.metrics = std::make_unique<Metrics>();
         alone.hold = 1U << chance[3] % 10;
         CHECK(alone.team->plain_delay() == delay);
@@ -179,9 +199,14 @@ Seen test_every_team_goes_as_it_does_alone() {
         sensed.positive[side] |= Bits{one.sign == Sign::positive} << i;
         sensed.negative[side] |= Bits{one.sign == Sign::negative} << i;
         sensed.turned[side] |= Bits{one.turned} << i;
+        if (!alone.team) continue;
+        const Host host = alone.power.host(alone.faults, alone.tick, side);
+        hosts.off[side] |= Bits{host == Host::off} << i;
+        hosts.boots[side] |= Bits{host == Host::boots} << i;
+        seen.boots += host == Host::boots ? 1 : 0;
       }
     }
-    const Bits are_new = bits->step(tick, sensed);
+    const Bits are_new = bits->step(tick, sensed, hosts);
     const CommandBits& told = bits->commands();
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
@@ -211,24 +236,41 @@ Seen test_every_team_goes_as_it_does_alone() {
   return seen;
 }
 
-// Where messages may be lost or take one time or another, or robots fail, teams do not go in bits.
+// Where messages may be lost or take one time or another, or robots fail in other ways than these, teams do
+// not go in bits.
 template <class Team>
-void test_who_has_a_plain_delay() {
-  const auto delay = [](const Channel& channel, const Faults& faults = {}) {
-    return team_over<Team>(channel, faults, 0).plain_delay();
+void test_who_goes_in_bits(bool with_reboots) {
+  const auto goes = [](const Channel& channel, const Faults& faults = {}) {
+    return TeamsInBits<Team>::take(team_over<Team>(channel, faults, 0));
   };
-  const Channel plain = Channel::of(0.05, 0, 0, 0.01);
-  CHECK(delay(plain) == 5);
-  CHECK(delay(Channel::of(0, 0, 0, 0.01)) == 1);
-  CHECK(delay(Channel::of(0.05, 0.01, 0, 0.01)) == 0 &&
-        delay(Channel::of(0.05, 0, 0.1, 0.01)) == 0);
-  Channel collides = plain;
+  const auto delayed = [](double ticks) { return Channel::of(0.01 * ticks, 0, 0, 0.01); };
+  CHECK(team_over<Team>(delayed(5), {}, 0).plain_delay() == 5);
+  CHECK(goes(delayed(0)) && goes(delayed(5)) && goes(delayed(63)) && !goes(delayed(64)));
+  CHECK(!goes(Channel::of(0.05, 0.01, 0, 0.01)) && !goes(Channel::of(0.05, 0, 0.1, 0.01)));
+  Channel collides = delayed(5);
   collides.airtime_ticks = 0.1;
-  CHECK(delay(collides) == 0);
-  Spec failing = paper_spec();
-  failing.faults[0] = {FaultKind::reboot, 0, 1.0, 0.5};
-  failing.fault_count = 1;
-  CHECK(delay(plain, Faults::of(failing, 0)) == 0);
+  CHECK(!goes(collides));
+  for (const FaultKind kind : {FaultKind::reboot, FaultKind::freeze, FaultKind::stuck,
+                               FaultKind::flicker, FaultKind::station}) {
+    Spec failing = paper_spec();
+    failing.faults[0] = {kind, 0, 1.0, 0.5};
+    failing.fault_count = 1;
+    const bool is_reboot = kind == FaultKind::reboot;
+    CHECK(goes(delayed(5), Faults::of(failing, 0)) == (is_reboot && with_reboots));
+  }
+}
+
+// Leases and clocks with which the resilient algorithm goes in bits.
+void test_which_times_go_in_bits() {
+  const auto goes = [](const Resilient::Times& times, const PerSide<double>& drift) {
+    const Channel channel = Channel::of(0.05, 0, 0, 0.01);
+    return TeamsInBits<Peers>::take(Peers(times, drift, channel, 0, left));
+  };
+  CHECK(goes({255, 254, 255, 255, 254}, {0, 0}));
+  CHECK(!goes({256, 254, 255, 255, 254}, {0, 0}) && !goes({255, 255, 255, 255, 254}, {0, 0}));
+  CHECK(!goes({255, 254, 256, 255, 254}, {0, 0}) && !goes({255, 254, 255, 256, 254}, {0, 0}));
+  CHECK(!goes({255, 254, 255, 255, 255}, {0, 0}));
+  CHECK(!goes({5, 50, 70, 5, 6}, {1e-6, 0}) && !goes({5, 50, 70, 5, 6}, {0, -1e-6}));
 }
 
 }  // namespace
@@ -237,12 +279,14 @@ int main() {
   test_there_is_never_more_than_one_unread_letter();
   const Seen pairs = test_every_team_goes_as_it_does_alone<Pair<Robot>>();
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
-  test_every_team_goes_as_it_does_alone<Station>();
+  const Seen stations = test_every_team_goes_as_it_does_alone<Station>();
+  CHECK(pairs.boots == 0 && stations.boots > 1000);
   const Seen peers = test_every_team_goes_as_it_does_alone<Peers>();
   CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
   for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
-  CHECK(peers.travelled > 10000);
-  test_who_has_a_plain_delay<Pair<Robot>>();
-  test_who_has_a_plain_delay<Station>();
-  test_who_has_a_plain_delay<Peers>();
+  CHECK(peers.travelled > 10000 && peers.boots > 1000);
+  test_who_goes_in_bits<Pair<Robot>>(false);
+  test_who_goes_in_bits<Station>(true);
+  test_who_goes_in_bits<Peers>(true);
+  test_which_times_go_in_bits();
 }

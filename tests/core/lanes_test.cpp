@@ -170,7 +170,7 @@ void add_bumps(Spec& spec, bool harsh) {
 
 // Long palms upon which the object comes to lie flush; from the flat ones bumps free it again.
 void set_long_palms(Spec& spec, bool flat) {
-  spec.bump_rate = flat ? 30 : 10;
+  spec.bump_rate = flat ? 60 : 10;
   spec.bump_max = flat ? 0.06 : 0.01;
   for (PalmSpec& palm : spec.palms) {
     palm.length = 0.8;
@@ -188,7 +188,7 @@ void set_zones_with_an_end(Spec& spec) {
 
 std::vector<Spec> mixed_specs() {
   std::vector<Spec> specs;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < 25; ++i) {
     Spec spec = paper_spec();
     spec.distance = 0.3 + 0.05 * i;
     spec.safe_reach = i % 2 == 0 ? -1 : 0.037;
@@ -216,6 +216,8 @@ std::vector<Spec> mixed_specs() {
     if (i == 21) spec.lease = 1.9;
     if (i == 22) spec.lease = 2.6;
     if (i == 23) spec.robots[left].clock_drift = 1e-3;
+    if (i == 24) spec.false_rate = 0.3;
+    if (i == 24) spec.direction = -1;
     specs.push_back(spec);
   }
   return specs;
@@ -248,8 +250,8 @@ int main() {
   const std::vector<Spec> specs = mixed_specs();
   for (const std::string_view controller : controller_names) {
     with_team(controller, [&](auto make) {
-      test_lockstep<double>(make, specs, 240);
-      test_lockstep<float>(make, specs, 240);
+      test_lockstep<double>(make, specs, 500);
+      test_lockstep<float>(make, specs, 500);
     });
   }
   CHECK(outcomes[1] && outcomes[2] && outcomes[3]);  // delivered, dropped, stalled

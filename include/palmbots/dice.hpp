@@ -1,0 +1,71 @@
+// What the random numbers of several carries side by side depend on.
+#pragma once
+
+#include <cstring>
+
+#include "palmbots/philox.hpp"
+
+namespace palmbots {
+
+// For n carries side by side.
+template <int n>
+struct Dice {
+  std::array<std::uint64_t, n> seed;
+  std::array<std::uint64_t, n> start;       // the tick at which the carry began
+  std::array<std::uint64_t, n> left_leads;  // all bits: the left robot leads; none: the right one
+  std::array<double, n> false_words;        // a reading is false where a word is below that
+
+  // Words of one draw are as wide as this, and so are parts of a row.
+  static constexpr std::size_t width = detail::draws_at_once;
+  static constexpr std::size_t parts = n / width;
+  static_assert(n % width == 0);
+
+  static detail::Halves part(const std::array<std::uint64_t, n>& row, std::size_t p) {
+    detail::Halves found;
+    std::memcpy(&found, row.data() + p * width, sizeof found);
+    return found;
+  }
+
+  // Draws of a stream in several ticks, `apart` from each other, in all lanes: in turn, so that none
+  // waits for another.
+  template <std::size_t ticks>
+  class Draws {
+   public:
+    Draws(const Dice& dice, Stream stream, std::uint64_t first, std::uint64_t apart)
+        : stream_(detail::Halves{} + static_cast<std::uint32_t>(stream)), step_(ticks * apart) {
+      for (std::size_t i = 0; i < ticks * parts; ++i) {
+        k0_[i] = part(dice.seed, i % parts);
+        k1_[i] = k0_[i] >> 32;
+        tick_[i] = first + apart * (i / parts) - part(dice.start, i % parts);
+      }
+    }
+
+    // Goes on to the next ones.
+    void next() {
+      std::array<detail::Draws, ticks * parts> counters;
+      for (std::size_t i = 0; i < ticks * parts; ++i) {
+        counters[i] = {tick_[i], stream_};
+        tick_[i] += step_;
+      }
+      words_ = detail::philox(counters, k0_, k1_);
+    }
+
+    // A word, of those of one of the ticks and part of the lanes; its upper halves mean nothing.
+    detail::Halves word(std::size_t tick, std::size_t p, std::size_t which) const {
+      return words_[tick * parts + p][which];
+    }
+
+   private:
+    detail::Halves stream_;
+    std::uint64_t step_;
+    std::array<detail::Halves, ticks * parts> k0_;
+    std::array<detail::Halves, ticks * parts> k1_;
+    std::array<detail::Halves, ticks * parts> tick_;
+    std::array<detail::Draws, ticks * parts> words_;
+  };
+
+  // As many in turn as there are registers for.
+  static constexpr std::size_t in_turn = (width == 8 ? 4 : 2) / parts;
+};
+
+}  // namespace palmbots
