@@ -96,6 +96,8 @@ class Carry : public Bearers<Real, Team> {
  private:
   template <class, int, class>
   friend class Lockstep;
+  template <class, int, class>
+  friend class Crowd;
 
   using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;

@@ -11,47 +11,13 @@
 // longest_correction, limit_cycle).
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
+#include "palmbots/crowd.hpp"
 #include "palmbots/lane_noise.hpp"
-#include "palmbots/lane_readings.hpp"
-#include "palmbots/pairs_in_bits.hpp"
-#include "palmbots/peers_in_bits.hpp"
-#include "palmbots/recorder.hpp"
-#include "palmbots/stations_in_bits.hpp"
 
 namespace palmbots {
-
-// When programs of robots stop or start to run, for each of 64 carries.
-class HostChanges {
- public:
-  static constexpr std::uint64_t none = ~std::uint64_t{0};
-
-  HostChanges() { at_.fill(none); }
-  void at(int i, std::uint64_t tick) {
-    at_[static_cast<std::size_t>(i)] = tick;
-    first_ = std::min(first_, tick);
-  }
-  void never(int i) { at_[static_cast<std::size_t>(i)] = none; }
-
-  bool due(std::uint64_t tick) const { return tick >= first_; }
-  // change(i) tells for each that is due when the next one is.
-  template <class Change>
-  void each(std::uint64_t tick, Change&& change) {
-    first_ = none;
-    for (int i = 0; i < 64; ++i) {
-      std::uint64_t& when = at_[static_cast<std::size_t>(i)];
-      if (when <= tick) when = change(i);
-      first_ = std::min(first_, when);
-    }
-  }
-
- private:
-  std::array<std::uint64_t, 64> at_;
-  std::uint64_t first_ = none;  // no later than any of them
-};
 
 // Lanes<Real, n> numbers; Team as in Carry.
 template <class Real, int n, class Team>
@@ -70,7 +36,6 @@ class Lockstep {
     for (std::uint64_t tick = 0; busy != 0 || more; ++tick) {
       if (tick % block_ticks == 0) {
         if (stop()) return;
-        any_falsified_ = false;
         for (Pack& pack : packs_) more = refill(pack, tick, more, next, done);
       }
       for (Pack& pack : packs_) {
@@ -88,8 +53,7 @@ class Lockstep {
  private:
   // As many carries as a word has bits.
   static constexpr std::size_t pack_count = 64 / n;
-  static constexpr std::uint32_t all_lanes = (1U << n) - 1;
-  using Crowd = TeamsInBits<Team>;
+  static constexpr bool has_crowd = Crowd<Real, n, Team>::exists;
 
   struct Lane {
     std::optional<One> carry;
@@ -108,18 +72,11 @@ class Lockstep {
     PerSide<V> from;
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> turned;
-    // Of carries whose team is one of those in bits: from where on palms read 0 or +, and +, and what
-    // moves come to.
-    V not_negative;
-    V positive;
-    PerSide<std::array<V, 3>> speeds;
-    PerSide<std::array<V, 3>> resting;  // the same while they rest
-    std::uint32_t odd = 0;              // lanes whose readings may be false
-    std::uint32_t bumpy = 0;            // lanes in which there are bumps
-    std::uint32_t shaken = 0;           // those in which there was one in this tick
+    std::uint32_t odd = 0;     // lanes whose readings may be false
+    std::uint32_t bumpy = 0;   // lanes in which there are bumps
+    std::uint32_t shaken = 0;  // those in which there was one in this tick
     Dice<n> dice{};
     PerSide<std::array<V, block_ticks>> noise;
-    FalseReadings<block_ticks> readings;  // of carries whose team is one of those in bits
     // Ticks from the begin of the block at which a lane's team wants to be asked, and its time is over.
     V wake;
     V timeout;
@@ -149,12 +106,7 @@ class Lockstep {
     }
     if (pack.busy == 0) return more;
     draw_noise(pack.dice, tick, pack.noise);
-    if constexpr (Crowd::exist) {
-      if (falsified(pack) != 0) {
-        any_falsified_ = true;
-        draw_readings(pack.dice, tick, pack.readings);
-      }
-    }
+    if constexpr (has_crowd) crowd_.draw(number(pack), pack.dice, tick);
     return more;
   }
 
@@ -174,43 +126,20 @@ class Lockstep {
       goal = std::nextafter(goal, std::numeric_limits<Real>::infinity());
     }
     pack.goal.raw[l] = goal;
-    if constexpr (Crowd::exist) enlist(pack, l, one);
     const auto i = static_cast<std::size_t>(l);
     const std::uint64_t start = pack.lanes[i].start;
+    if constexpr (has_crowd) crowd_.put(bit(pack, l), start, one);
     pack.dice.seed[i] = one.seed_;
     pack.dice.start[i] = start;
     pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
     pack.dice.false_words[i] = double(one.tactile_.false_words());
   }
 
-  // The team goes on in bits, if it can.
-  void enlist(Pack& pack, int l, const One& one) {
-    const auto steps = one.tactile_.steps();
-    if (!steps || !Crowd::take(one.team_)) return;
-    pack.not_negative.raw[l] = steps->not_negative;
-    pack.positive.raw[l] = steps->positive;
-    for (const std::size_t side : {left, right}) {
-      for (const Move move : {Move::hold, Move::away, Move::closer}) {
-        const auto i = static_cast<std::size_t>(move);
-        pack.speeds[side][i].raw[l] = one.goal_speed(side, {Palm::steep, move});
-        pack.resting[side][i].raw[l] = one.goal_speed(side, {Palm::steep, move, true});
-      }
-    }
-    const int i = bit(pack, l);
-    crowd_.put(i, one.team_);
-    in_bits_ |= Bits{1} << i;
-    if (one.faults_.any()) host_changes_.at(i, pack.lanes[static_cast<std::size_t>(l)].start);
+  std::size_t number(const Pack& pack) const {
+    return static_cast<std::size_t>(&pack - packs_.data());
   }
-
   // Which bit of a word tells of a lane.
-  int bit(const Pack& pack, int l = 0) const {
-    return static_cast<int>(&pack - packs_.data()) * n + l;
-  }
-
-  // Those of them whose team is one of those in bits.
-  std::uint32_t falsified(const Pack& pack) const {
-    return pack.odd & static_cast<std::uint32_t>(in_bits_ >> bit(pack)) & all_lanes;
-  }
+  int bit(const Pack& pack, int l = 0) const { return static_cast<int>(number(pack)) * n + l; }
 
   void collect(Pack& pack, int l, std::uint64_t tick) {
     One& one = follow(pack, l, tick);
@@ -295,17 +224,7 @@ class Lockstep {
   void leave(Pack& pack, int l, Done& done) {
     pack.busy &= ~(1U << l);
     Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
-    if constexpr (Crowd::exist) {
-      const int i = bit(pack, l);
-      if ((in_bits_ >> i & 1) != 0) {
-        One& one = *lane.carry;
-        crowd_.tell(i, one.tick_, one.metrics_, one.team_.traffic);
-        crowd_.remove(i);
-        in_bits_ &= ~(Bits{1} << i);
-        for (BothBits* hosts : {&hosts_.off, &hosts_.boots}) *hosts &= ~both_at(i);
-        host_changes_.never(i);
-      }
-    }
+    if constexpr (has_crowd) crowd_.remove(bit(pack, l), *lane.carry);
     done(lane.index, *lane.carry);
   }
 
@@ -331,7 +250,7 @@ class Lockstep {
   // the first is asked: a processor that guesses wrong does so once a tick.
   [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {
     Bits asked = 0;
-    SensedBits sensed;
+    [[maybe_unused]] SensedBits sensed;
     for (std::size_t p = pack_count; p-- > 0;) {
       Pack& pack = packs_[p];
       const PerSide<V> touched = where_touched(pack);
@@ -339,103 +258,21 @@ class Lockstep {
       PerSide<LaneMask<Real, n>> turned;
       on_both_sides([&](std::size_t side) {
         turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
-        if constexpr (Crowd::exist) {
-          const auto append = [&](BothBits& words, LaneMask<Real, n> mask) {
-            words[side] = words[side] << n | mask.bits();
-          };
-          append(sensed.positive, touched[side] >= pack.positive);
-          append(sensed.negative, touched[side] < pack.not_negative);
-          append(sensed.turned, turned[side]);
-        }
       });
-      const std::uint32_t one_by_one =
-          pack.busy & ~static_cast<std::uint32_t>(in_bits_ >> bit(pack));
-      if (!Crowd::exist || one_by_one != 0) {
+      std::uint32_t one_by_one = pack.busy;
+      if constexpr (has_crowd) {
+        crowd_.sense(p, touched, turned, sensed);
+        one_by_one &= ~static_cast<std::uint32_t>(crowd_.here() >> bit(pack));
+      }
+      if (!has_crowd || one_by_one != 0) {
         asked |= Bits{news(pack, touched, turned, tick) & one_by_one} << bit(pack);
       }
     }
-    if constexpr (Crowd::exist) {
-      if (in_bits_ != 0) {
-        if (any_falsified_) falsify(sensed, tick);
-        decide(tick, sensed);
-      }
+    if constexpr (has_crowd) {
+      const auto robots = [&](std::size_t p) -> Robots<V>& { return packs_[p].robots; };
+      if (crowd_.here() != 0) crowd_.decide(tick, sensed, robots);
     }
     each_bit(asked, [&](int i) { ask(packs_[static_cast<std::size_t>(i / n)], i % n, tick); });
-  }
-
-  // What sensors that may tell something false make of it.
-  [[gnu::noinline]] void falsify(SensedBits& sensed, std::uint64_t tick) {
-    BothBits wrong{};
-    BothBits once{};
-    for (const Pack& pack : packs_) {
-      const Bits here = falsified(pack);
-      for (const std::size_t side : {left, right}) {
-        const auto put = [&](BothBits& words, const auto& rows) {
-          words[side] |= (rows[side][tick % block_ticks] & here) << bit(pack);
-        };
-        put(wrong, pack.readings.wrong);
-        put(once, pack.readings.once);
-      }
-    }
-    sensed.falsify(wrong, once);
-  }
-
-  // The teams in bits.
-  [[gnu::always_inline]] void decide(std::uint64_t tick, const SensedBits& sensed) {
-    const CommandBits& commands = crowd_.commands();
-    hosts_.boots = BothBits{};
-    if (host_changes_.due(tick)) change_hosts(tick);
-    for (Bits are_new = crowd_.step(tick, sensed, hosts_); are_new != 0;) {
-      const int first = std::countr_zero(are_new) / n * n;
-      const auto here = [&](Bits word) {
-        return LaneMask<Real, n>::of(static_cast<std::uint32_t>(word >> first) & all_lanes);
-      };
-      Pack& pack = packs_[static_cast<std::size_t>(first / n)];
-      const LaneMask<Real, n> told = here(are_new);
-      are_new &= ~(Bits{all_lanes} << first);
-      on_both_sides([&](std::size_t side) {
-        const Wrist<V>& wrist = pack.robots.wrists[side];
-        V& angle = pack.robots.goal_angle[side];
-        V& speed = pack.robots.goal_speed[side];
-        const auto moving = [&](const std::array<V, 3>& speeds) {
-          const auto& [hold, away, closer] = speeds;
-          return select(here(commands.away[side]), away,
-                        select(here(commands.closer[side]), closer, hold));
-        };
-        const V to = select(here(commands.shallow[side]), wrist.shallow, wrist.steep);
-        V by = moving(pack.speeds[side]);
-        if constexpr (Crowd::rest) {
-          V& brakes = pack.robots.brakes[side];
-          const LaneMask<Real, n> rests = here(commands.rest[side]);
-          by = select(rests, moving(pack.resting[side]), by);
-          brakes = select(told, select(rests & (by == V(0)), V(1), V(0)), brakes);
-        }
-        angle = select(told, to, angle);
-        speed = select(told, by, speed);
-      });
-    }
-  }
-
-  // Robots go off, or boot.
-  [[gnu::noinline]] void change_hosts(std::uint64_t tick) {
-    host_changes_.each(tick, [&](int i) {
-      const auto p = static_cast<std::size_t>(i / n);
-      const Lane& lane = packs_[p].lanes[static_cast<std::size_t>(i % n)];
-      const auto own_tick = static_cast<std::uint32_t>(tick - lane.start);
-      const Faults& faults = lane.carry->faults_;
-      std::uint32_t next = ~0U;
-      for (const std::size_t side : {left, right}) {
-        const bool is_off = faults.host(own_tick, side) == Host::off;
-        if (is_off) {
-          hosts_.off[side] |= Bits{1} << i;
-        } else {
-          hosts_.boots[side] |= hosts_.off[side] & Bits{1} << i;
-          hosts_.off[side] &= ~(Bits{1} << i);
-        }
-        next = std::min(next, faults.next_change(own_tick, side));
-      }
-      return next == ~0U ? HostChanges::none : lane.start + next;
-    });
   }
 
   // For which lanes it is news what their robots sense.
@@ -500,11 +337,7 @@ class Lockstep {
   }
 
   std::array<Pack, pack_count> packs_{};
-  Crowd crowd_;
-  Bits in_bits_ = 0;  // who is among them
-  HostBits hosts_;    // whose programs run
-  HostChanges host_changes_;
-  bool any_falsified_ = false;  // there is somebody among them whose readings may be false
+  Crowd<Real, n, Team> crowd_;
 };
 
 // As many lanes as a register has room for.
