@@ -42,6 +42,8 @@ CASES: list[tuple[str, str, dict[str, object]]] = [
     ("none", "none", {}),
     ("distributed, palms 1 cm above their pivots", "distributed", {"palm.pivot_offset_m": 0.01}),
     ("distributed, 1 % of messages lost", "distributed", {"radio.loss": 0.01}),
+    ("centralized, 1 % of messages lost", "centralized", {"radio.loss": 0.01}),
+    ("resilient, 1 % of messages lost", "resilient", {"radio.loss": 0.01}),
     ("distributed, false readings", "distributed", {"tactile.false_rate": 0.001}),
     ("distributed, one reboot", "distributed", {"faults.reboots": 1}),
     ("centralized, one reboot", "centralized", {"faults.reboots": 1}),

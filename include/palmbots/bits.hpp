@@ -72,6 +72,17 @@ class BitCounts {
   BothBits large_{};  // whose rest is not 0
 };
 
+// What two robots have sent to each other.
+inline void tell_links(int i, const BitCounts& sent, const BitCounts& lost, Traffic& traffic) {
+  traffic.sent = 0;
+  traffic.lost = 0;
+  for (const std::size_t side : {left, right}) {
+    LinkCounts& link = traffic.links[side];
+    traffic.sent += link.sent = sent.of(side, i);
+    traffic.lost += link.lost = lost.of(side, i);
+  }
+}
+
 // A number of each robot, from 0 to `most`; what would be more stays `most`.
 class NumberBits {
  public:
@@ -143,6 +154,12 @@ struct HostBits {
   BothBits boots{};
 };
 
+// Whose messages are lost if they are sent now: those of the robots, and those of the station to them.
+struct LossBits {
+  BothBits from_robot{};
+  BothBits from_station{};
+};
+
 struct CommandBits {
   BothBits shallow{};  // otherwise steep
   BothBits away{};
@@ -202,10 +219,11 @@ class DelayBits {
 //   static bool take(const Team&)    whether such a team can go on in bits
 //   void put(int i, const Team&)     as team i it does, from its first tick on
 //   void remove(int i)               it is over, and does nothing any more
-//   Bits step(tick, SensedBits, HostBits)   one tick of all of them; in which of them commands are new
+//   Bits step(tick, SensedBits, HostBits, LossBits)   one tick of all; in which of them commands are new
 //   commands()
 //   void tell(int i, ticks, Metrics&, Traffic&)   what is known of team i after so many ticks
 //   static constexpr bool rest       whether robots are ever told to
+//   static constexpr bool station    whether there is one
 template <class Team>
 struct TeamsInBits {
   static constexpr bool exist = false;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "palmbots/lane_readings.hpp"
+#include "palmbots/lane_chances.hpp"
 #include "palmbots/pairs_in_bits.hpp"
 #include "palmbots/peers_in_bits.hpp"
 #include "palmbots/recorder.hpp"
@@ -100,6 +100,7 @@ class Crowd {
     hosts_.put(i, start, one.faults_);
     here_ |= Bits{1} << i;
     if (one.tactile_.has_false_readings()) misread_ |= Bits{1} << i;
+    if (one.team_.radio().loss_words() > 0) lossy_ |= Bits{1} << i;
   }
 
   // Carry i is over, and learns what is known of its team.
@@ -110,6 +111,7 @@ class Crowd {
     hosts_.remove(i);
     here_ &= ~(Bits{1} << i);
     misread_ &= ~(Bits{1} << i);
+    lossy_ &= ~(Bits{1} << i);
   }
 
   // Those whose teams are here.
@@ -117,7 +119,12 @@ class Crowd {
 
   // Before a block of ticks.
   void draw(std::size_t pack, const Dice<n>& dice, std::uint64_t tick) {
-    if (of(pack, misread_) != 0) draw_readings(dice, tick, shares_[pack].readings);
+    Share& share = shares_[pack];
+    if (of(pack, misread_) != 0) draw_readings(dice, tick, share.readings);
+    if (of(pack, lossy_) != 0) {
+      draw_losses(dice, 0, tick, share.reports_lost);
+      if (Teams::station) draw_losses(dice, 2, tick, share.commands_lost);
+    }
   }
 
   // What the robots of a pack sense, packs from the last one down.
@@ -138,7 +145,8 @@ class Crowd {
   template <class RobotsOf>
   [[gnu::always_inline]] void decide(std::uint64_t tick, SensedBits& sensed, RobotsOf&& robots) {
     if (misread_ != 0) falsify(tick, sensed);
-    for (Bits are_new = teams_.step(tick, sensed, hosts_.at(tick)); are_new != 0;) {
+    const LossBits lost = lossy_ != 0 ? losses(tick) : LossBits{};
+    for (Bits are_new = teams_.step(tick, sensed, hosts_.at(tick), lost); are_new != 0;) {
       const auto pack = static_cast<std::size_t>(std::countr_zero(are_new) / n);
       obey(pack, are_new, robots(pack));
       are_new &= ~(all_lanes << pack * n);
@@ -156,6 +164,8 @@ class Crowd {
     PerSide<std::array<V, 3>> speeds;   // what moves come to
     PerSide<std::array<V, 3>> resting;  // … of robots that rest
     FalseReadings<block_ticks> readings;
+    ChanceRows<block_ticks> reports_lost;   // what robots send
+    ChanceRows<block_ticks> commands_lost;  // … and a station
   };
 
   static std::uint32_t of(std::size_t pack, Bits word) {
@@ -164,16 +174,29 @@ class Crowd {
 
   // What sensors that may tell something false make of it.
   [[gnu::noinline]] void falsify(std::uint64_t tick, SensedBits& sensed) const {
-    BothBits wrong{};
-    BothBits once{};
+    const BothBits wrong =
+        come_true(tick, misread_, [](const Share& s) -> const auto& { return s.readings.wrong; });
+    const BothBits once =
+        come_true(tick, misread_, [](const Share& s) -> const auto& { return s.readings.once; });
+    sensed.falsify(wrong, once);
+  }
+
+  [[gnu::noinline]] LossBits losses(std::uint64_t tick) const {
+    return {come_true(tick, lossy_, [](const Share& s) -> const auto& { return s.reports_lost; }),
+            come_true(tick, lossy_, [](const Share& s) -> const auto& { return s.commands_lost; })};
+  }
+
+  // What happens by chance in a tick, to these.
+  template <class Rows>
+  [[gnu::always_inline]] BothBits come_true(std::uint64_t tick, Bits these, Rows&& rows) const {
+    BothBits found{};
     for (std::size_t p = 0; p < packs; ++p) {
-      const FalseReadings<block_ticks>& readings = shares_[p].readings;
+      const ChanceRows<block_ticks>& row = rows(shares_[p]);
       for (const std::size_t side : {left, right}) {
-        wrong[side] |= Bits{readings.wrong[side][tick % block_ticks]} << p * n;
-        once[side] |= Bits{readings.once[side][tick % block_ticks]} << p * n;
+        found[side] |= Bits{row[side][tick % block_ticks]} << p * n;
       }
     }
-    sensed.falsify(wrong & (BothBits{} + misread_), once);
+    return found & (BothBits{} + these);
   }
 
   [[gnu::always_inline]] void obey(std::size_t pack, Bits are_new, Robots<V>& robots) const {
@@ -204,6 +227,7 @@ class Crowd {
   Hosts hosts_;
   Bits here_ = 0;
   Bits misread_ = 0;  // those of them whose readings may be false
+  Bits lossy_ = 0;    // … whose messages may be lost
   std::array<Share, packs> shares_{};
 };
 

@@ -14,6 +14,7 @@ struct Dice {
   std::array<std::uint64_t, n> start;       // the tick at which the carry began
   std::array<std::uint64_t, n> left_leads;  // all bits: the left robot leads; none: the right one
   std::array<double, n> false_words;        // a reading is false where a word is below that
+  std::array<double, n> loss_words;         // a message is lost where a word is below that
 
   // Words of one draw are as wide as this, and so are parts of a row.
   static constexpr std::size_t width = detail::draws_at_once;
@@ -26,13 +27,22 @@ struct Dice {
     return found;
   }
 
-  // Draws of a stream in several ticks, `apart` from each other, in all lanes: in turn, so that none
+  std::uint32_t lanes_in_which_left_leads() const {
+    std::uint32_t bits = 0;
+    for (std::size_t l = 0; l < n; ++l) bits |= (left_leads[l] != 0 ? 1U : 0U) << l;
+    return bits;
+  }
+
+  // Draws of a stream, in one of its lanes, in several ticks, `apart` from each other, in all lanes: in turn, so that none
   // waits for another.
   template <std::size_t ticks>
   class Draws {
    public:
-    Draws(const Dice& dice, Stream stream, std::uint64_t first, std::uint64_t apart)
-        : stream_(detail::Halves{} + static_cast<std::uint32_t>(stream)), step_(ticks * apart) {
+    Draws(const Dice& dice, Stream stream, std::uint32_t lane, std::uint64_t first,
+          std::uint64_t apart)
+        : stream_(detail::Halves{} + static_cast<std::uint32_t>(stream)),
+          lane_(detail::Halves{} + lane),
+          step_(ticks * apart) {
       for (std::size_t i = 0; i < ticks * parts; ++i) {
         k0_[i] = part(dice.seed, i % parts);
         k1_[i] = k0_[i] >> 32;
@@ -44,7 +54,7 @@ struct Dice {
     void next() {
       std::array<detail::Draws, ticks * parts> counters;
       for (std::size_t i = 0; i < ticks * parts; ++i) {
-        counters[i] = {tick_[i], stream_};
+        counters[i] = {tick_[i], stream_, lane_};
         tick_[i] += step_;
       }
       words_ = detail::philox(counters, k0_, k1_);
@@ -57,6 +67,7 @@ struct Dice {
 
    private:
     detail::Halves stream_;
+    detail::Halves lane_;
     std::uint64_t step_;
     std::array<detail::Halves, ticks * parts> k0_;
     std::array<detail::Halves, ticks * parts> k1_;

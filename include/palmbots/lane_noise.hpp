@@ -55,7 +55,7 @@ void draw_noise(const Dice<n>& dice, std::uint64_t first,
     return detail::join(all);
   };
   const auto left_leads = joined([&](std::size_t p) { return D::part(dice.left_leads, p); });
-  typename D::template Draws<D::in_turn> draws(dice, Stream::noise, first, 2);
+  typename D::template Draws<D::in_turn> draws(dice, Stream::noise, 0, first, 2);
   for (std::size_t k = 0; k < ticks; k += 2 * D::in_turn) {
     draws.next();
     for (std::size_t i = 0; i < 2 * D::in_turn; ++i) {

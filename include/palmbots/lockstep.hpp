@@ -133,6 +133,7 @@ class Lockstep {
     pack.dice.start[i] = start;
     pack.dice.left_leads[i] = one.leader() == left ? ~std::uint64_t{0} : 0;
     pack.dice.false_words[i] = double(one.tactile_.false_words());
+    if constexpr (has_crowd) pack.dice.loss_words[i] = double(one.team_.radio().loss_words());
   }
 
   std::size_t number(const Pack& pack) const {

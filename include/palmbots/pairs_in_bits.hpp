@@ -1,7 +1,7 @@
 // The distributed algorithm for sixty-four pairs of robots at once: a bit a robot.
 //
 // What Pair<Distributed> (team.hpp) does letter by letter is done here in words; the table is the one in
-// protocol.hpp. For pairs whose robots never fail and whose messages all take the same time.
+// protocol.hpp. For pairs whose robots never fail and whose messages all take the same time, or are lost.
 #pragma once
 
 #include "palmbots/states_in_bits.hpp"
@@ -16,15 +16,16 @@ class PairsInBits {
 
  public:
   static constexpr bool rest = false;
+  static constexpr bool station = false;
 
   static bool take(const Pair<Robot>& team) {
-    return DelayBits::take(team.plain_delay()) && !team.faults().any();
+    return DelayBits::take(team.radio().steady_delay()) && !team.faults().any();
   }
 
   void put(int i, const Pair<Robot>& team) {
     robots_.put(both_at(i), Robot::State::idle);
-    delays_.put(i, team.plain_delay());
-    sent_.clear(both_at(i));
+    delays_.put(i, team.radio().steady_delay());
+    for (BitCounts* counts : {&sent_, &lost_}) counts->clear(both_at(i));
     cases_.put(i);
   }
 
@@ -37,7 +38,7 @@ class PairsInBits {
     cases_.remove(i);
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits&) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits&, const LossBits& lost) {
     Letters& arrived = line_[tick % line_.size()];
     inbox_.put(~BothBits{}, arrived);
     arrived = {};
@@ -48,8 +49,11 @@ class PairsInBits {
         [&](const Robot::Row& row, BothBits whose) { send.put(whose, row.send); });
     inbox_.remove(read);
     const Letters letters = send.swapped();
-    delays_.each(tick, [&](std::size_t row, BothBits whose) { line_[row].put(whose, letters); });
+    const BothBits come = ~swapped(lost.from_robot);
+    delays_.each(tick,
+                 [&](std::size_t row, BothBits whose) { line_[row].put(whose & come, letters); });
     sent_.add(send.any());
+    lost_.add(send.any() & lost.from_robot);
     cases_.note(robots_);
     const CommandBits before = std::exchange(commands_, robots_.commands());
     return commands_.differ(before);
@@ -59,8 +63,7 @@ class PairsInBits {
 
   void tell(int i, std::uint32_t ticks, Metrics& metrics, Traffic& traffic) const {
     cases_.tell(i, ticks, metrics);
-    for (const std::size_t side : {left, right}) traffic.links[side].sent = sent_.of(side, i);
-    traffic.sent = traffic.links[left].sent + traffic.links[right].sent;
+    tell_links(i, sent_, lost_, traffic);
   }
 
  private:
@@ -107,6 +110,7 @@ class PairsInBits {
   DelayBits delays_;
   CommandBits commands_;
   BitCounts sent_;
+  BitCounts lost_;
   CasesInBits cases_;
 };
 

@@ -79,8 +79,7 @@ class Peers {
 
   // Whether the robots' clocks are the carry's.
   bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
-  // As that of the radio.
-  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
  private:

@@ -2,7 +2,7 @@
 //
 // What Peers (peers.hpp) and Resilient do beacon by beacon is done here in words; the table is the one in
 // resilient.hpp. For pairs whose robots do not fail but by reboots, whose clocks are the carry's and whose
-// beacons all take the same time. Then none overtakes another, so that what comes is news, and of the two
+// beacons all take the same time, or are lost. Then none overtakes another, so that what comes is news, and of the two
 // stamps in a beacon its age is all that counts: it goes along with it. An echo of what a robot sent before
 // it booted is older than its life.
 #pragma once
@@ -19,13 +19,14 @@ class PeersInBits {
 
  public:
   static constexpr bool rest = true;
+  static constexpr bool station = false;
 
   static bool take(const Peers& team) {
     const Robot::Times& t = team.times();
     const std::uint32_t longest =
         std::max({std::uint32_t{t.beacon}, t.lease + 1U, std::uint32_t{t.hold},
                   std::uint32_t{t.braking}, t.join + 1U});
-    return longest <= NumberBits::most && DelayBits::take(team.plain_delay()) &&
+    return longest <= NumberBits::most && DelayBits::take(team.radio().steady_delay()) &&
            team.keeps_time() && team.faults().are_reboots();
   }
 
@@ -37,14 +38,14 @@ class PeersInBits {
     hold_.put(here, t.hold);
     braking_.put(here, t.braking);
     long_ago_.put(here, t.join + 1U);
-    there_and_back_.put(here, 2 * team.plain_delay());
-    delays_.put(i, team.plain_delay());
+    there_and_back_.put(here, 2 * team.radio().steady_delay());
+    delays_.put(i, team.radio().steady_delay());
     for (const std::size_t side : {left, right}) {
       if (team.robot(side).yields()) yields_[side] |= Bits{1} << i;
     }
     there_ |= here;
     boot(here);
-    for (BitCounts* counts : {&sent_, &late_}) counts->clear(here);
+    for (BitCounts* counts : {&sent_, &lost_, &late_}) counts->clear(here);
     cases_.put(i);
   }
 
@@ -60,7 +61,8 @@ class PeersInBits {
     cases_.remove(i);
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts,
+            const LossBits& lost) {
     if (either(hosts.boots) != 0) [[unlikely]]
       boot(hosts.boots);
     const BothBits run = there_ & ~hosts.off;
@@ -105,8 +107,9 @@ class PeersInBits {
     const BothBits news = says_.differ(said) | (rests_ ^ rested);
     const BothBits send = (news | since_sent_.at_least(beacon_)) & run;
     since_sent_.put(send, 0);
-    post(tick, send, ready_now | (~rests_ & lately_ready));
+    post(tick, send & ~lost.from_robot, ready_now | (~rests_ & lately_ready));
     sent_.add(send);
+    lost_.add(send & lost.from_robot);
     cases_.note(robots_);
     const CommandBits before = std::exchange(commands_, robots_.commands());
     commands_.rest = rests_;
@@ -118,11 +121,8 @@ class PeersInBits {
 
   void tell(int i, std::uint32_t ticks, Metrics& metrics, Traffic& traffic) const {
     cases_.tell(i, ticks, metrics);
-    for (const std::size_t side : {left, right}) {
-      traffic.links[side].sent = sent_.of(side, i);
-      traffic.links[side].late = late_.of(side, i);
-    }
-    traffic.sent = traffic.links[left].sent + traffic.links[right].sent;
+    tell_links(i, sent_, lost_, traffic);
+    for (const std::size_t side : {left, right}) traffic.links[side].late = late_.of(side, i);
   }
 
  private:
@@ -285,6 +285,7 @@ class PeersInBits {
   DelayBits delays_;
   CommandBits commands_;
   BitCounts sent_;
+  BitCounts lost_;
   BitCounts late_;
   CasesInBits cases_;
 };

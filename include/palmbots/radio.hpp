@@ -75,9 +75,12 @@ struct Channel {
     return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0;
   }
   // Does every message arrive, unharmed and once, after the same time?
-  constexpr bool is_plain() const {
-    return !is_random() && corrupt_words == 0 && !(airtime_ticks > 0) && outage_count == 0 &&
-           mishap_count == 0;
+  constexpr bool is_plain() const { return !is_random() && is_steady(); }
+  // The same but for those that are lost, of which each is by itself?
+  constexpr bool is_steady() const {
+    const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
+    return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
+           outage_count == 0 && mishap_count == 0;
   }
   constexpr bool loses(const Words& words) const { return words[0] < loss_words; }
 

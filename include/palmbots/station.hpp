@@ -71,8 +71,7 @@ class Station {
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
 
-  // As that of the radio.
-  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
   char name(std::size_t) const {

@@ -3,7 +3,7 @@
 //
 // What Station (station.hpp) does packet by packet is done here in words; the cases are those of
 // Centralized::table. For pairs whose robots do not fail but by reboots, whose stations never do, and whose
-// packets all take the same time.
+// packets all take the same time, or are lost.
 #pragma once
 
 #include "palmbots/bits.hpp"
@@ -135,15 +135,17 @@ class ControllersInBits {
 class StationsInBits {
  public:
   static constexpr bool rest = true;  // when it is off
+  static constexpr bool station = true;
 
   static bool take(const Station& team) {
-    return DelayBits::take(team.plain_delay()) && team.faults().are_reboots();
+    return DelayBits::take(team.radio().steady_delay()) && team.faults().are_reboots();
   }
 
   void put(int i, const Station& team) {
     controllers_.put(i);
-    delays_.put(i, team.plain_delay());
-    for (BitCounts* counts : {&corrections_, &off_}) counts->clear(both_at(i));
+    delays_.put(i, team.radio().steady_delay());
+    for (BitCounts* counts : {&corrections_, &off_, &reports_lost_, &commands_lost_})
+      counts->clear(both_at(i));
   }
 
   void remove(int i) {
@@ -152,25 +154,28 @@ class StationsInBits {
     delays_.remove(i);
     for (Row& row : line_) {
       row.reported &= those;
-      row.commands.remove(~those);
+      row.told &= those;
     }
     commands_.remove(~those);
     heard_ &= those;
   }
 
-  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts) {
+  Bits step(std::uint64_t tick, const SensedBits& sensed, const HostBits& hosts,
+            const LossBits& lost) {
     const Row& arrived = line_[tick % line_.size()];
     const CommandBits before = commands_;
     const ReportBits said{sensed.positive, sensed.negative, commands_.shallow, sensed.turned};
     hear(arrived, tick);
-    // Robots that have heard nothing yet, or nothing since they booted, do what an empty row says; and a
-    // station that has not heard from both says that, too.
-    commands_ = arrived.commands;
-    const CommandBits told = controllers_.step(heard_[left] & heard_[right], reports_);
-    if (either(hosts.off) != 0) [[unlikely]] {
-      commands_.shallow = (commands_.shallow & ~hosts.off) | (before.shallow & hosts.off);
-      commands_.switch_off(hosts.off);
+    obey(arrived, hosts);
+    const Bits hear_both = heard_[left] & heard_[right];
+    const CommandBits told = controllers_.step(hear_both, reports_);
+    const BothBits tell = BothBits{} + hear_both;
+    // Few are ever off, and few lose messages.
+    if (either(hosts.off) != 0) [[unlikely]]
       off_.add(hosts.off);
+    if (either(lost.from_robot | lost.from_station) != 0) {
+      reports_lost_.add(lost.from_robot & ~hosts.off);
+      commands_lost_.add(lost.from_station & tell);
     }
     corrections_.add(BothBits{controllers_.entered(), 0});
     delays_.each(tick, [&](std::size_t place, BothBits whose) {
@@ -185,7 +190,8 @@ class StationsInBits {
       put(row.commands.shallow, told.shallow);
       put(row.commands.away, told.away);
       put(row.commands.closer, told.closer);
-      put(row.reported, ~hosts.off);
+      put(row.reported, ~(hosts.off | lost.from_robot));
+      put(row.told, tell & ~lost.from_station);
     });
     now_ = tick;
     return commands_.differ(before);
@@ -199,22 +205,42 @@ class StationsInBits {
     const bool heard = (heard_[left] & heard_[right] & Bits{1} << i) != 0;
     const std::uint64_t answers = heard ? now_ + 1 - heard_since_[static_cast<std::size_t>(i)] : 0;
     traffic.sent = 0;
+    traffic.lost = 0;
     for (const std::size_t side : {left, right}) {
       metrics.waiting_ticks[side] = 0;
       metrics.waits_since[side] = ticks;
       traffic.links[side].sent = ticks - off_.of(side, i);
+      traffic.links[side].lost = reports_lost_.of(side, i);
       traffic.links[side + 2].sent = static_cast<std::uint32_t>(answers);
-      traffic.sent += traffic.links[side].sent + traffic.links[side + 2].sent;
+      traffic.links[side + 2].lost = commands_lost_.of(side, i);
+    }
+    for (const LinkCounts& link : traffic.links) {
+      traffic.sent += link.sent;
+      traffic.lost += link.lost;
     }
   }
 
  private:
-  // What arrives in a tick, and whose reports do.
+  // What arrives in a tick: whose reports do, and to whom commands.
   struct Row {
     ReportBits report;
     CommandBits commands;
     BothBits reported{};
+    BothBits told{};
   };
+
+  // The newest commands are what robots go by; those that boot do what they do by themselves.
+  void obey(const Row& arrived, const HostBits& hosts) {
+    commands_.remove(hosts.boots);
+    const BothBits whose = arrived.told & ~hosts.off;
+    const auto take = [&](BothBits& newest, BothBits said) {
+      newest = (newest & ~whose) | (said & whose);
+    };
+    take(commands_.shallow, arrived.commands.shallow);
+    take(commands_.away, arrived.commands.away);
+    take(commands_.closer, arrived.commands.closer);
+    commands_.switch_off(hosts.off);
+  }
 
   // The newest reports are what stations go by.
   void hear(const Row& arrived, std::uint64_t tick) {
@@ -242,6 +268,8 @@ class StationsInBits {
   CommandBits commands_;
   BitCounts corrections_;
   BitCounts off_;  // ticks in which a robot was
+  BitCounts reports_lost_;
+  BitCounts commands_lost_;
 };
 
 template <>

@@ -76,8 +76,11 @@ class Radio {
   // From here on the random numbers of another seed.
   void fork(std::uint64_t seed) { seed_ = seed; }
 
-  // How long every message takes, if it arrives for certain and always after the same time [ticks]; else 0.
-  std::uint32_t plain_delay() const { return plain_delay_; }
+  // How long every message takes that is not lost, if they all take the same time and losses are all that
+  // befalls them [ticks]; else 0.
+  std::uint32_t steady_delay() const { return channel_.is_steady() ? channel_.longest() : 0; }
+  // A message is lost where a random word is below this.
+  std::uint64_t loss_words() const { return channel_.loss_words; }
 
   // Before a tick's messages: whether those of two stations that both send in it collide.
   bool collide(std::uint32_t tick) const {
@@ -249,8 +252,7 @@ class Pair {
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
 
-  // As that of the radio.
-  std::uint32_t plain_delay() const { return radio_.plain_delay(); }
+  const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
   // Whether a robot's program runs in a tick that is still to come, and the letter that it will find.

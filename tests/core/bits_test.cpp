@@ -21,7 +21,7 @@ namespace {
 using Robot = Distributed;
 constexpr auto ignore = [](const Posted&) {};
 
-// All that two robots can come to, however long each letter takes, whatever they sense: of the letters for
+// All that two robots can come to, however long each letter takes and whichever is lost, whatever they sense: of the letters for
 // one of them, on their way or unread, there are never more than two; and where there are two the first is
 // read as soon as it is there. So of letters that all take the same time never two are unread.
 void test_there_is_never_more_than_one_unread_letter() {
@@ -46,18 +46,19 @@ void test_there_is_never_more_than_one_unread_letter() {
         CHECK(Robot::reads(node.robots[side].state(), sign));
       }
     }
-    // What they sense, and whether the oldest letter has come, in all combinations: 3 · 2 · 2 each.
-    for (int choice = 0; choice < 144; ++choice) {
+    // What they sense, whether the oldest letter has come, and whether one that is sent now is lost, in all
+    // combinations: 3 · 2 · 2 · 2 each.
+    for (int choice = 0; choice < 576; ++choice) {
       Node next = node;
       PerSide<Letter> sent{};
       for (const std::size_t side : {left, right}) {
-        const int own = side == left ? choice % 12 : choice / 12;
-        const bool has_come = own / 6 != 0 && !node.letters[side].empty();
+        const int own = side == left ? choice % 24 : choice / 24;
+        const bool has_come = own / 6 % 2 != 0 && !node.letters[side].empty();
         const Letter got = has_come ? node.letters[side].front() : Letter::none;
         const auto out =
             next.robots[side].step({static_cast<Sign>(own % 3 - 1), got, own / 3 % 2 != 0});
         if (out.read && has_come) next.letters[side].erase(next.letters[side].begin());
-        sent[side] = out.send;
+        sent[side] = own / 12 != 0 ? Letter::none : out.send;
       }
       for (const std::size_t side : {left, right}) {
         if (sent[side] != Letter::none) next.letters[other(side)].push_back(sent[side]);
@@ -111,6 +112,7 @@ struct Alone {
   std::unique_ptr<Metrics> metrics;
   Faults faults;
   Power power;
+  double loss = 0;
   std::uint32_t tick = 0;
   std::uint32_t hold = 1;  // ticks that a sign lasts
   PerSide<Command> before{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
@@ -121,6 +123,7 @@ struct Seen {
   std::uint32_t longest_wait = 0;
   std::uint32_t most_corrections = 0;
   std::uint32_t most_late = 0;
+  std::uint32_t most_lost = 0;
   std::array<std::uint32_t, Resilient::states> states{};  // of resilient robots
   std::uint32_t travelled = 0;                            // ticks of theirs
   std::uint32_t boots = 0;
@@ -138,7 +141,7 @@ void compare(const TeamsInBits<Team>& bits, int i, Alone<Team>& alone, Seen& see
   const Metrics& truth = *alone.metrics;
   CHECK(found.corrections == truth.corrections);
   CHECK(found.waiting_ticks == truth.waiting_ticks && found.waits_since == truth.waits_since);
-  CHECK(traffic.sent == alone.team->traffic.sent);
+  CHECK(traffic.sent == alone.team->traffic.sent && traffic.lost == alone.team->traffic.lost);
   for (const std::size_t side : {left, right}) {
     const std::uint32_t waits = alone.tick - truth.waits_since[side];
     seen.longest_wait = std::max(seen.longest_wait, waits);
@@ -146,6 +149,8 @@ void compare(const TeamsInBits<Team>& bits, int i, Alone<Team>& alone, Seen& see
   }
   for (std::size_t link = 0; link < traffic.links.size(); ++link) {
     CHECK(traffic.links[link].sent == alone.team->traffic.links[link].sent);
+    CHECK(traffic.links[link].lost == alone.team->traffic.links[link].lost);
+    seen.most_lost = std::max(seen.most_lost, traffic.links[link].lost);
     CHECK(traffic.links[link].late == alone.team->traffic.links[link].late);
     seen.most_late = std::max(seen.most_late, traffic.links[link].late);
   }
@@ -160,6 +165,7 @@ Seen test_every_team_goes_as_it_does_alone() {
   for (std::uint64_t tick = 0; tick < 30000; ++tick) {
     SensedBits sensed;
     HostBits hosts;
+    LossBits lost;
     std::array<PerSide<Sensed>, 64> senses{};
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
@@ -173,12 +179,13 @@ Seen test_every_team_goes_as_it_does_alone() {
       if (!alone.team && chance[1] % 4 == 0) {
         // Of every delay some, and some that hang for a long time.
         const std::uint32_t delay = 1 + chance[2] % DelayBits::longest;
-        const Channel channel = Channel::of(delay * 0.01, 0, 0, 0.01);
+        alone.loss = chance[3] % 3 == 0 ? 0.2 : 0;
+        const Channel channel = Channel::of(delay * 0.01, 0, alone.loss, 0.01);
         alone.faults = some_faults<Team>(chance[3], static_cast<std::uint32_t>(tick));
         alone.team = std::make_unique<Team>(team_over<Team>(channel, alone.faults, chance[0]));
         alone.metrics = std::make_unique<Metrics>();
         alone.hold = 1U << chance[3] % 10;
-        CHECK(alone.team->plain_delay() == delay);
+        CHECK(alone.team->radio().steady_delay() == delay);
         CHECK(bits->take(*alone.team));
         bits->put(i, *alone.team);
         // As if it ended before its first tick: nothing is left of who was there before.
@@ -204,9 +211,16 @@ Seen test_every_team_goes_as_it_does_alone() {
         hosts.off[side] |= Bits{host == Host::off} << i;
         hosts.boots[side] |= Bits{host == Host::boots} << i;
         seen.boots += host == Host::boots ? 1 : 0;
+        // The draws of the radio, the leading robot's first.
+        const auto is_lost = [&](std::uint32_t lane) {
+          return draw(0, alone.tick, Stream::radio, lane)[0] < Channel::words_of(alone.loss);
+        };
+        const std::uint32_t rank = side == alone.team->radio().leader() ? 0 : 1;
+        lost.from_robot[side] |= Bits{is_lost(rank)} << i;
+        lost.from_station[side] |= Bits{is_lost(2 + rank)} << i;
       }
     }
-    const Bits are_new = bits->step(tick, sensed, hosts);
+    const Bits are_new = bits->step(tick, sensed, hosts, lost);
     const CommandBits& told = bits->commands();
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
@@ -244,12 +258,20 @@ void test_who_goes_in_bits(bool with_reboots) {
     return TeamsInBits<Team>::take(team_over<Team>(channel, faults, 0));
   };
   const auto delayed = [](double ticks) { return Channel::of(0.01 * ticks, 0, 0, 0.01); };
-  CHECK(team_over<Team>(delayed(5), {}, 0).plain_delay() == 5);
+  CHECK(team_over<Team>(delayed(5), {}, 0).radio().steady_delay() == 5);
   CHECK(goes(delayed(0)) && goes(delayed(5)) && goes(delayed(63)) && !goes(delayed(64)));
-  CHECK(!goes(Channel::of(0.05, 0.01, 0, 0.01)) && !goes(Channel::of(0.05, 0, 0.1, 0.01)));
-  Channel collides = delayed(5);
-  collides.airtime_ticks = 0.1;
-  CHECK(!goes(collides));
+  CHECK(goes(Channel::of(0.05, 0, 0.1, 0.01)) && !goes(Channel::of(0.05, 0.01, 0, 0.01)));
+  const auto goes_with = [&](auto change) {
+    Channel channel = delayed(5);
+    change(channel);
+    return goes(channel);
+  };
+  CHECK(!goes_with([](Channel& c) { c.airtime_ticks = 0.1; }));
+  CHECK(!goes_with([](Channel& c) { c.burst_share = 0.1; }));
+  CHECK(!goes_with([](Channel& c) { c.duplicate_words = 1; }));
+  CHECK(!goes_with([](Channel& c) { c.corrupt_words = 1; }));
+  CHECK(!goes_with([](Channel& c) { c.outage_count = 1; }));
+  CHECK(!goes_with([](Channel& c) { c.mishap_count = 1; }));
   for (const FaultKind kind : {FaultKind::reboot, FaultKind::freeze, FaultKind::stuck,
                                FaultKind::flicker, FaultKind::station}) {
     Spec failing = paper_spec();
@@ -281,10 +303,11 @@ int main() {
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
   const Seen stations = test_every_team_goes_as_it_does_alone<Station>();
   CHECK(pairs.boots == 0 && stations.boots > 1000);
+  CHECK(pairs.most_lost > 1 && stations.most_lost > 1000);
   const Seen peers = test_every_team_goes_as_it_does_alone<Peers>();
   CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
   for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
-  CHECK(peers.travelled > 10000 && peers.boots > 1000);
+  CHECK(peers.travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
   test_who_goes_in_bits<Pair<Robot>>(false);
   test_who_goes_in_bits<Station>(true);
   test_who_goes_in_bits<Peers>(true);

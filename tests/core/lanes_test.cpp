@@ -188,7 +188,7 @@ void set_zones_with_an_end(Spec& spec) {
 
 std::vector<Spec> mixed_specs() {
   std::vector<Spec> specs;
-  for (int i = 0; i < 25; ++i) {
+  for (int i = 0; i < 26; ++i) {
     Spec spec = paper_spec();
     spec.distance = 0.3 + 0.05 * i;
     spec.safe_reach = i % 2 == 0 ? -1 : 0.037;
@@ -217,7 +217,8 @@ std::vector<Spec> mixed_specs() {
     if (i == 22) spec.lease = 2.6;
     if (i == 23) spec.robots[left].clock_drift = 1e-3;
     if (i == 24) spec.false_rate = 0.3;
-    if (i == 24) spec.direction = -1;
+    if (i == 24 || i == 25) spec.direction = -1;
+    if (i == 25) spec.loss = 0.2;
     specs.push_back(spec);
   }
   return specs;
@@ -250,8 +251,8 @@ int main() {
   const std::vector<Spec> specs = mixed_specs();
   for (const std::string_view controller : controller_names) {
     with_team(controller, [&](auto make) {
-      test_lockstep<double>(make, specs, 500);
-      test_lockstep<float>(make, specs, 500);
+      test_lockstep<double>(make, specs, 520);
+      test_lockstep<float>(make, specs, 520);
     });
   }
   CHECK(outcomes[1] && outcomes[2] && outcomes[3]);  // delivered, dropped, stalled
