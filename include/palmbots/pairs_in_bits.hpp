@@ -70,16 +70,6 @@ class PairsInBits {
   [[gnu::always_inline]] static BothBits who_fits(const Robot::Row& row, const SensedBits& sensed,
                                                   const Letters& got) {
     const BothBits all = ~BothBits{};
-    const auto p = [&] {
-      switch (row.p) {
-        case Robot::P::any: break;
-        case Robot::P::positive: return sensed.positive;
-        case Robot::P::not_positive: return ~sensed.positive;
-        case Robot::P::negative: return sensed.negative;
-        case Robot::P::not_negative: return ~sensed.negative;
-      }
-      return all;
-    };
     const auto letter = [&] {
       switch (row.got) {
         case Robot::Got::any: break;
@@ -89,7 +79,8 @@ class PairsInBits {
       }
       return all;
     };
-    return p() & letter() & (row.tilt == Robot::Tilt::done ? sensed.turned : all);
+    return who_senses(row.p, sensed) & letter() &
+           (row.tilt == Robot::Tilt::done ? sensed.turned : all);
   }
 
   // Those who look at their letters.

@@ -216,17 +216,6 @@ class PeersInBits {
     return found;
   }
 
-  [[gnu::always_inline]] static BothBits who_senses(Robot::P p, const SensedBits& sensed) {
-    switch (p) {
-      case Robot::P::any: break;
-      case Robot::P::positive: return sensed.positive;
-      case Robot::P::not_positive: return ~sensed.positive;
-      case Robot::P::negative: return sensed.negative;
-      case Robot::P::not_negative: return ~sensed.negative;
-    }
-    return ~BothBits{};
-  }
-
   [[gnu::always_inline]] static BothBits who_hears(Robot::Heard wanted, const Heard& heard) {
     const BothBits steep = heard.tilt_up | heard.tilt_down | heard.closing;
     switch (wanted) {

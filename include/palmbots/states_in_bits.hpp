@@ -53,6 +53,19 @@ struct LetterBits {
   }
 };
 
+// Who senses what a row of a table asks for.
+template <class P>
+[[gnu::always_inline]] inline BothBits who_senses(P p, const SensedBits& sensed) {
+  switch (p) {
+    case P::any: break;
+    case P::positive: return sensed.positive;
+    case P::not_positive: return ~sensed.positive;
+    case P::negative: return sensed.negative;
+    case P::not_negative: return ~sensed.negative;
+  }
+  return ~BothBits{};
+}
+
 // Who is in which state of a robot's table, which is unrolled: it is gone when the compiler is done.
 template <class Robot>
 class StatesInBits {
