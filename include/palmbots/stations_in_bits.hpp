@@ -25,7 +25,6 @@ class ControllersInBits {
 
  public:
   void put(int i) {
-    remove(i);
     decide_ |= Bits{1} << i;
   }
   void remove(int i) {
