@@ -146,11 +146,11 @@ class Crowd {
   [[gnu::always_inline]] void decide(std::uint64_t tick, SensedBits& sensed, RobotsOf&& robots) {
     if (misread_ != 0) falsify(tick, sensed);
     const LossBits lost = lossy_ != 0 ? losses(tick) : LossBits{};
-    for (Bits are_new = teams_.step(tick, sensed, hosts_.at(tick), lost); are_new != 0;) {
-      const auto pack = static_cast<std::size_t>(std::countr_zero(are_new) / n);
-      obey(pack, are_new, robots(pack));
-      are_new &= ~(all_lanes << pack * n);
-    }
+    const Bits are_new = teams_.step(tick, sensed, hosts_.at(tick), lost);
+    // All packs: to some it is almost always new, and to guess which costs more. Unrolled.
+    [&]<std::size_t... pack>(std::index_sequence<pack...>) {
+      (obey(pack, are_new, robots(pack)), ...);
+    }(std::make_index_sequence<packs>());
   }
 
  private:

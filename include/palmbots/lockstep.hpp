@@ -44,7 +44,10 @@ class Lockstep {
       think(tick);
       busy = 0;
       for (Pack& pack : packs_) {
-        if (pack.busy != 0) step(pack, tick, done);
+        if (pack.busy != 0) step(pack, tick);
+      }
+      for (Pack& pack : packs_) {
+        if (pack.unfinished != 0) finish_step(pack, tick, done);
         busy |= pack.busy;
       }
     }
@@ -63,7 +66,9 @@ class Lockstep {
 
   struct Pack {
     Fixture<V> fixture;
-    Pose<V> pose;
+    // Where everything is, and was a tick ago, or the other way round. Lifts are the same in both.
+    std::array<Place<V>, 2> places;
+    Sliding<V> sliding;
     Robots<V> robots;
     Tally<V> tally;
     V goal;  // midpoint × travel sense at which the carry is delivered
@@ -81,6 +86,12 @@ class Lockstep {
     V wake;
     V timeout;
     std::uint32_t busy = 0;
+    // Of the step that is being made: how far its first half has come, the midpoint before it, lanes that
+    // have come to their goal or to the end of their time, and those in which there is something left to do.
+    Stride<V> went;
+    V midpoint;
+    std::uint32_t over = 0;
+    std::uint32_t unfinished = 0;
     std::array<Lane, n> lanes;
   };
 
@@ -112,7 +123,7 @@ class Lockstep {
 
   void load(Pack& pack, int l, const One& one) {
     put_lane(pack.fixture, l, static_cast<const Fixture<Real>&>(one.world_.rig()));
-    put_lane(pack.pose, l, one.world_.pose());
+    put_pose(pack, l, one.world_.pose());
     put_lane(pack.robots, l, one.robots_);
     put_lane(pack.tally, l, one.tally_);
     for (const std::size_t side : {left, right}) {
@@ -164,59 +175,79 @@ class Lockstep {
     return *lane.carry;
   }
 
+  // Where everything is at the begin of a tick.
+  static Place<V>& place(Pack& pack, std::uint64_t tick) { return pack.places[tick % 2]; }
+
+  static void put_pose(Pack& pack, int l, const Pose<Real>& pose) {
+    for (Place<V>& place : pack.places) put_lane(place, l, static_cast<const Place<Real>&>(pose));
+    put_lane(pack.sliding, l, static_cast<const Sliding<Real>&>(pose));
+  }
+  static Pose<Real> take_pose(const Place<V>& place, const Pack& pack, int l) {
+    return {take_lane(place, l), take_lane(pack.sliding, l)};
+  }
+
   // Hands a lane's numbers to its carry.
-  static One& take(Pack& pack, int l, std::uint64_t tick) {
+  static One& take(Pack& pack, const Place<V>& place, int l, std::uint64_t tick) {
     One& one = follow(pack, l, tick);
-    one.world_.place(take_lane(pack.pose, l));
+    one.world_.place(take_pose(place, pack, l));
     one.robots_ = take_lane(pack.robots, l);
     one.tally_ = take_lane(pack.tally, l);
     return one;
   }
 
-  template <class Done>
-  [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick, Done& done) {
+  // What all carries do in a tick. What only some do comes when all packs have gone so far (stride.hpp).
+  [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick) {
     const std::size_t k = tick % block_ticks;
-    const V before = pack.robots.midpoint;
+    const Place<V>& from = place(pack, tick);
     const Actuation<V> act =
-        actuate(pack.robots, pack.pose.stance.palms, {pack.noise[left][k], pack.noise[right][k]});
-    pack.robots.midpoint = before + act.travel;
-    const Stride<V> went = stride(pack.fixture, pack.pose, act.change, act.angles, act.push);
-    const std::uint32_t rest = ~went.done.bits() & pack.busy;
+        actuate(pack.robots, from.stance.palms, {pack.noise[left][k], pack.noise[right][k]});
+    pack.midpoint = pack.robots.midpoint;
+    pack.robots.midpoint = pack.midpoint + act.travel;
     const V gone = pack.robots.midpoint * pack.robots.travel_sense;
-    const std::uint32_t over = ((gone >= pack.goal) | (V(k) >= pack.timeout)).bits() & pack.busy;
-    if ((rest | over | pack.shaken) == 0) [[likely]]
-      return;
-    // A copy of its own, so that the common tick keeps it in registers.
-    const Unusual what{act, before, rest, over};
-    const std::uint32_t shaken = std::exchange(pack.shaken, 0);
-    each_bit(rest | over | shaken, [&](int l) { finish(pack, l, tick, what, done); });
+    pack.over = ((gone >= pack.goal) | (V(k) >= pack.timeout)).bits() & pack.busy;
+    stride<V>(pack.fixture, from, pack.sliding, place(pack, tick + 1), act.change, act.angles,
+              act.push, pack.went);
+    pack.unfinished = (~pack.went.done.bits() & pack.busy) | pack.over | pack.shaken;
   }
 
-  struct Unusual {
-    Actuation<V> act;
-    V midpoint;            // before it
-    std::uint32_t undone;  // lanes whose step the world has to take apart
-    std::uint32_t over;    // lanes that have come to their goal, or to the end of their time
-  };
-
-  // The end of a tick that is not like the others.
   template <class Done>
-  [[gnu::noinline]] void finish(Pack& pack, int l, std::uint64_t tick, const Unusual& what,
-                                Done& done) {
-    One& one = follow(pack, l, tick);
-    Advance<Real> step;
-    if ((what.undone >> l & 1) != 0) {
-      const PerSide<Real> angles{what.act.angles[left].raw[l], what.act.angles[right].raw[l]};
-      one.world_.place(take_lane(pack.pose, l));
-      step = one.world_.take_apart(what.act.change.raw[l], angles);
-      put_lane(pack.pose, l, one.world_.pose());
+  [[gnu::noinline]] void finish_step(Pack& pack, std::uint64_t tick, Done& done) {
+    const Place<V>& from = place(pack, tick);
+    Place<V>& to = place(pack, tick + 1);
+    // What the robots did, once more.
+    const V change = pack.robots.change();
+    PerSide<V> angles{};
+    for (const std::size_t side : {left, right}) {
+      angles[side] = pack.robots.wrists[side].step(from.stance.palms[side].angle,
+                                                   pack.robots.goal_angle[side]);
     }
-    one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
-    if (step.end == End::none && (what.over >> l & 1) == 0) return;
-    take(pack, l, tick);
-    const Real before = what.midpoint.raw[l];
-    if (step.end != End::none)
-      one.robots_.midpoint = before + Real(what.act.travel.raw[l]) * step.fraction;
+    if ((~pack.went.done.bits() & pack.busy) != 0) {
+      finish_stride<V>(pack.fixture, from, pack.sliding, to, change, pack.went);
+    }
+    const std::uint32_t undone = ~pack.went.done.bits() & pack.busy;
+    each_bit(std::exchange(pack.unfinished, 0) & (undone | pack.over | pack.shaken), [&](int l) {
+      One& one = follow(pack, l, tick);
+      Advance<Real> step;
+      if ((undone >> l & 1) != 0) {
+        one.world_.place(take_pose(to, pack, l));
+        step = one.world_.take_apart(change.raw[l], {angles[left].raw[l], angles[right].raw[l]});
+        put_pose(pack, l, one.world_.pose());
+      }
+      one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
+      if (step.end != End::none || (pack.over >> l & 1) != 0) end(pack, l, tick, step, done);
+    });
+    pack.shaken = 0;
+  }
+
+  // A carry ends in a tick, in which the world made that step.
+  template <class Done>
+  [[gnu::noinline]] void end(Pack& pack, int l, std::uint64_t tick, const Advance<Real>& step,
+                             Done& done) {
+    One& one = take(pack, place(pack, tick + 1), l, tick);
+    const Real before = pack.midpoint.raw[l];
+    if (step.end != End::none) {
+      one.robots_.midpoint = before + Real(pack.robots.travel().raw[l]) * step.fraction;
+    }
     one.finish_tick(step.end, double(step.fraction), before);
     leave(pack, l, done);
   }
@@ -239,9 +270,9 @@ class Lockstep {
       const double midpoint = pack.robots.midpoint.raw[l];
       const double together = pack.robots.together.raw[l];
       if (!one.bumps_.due(one.spec_, own_tick, midpoint, together)) return;
-      take(pack, l, tick);
+      take(pack, place(pack, tick), l, tick);
       if (!one.open()) return leave(pack, l, done);
-      put_lane(pack.pose, l, one.world_.pose());
+      put_pose(pack, l, one.world_.pose());
       pack.shaken |= 1U << l;
     });
   }
@@ -254,11 +285,12 @@ class Lockstep {
     [[maybe_unused]] SensedBits sensed;
     for (std::size_t p = pack_count; p-- > 0;) {
       Pack& pack = packs_[p];
-      const PerSide<V> touched = where_touched(pack);
+      const Place<V>& here = place(pack, tick);
+      const PerSide<V> touched = where_touched(pack, here);
       pack.tally.add(touched);
       PerSide<LaneMask<Real, n>> turned;
       on_both_sides([&](std::size_t side) {
-        turned[side] = pack.pose.stance.palms[side].angle == pack.robots.goal_angle[side];
+        turned[side] = here.stance.palms[side].angle == pack.robots.goal_angle[side];
       });
       std::uint32_t one_by_one = pack.busy;
       if constexpr (has_crowd) {
@@ -289,16 +321,17 @@ class Lockstep {
   }
 
   // Where the palms are touched, as World::touched().
-  [[gnu::always_inline]] static PerSide<V> where_touched(const Pack& pack) {
-    const std::uint32_t on_more = (pack.pose.rests != V(0)).bits() & pack.busy;
+  [[gnu::always_inline]] static PerSide<V> where_touched(const Pack& pack, const Place<V>& here) {
+    const std::uint32_t on_more = (pack.sliding.rests != V(0)).bits() & pack.busy;
     if (on_more == 0) [[likely]]
-      return pack.pose.stance.contacts;
-    return where_touched(pack, on_more);
+      return here.stance.contacts;
+    return where_touched(pack, here, on_more);
   }
 
   // The same, if some objects rest on more than two vertices.
-  [[gnu::noinline]] static PerSide<V> where_touched(const Pack& pack, std::uint32_t on_more) {
-    PerSide<V> touched = pack.pose.stance.contacts;
+  [[gnu::noinline]] static PerSide<V> where_touched(const Pack& pack, const Place<V>& here,
+                                                    std::uint32_t on_more) {
+    PerSide<V> touched = here.stance.contacts;
     each_bit(on_more, [&](int l) {
       const PerSide<Real> at = pack.lanes[static_cast<std::size_t>(l)].carry->world_.touched();
       for (const std::size_t side : {left, right}) touched[side].raw[l] = at[side];
@@ -308,9 +341,9 @@ class Lockstep {
 
   [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick) {
     One& one = follow(pack, l, tick);
-    PerSide<Real> touched{pack.pose.stance.contacts[left].raw[l],
-                          pack.pose.stance.contacts[right].raw[l]};
-    if (pack.pose.rests.raw[l] != Real(0)) [[unlikely]]
+    const PerSide<V>& contacts = place(pack, tick).stance.contacts;
+    PerSide<Real> touched{contacts[left].raw[l], contacts[right].raw[l]};
+    if (pack.sliding.rests.raw[l] != Real(0)) [[unlikely]]
       touched = one.world_.touched();
     const bool is_odd = (pack.odd >> l & 1) != 0;
     const PerSide<Sign> odd = is_odd ? one.read(touched) : PerSide<Sign>{};

@@ -71,6 +71,10 @@ struct Robots {
   Real together;             // their sum [m/s]
   Real push;                 // sideways specific force of their acceleration, lagged [1]
   Real midpoint;             // of the pivots, from where it started, towards +x [m]
+
+  // What came of it in the last tick [m]: of the separation, and of the midpoint.
+  constexpr Real change() const { return (speeds[right] - speeds[left]) * period; }
+  constexpr Real travel() const { return Real(0.5) * together * period; }
 };
 
 // What the robots do to the world in one tick.
@@ -105,7 +109,7 @@ template <class Real>
     robots.speeds[right] = select(right_held, Real(0), robots.speeds[right]);
   }
   const Real together = robots.speeds[left] + robots.speeds[right];
-  done.change = (robots.speeds[right] - robots.speeds[left]) * robots.period;
+  done.change = robots.change();
   const Real jerked = robots.inertia * (together - robots.together);
   robots.push = robots.push_memory * robots.push + robots.push_share * jerked;
   const MaskOf<Real> steady = jerked == Real(0);
@@ -113,8 +117,8 @@ template <class Real>
     robots.push = select(steady & within(robots.push, Real(least_push)), Real(0), robots.push);
   }
   done.push = robots.push;
-  done.travel = Real(0.5) * together * robots.period;
   robots.together = together;
+  done.travel = robots.travel();
   return done;
 }
 

@@ -24,9 +24,7 @@ class ControllersInBits {
   using Table = Centralized;
 
  public:
-  void put(int i) {
-    decide_ |= Bits{1} << i;
-  }
+  void put(int i) { decide_ |= Bits{1} << i; }
   void remove(int i) {
     for (Bits* stage : {&decide_, &tilt_, &first_, &second_, &restore_}) *stage &= ~(Bits{1} << i);
   }

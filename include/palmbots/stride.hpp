@@ -1,8 +1,10 @@
 // The common step of the world, without ceremony: one contact slides through the whole step.
 //
 // Written for one carry or for several side by side (lanes.hpp), without a branch that lanes could
-// not share. Where anything else goes on (a tie, a reversal, an end, both edges wedged), nothing is
-// changed, and the world takes the step apart (world.hpp).
+// not share. What few steps need, a look at all that holds the object and a tie on the way, comes
+// in a second half: several packs of lanes make the first one in turn, and a processor that guesses
+// wrong which of them need the other has nothing else under way that is lost. Where anything else goes on
+// (a reversal, an end, both edges wedged), nothing is changed, and the world takes the step apart (world.hpp).
 //
 // Source: MECHANICS sections 1, 2, 6.
 #pragma once
@@ -15,15 +17,24 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real longest_turn = radians_per_degree<Real>;
 
-// Everything in the world that moves.
+// Where everything is.
 template <class V>
-struct Pose {
+struct Place {
   Stance<V> stance;
   Span<V> span;
+};
+
+// What its contacts slide by.
+template <class V>
+struct Sliding {
   V push;   // sideways specific force of the pair's acceleration
   V tied;   // ±1: the direction in which both contacts slide along their tie; 0: they do not
   V rests;  // 1: the object rests on more, or on something else, than its two vertices
 };
+
+// Everything in the world that moves.
+template <class V>
+struct Pose : Place<V>, Sliding<V> {};
 
 // What a step did, where it is done.
 template <class V>
@@ -32,6 +43,12 @@ struct Stride {
   MaskOf<V> closing;      // the contact slid up, otherwise down
   MaskOf<V> on_left;      // it was the left contact, otherwise the right one
   MaskOf<V> handed_over;  // the other one slid before it, up to a tie
+  // For the second half: where the step is done if the object is held, where there is a tie on the way,
+  // and how far the contact that lets go first does so before the other, at its begin and at its end.
+  MaskOf<V> unsure;
+  MaskOf<V> ties;
+  V lead_before;
+  V lead;
 };
 
 namespace detail {
@@ -48,18 +65,19 @@ constexpr PerSide<Cone<V>> cones_at(const Fixture<V>& fixture, const PerSide<Pal
 }  // namespace detail
 
 // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly, under a
-// push.
+// push: the first half, which fills in `step` but for `handed_over`.
 template <class V>
-[[gnu::always_inline]] inline Stride<V> stride(const Fixture<V>& fixture, Pose<V>& pose, V change,
-                                               const PerSide<V>& angles, V push) {
+[[gnu::always_inline]] inline void stride(const Fixture<V>& fixture, const Place<V>& from,
+                                          Sliding<V>& sliding, Place<V>& to, V change,
+                                          const PerSide<V>& angles, V push, Stride<V>& step) {
   using Mask = MaskOf<V>;
-  const PerSide<PalmAngle<V>>& palms = pose.stance.palms;
-  const PerSide<V>& contacts = pose.stance.contacts;
+  const PerSide<PalmAngle<V>>& palms = from.stance.palms;
+  const PerSide<V>& contacts = from.stance.contacts;
   const Moments<V> pushed = moments_under(fixture.load, push);
-  const bool some_tied = any(pose.tied != V(0));
+  const bool some_tied = any(sliding.tied != V(0));
   // Ties lie elsewhere under another push.
-  if (some_tied) pose.tied = select(push != pose.push, V(0), pose.tied);
-  pose.push = push;
+  if (some_tied) sliding.tied = select(push != sliding.push, V(0), sliding.tied);
+  sliding.push = push;
   const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
   const Mask left_turns = turn[left] != V(0);
   const Mask right_turns = turn[right] != V(0);
@@ -68,32 +86,31 @@ template <class V>
 
   V rate = change;
   if (some_turn) {
-    rate = select(turning, drive_rate(palms, contacts, fixture.offset, pose.span, change, turn),
+    rate = select(turning, drive_rate(palms, contacts, fixture.offset, from.span, change, turn),
                   change);
   }
   const Mask closing = rate < V(0);
   const V way = select(closing, V(1), V(-1));
   const PerSide<Edge<V>> edges = edges_at(fixture.friction, palms, way);
   const Tie<V> before = tie(pushed, edges[left], edges[right]);
-  const V left_behind = before.at(pose.span) * way;  // < 0: the left contact slides sooner
-  Mask on_left = left_behind < V(0);
+  const V left_behind = before.at(from.span) * way;  // < 0: the left contact slides sooner
+  const Mask on_left = left_behind < V(0);
   Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
-  good = good & (pose.rests == V(0));
-  if (some_tied) good = good & (pose.tied * way <= V(0));
+  good = good & (sliding.rests == V(0));
+  if (some_tied) good = good & (sliding.tied * way <= V(0));
   on_both_sides([&](std::size_t side) {
-    good = good & (!wedged(side, edges[side], pose.span.dx, pose.span.dy));
+    good = good & (!wedged(side, edges[side], from.span.dx, from.span.dy));
   });
 
   PerSide<PalmAngle<V>> turned = palms;
   if (some_turn) {
     const V longest(longest_turn<typename ScalarOf<V>::type>);
     on_both_sides([&](std::size_t side) { good = good & within(turn[side], longest); });
-    if (!any(good)) return {good, closing, on_left, good};
     // A palm that does not turn has its sine and cosine already: what is found anew are the same bits.
     if (any(left_turns)) turned[left] = PalmAngle<V>::at(angles[left]);
     if (any(right_turns)) turned[right] = PalmAngle<V>::at(angles[right]);
   }
-  const V separation = pose.stance.separation + change;
+  const V separation = from.stance.separation + change;
   const Slipped<V> alone =
       slip(on_left, separation, turned, contacts, fixture.offset, fixture.load.width);
 
@@ -107,55 +124,91 @@ template <class V>
   }
   const V still_behind = tie_after.at(alone.span) * way;
   const V lead = select(on_left, -still_behind, still_behind);
-  Mask handed_over = good & (lead < V(0));
+  const Mask ties = good & (lead < V(0));
   good = good & (lead > V(0));
-  // Number by number, so that they stay in registers.
-  PerSide<V> after{alone.contacts[left], alone.contacts[right]};
-  Span<V> span{alone.span.dx, alone.span.dy};
-  if (any(handed_over)) {
-    const PerSide<Edge<V>> edges_then = edges_at(fixture.friction, turned, way);
+  Mask held(good);
+  on_both_sides(
+      [&](std::size_t side) { held = held & within(alone.contacts[side], fixture.safe_reach); });
+  const Mask unsure = good & (!held);
+  good = good & held;
+
+  to.stance.separation = separation;
+  on_both_sides([&](std::size_t side) {
+    to.stance.palms[side] = turned[side];
+    to.stance.contacts[side] = alone.contacts[side];
+  });
+  to.span = alone.span;
+  if (some_tied) sliding.tied = select(good, V(0), sliding.tied);
+  // Field by field: a copy of the whole would wait for fields that have only just been written.
+  step.done = good;
+  step.closing = closing;
+  step.on_left = on_left;
+  step.unsure = unsure;
+  step.ties = ties;
+  step.lead_before = select(on_left, -left_behind, left_behind);
+  step.lead = lead;
+}
+
+// The second half of a step that is not done everywhere. Where it is not done then either, everything is
+// where it was.
+template <class V>
+[[gnu::noinline, gnu::flatten]] void finish_stride(const Fixture<V>& fixture, const Place<V>& from,
+                                                   Sliding<V>& sliding, Place<V>& to, V change,
+                                                   Stride<V>& step) {
+  using Mask = MaskOf<V>;
+  const PerSide<PalmAngle<V>> turned = to.stance.palms;
+  PerSide<V> after = to.stance.contacts;
+  Span<V> span = to.span;
+  Mask good = step.unsure;
+  Mask held = !good;
+  if (any(step.ties)) {
+    Mask wanted = step.ties;
+    const V way = select(step.closing, V(1), V(-1));
+    const PerSide<Edge<V>> edges = edges_at(fixture.friction, turned, way);
     on_both_sides([&](std::size_t side) {
       const Mask reached = within(after[side], fixture.safe_reach);
-      const Mask wedges = wedged(side, edges_then[side], span.dx, span.dy);
-      handed_over = handed_over & reached & (!wedges);
+      const Mask wedges = wedged(side, edges[side], span.dx, span.dy);
+      wanted = wanted & reached & (!wedges);
     });
-    const V lead_before = select(on_left, -left_behind, left_behind);
     const HandedOver<V> over = hand_over<V>(
-        fixture, pose.stance, {on_left, way, change, turned, push, lead_before, lead}, handed_over);
-    handed_over = over.done;
-    good = good | handed_over;
-    on_left = on_left ^ handed_over;
+        fixture, from.stance,
+        {step.on_left, way, change, turned, sliding.push, step.lead_before, step.lead}, wanted);
+    step.handed_over = over.done;
+    step.on_left = step.on_left ^ over.done;
+    good = good | over.done;
     on_both_sides([&](std::size_t side) {
-      after[side] = select(handed_over, over.end.contacts[side], after[side]);
+      after[side] = select(over.done, over.end.contacts[side], after[side]);
+      held = held & (within(after[side], fixture.safe_reach) | !over.done);
     });
-    span = {select(handed_over, over.end.span.dx, span.dx),
-            select(handed_over, over.end.span.dy, span.dy)};
+    span = {select(over.done, over.end.span.dx, span.dx),
+            select(over.done, over.end.span.dy, span.dy)};
   }
-  Mask held(good);
-  on_both_sides([&](std::size_t side) { held = held & within(after[side], fixture.safe_reach); });
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
   if (any(good & (!held))) {
     held = held | plainly_held(fixture, detail::cones_at(fixture, turned), turned, after, span);
   }
   good = good & held;
+  sliding.tied = select(good, V(0), sliding.tied);
+  step.done = step.done | good;
+  const auto kept = [&](V now, V then) { return select(step.done, now, then); };
+  to.stance.separation = kept(to.stance.separation, from.stance.separation);
+  on_both_sides([&](std::size_t side) {
+    to.stance.palms[side] = select<V>(step.done, turned[side], from.stance.palms[side]);
+    to.stance.contacts[side] = kept(after[side], from.stance.contacts[side]);
+  });
+  to.span = {kept(span.dx, from.span.dx), kept(span.dy, from.span.dy)};
+}
 
-  const auto settle = [&](auto&& kept) {
-    pose.stance.separation = kept(separation, pose.stance.separation);
-    on_both_sides([&](std::size_t side) {
-      PalmAngle<V>& palm = pose.stance.palms[side];
-      palm = {kept(turned[side].angle, palm.angle), kept(turned[side].sin, palm.sin),
-              kept(turned[side].cos, palm.cos)};
-      pose.stance.contacts[side] = kept(after[side], pose.stance.contacts[side]);
-    });
-    pose.span = {kept(span.dx, pose.span.dx), kept(span.dy, pose.span.dy)};
-    if (some_tied) pose.tied = kept(V(0), pose.tied);
-  };
-  if (all(good)) [[likely]] {
-    settle([](V now, V) { return now; });
-  } else {
-    settle([&](V now, V then) { return select(good, now, then); });
-  }
-  return {good, closing, on_left, handed_over};
+// Both halves, in place.
+template <class V>
+[[gnu::always_inline]] inline Stride<V> stride(const Fixture<V>& fixture, Pose<V>& pose, V change,
+                                               const PerSide<V>& angles, V push) {
+  Place<V> to = pose;
+  Stride<V> step{};
+  stride<V>(fixture, pose, pose, to, change, angles, push, step);
+  if (!all(step.done)) finish_stride<V>(fixture, pose, pose, to, change, step);
+  static_cast<Place<V>&>(pose) = to;
+  return step;
 }
 
 }  // namespace palmbots

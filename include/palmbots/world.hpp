@@ -24,7 +24,8 @@ class World {
  public:
   World() = default;
   World(const Rig<Real>& rig, const Stance<Real>& stance)
-      : rig_(rig), pose_{stance, palmbots::span(stance, rig.offset), Real(0), Real(0), Real(0)} {}
+      : rig_(rig),
+        pose_{{stance, palmbots::span(stance, rig.offset)}, {Real(0), Real(0), Real(0)}} {}
 
   const Stance<Real>& stance() const { return pose_.stance; }
   const Rig<Real>& rig() const { return rig_; }

@@ -90,7 +90,7 @@ void test_a_step(Seen& seen) {
   if (chance(0.4)) change = -drive(Real(0)) / from.dx + Real(uniform(-1, 1) * 5e-6);
   const Real push = near_tie(fixture, stance, from, drive(change) < Real(0) ? Real(1) : Real(-1));
   const auto tied = Real(chance(0.1) ? (chance(0.5) ? -1 : 1) : 0);
-  const Pose<Real> before{stance, from, chance(0.5) ? push : Real(0), tied, Real(0)};
+  const Pose<Real> before{{stance, from}, {chance(0.5) ? push : Real(0), tied, Real(0)}};
 
   Pose<Real> pose = before;
   const Stride<Real> step = stride(fixture, pose, change, angles, push);
