@@ -214,13 +214,7 @@ class Lockstep {
   [[gnu::noinline]] void finish_step(Pack& pack, std::uint64_t tick, Done& done) {
     const Place<V>& from = place(pack, tick);
     Place<V>& to = place(pack, tick + 1);
-    // What the robots did, once more.
     const V change = pack.robots.change();
-    PerSide<V> angles{};
-    for (const std::size_t side : {left, right}) {
-      angles[side] = pack.robots.wrists[side].step(from.stance.palms[side].angle,
-                                                   pack.robots.goal_angle[side]);
-    }
     if ((~pack.went.done.bits() & pack.busy) != 0) {
       finish_stride<V>(pack.fixture, from, pack.sliding, to, change, pack.went);
     }
@@ -230,7 +224,13 @@ class Lockstep {
       Advance<Real> step;
       if ((undone >> l & 1) != 0) {
         one.world_.place(take_pose(to, pack, l));
-        step = one.world_.take_apart(change.raw[l], {angles[left].raw[l], angles[right].raw[l]});
+        // What the robots did, once more.
+        const Robots<Real> robots = take_lane(pack.robots, l);
+        const auto angle = [&](std::size_t side) {
+          const Real then = one.world_.stance().palms[side].angle;
+          return robots.wrists[side].step(then, robots.goal_angle[side]);
+        };
+        step = one.world_.take_apart(change.raw[l], {angle(left), angle(right)});
         put_pose(pack, l, one.world_.pose());
       }
       one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());

@@ -156,9 +156,8 @@ template <class V>
                                                    Sliding<V>& sliding, Place<V>& to, V change,
                                                    Stride<V>& step) {
   using Mask = MaskOf<V>;
-  const PerSide<PalmAngle<V>> turned = to.stance.palms;
-  PerSide<V> after = to.stance.contacts;
-  Span<V> span = to.span;
+  const PerSide<PalmAngle<V>>& turned = to.stance.palms;
+  PerSide<V>& after = to.stance.contacts;
   Mask good = step.unsure;
   Mask held = !good;
   if (any(step.ties)) {
@@ -167,7 +166,7 @@ template <class V>
     const PerSide<Edge<V>> edges = edges_at(fixture.friction, turned, way);
     on_both_sides([&](std::size_t side) {
       const Mask reached = within(after[side], fixture.safe_reach);
-      const Mask wedges = wedged(side, edges[side], span.dx, span.dy);
+      const Mask wedges = wedged(side, edges[side], to.span.dx, to.span.dy);
       wanted = wanted & reached & (!wedges);
     });
     const HandedOver<V> over = hand_over<V>(
@@ -180,23 +179,26 @@ template <class V>
       after[side] = select(over.done, over.end.contacts[side], after[side]);
       held = held & (within(after[side], fixture.safe_reach) | !over.done);
     });
-    span = {select(over.done, over.end.span.dx, span.dx),
-            select(over.done, over.end.span.dy, span.dy)};
+    to.span = {select(over.done, over.end.span.dx, to.span.dx),
+               select(over.done, over.end.span.dy, to.span.dy)};
   }
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
   if (any(good & (!held))) {
-    held = held | plainly_held(fixture, detail::cones_at(fixture, turned), turned, after, span);
+    held = held | plainly_held(fixture, detail::cones_at(fixture, turned), turned, after, to.span);
   }
   good = good & held;
   sliding.tied = select(good, V(0), sliding.tied);
   step.done = step.done | good;
-  const auto kept = [&](V now, V then) { return select(step.done, now, then); };
-  to.stance.separation = kept(to.stance.separation, from.stance.separation);
+  if (all(step.done)) return;
+  const auto put_back = [&](V& there, V then) { there = select(step.done, there, then); };
+  put_back(to.stance.separation, from.stance.separation);
   on_both_sides([&](std::size_t side) {
-    to.stance.palms[side] = select<V>(step.done, turned[side], from.stance.palms[side]);
-    to.stance.contacts[side] = kept(after[side], from.stance.contacts[side]);
+    PalmAngle<V>& palm = to.stance.palms[side];
+    palm = select<V>(step.done, palm, from.stance.palms[side]);
+    put_back(after[side], from.stance.contacts[side]);
   });
-  to.span = {kept(span.dx, from.span.dx), kept(span.dy, from.span.dy)};
+  put_back(to.span.dx, from.span.dx);
+  put_back(to.span.dy, from.span.dy);
 }
 
 // Both halves, in place.
