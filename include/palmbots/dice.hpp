@@ -33,8 +33,8 @@ struct Dice {
     return bits;
   }
 
-  // Draws of a stream, in one of its lanes, in several ticks, `apart` from each other, in all lanes: in turn, so that none
-  // waits for another.
+  // Draws of a stream, in one of its own lanes, for several ticks that are `apart` from each other, in every
+  // lane here: in turn, so that none waits for another.
   template <std::size_t ticks>
   class Draws {
    public:

@@ -219,7 +219,8 @@ class Lockstep {
       finish_stride<V>(pack.fixture, from, pack.sliding, to, change, pack.went);
     }
     const std::uint32_t undone = ~pack.went.done.bits() & pack.busy;
-    each_bit(std::exchange(pack.unfinished, 0) & (undone | pack.over | pack.shaken), [&](int l) {
+    pack.unfinished = 0;
+    each_bit(undone | pack.over | std::exchange(pack.shaken, 0), [&](int l) {
       One& one = follow(pack, l, tick);
       Advance<Real> step;
       if ((undone >> l & 1) != 0) {
@@ -236,7 +237,6 @@ class Lockstep {
       one.metrics_.observe(one.tick_, one.world_.touches(), !one.world_.grip().none());
       if (step.end != End::none || (pack.over >> l & 1) != 0) end(pack, l, tick, step, done);
     });
-    pack.shaken = 0;
   }
 
   // A carry ends in a tick, in which the world made that step.

@@ -2,9 +2,9 @@
 //
 // What Peers (peers.hpp) and Resilient do beacon by beacon is done here in words; the table is the one in
 // resilient.hpp. For pairs whose robots do not fail but by reboots, whose clocks are the carry's and whose
-// beacons all take the same time, or are lost. Then none overtakes another, so that what comes is news, and of the two
-// stamps in a beacon its age is all that counts: it goes along with it. An echo of what a robot sent before
-// it booted is older than its life.
+// beacons all take the same time, or are lost. Then none overtakes another, so that what comes is news, and
+// of the two stamps in a beacon its age is all that counts: it goes along with it. An echo of what a robot
+// sent before it booted is older than its life.
 #pragma once
 
 #include "palmbots/peers.hpp"

@@ -21,9 +21,10 @@ namespace {
 using Robot = Distributed;
 constexpr auto ignore = [](const Posted&) {};
 
-// All that two robots can come to, however long each letter takes and whichever is lost, whatever they sense: of the letters for
-// one of them, on their way or unread, there are never more than two; and where there are two the first is
-// read as soon as it is there. So of letters that all take the same time never two are unread.
+// All that two robots can come to, however long each letter takes and whichever is lost, whatever they
+// sense: of the letters for one of them, on their way or unread, there are never more than two; and where
+// there are two the first is read as soon as it is there. So of letters that all take the same time never
+// two are unread.
 void test_there_is_never_more_than_one_unread_letter() {
   struct Node {
     PerSide<Robot> robots;
