@@ -5,9 +5,11 @@
 #pragma once
 
 #include <bit>
+#include <cstring>
 #include <utility>
 
 #include "palmbots/metrics.hpp"
+#include "palmbots/registers.hpp"
 
 namespace palmbots {
 
@@ -28,48 +30,90 @@ void each_bit(Bits bits, Visit&& visit) {
   for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
 }
 
-// Counts something of each robot: a number's lowest bits as bits, the rest as a number.
+// A number below 256 of each of 64.
+class ByteRow {
+ public:
+  std::uint32_t of(std::size_t i) const {
+    return static_cast<std::uint32_t>(words_[i / 8] >> i % 8 * 8 & 0xFF);
+  }
+
+#if defined(__AVX512BW__)
+  // Adds one to those whose bit is set.
+  void count(Bits which) { put(_mm512_mask_add_epi8(get(), which, get(), _mm512_set1_epi8(1))); }
+  // Makes them 0.
+  void clear(Bits which) { put(_mm512_maskz_mov_epi8(~which, get())); }
+
+ private:
+  __m512i get() const {
+    __m512i found;
+    std::memcpy(&found, words_.data(), sizeof found);
+    return found;
+  }
+  void put(__m512i numbers) { std::memcpy(words_.data(), &numbers, sizeof numbers); }
+#else
+  void count(Bits which) {
+    for (std::size_t j = 0; j < words_.size(); ++j) words_[j] += ones(which, j);
+  }
+  void clear(Bits which) {
+    for (std::size_t j = 0; j < words_.size(); ++j) words_[j] &= ~(ones(which, j) * 0xFF);
+  }
+
+ private:
+  // Of the bits of word j, each in its byte.
+  static std::uint64_t ones(Bits which, std::size_t j) {
+    constexpr std::uint64_t every = 0x0101010101010101;
+    // Byte b has bit b of them, or is 0; the sum carries that to its highest bit.
+    const std::uint64_t own = (which >> 8 * j & 0xFF) * every & 0x8040201008040201;
+    return (own + 0x7F * every) >> 7 & every;
+  }
+#endif
+
+  std::array<std::uint64_t, 8> words_{};  // number i is byte i % 8, from the lowest, of word i / 8
+};
+
+// Counts something of each robot.
 class BitCounts {
  public:
   void add(BothBits which) {
-    for (BothBits& plane : planes_) {
-      const BothBits before = plane;
-      plane ^= which;
-      which &= before;
-    }
-    if (either(which) == 0) [[likely]]
-      return;
-    for (const std::size_t side : {left, right}) {
-      each_bit(which[side], [&](int i) { ++rest_[side][static_cast<std::size_t>(i)]; });
-    }
-    large_ |= which;
+    for (const std::size_t side : {left, right}) recent_[side].count(which[side]);
+    if (++adds_ == 255) collect();
   }
 
   // Begins anew.
   void clear(BothBits which) {
-    for (BothBits& plane : planes_) plane &= ~which;
+    for (const std::size_t side : {left, right}) recent_[side].clear(which[side]);
     const BothBits large = large_ & which;
     if (either(large) == 0) [[likely]]
       return;
     for (const std::size_t side : {left, right}) {
-      each_bit(large[side], [&](int i) { rest_[side][static_cast<std::size_t>(i)] = 0; });
+      each_bit(large[side], [&](int i) { before_[side][static_cast<std::size_t>(i)] = 0; });
     }
     large_ &= ~large;
   }
 
   std::uint32_t of(std::size_t side, int i) const {
-    std::uint32_t count = rest_[side][static_cast<std::size_t>(i)];
-    for (std::size_t k = planes; k-- > 0;) {
-      count = count << 1 | static_cast<std::uint32_t>(planes_[k][side] >> i & 1);
-    }
-    return count;
+    const auto place = static_cast<std::size_t>(i);
+    return before_[side][place] + recent_[side].of(place);
   }
 
  private:
-  static constexpr std::size_t planes = 7;
-  std::array<BothBits, planes> planes_{};
-  PerSide<std::array<std::uint32_t, 64>> rest_{};
-  BothBits large_{};  // whose rest is not 0
+  // Before a number of a row is full.
+  [[gnu::noinline]] void collect() {
+    adds_ = 0;
+    large_ = BothBits{};
+    for (const std::size_t side : {left, right}) {
+      for (std::size_t i = 0; i < 64; ++i) {
+        before_[side][i] += recent_[side].of(i);
+        large_[side] |= Bits{before_[side][i] != 0} << i;
+      }
+      recent_[side] = {};
+    }
+  }
+
+  PerSide<ByteRow> recent_{};
+  PerSide<std::array<std::uint32_t, 64>> before_{};
+  BothBits large_{};        // of whom `before_` is not 0
+  std::uint32_t adds_ = 0;  // since `recent_` was 0
 };
 
 // What two robots have sent to each other.
@@ -137,6 +181,13 @@ struct SensedBits {
   BothBits positive{};
   BothBits negative{};
   BothBits turned{};
+
+  SensedBits& operator|=(const SensedBits& more) {
+    positive |= more.positive;
+    negative |= more.negative;
+    turned |= more.turned;
+    return *this;
+  }
 
   // Signs that are false: the next one is read, of −, 0, +, −, …, if that is so once; else the one after.
   void falsify(BothBits wrong, BothBits once) {

@@ -127,18 +127,17 @@ class Crowd {
     }
   }
 
-  // What the robots of a pack sense, packs from the last one down.
-  [[gnu::always_inline]] void sense(std::size_t pack, const PerSide<V>& touched,
-                                    const PerSide<Mask>& turned, SensedBits& sensed) const {
+  // What the robots of a pack sense.
+  [[gnu::always_inline]] SensedBits sense(std::size_t pack, const PerSide<V>& touched,
+                                          const PerSide<Mask>& turned) const {
     const Share& share = shares_[pack];
-    on_both_sides([&](std::size_t side) {
-      const auto append = [&](BothBits& words, Mask mask) {
-        words[side] = words[side] << n | mask.bits();
-      };
-      append(sensed.positive, touched[side] >= share.positive);
-      append(sensed.negative, touched[side] < share.not_negative);
-      append(sensed.turned, turned[side]);
-    });
+    const auto words = [&](auto&& mask) {
+      const auto word = [&](std::size_t side) { return Bits{mask(side).bits()} << pack * n; };
+      return BothBits{word(left), word(right)};
+    };
+    return {words([&](std::size_t side) { return touched[side] >= share.positive; }),
+            words([&](std::size_t side) { return touched[side] < share.not_negative; }),
+            words([&](std::size_t side) { return turned[side]; })};
   }
 
   // The teams decide, and what is new is obeyed by robots(pack).

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <utility>
 
 #include "palmbots/philox.hpp"
 
@@ -33,6 +34,21 @@ struct Dice {
     return bits;
   }
 
+  // The words of several ticks, in every lane.
+  template <std::size_t ticks>
+  class Drawn {
+   public:
+    explicit Drawn(const std::array<detail::Draws, ticks * parts>& words) : words_(words) {}
+
+    // One of those of a tick and part of the lanes; its upper halves mean nothing.
+    detail::Halves word(std::size_t tick, std::size_t p, std::size_t which) const {
+      return words_[tick * parts + p][which];
+    }
+
+   private:
+    std::array<detail::Draws, ticks * parts> words_;
+  };
+
   // Draws of a stream, in one of its own lanes, for several ticks that are `apart` from each other, in every
   // lane here: in turn, so that none waits for another.
   template <std::size_t ticks>
@@ -40,39 +56,35 @@ struct Dice {
    public:
     Draws(const Dice& dice, Stream stream, std::uint32_t lane, std::uint64_t first,
           std::uint64_t apart)
-        : stream_(detail::Halves{} + static_cast<std::uint32_t>(stream)),
+        : keys_(keys(dice, std::make_index_sequence<parts>())),
+          stream_(detail::Halves{} + static_cast<std::uint32_t>(stream)),
           lane_(detail::Halves{} + lane),
           step_(ticks * apart) {
       for (std::size_t i = 0; i < ticks * parts; ++i) {
-        k0_[i] = part(dice.seed, i % parts);
-        k1_[i] = k0_[i] >> 32;
         tick_[i] = first + apart * (i / parts) - part(dice.start, i % parts);
       }
     }
 
-    // Goes on to the next ones.
-    void next() {
+    [[gnu::always_inline]] Drawn<ticks> next() {
       std::array<detail::Draws, ticks * parts> counters;
       for (std::size_t i = 0; i < ticks * parts; ++i) {
         counters[i] = {tick_[i], stream_, lane_};
         tick_[i] += step_;
       }
-      words_ = detail::philox(counters, k0_, k1_);
-    }
-
-    // A word, of those of one of the ticks and part of the lanes; its upper halves mean nothing.
-    detail::Halves word(std::size_t tick, std::size_t p, std::size_t which) const {
-      return words_[tick * parts + p][which];
+      return Drawn<ticks>(detail::philox(counters, keys_));
     }
 
    private:
+    template <std::size_t... p>
+    static std::array<detail::Keys, parts> keys(const Dice& dice, std::index_sequence<p...>) {
+      return {detail::Keys(part(dice.seed, p))...};
+    }
+
+    std::array<detail::Keys, parts> keys_;
     detail::Halves stream_;
     detail::Halves lane_;
     std::uint64_t step_;
-    std::array<detail::Halves, ticks * parts> k0_;
-    std::array<detail::Halves, ticks * parts> k1_;
     std::array<detail::Halves, ticks * parts> tick_;
-    std::array<detail::Draws, ticks * parts> words_;
   };
 
   // As many in turn as there are registers for.

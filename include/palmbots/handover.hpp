@@ -19,7 +19,7 @@ struct Approach {
   MaskOf<V> on_left;
   V way;  // +1: contacts slide up, −1: down
   V change;
-  PerSide<PalmAngle<V>> turned;  // the palms at its end
+  const PerSide<PalmAngle<V>>& turned;  // the palms at its end
   V push;
   V lead;       // > 0: how far the sliding contact lets go before the other, at its begin …
   V lead_then;  // … and at its end, < 0 where there is a tie
@@ -39,13 +39,9 @@ template <class V>
                                                         const Approach<V>& step, MaskOf<V> wanted) {
   using Mask = MaskOf<V>;
   const Moments<V> pushed = moments_under(fixture.load, step.push);
-  PerSide<V> turn{};
-  PerSide<Mask> turns{};
   const PerSide<PalmAngle<V>>& turned = step.turned;
-  on_both_sides([&](std::size_t side) {
-    turn[side] = turned[side].angle - from.palms[side].angle;
-    turns[side] = turn[side] != V(0);
-  });
+  const PerSide<V> turn{turned[left].angle - from.palms[left].angle,
+                        turned[right].angle - from.palms[right].angle};
   // How far the contact that slid first still lets go before the other; 0 where an edge is wedged.
   const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms, const Span<V>& span) {
     const PerSide<Edge<V>> edges = edges_at(fixture.friction, palms, step.way);
@@ -56,12 +52,11 @@ template <class V>
     });
     return lead;
   };
+  // Of a palm that does not turn these are the sine and the cosine that it has.
   const auto palms_at = [&](V t) {
-    PerSide<PalmAngle<V>> palms = from.palms;
+    PerSide<PalmAngle<V>> palms;
     on_both_sides([&](std::size_t side) {
-      if (!any(turns[side])) return;
-      const V angle = from.palms[side].angle + t * turn[side];
-      palms[side] = select<V>(turns[side], PalmAngle<V>::at(angle), palms[side]);
+      palms[side] = PalmAngle<V>::at(from.palms[side].angle + t * turn[side]);
     });
     return palms;
   };
@@ -79,9 +74,14 @@ template <class V>
     const V now = lead_at(palms, there.span);
     const Mask leads = now >= V(0);
     lead = select(leads, now, lead);
-    on_both_sides([&](std::size_t side) {
-      contacts[side] = select(leads, there.contacts[side], contacts[side]);
-    });
+    // Mostly it does wherever it matters. What comes next need not wait for that: a branch is guessed.
+    if (all(leads | !wanted)) [[likely]] {
+      contacts = there.contacts;
+    } else {
+      on_both_sides([&](std::size_t side) {
+        contacts[side] = select(leads, there.contacts[side], contacts[side]);
+      });
+    }
     return now;
   });
   Mask good = wanted & (lead > V(0));
@@ -91,8 +91,8 @@ template <class V>
   good = good & (lead_at(turned, end.span) < V(0));
   const V rate = drive_rate(turned, end.contacts, fixture.offset, end.span, step.change, turn);
   const Mask drives = rate * step.way < V(0);
-  const Mask left_turns = turns[left];
-  const Mask right_turns = turns[right];
+  const Mask left_turns = turn[left] != V(0);
+  const Mask right_turns = turn[right] != V(0);
   const Mask turning = left_turns | right_turns;
   good = good & (drives | (!turning));
   return {good, end};

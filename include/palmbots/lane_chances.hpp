@@ -31,22 +31,22 @@ inline auto lower_numbers(Halves words) {
 }
 
 // Whether a word of a draw is below a number, and whether it is odd.
-template <int n, class Draws>
-std::uint32_t lanes_below(const std::array<double, n>& limits, const Draws& draws, std::size_t tick,
+template <int n, class Drawn>
+std::uint32_t lanes_below(const std::array<double, n>& limits, const Drawn& drawn, std::size_t tick,
                           std::size_t which) {
   std::uint32_t bits = 0;
   for (std::size_t p = Dice<n>::parts; p-- > 0;) {
     auto limit = lower_numbers(Halves{});
     std::memcpy(&limit.raw, limits.data() + p * draws_at_once, sizeof limit.raw);
-    bits = bits << draws_at_once | (lower_numbers(draws.word(tick, p, which)) < limit).bits();
+    bits = bits << draws_at_once | (lower_numbers(drawn.word(tick, p, which)) < limit).bits();
   }
   return bits;
 }
-template <int n, class Draws>
-std::uint32_t lanes_odd(const Draws& draws, std::size_t tick, std::size_t which) {
+template <int n, class Drawn>
+std::uint32_t lanes_odd(const Drawn& drawn, std::size_t tick, std::size_t which) {
   std::uint32_t bits = 0;
   for (std::size_t p = Dice<n>::parts; p-- > 0;) {
-    const auto last_bit = lower_numbers(draws.word(tick, p, which) & 1);
+    const auto last_bit = lower_numbers(drawn.word(tick, p, which) & 1);
     bits = bits << draws_at_once | (last_bit > lower_numbers(Halves{})).bits();
   }
   return bits;
@@ -70,12 +70,12 @@ void draw_readings(const Dice<n>& dice, std::uint64_t first, FalseReadings<ticks
   static_assert(ticks % in_turn == 0);
   typename Dice<n>::template Draws<in_turn> draws(dice, Stream::tactile, 0, first, 1);
   for (std::size_t k = 0; k < ticks; k += in_turn) {
-    draws.next();
+    const auto drawn = draws.next();
     for (std::size_t i = 0; i < in_turn; ++i) {
       const auto wrong = [&](std::size_t which) {
-        return detail::lanes_below<n>(dice.false_words, draws, i, which);
+        return detail::lanes_below<n>(dice.false_words, drawn, i, which);
       };
-      const auto once = [&](std::size_t which) { return detail::lanes_odd<n>(draws, i, which); };
+      const auto once = [&](std::size_t which) { return detail::lanes_odd<n>(drawn, i, which); };
       detail::put_chances(dice, wrong(0), wrong(2), k + i, found.wrong);
       detail::put_chances(dice, once(1), once(3), k + i, found.once);
     }
@@ -93,13 +93,13 @@ void draw_losses(const Dice<n>& dice, std::uint32_t lane, std::uint64_t first,
   Draws leaders(dice, Stream::radio, lane, first, 1);
   Draws followers(dice, Stream::radio, lane + 1, first, 1);
   for (std::size_t k = 0; k < ticks; k += in_turn) {
-    leaders.next();
-    followers.next();
+    const auto leader = leaders.next();
+    const auto follower = followers.next();
     for (std::size_t i = 0; i < in_turn; ++i) {
-      const auto lost = [&](const Draws& draws) {
-        return detail::lanes_below<n>(dice.loss_words, draws, i, 0);
+      const auto lost = [&](const auto& drawn) {
+        return detail::lanes_below<n>(dice.loss_words, drawn, i, 0);
       };
-      detail::put_chances(dice, lost(leaders), lost(followers), k + i, found);
+      detail::put_chances(dice, lost(leader), lost(follower), k + i, found);
     }
   }
 }

@@ -57,10 +57,10 @@ void draw_noise(const Dice<n>& dice, std::uint64_t first,
   const auto left_leads = joined([&](std::size_t p) { return D::part(dice.left_leads, p); });
   typename D::template Draws<D::in_turn> draws(dice, Stream::noise, 0, first, 2);
   for (std::size_t k = 0; k < ticks; k += 2 * D::in_turn) {
-    draws.next();
+    const auto drawn = draws.next();
     for (std::size_t i = 0; i < 2 * D::in_turn; ++i) {
       const auto word = [&](std::size_t robot) {
-        return joined([&](std::size_t p) { return draws.word(i / 2, p, i % 2 * 2 + robot); });
+        return joined([&](std::size_t p) { return drawn.word(i / 2, p, i % 2 * 2 + robot); });
       };
       const auto leader = word(0);
       const auto follower = word(1);

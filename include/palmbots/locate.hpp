@@ -45,21 +45,11 @@ V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
   V halved = bad - good;
   V looks(0);  // since then
   Mask on = wanted & (bad - good > tolerance) & (f_good > V(0));
-  for (int i = 0; i < 200 && any(on); ++i) {
-    const V d = f_good - f_bad;
-    const V e = f_good - f_last;
-    const auto inside = [&](V t) { return (t > good) & (t < bad); };
-    const auto secant = [&] { return good + (bad - good) * (f_good / d); };
-    V t = good;
-    if (i == 0) {
-      t = secant();
-    } else {
-      t = good - f_good * (f_last * e * (bad - good) - f_bad * d * (last - good)) /
-                     (d * e * (f_bad - f_last));
-      if (!all(inside(t))) t = select(inside(t), t, secant());
-    }
+  const auto inside = [&](V t) { return (t > good) & (t < bad); };
+  const auto secant = [&] { return good + (bad - good) * (f_good / (f_good - f_bad)); };
+  const auto look = [&](V t) {
     t = t - V(0.5) * tolerance;
-    const Mask bisected = (looks == V(3)) | !inside(t);
+    const Mask bisected = on & ((looks == V(3)) | !inside(t));
     if (any(bisected)) t = select(bisected, V(0.5) * (good + bad), t);
     const V value = f(select(on, t, good));
     const Mask above = value >= V(0);
@@ -76,6 +66,15 @@ V root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
     halved = select(is_halved, bad - good, halved);
     looks = select(is_halved, V(0), looks + V(1));
     on = on & (bad - good > tolerance) & !(above & near);
+  };
+  if (any(on)) look(secant());
+  for (int i = 1; i < 200 && any(on); ++i) {
+    const V d = f_good - f_bad;
+    const V e = f_good - f_last;
+    V t = good - f_good * (f_last * e * (bad - good) - f_bad * d * (last - good)) /
+                     (d * e * (f_bad - f_last));
+    if (!all(inside(t) | !on)) t = select(inside(t), t, secant());
+    look(t);
   }
   return good;
 }

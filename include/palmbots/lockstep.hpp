@@ -283,10 +283,11 @@ class Lockstep {
   [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {
     Bits asked = 0;
     [[maybe_unused]] SensedBits sensed;
-    for (std::size_t p = pack_count; p-- > 0;) {
+    for (std::size_t p = 0; p < pack_count; ++p) {
       Pack& pack = packs_[p];
       const Place<V>& here = place(pack, tick);
-      const PerSide<V> touched = where_touched(pack, here);
+      PerSide<V> elsewhere;
+      const PerSide<V>& touched = where_touched(pack, here, elsewhere);
       pack.tally.add(touched);
       PerSide<LaneMask<Real, n>> turned;
       on_both_sides([&](std::size_t side) {
@@ -294,11 +295,11 @@ class Lockstep {
       });
       std::uint32_t one_by_one = pack.busy;
       if constexpr (has_crowd) {
-        crowd_.sense(p, touched, turned, sensed);
-        one_by_one &= ~static_cast<std::uint32_t>(crowd_.here() >> bit(pack));
+        sensed |= crowd_.sense(p, touched, turned);
+        one_by_one &= ~static_cast<std::uint32_t>(crowd_.here() >> p * n);
       }
       if (!has_crowd || one_by_one != 0) {
-        asked |= Bits{news(pack, touched, turned, tick) & one_by_one} << bit(pack);
+        asked |= Bits{news(pack, touched, turned, tick) & one_by_one} << p * n;
       }
     }
     if constexpr (has_crowd) {
@@ -320,23 +321,25 @@ class Lockstep {
     return ((!same) | (V(tick % block_ticks) >= pack.wake)).bits();
   }
 
-  // Where the palms are touched, as World::touched().
-  [[gnu::always_inline]] static PerSide<V> where_touched(const Pack& pack, const Place<V>& here) {
+  // Where the palms are touched, as World::touched(): at the two vertices, or if some objects rest on more,
+  // what is put together in `elsewhere`.
+  [[gnu::always_inline]] static const PerSide<V>& where_touched(const Pack& pack,
+                                                                const Place<V>& here,
+                                                                PerSide<V>& elsewhere) {
     const std::uint32_t on_more = (pack.sliding.rests != V(0)).bits() & pack.busy;
     if (on_more == 0) [[likely]]
       return here.stance.contacts;
-    return where_touched(pack, here, on_more);
+    elsewhere = here.stance.contacts;
+    look_where_touched(pack, on_more, elsewhere);
+    return elsewhere;
   }
 
-  // The same, if some objects rest on more than two vertices.
-  [[gnu::noinline]] static PerSide<V> where_touched(const Pack& pack, const Place<V>& here,
-                                                    std::uint32_t on_more) {
-    PerSide<V> touched = here.stance.contacts;
+  [[gnu::noinline]] static void look_where_touched(const Pack& pack, std::uint32_t on_more,
+                                                   PerSide<V>& touched) {
     each_bit(on_more, [&](int l) {
       const PerSide<Real> at = pack.lanes[static_cast<std::size_t>(l)].carry->world_.touched();
       for (const std::size_t side : {left, right}) touched[side].raw[l] = at[side];
     });
-    return touched;
   }
 
   [[gnu::noinline]] void ask(Pack& pack, int l, std::uint64_t tick) {

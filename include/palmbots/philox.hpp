@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -77,21 +78,44 @@ inline Halves times(Halves x, std::uint32_t by) {
 // The counters of several draws, and their words; the upper halves of the words mean nothing.
 using Draws = std::array<Halves, 4>;
 
-// philox() of several counters side by side, and of m such in turn: none waits for another.
-template <std::size_t m>
-[[gnu::always_inline]] inline std::array<Draws, m> philox(std::array<Draws, m> counters,
-                                                          std::array<Halves, m> k0,
-                                                          std::array<Halves, m> k1) {
-  for (int round = 0; round < 10; ++round) {
-    for (std::size_t i = 0; i < m; ++i) {
-      const Draws& c = counters[i];
-      const Halves a = times(c[0], 0xD2511F53);
-      const Halves b = times(c[2], 0xCD9E8D57);
-      counters[i] = {(b >> 32) ^ c[1] ^ k0[i], b, (a >> 32) ^ c[3] ^ k1[i], a};
-      k0[i] += 0x9E3779B9;
-      k1[i] += 0xBB67AE85;
+// The keys of the rounds.
+class Keys {
+ public:
+  explicit Keys(Halves seed) {
+    Halves k0 = seed;
+    Halves k1 = seed >> 32;
+    for (Round& key : rounds_) {
+      key = {k0, k1};
+      k0 += 0x9E3779B9;
+      k1 += 0xBB67AE85;
     }
   }
+
+  // A round of philox().
+  [[gnu::always_inline]] void stir(std::size_t round, Draws& counter) const {
+    const Halves a = times(counter[0], 0xD2511F53);
+    const Halves b = times(counter[2], 0xCD9E8D57);
+    const auto& [k0, k1] = rounds_[round];
+    counter = {(b >> 32) ^ counter[1] ^ k0, b, (a >> 32) ^ counter[3] ^ k1, a};
+  }
+
+ private:
+  using Round = std::array<Halves, 2>;
+  std::array<Round, 10> rounds_;
+};
+
+// philox() of several counters side by side, and of m such in turn: none waits for another. Of counter i
+// the keys are keys[i % parts].
+template <std::size_t m, std::size_t parts>
+[[gnu::always_inline]] inline std::array<Draws, m> philox(std::array<Draws, m> counters,
+                                                          const std::array<Keys, parts>& keys) {
+  // Unrolled: no word is moved from one register to another.
+  [&]<std::size_t... round>(std::index_sequence<round...>) {
+    const auto stir = [&](std::size_t r) {
+      for (std::size_t i = 0; i < m; ++i) keys[i % parts].stir(r, counters[i]);
+    };
+    (stir(round), ...);
+  }(std::make_index_sequence<10>());
   return counters;
 }
 
@@ -109,14 +133,14 @@ inline WordRows<n> draw_row(std::uint64_t seed, std::uint32_t tick, Stream strea
   constexpr std::size_t width = detail::draws_at_once;
   static_assert(n % width == 0);
   WordRows<n> rows;
+  const std::array<detail::Keys, 1> keys{detail::Keys(Halves{} + seed)};
   for (std::size_t first = 0; first < n; first += width) {
     std::array<std::uint64_t, width> ticks;
     for (std::size_t i = 0; i < width; ++i) {
       ticks[i] = tick + apart * static_cast<std::uint32_t>(first + i);
     }
-    const auto [words] = detail::philox<1>(
-        {{{std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)}}},
-        {Halves{} + seed}, {Halves{} + (seed >> 32)});
+    const auto [words] = detail::philox<1, 1>(
+        {{{std::bit_cast<Halves>(ticks), Halves{} + static_cast<std::uint32_t>(stream)}}}, keys);
     for (std::size_t word = 0; word < 4; ++word) {
       for (std::size_t i = 0; i < width; ++i) {
         rows[word][first + i] = static_cast<std::uint32_t>(words[word][i]);
