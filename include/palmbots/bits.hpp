@@ -33,42 +33,49 @@ void each_bit(Bits bits, Visit&& visit) {
 // A number below 256 of each of 64.
 class ByteRow {
  public:
-  std::uint32_t of(std::size_t i) const {
-    return static_cast<std::uint32_t>(words_[i / 8] >> i % 8 * 8 & 0xFF);
-  }
+  std::uint32_t of(std::size_t i) const { return rows_[i / width][i % width]; }
 
-#if defined(__AVX512BW__)
   // Adds one to those whose bit is set.
-  void count(Bits which) { put(_mm512_mask_add_epi8(get(), which, get(), _mm512_set1_epi8(1))); }
-  // Makes them 0.
-  void clear(Bits which) { put(_mm512_maskz_mov_epi8(~which, get())); }
-
- private:
-  __m512i get() const {
-    __m512i found;
-    std::memcpy(&found, words_.data(), sizeof found);
-    return found;
-  }
-  void put(__m512i numbers) { std::memcpy(words_.data(), &numbers, sizeof numbers); }
-#else
   void count(Bits which) {
-    for (std::size_t j = 0; j < words_.size(); ++j) words_[j] += ones(which, j);
+    for (std::size_t j = 0; j < parts; ++j) rows_[j] -= where(which, j);
   }
+  // Makes them 0.
   void clear(Bits which) {
-    for (std::size_t j = 0; j < words_.size(); ++j) words_[j] &= ~(ones(which, j) * 0xFF);
+    for (std::size_t j = 0; j < parts; ++j) rows_[j] &= ~where(which, j);
   }
 
  private:
-  // Of the bits of word j, each in its byte.
-  static std::uint64_t ones(Bits which, std::size_t j) {
-    constexpr std::uint64_t every = 0x0101010101010101;
-    // Byte b has bit b of them, or is 0; the sum carries that to its highest bit.
-    const std::uint64_t own = (which >> 8 * j & 0xFF) * every & 0x8040201008040201;
-    return (own + 0x7F * every) >> 7 & every;
+  static constexpr std::size_t width = register_bytes;
+  static constexpr std::size_t parts = 64 / width;
+  typedef std::uint8_t Row __attribute__((vector_size(width)));
+  typedef Bits Words __attribute__((vector_size(width)));
+
+  // All bits of the bytes of part j whose bit is set.
+  static Row where(Bits which, std::size_t j) {
+    const Bits own = which >> width * j % 64;
+    return [&]<std::size_t... k>(std::index_sequence<k...>) {
+      const Row bit = {(1 << k % 8)...};
+      return (Row)((eightfold(own) & bit) == bit);
+    }(std::make_index_sequence<width>());
+  }
+
+  // Every byte of a word eight times, as many as there is room for.
+#if defined(__SSSE3__)
+  static Row eightfold(Bits word) {
+    return [&]<std::size_t... k>(std::index_sequence<k...>) {
+      const Row bytes = (Row)(Words{} + word);
+      return __builtin_shufflevector(bytes, bytes, (k / 16 * 16 + k / 8)...);
+    }(std::make_index_sequence<width>());
+  }
+#else
+  static Row eightfold(Bits word) {
+    return [&]<std::size_t... i>(std::index_sequence<i...>) {
+      return (Row)Words{((word >> 8 * i & 0xFF) * 0x0101010101010101)...};
+    }(std::make_index_sequence<width / 8>());
   }
 #endif
 
-  std::array<std::uint64_t, 8> words_{};  // number i is byte i % 8, from the lowest, of word i / 8
+  std::array<Row, parts> rows_{};
 };
 
 // Counts something of each robot.

@@ -65,14 +65,15 @@ template <class V>
                 fixture.offset, fixture.load.width);
   };
 
-  // The last state that still leads, next to the tie.
+  // The last state that still leads, next to the tie. (At the step's begin nobody looks, but lanes that are
+  // done and have found none.)
   PerSide<V> contacts = from.contacts;
   V lead(0);
   root(wanted, V(0), step.lead, V(1), step.lead_then, [&](V t) {
     const PerSide<PalmAngle<V>> palms = palms_at(t);
     const Slipped<V> there = slip_to(t, palms);
     const V now = lead_at(palms, there.span);
-    const Mask leads = now >= V(0);
+    const Mask leads = (now >= V(0)) & (t > V(0));
     lead = select(leads, now, lead);
     // Mostly it does wherever it matters. What comes next need not wait for that: a branch is guessed.
     if (all(leads | !wanted)) [[likely]] {

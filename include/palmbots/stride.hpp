@@ -169,8 +169,7 @@ template <class V>
       const Mask wedges = wedged(side, edges[side], to.span.dx, to.span.dy);
       wanted = wanted & reached & (!wedges);
     });
-    // Mostly it is so at all ties, and all are handed over. What comes next need not wait for that: a
-    // branch is guessed.
+    // Mostly it is so at all ties. What comes next need not wait for that: a branch is guessed.
     if (all(wanted | !step.ties)) [[likely]]
       wanted = step.ties;
     const HandedOver<V> over = hand_over<V>(
@@ -179,19 +178,13 @@ template <class V>
     step.handed_over = over.done;
     step.on_left = step.on_left ^ over.done;
     good = good | over.done;
-    const auto put = [&](Mask where) {
-      on_both_sides([&](std::size_t side) {
-        after[side] = select(where, over.end.contacts[side], after[side]);
-        held = held & (within(after[side], fixture.safe_reach) | !where);
-      });
-      to.span = {select(where, over.end.span.dx, to.span.dx),
-                 select(where, over.end.span.dy, to.span.dy)};
-    };
-    if (all(over.done | !step.ties)) [[likely]] {
-      put(step.ties);
-    } else {
-      put(over.done);
-    }
+    // Wherever there is a tie, though it may not be done there: then it is put back, and nobody has waited.
+    on_both_sides([&](std::size_t side) {
+      after[side] = select(step.ties, over.end.contacts[side], after[side]);
+      held = held & (within(after[side], fixture.safe_reach) | !step.ties);
+    });
+    to.span = {select(step.ties, over.end.span.dx, to.span.dx),
+               select(step.ties, over.end.span.dy, to.span.dy)};
   }
   // Few contacts are ever out of the safe reach; only then all conditions are looked at.
   if (any(good & (!held))) {
