@@ -42,7 +42,7 @@ RESULT = Path(__file__).parent / "results" / "studies.csv"
 SCALING = {
     "controllers": ["centralized", "distributed"],
     "vary": {"robot.noise_m_s": [0.01, 0.015, 0.02]},
-    "seeds": {"count": 2000},
+    "seeds": {"count": 6000},
 }
 TURNS = 8
 
@@ -129,8 +129,8 @@ def main() -> None:
     said = run(MANY, 2)
     assert said["carries"] == 10_000_000
     told = (
-        ("12 000 carries, 1 thread", round(one, 3), "s"),
-        ("12 000 carries, 2 threads", round(two, 3), "s"),
+        ("36 000 carries, 1 thread", round(one, 3), "s"),
+        ("36 000 carries, 2 threads", round(two, 3), "s"),
         ("scaling, by the clock", round(one / two, 2), "1"),
         ("two processes, by the clock", round(2 * one / min(both), 2), "1"),
         ("main thread, of the processor time", round(100 * alone.main / alone.total, 2), "%"),

@@ -359,7 +359,7 @@ def test_chunks_cover_everything_once(
 @pytest.mark.parametrize("points_", [4, 100])
 def test_chunks_that_nobody_has_chosen(points_: int) -> None:
     """64 parts of a study, about, of at most 32 768 carries; and one part of what is small."""
-    for seeds, parts, most in ((10, 1, 2048), (100_000 // points_, 64, 3125), (10**6, 0, 32_768)):
+    for seeds, parts, most in ((10, 1, 8192), (400_000 // points_, 64, 12_500), (10**6, 0, 32_768)):
         cut = layout((points_,), 2, seeds)
         carries = points_ * 2 * seeds
         assert cut.carries_a_chunk <= most

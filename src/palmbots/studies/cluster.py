@@ -50,29 +50,28 @@ def carry_on_cluster(
     """
     distributed = needed("distributed", "cluster")
     with _client(distributed, scheduler, workers) as client:
-        _greet(client, scheduler)
+        with _while_there(distributed, scheduler):
+            _greet(client, scheduler)
         out: dict[Any, Chunk] = {}
-        try:
-            while True:
+        while True:
+            with _while_there(distributed, scheduler):
                 room = _AHEAD * max(sum(client.nthreads().values()), 1)
-                while len(out) < room and (given := campaign.next()) is not None:
-                    chunk, work = given
-                    packed = dataclasses.replace(work, table=zlib.compress(work.table, 1))
+            while len(out) < room and (given := campaign.next()) is not None:
+                chunk, work = given
+                packed = dataclasses.replace(work, table=zlib.compress(work.table, 1))
+                with _while_there(distributed, scheduler):
                     out[client.submit(carry_packed, packed, key=_name(packed))] = chunk
-                if not out:
-                    break
+            if not out:
+                break
+            with _while_there(distributed, scheduler):
                 done = distributed.wait(list(out), return_when="FIRST_COMPLETED").done
-                for future in done:
-                    chunk, block = out.pop(future), _result(future)
-                    tally = tally_of(block)
-                    campaign.store.write(chunk, block, tally)
-                    campaign.record(chunk, tally)
-                report(campaign.done / max(campaign.due, 1))
-        except _lost(distributed):
-            raise PalmbotsError(
-                f"--scheduler {scheduler}: was lost; what was finished is kept: start it again and "
-                "run the same command"
-            ) from None
+            for future in done:
+                with _while_there(distributed, scheduler):
+                    block = _result(future)
+                chunk, tally = out.pop(future), tally_of(block)
+                campaign.store.write(chunk, block, tally)
+                campaign.record(chunk, tally)
+            report(campaign.done / max(campaign.due, 1))
     report(1.0)
 
 
@@ -107,6 +106,21 @@ def _lost(distributed: Any) -> tuple[type[Exception], ...]:
         distributed.comm.CommClosedError,
         distributed.client.FutureCancelledError,
     )
+
+
+@contextlib.contextmanager
+def _while_there(distributed: Any, scheduler: str | None) -> Iterator[None]:
+    """Where the scheduler is asked and no file is written.
+
+    Raises `PalmbotsError` if it is gone, which a new connection tells as an `OSError`.
+    """
+    try:
+        yield
+    except (*_lost(distributed), OSError):
+        raise PalmbotsError(
+            f"--scheduler {scheduler}: was lost; what was finished is kept: start it again and "
+            "run the same command"
+        ) from None
 
 
 @contextlib.contextmanager

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 __all__ = ["Chunk", "Layout", "layout"]
 
-_LEAST, _MOST, _PARTS = 2048, 32_768, 64
+_LEAST, _MOST, _PARTS = 8192, 32_768, 64
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def layout(
     stop_block: int | None = None,
     carries_a_chunk: int | None = None,
 ) -> Layout:
-    """A cut into chunks of about `carries_a_chunk`; by default 64 parts of 2048 to 32 768."""
+    """A cut into chunks of about `carries_a_chunk`; by default 64 parts of 8192 to 32 768."""
     total = math.prod(shape) * controllers * seeds
     wanted = carries_a_chunk or min(max(total // _PARTS, _LEAST), _MOST)
     room = max(wanted // controllers, 1)
