@@ -4,7 +4,7 @@
 // a few logical operations, for all robots and without a branch.
 #pragma once
 
-#include "palmbots/bits.hpp"
+#include "palmbots/bit_counts.hpp"
 
 namespace palmbots {
 

@@ -6,7 +6,7 @@
 // packets all take the same time, or are lost.
 #pragma once
 
-#include "palmbots/bits.hpp"
+#include "palmbots/bit_counts.hpp"
 #include "palmbots/station.hpp"
 
 namespace palmbots {
