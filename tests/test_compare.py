@@ -10,6 +10,7 @@ import pytest
 import palmbots as pb
 from palmbots.batch import run_seeds
 from palmbots.compare import wilson
+from palmbots.comparison_figure import draw
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.lowering import lower
 
@@ -209,6 +210,28 @@ def test_an_entry_of_a_list_is_swept() -> None:
         controllers=["none"], values=[0.05], carries=3, overrides={"object.com_m": [0.1, 0.04]}
     )
     assert (row.rms_m, row.drop_rate) == (given.rows[0].rms_m, given.rows[0].drop_rate)
+
+
+def test_its_picture_goes_from_small_to_large_and_cuts_nothing_off() -> None:
+    values = [0.03, 0.01, 0.02]
+    given = pb.compare(
+        key="robot.noise_m_s", values=values, controllers=["none", "distributed"], carries=10,
+        overrides={"task.distance_m": 0.2},
+    )  # fmt: skip
+    figure: Any = draw(given)
+    labels = ["dropped [%]", "stalled [%]", "contact rms [mm]", "messages per metre"]
+    assert [axes.get_ylabel() for axes in figure.axes] == labels
+    scales = {"drop_rate": 100, "stall_rate": 100, "rms_m": 1e3, "messages_per_m": 1}
+    for axes, (field, scale) in zip(figure.axes, scales.items(), strict=True):
+        low, high = axes.get_ylim()
+        for bars, controller in zip(axes.containers, ("none", "distributed"), strict=True):
+            line = bars.lines[0]
+            rows = sorted((row.value, row) for row in given.rows if row.controller == controller)
+            assert list(line.get_xdata()) == sorted(values)
+            shown = [scale * getattr(row, field) for _, row in rows]
+            assert list(line.get_ydata()) == pytest.approx(shown)
+            assert low < min(shown) or field == "rms_m"
+            assert max(shown) < high - 0.02 * (high - low)
 
 
 @pytest.mark.parametrize(

@@ -127,7 +127,8 @@ def test_ctrl_c_in_a_terminal_reaches_workers_too(
         command(long, "--out", root, "--chunk", 200, "--local-cluster", 2),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
-    while not (root / "chunks").exists() or len(marks(root)) < chunks:
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    while not children.read_text() or len(marks(root)) < chunks:
         assert process.poll() is None
         time.sleep(0.01)
     time.sleep(0.8)  # while it begins: workers are just starting
@@ -189,5 +190,6 @@ def test_nobody_there(long: Path, tmp_path: Path) -> None:
     refused(done, "--scheduler tcp://127.0.0.1:9: cannot be reached", "dask scheduler")
     refused(study_here(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
     refused(study_here(long, "--out", tmp_path / "c", "--local-cluster", 0), "--local-cluster: 0")
+    assert not [path for path in tmp_path.iterdir() if path.is_dir()]  # nothing has begun
     both = ("--local-cluster", 1, "--scheduler", "tcp://127.0.0.1:9")
     refused(study_here(long, "--out", tmp_path / "d", *both), "one of them")

@@ -211,6 +211,10 @@ SPAN = {"from": 0.0, "to": 1.0}
             {"vary": {"radio.latency_s": {"from": 1, "to": 1, "steps": 3}}},
             "latency_s.to: 1 is not more than from",
         ),
+        (
+            {"set": {"radio": {"latency_s": 0.1}}, "vary": {"radio.latency_s": [0.1, 0.2]}},
+            "vary: .*radio.latency_s.* is set, and varies",
+        ),
         ({"scene": {"task": {"distanc_m": 3}}}, "^study: scene: task.distanc_m: 3"),
         ({"vary": {"radio.latncy_s": [0]}}, r"study: point 0 .*did you mean radio.latency_s"),
         ({"vary": {"radio.latency_s": [0, -1]}}, r"study: point 1 \(radio.latency_s = -1\):"),
@@ -272,7 +276,7 @@ def test_a_bad_file_is_one_line(
         ([], ["FILE"]),
         (["STUDY", "--chunk", "0"], ["--chunk", "allowed"]),
         (["STUDY", "--threads", "0"], ["--threads", "allowed"]),
-        (["STUDY", "-n", "0"], ["seeds.count"]),
+        (["STUDY", "-n", "0"], ["--carries: 0; allowed: 1 to"]),
         (["STUDY", "--out", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
     ],
 )

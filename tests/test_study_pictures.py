@@ -1,6 +1,7 @@
 """Pictures, costs and Sobol indices of studies."""
 
 import dataclasses
+import itertools
 import json
 import math
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.container import BarContainer
 
 from palmbots import cli
@@ -133,6 +135,81 @@ def test_no_panel_cuts_off_what_it_draws(tmp_path: Path) -> None:
     assert noise.get_ylim() == friction.get_ylim()
 
 
+def test_numbers_ascend_whatever_their_order_in_the_file(tmp_path: Path) -> None:
+    mixed, other = [0.2, 0.01, 0.1], [0.3, 0.2]
+    one = run(tmp_path / "one", vary={"robot.noise_m_s": mixed})
+    rates = one.values["drop_rate"][0][:, 0]
+    line = figures.draw(one).axes[0].lines[0]
+    assert line.get_xdata() == pytest.approx([0.01, 0.1, 0.2])
+    assert line.get_ydata() == pytest.approx(100 * rates[[1, 2, 0]])
+    vary = {"robot.noise_m_s": mixed, "palm.friction": other}
+    two = run(tmp_path / "two", vary=vary, controllers=["none"])
+    panel, below = figures.draw(two).axes[:2]
+    assert [t.get_text() for t in below.get_xticklabels()] == ["0.01", "0.1", "0.2"]
+    assert [t.get_text() for t in below.get_yticklabels()] == ["0.2", "0.3"]
+    grid = 100 * two.values["drop_rate"][0].reshape(3, 2)
+    assert pytest.approx(grid[[1, 2, 0]][:, [1, 0]]) == np.asarray(panel.images[0].get_array()).T
+    points = run(
+        tmp_path / "points", vary={"robot.noise_m_s": mixed, "palm.friction": NOISE},
+        design={"kind": "random", "points": 24},
+    )  # fmt: skip
+    noise: Any = figures.draw(points).axes[0].lines[0]
+    found = points.points.column("robot.noise_m_s")
+    assert noise.get_xdata() == pytest.approx(sorted(set(found)))
+    picked = [v == 0.01 for v in found]
+    rate = points.values["drop_rate"][0][picked, 0].mean()
+    assert noise.get_ydata()[0] == pytest.approx(100 * rate)
+
+
+def test_a_logarithmic_range_has_such_an_axis(tmp_path: Path) -> None:
+    log = {"from": 0.001, "to": 0.1, "scale": "log"}
+    grid = run(tmp_path / "grid", vary={"robot.noise_m_s": {**log, "steps": 3}})
+    assert {panel.get_xscale() for panel in figures.draw(grid).axes} == {"log"}
+    vary = {"robot.noise_m_s": log, "palm.friction": {"from": 0.2, "to": 0.3}}
+    points = run(tmp_path / "points", vary=vary, design={"kind": "random", "points": 16})
+    assert [panel.get_xscale() for panel in figures.draw(points).axes] == ["log", "linear"]
+
+
+def overlaps(labels: list[Any], renderer: Any) -> int:
+    boxes = [t.get_window_extent(renderer) for t in labels if t.get_text()]
+    return sum(a.overlaps(b) for a, b in itertools.pairwise(boxes))
+
+
+def test_no_words_overlap_or_are_cut_off(tmp_path: Path) -> None:
+    log = {"from": 0.02, "to": 0.3, "steps": 4, "scale": "log"}
+    fine = {"from": 0.005, "to": 0.03, "steps": 12}
+    for k, vary in enumerate(
+        (
+            {"robot.noise_m_s": [0.01, 0.02, 0.03]},
+            {"radio.latency_s": log},
+            {"radio.latency_s": log, "robot.noise_m_s": fine},
+            {"robot.noise_m_s": fine, "radio.latency_s": log},
+            {
+                "palm.friction": [0.2, 0.3],
+                "robot.noise_m_s": [0.01, 0.02],
+                "radio.latency_s": [0.0, 0.1],
+            },
+        )
+    ):
+        seeds = {"count": 1}
+        done = run(tmp_path / str(k), vary=vary, seeds=seeds, controllers=["distributed"])
+        figure: Any = figures.draw(done)
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+        renderer = canvas.get_renderer()
+        for panel in figure.axes:
+            low, high = panel.get_xlim()
+            shown = [t for t in panel.get_xticklabels() if low <= t.get_position()[0] <= high]
+            assert overlaps(shown, renderer) == 0
+            assert overlaps(panel.get_yticklabels(), renderer) == 0
+            names = [t.get_text() for t in shown if t.get_text()]
+            assert len(names) != 1
+        titles = [legend.get_title() for legend in figure.legends]
+        for text in [*titles, *([figure._suptitle] if figure._suptitle else [])]:
+            box = text.get_window_extent(renderer)
+            assert 0 <= box.x0 < box.x1 <= figure.bbox.width
+
+
 def test_nothing_varied_is_no_picture(tmp_path: Path) -> None:
     with pytest.raises(PalmbotsError, match="--plot: nothing varies"):
         figures.draw(run(tmp_path))
@@ -227,6 +304,22 @@ def test_what_decides_is_found(tmp_path: Path) -> None:
             assert np.ptp(ends) == pytest.approx(2 * index.total_half)
 
 
+def test_a_drop_rate_that_is_the_same_everywhere_has_no_indices(tmp_path: Path) -> None:
+    """The other panel's colours are still told, and entries of a list have names of their own."""
+    vary = {
+        "object.com_m[0]": {"from": 0.12, "to": 0.13},
+        "object.com_m[1]": {"from": 0.02, "to": 0.03},
+    }
+    done = run(tmp_path, vary=vary, design={"kind": "sobol-indices", "points": 8})
+    assert not done.values["drop_rate"][0].any()
+    figure = figures.draw(done)
+    assert texts(figure) == ["is the same everywhere"]
+    (legend,) = figure.legends
+    assert len(legend.get_texts()) == 4
+    names = {t.get_text() for t in figure.axes[0].get_yticklabels()}
+    assert names == {"object com [0]", "object com [1]"}
+
+
 def test_the_command_draws_and_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -240,6 +333,7 @@ def test_the_command_draws_and_tells(
     Path("n.toml").write_text("[seeds]\ncount = 3\n")
     assert cli.run(["study", "n.toml", "--plot"]) == 2
     assert "nothing varies" in capsys.readouterr().err
+    assert not Path("n.study").exists()  # it is told before anything is carried
 
 
 def test_the_table_of_a_random_design_is_short(

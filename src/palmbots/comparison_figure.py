@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from palmbots.pictures import save_figure
 from palmbots.report import counted
@@ -41,7 +42,8 @@ def draw(comparison: "Comparison") -> Figure:
         panels = figure.subplots(2, 2, sharex=True).ravel()
         for axes, (label, field, interval, factor) in zip(panels, _PANELS, strict=True):
             for controller in dict.fromkeys(row.controller for row in comparison.rows):
-                rows = [row for row in comparison.rows if row.controller == controller]
+                mine = (row for row in comparison.rows if row.controller == controller)
+                rows = sorted(mine, key=lambda row: row.value)
                 colour, marker, line = LOOK.get(controller, ("#CC79A7", "D", "-."))
                 y = factor * np.array([getattr(row, field) for row in rows])
                 ends = factor * np.array([getattr(row, interval) for row in rows]).T
@@ -60,12 +62,13 @@ def draw(comparison: "Comparison") -> Figure:
             axes.set_ylabel(label)
             if factor == 100:
                 axes.set_ylim(-3, 103)
-        panels[2].set_ylim(bottom=0)
+        panels[2].set_ylim(0, 1.05 * panels[2].get_ylim()[1])
         panels[3].set_yscale("symlog", linthresh=10)
         most = max(row.messages_per_m for row in comparison.rows)
         panels[3].set_ylim(-1, 2 * most + 10)
         for axes in panels[2:]:
             axes.set_xlabel(axis_label(comparison.key))
+            axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
         carries = counted(comparison.rows[0].n, "carry")
         figure.legend(
             *panels[0].get_legend_handles_labels(),

@@ -1,6 +1,6 @@
 """Units as the names of scene keys tell them: the suffix of ``radio.latency_s`` is seconds."""
 
-__all__ = ["axis_label", "unit_of"]
+__all__ = ["axis_label", "name_of", "unit_of"]
 
 _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
 
@@ -8,6 +8,11 @@ _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s
 def unit_of(key: str) -> str | None:
     """The unit of a scene key, None where its name has none."""
     return _split(key)[1]
+
+
+def name_of(key: str) -> str:
+    """`object.com_m[0]` → "object com [0]"."""
+    return _split(key)[0]
 
 
 def axis_label(key: str) -> str:

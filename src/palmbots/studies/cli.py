@@ -75,6 +75,8 @@ def study(
     plan = load_plan(source, carries)
     if scheduler is not None and local_cluster is not None:
         raise PalmbotsError("--scheduler: given with --local-cluster; allowed: one of them")
+    if plot and not plan.keys:
+        raise PalmbotsError("--plot: nothing varies; allowed: a study with at least one key")
     if explain:
         return _explain(plan, threads, chunk, as_json)
     root = out if out is not None else Path(f"{plan.name}.study")

@@ -23,7 +23,7 @@ from palmbots.studies.needs import needed
 from palmbots.studies.tally import tally_of
 from palmbots.studies.work import Block, Work, build, carry_chunk
 
-__all__ = ["carry_on_cluster", "carry_packed"]
+__all__ = ["Cluster", "carry_packed", "reached"]
 
 _CONNECT_S = 5
 _PATIENCE_S = 30
@@ -35,44 +35,57 @@ def carry_packed(work: Work) -> Block:
     return carry_chunk(dataclasses.replace(work, table=zlib.decompress(work.table)))
 
 
-def carry_on_cluster(
-    campaign: Campaign,
-    scheduler: str | None,
-    workers: int | None,
-    report: Callable[[float], None],
-) -> None:
-    """Carry what is due on the workers of a scheduler, or on so many processes here.
+class Cluster:
+    """A scheduler with workers that can carry."""
 
-    Raises:
-        PalmbotsError: the scheduler cannot be reached or was lost, it has no workers, a worker has
-            another version, or one chunk killed too many of them. Finished chunks are kept.
-        KeyboardInterrupt: likewise.
-    """
-    distributed = needed("distributed", "cluster")
-    with _client(distributed, scheduler, workers) as client:
-        with _while_there(distributed, scheduler):
-            _greet(client, scheduler)
+    def __init__(self, client: Any, scheduler: str | None) -> None:
+        self._client, self._scheduler = client, scheduler
+
+    def carry(self, campaign: Campaign, report: Callable[[float], None]) -> None:
+        """Carry what is due.
+
+        Raises:
+            PalmbotsError: the scheduler was lost, or one chunk killed too many workers. Finished
+                chunks are kept.
+            KeyboardInterrupt: likewise.
+        """
+        distributed = needed("distributed", "cluster")
+        client = self._client
         out: dict[Any, Chunk] = {}
         while True:
-            with _while_there(distributed, scheduler):
+            with _while_there(distributed, self._scheduler):
                 room = _AHEAD * max(sum(client.nthreads().values()), 1)
             while len(out) < room and (given := campaign.next()) is not None:
                 chunk, work = given
                 packed = dataclasses.replace(work, table=zlib.compress(work.table, 1))
-                with _while_there(distributed, scheduler):
+                with _while_there(distributed, self._scheduler):
                     out[client.submit(carry_packed, packed, key=_name(packed))] = chunk
             if not out:
                 break
-            with _while_there(distributed, scheduler):
+            with _while_there(distributed, self._scheduler):
                 done = distributed.wait(list(out), return_when="FIRST_COMPLETED").done
             for future in done:
-                with _while_there(distributed, scheduler):
+                with _while_there(distributed, self._scheduler):
                     block = _result(future)
                 chunk, tally = out.pop(future), tally_of(block)
                 campaign.store.write(chunk, block, tally)
                 campaign.record(chunk, tally)
             report(campaign.done / max(campaign.due, 1))
-    report(1.0)
+        report(1.0)
+
+
+@contextlib.contextmanager
+def reached(scheduler: str | None, workers: int | None) -> Iterator[Cluster]:
+    """The workers of a scheduler, or so many processes here.
+
+    Raises:
+        PalmbotsError: the scheduler cannot be reached, has no workers, or one of another version.
+    """
+    distributed = needed("distributed", "cluster")
+    with _client(distributed, scheduler, workers) as client:
+        with _while_there(distributed, scheduler):
+            _greet(client, scheduler)
+        yield Cluster(client, scheduler)
 
 
 def _name(work: Work) -> str:

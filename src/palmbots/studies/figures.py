@@ -11,11 +11,13 @@
 
 import itertools
 import os
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from palmbots.comparison_figure import LOOK
@@ -27,7 +29,7 @@ from palmbots.studies.report import number
 from palmbots.studies.run import Done
 from palmbots.studies.sensitivity import METRICS, sensitivities
 from palmbots.style import styled
-from palmbots.units import axis_label
+from palmbots.units import axis_label, name_of
 
 __all__ = ["draw", "save"]
 
@@ -81,22 +83,57 @@ def _carried(done: Done) -> str:
     return f"{many} a cell, the same seeds in all of them"
 
 
+def _wrapped(figure: Figure, text: str) -> str:
+    """In lines that fit into the picture."""
+    return textwrap.fill(text, int(13 * figure.get_figwidth()))
+
+
+def _are_numbers(levels: Sequence[Any]) -> bool:
+    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in levels)
+
+
+def _in_order(levels: Sequence[Any]) -> list[int]:
+    """Numbers ascend, whatever order they are given in; names stay."""
+    rising = _are_numbers(levels)
+    return sorted(range(len(levels)), key=lambda i: levels[i] if rising else i)
+
+
 def _places(levels: Sequence[Any]) -> tuple[NDArray[np.float64], list[str] | None]:
     """Where the levels of a key stand on an axis; with names where they are no numbers."""
-    if all(isinstance(v, int | float) and not isinstance(v, bool) for v in levels):
+    if _are_numbers(levels):
         return np.array(levels, float), None
     return np.arange(len(levels), dtype=float), [number(v) for v in levels]
 
 
+def _along(panel: Any, axis: Axis, x: NDArray[np.float64], names: list[str] | None) -> None:
+    """The axis of a key: its names, or as many numbers as there is room for."""
+    if names is not None:
+        panel.set_xticks(x, names)
+    elif isinstance(axis, Span) and axis.scale == "log":
+        panel.set_xscale("log")
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+        panel.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        panel.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        panel.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _tick(value: Any) -> str:
+    is_number = isinstance(value, float) and not isinstance(value, bool)
+    return f"{value:.4g}" if is_number else number(value)
+
+
 def _curves(done: Done) -> Figure:
     (key,) = done.points.plan.keys
-    x, names = _places(done.points.levels(key))
+    levels = done.points.levels(key)
+    order = _in_order(levels)
+    x, names = _places([levels[i] for i in order])
     figure = Figure(figsize=(7.2, 3.4), layout="constrained")
     panels = figure.subplots(1, 2)
     for c, controller in enumerate(done.points.plan.study.controllers):
         for panel, metric in zip(panels, METRICS, strict=True):
-            values, ends = done.values[metric]
-            assert ends is not None
+            values, ends = (v[order] if v is not None else v for v in done.values[metric])
+            assert values is not None and ends is not None
             y, scale = values[:, c] * _SCALES[metric], _SCALES[metric]
             look = _look(controller)
             panel.plot(x, y, label=controller, **look)
@@ -104,16 +141,16 @@ def _curves(done: Done) -> Figure:
             panel.fill_between(x, low, high, color=look["color"], alpha=0.2, linewidth=0)
     for panel, metric in zip(panels, METRICS, strict=True):
         panel.set(xlabel=axis_label(key), ylabel=_NAMES[metric])
-        panel.set_ylim(bottom=0)
-        if names is not None:
-            panel.set_xticks(x, names)
+        panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
+        _along(panel, done.points.plan.study.vary[key], x, names)
     _legend(figure, panels[0], f"{_carried(done)}; bands are 95 % intervals")
     return figure
 
 
 def _legend(figure: Figure, panel: Any, title: str) -> None:
     handles, labels = panel.get_legend_handles_labels()
-    legend = figure.legend(handles, labels, loc="outside upper center", ncols=4, title=title)
+    wrapped = "\n".join(_wrapped(figure, line) for line in title.split("\n"))
+    legend = figure.legend(handles, labels, loc="outside upper center", ncols=4, title=wrapped)
     legend.get_title().set_multialignment("center")
 
 
@@ -132,7 +169,7 @@ def _maps(done: Done) -> Figure:
         panel.set_title(controller)
     for panel in panels[:-1].flat:
         panel.set_xlabel("")
-    figure.suptitle(_carried(done), fontsize=7.5)
+    figure.suptitle(_wrapped(figure, _carried(done)), fontsize=7.5)
     return figure
 
 
@@ -148,14 +185,19 @@ def _row_of_maps(
     finite = np.concatenate([g[np.isfinite(g)] for g in grids] or [np.zeros(1)])
     top = float(finite.max()) if finite.size and finite.max() > 0 else 1.0
     levels = [done.points.levels(key) for key in keys]
+    orders = [_in_order(of) for of in levels]
     image: Any = None
-    for panel, grid in zip(panels, grids, strict=True):
+    for panel, given in zip(panels, grids, strict=True):
+        grid = given[np.ix_(*orders)]
         panel.grid(False)
         panel.set_facecolor("#DDDDDD")
         image = panel.imshow(grid.T, origin="lower", aspect="auto", cmap=_COLOURS, vmin=0, vmax=top)
-        for axis, values in zip((panel.xaxis, panel.yaxis), levels, strict=True):
-            step = -(-len(values) // 10)
-            axis.set_ticks(range(0, len(values), step), [number(v) for v in values[::step]])
+        for axis, of, order in zip((panel.xaxis, panel.yaxis), levels, orders, strict=True):
+            told = [_tick(of[i]) for i in order]
+            # Side by side there is room for some 36 letters, one above the other for ten names.
+            room = 10 if axis is panel.yaxis else max(36 // (1 + max(map(len, told))), 1)
+            step = -(-len(told) // room)
+            axis.set_ticks(range(0, len(told), step), told[::step])
         panel.set_xlabel(axis_label(keys[0]))
         if grid.size <= _MOST_TEXTS:
             _texts(panel, grid, top)
@@ -189,7 +231,8 @@ def _pairs(done: Done) -> Figure:
         )  # fmt: skip
     for panel, controller in zip(panels[0], controllers, strict=True):
         panel.set_title(controller)
-    figure.suptitle(f"{_carried(done)}; mean over the keys that a map does not show", fontsize=7.5)
+    told = f"{_carried(done)}; mean over the keys that a map does not show"
+    figure.suptitle(_wrapped(figure, told), fontsize=7.5)
     return figure
 
 
@@ -224,8 +267,7 @@ def _alone(done: Done) -> Figure:
                 alpha=0.2, linewidth=0,
             )  # fmt: skip
         panel.set_xlabel(axis_label(key))
-        if names is not None:
-            panel.set_xticks(x, names)
+        _along(panel, done.points.plan.study.vary[key], x, names)
     panels[0, 0].set_ylim(bottom=0)  # last: it ends the search for limits, which all panels share
     for row in panels:
         row[0].set_ylabel(_NAMES["drop_rate"])
@@ -242,7 +284,7 @@ def _groups(
 ) -> tuple[NDArray[np.float64], list[NDArray[np.intp]], list[str] | None]:
     """The points by one key: its levels, or bins with equally many points of a range."""
     if not isinstance(axis, Span):
-        levels = [v for v in axis if v in column]
+        levels = [axis[i] for i in _in_order(axis) if axis[i] in column]
         x, names = _places(levels)
         return x, [np.array([i for i, v in enumerate(column) if v == one]) for one in levels], names
     values = np.array(column, float)
@@ -279,10 +321,14 @@ def _indices(done: Done) -> Figure:
             )  # fmt: skip
         panel.set(xlabel="share of the variance (Sobol index)", title=_TITLES[metric])
         panel.set_xlim(left=0)
-        panel.set_yticks(range(len(keys)), [axis_label(key).split(" [")[0] for key in keys])
+        panel.set_yticks(range(len(keys)), [name_of(key) for key in keys])
         panel.grid(axis="y", visible=False)
+        if not panel.patches:
+            panel.set_xlim(0, 1)
+            panel.text(0.5, 0.5, "is the same everywhere", ha="center", transform=panel.transAxes)
     points = counted(len(done.points.values), "point")
-    _legend(figure, panels[0], f"{points}, {_carried(done)}; whiskers: 95 % of the total")
+    full = max(panels, key=lambda panel: len(panel.patches))
+    _legend(figure, full, f"{points}, {_carried(done)}; whiskers: 95 % of the total")
     return figure
 
 

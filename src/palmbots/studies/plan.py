@@ -29,6 +29,7 @@ __all__ = ["Design", "Plan", "Seeds", "Stop", "Study", "load_plan", "ready_studi
 
 _KINDS = ("grid", "random", "sobol", "halton", "latin-hypercube", "sobol-indices")
 _MOST_SEED = 2**63
+_MOST_CARRIES = 10**9
 
 
 def _one_of(*legal: str) -> BeforeValidator:
@@ -74,7 +75,7 @@ class Seeds(Section):
     """[seeds] The seeds of every cell, the same for all of them."""
 
     first: Annotated[int, BeforeValidator(whole(0, _MOST_SEED))] = 0
-    count: Annotated[int, BeforeValidator(whole(1, 10**9))] = 200
+    count: Annotated[int, BeforeValidator(whole(1, _MOST_CARRIES))] = 200
     """Carries a cell; with [stop] the most of them."""
 
 
@@ -125,9 +126,22 @@ class Study(Section):
                 raise fault(key, "has no steps", "steps in every range of a grid", "vary")
             if self.design.kind != "grid" and axis.steps is not None:
                 raise fault(key, "has steps", "no steps where points are chosen", "vary")
+        for key in self.vary:
+            if key in _dotted(self.set):
+                raise fault(key, "is set, and varies", "one of them", "vary")
         if self.design.kind != "grid" and not self.vary:
             raise fault({}, "is empty", "at least one key with this design", "vary")
         return self
+
+
+def _dotted(table: Mapping[str, Any], inside: str = "") -> set[str]:
+    """The keys of a table, and of the tables in it."""
+    found = set[str]()
+    for key, value in table.items():
+        found.add(f"{inside}{key}")
+        if isinstance(value, Mapping):
+            found |= _dotted(value, f"{inside}{key}.")
+    return found
 
 
 class Plan:
@@ -170,6 +184,8 @@ def load_plan(
     else:
         name, called, table, at = _read(os.fspath(source))
     if carries is not None:
+        if isinstance(carries, bool) or not 1 <= carries <= _MOST_CARRIES:
+            raise SceneError(f"--carries: {show(carries)}; allowed: 1 to {_MOST_CARRIES}")
         if isinstance(table.get("seeds", {}), Mapping):
             table["seeds"] = {**table.get("seeds", {}), "count": carries}
         stop = table.get("stop")

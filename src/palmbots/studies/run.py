@@ -1,5 +1,7 @@
 """Begin or take up a study, carry what is due, and say what came out."""
 
+import contextlib
+import functools
 import os
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -150,18 +152,18 @@ def run_study(
     points = design(plan, lambda f: report("checking scenes", f))
     cut = cut_of(points, chunk)
     root = Path(out) if out is not None else Path(f"{plan.name}.study")
-    with opened(root, points, cut, chosen=chunk is not None) as store:
+    with contextlib.ExitStack() as stack:
+        carry: Callable[..., None] = functools.partial(carry_locally, threads=threads or cores())
+        if scheduler is not None or local_cluster is not None:
+            from palmbots.studies.cluster import reached
+
+            carry = stack.enter_context(reached(scheduler, local_cluster)).carry
+        # Last, so that nothing is begun that nobody can carry.
+        store = stack.enter_context(opened(root, points, cut, chosen=chunk is not None))
         resumed = 0
         for repair in range(_MOST_REPAIRS):
             campaign = Campaign(store, order)
-            if scheduler is None and local_cluster is None:
-                carry_locally(campaign, threads or cores(), lambda f: report("carrying", f))
-            else:
-                from palmbots.studies.cluster import carry_on_cluster
-
-                carry_on_cluster(
-                    campaign, scheduler, local_cluster, lambda f: report("carrying", f)
-                )
+            carry(campaign, report=lambda f: report("carrying", f))
             resumed = campaign.resumed if repair == 0 else resumed
             told = campaign.verify(lambda f: report("reading back", f))
             if told is not None:
