@@ -68,7 +68,7 @@ def draw(comparison: "Comparison") -> Figure:
         panels[3].set_ylim(-1, 2 * most + 10)
         for axes in panels[2:]:
             axes.set_xlabel(axis_label(comparison.key))
-            axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+            axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
         carries = counted(comparison.rows[0].n, "carry")
         figure.legend(
             *panels[0].get_legend_handles_labels(),
