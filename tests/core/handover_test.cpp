@@ -29,7 +29,15 @@ bool same_bits(const Pose<Real>& a, const Pose<Real>& b) {
 
 bool chance(double share) { return uniform(0, 1) < share; }
 
-Spec any_spec() {
+// What steps are made near to.
+enum class Near {
+  ties,
+  wedges,    // edges that wedge within the step
+  slipping,  // palms so slippery that hardly any squeeze holds the object, looked at every time
+  standing,  // steps in which nothing moves
+};
+
+Spec any_spec(Near near) {
   Spec spec = paper_spec();
   // The larger ones hold for what is made here; beyond the largest contacts are off their palms.
   const double end = 0.5 * spec.palms[left].length;
@@ -43,7 +51,12 @@ Spec any_spec() {
     if (chance(0.5)) palm.friction = uniform(0.1, 0.6);
     if (chance(0.1)) palm.friction = uniform(2, 10);  // wedges
     if (chance(0.3)) palm.offset = uniform(-0.01, 0.01);
+    // An edge is upright at that angle.
+    const double upright = (90 - uniform(4, 16)) * radians_per_degree<double>;
+    if (near == Near::wedges && chance(0.5)) palm.friction = std::tan(upright);
+    if (near == Near::slipping) palm.friction = uniform(0, 0.12);
   }
+  if (near == Near::slipping) spec.safe_reach = -1;
   return spec;
 }
 
@@ -123,8 +136,8 @@ class SideBySide {
 };
 
 template <class Real>
-void test_a_step(Seen& seen, SideBySide<Real>& side_by_side) {
-  const Rig<Real> rig = rig_of<Real>(any_spec());
+void test_a_step(Near near, Seen& seen, SideBySide<Real>& side_by_side) {
+  const Rig<Real> rig = rig_of<Real>(any_spec(near));
   const Fixture<Real>& fixture = rig;
   const bool coarse = chance(0.3);
   const double degree = radians_per_degree<double>;
@@ -148,6 +161,11 @@ void test_a_step(Seen& seen, SideBySide<Real>& side_by_side) {
     return drive_rate(stance.palms, stance.contacts, rig.offset, from, by, turn);
   };
   if (chance(0.4)) change = -drive(Real(0)) / from.dx + Real(uniform(-1, 1) * 5e-6);
+  if (near == Near::standing && chance(0.2)) {
+    change = Real(0);
+    turn = {};
+    for (const std::size_t side : {left, right}) angles[side] = stance.palms[side].angle;
+  }
   const Real push = near_tie(fixture, stance, from, drive(change) < Real(0) ? Real(1) : Real(-1));
   const auto tied = Real(chance(0.1) ? (chance(0.5) ? -1 : 1) : 0);
   const Pose<Real> before{{stance, from}, {chance(0.5) ? push : Real(0), tied, Real(0)}};
@@ -188,11 +206,14 @@ void test_a_step(Seen& seen, SideBySide<Real>& side_by_side) {
 
 template <class Real>
 void test_all(int steps) {
-  Seen seen;
-  SideBySide<Real> side_by_side;
-  for (int i = 0; i < steps; ++i) test_a_step<Real>(seen, side_by_side);
-  CHECK(seen.common > steps / 4 && seen.handed_over > steps / 20);
-  CHECK(seen.missed <= seen.handed_over / 4 && seen.otherwise > steps / 100);
+  for (const Near near : {Near::ties, Near::wedges, Near::slipping, Near::standing}) {
+    Seen seen;
+    SideBySide<Real> side_by_side;
+    for (int i = 0; i < steps; ++i) test_a_step<Real>(near, seen, side_by_side);
+    if (near != Near::ties) continue;
+    CHECK(seen.common > steps / 4 && seen.handed_over > steps / 20);
+    CHECK(seen.missed <= seen.handed_over / 4 && seen.otherwise > steps / 100);
+  }
 }
 
 }  // namespace
