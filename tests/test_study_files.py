@@ -268,6 +268,12 @@ def test_a_bad_file_is_one_line(
     assert {path.name for path in tmp_path.iterdir()} == {"bad.toml"}
 
 
+@pytest.mark.parametrize("carries", [0, 1.5, True, "many"])
+def test_bad_numbers_of_carries(carries: Any) -> None:
+    with pytest.raises(SceneError, match=r"^--carries: .*; allowed: 1 to 1000000000$"):
+        load_plan({}, carries)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

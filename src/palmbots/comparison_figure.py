@@ -15,7 +15,7 @@ from palmbots.units import axis_label
 if TYPE_CHECKING:
     from palmbots.compare import Comparison
 
-__all__ = ["LOOK", "draw", "save"]
+__all__ = ["LOOK", "draw", "few_ticks", "save"]
 
 # Okabe and Ito's palette; markers and lines differ too.
 LOOK = {
@@ -33,6 +33,11 @@ _PANELS = (
     ("contact rms [mm]", "rms_m", "rms_interval_m", 1e3),
     ("messages per metre", "messages_per_m", "messages_interval_per_m", 1),
 )
+
+
+def few_ticks() -> MaxNLocator:
+    """So few round numbers on an axis that they do not run into each other."""
+    return MaxNLocator(6, steps=[1, 2, 2.5, 5, 10])
 
 
 def draw(comparison: "Comparison") -> Figure:
@@ -68,7 +73,7 @@ def draw(comparison: "Comparison") -> Figure:
         panels[3].set_ylim(-1, 2 * most + 10)
         for axes in panels[2:]:
             axes.set_xlabel(axis_label(comparison.key))
-            axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+            axes.xaxis.set_major_locator(few_ticks())
         carries = counted(comparison.rows[0].n, "carry")
         figure.legend(
             *panels[0].get_legend_handles_labels(),

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from palmbots.comparison_figure import LOOK
+from palmbots.comparison_figure import LOOK, few_ticks
 from palmbots.errors import PalmbotsError
 from palmbots.pictures import save_figure
 from palmbots.report import counted
@@ -115,12 +115,11 @@ def _along(panel: Any, axis: Axis, x: NDArray[np.float64], names: list[str] | No
         panel.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         panel.xaxis.set_minor_formatter(NullFormatter())
     else:
-        panel.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+        panel.xaxis.set_major_locator(few_ticks())
 
 
 def _tick(value: Any) -> str:
-    is_number = isinstance(value, float) and not isinstance(value, bool)
-    return f"{value:.4g}" if is_number else number(value)
+    return f"{value:.4g}" if isinstance(value, float) else number(value)
 
 
 def _curves(done: Done) -> Figure:

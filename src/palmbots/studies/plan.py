@@ -184,7 +184,8 @@ def load_plan(
     else:
         name, called, table, at = _read(os.fspath(source))
     if carries is not None:
-        if isinstance(carries, bool) or not 1 <= carries <= _MOST_CARRIES:
+        is_whole = isinstance(carries, int) and not isinstance(carries, bool)
+        if not is_whole or not 1 <= carries <= _MOST_CARRIES:
             raise SceneError(f"--carries: {show(carries)}; allowed: 1 to {_MOST_CARRIES}")
         if isinstance(table.get("seeds", {}), Mapping):
             table["seeds"] = {**table.get("seeds", {}), "count": carries}
