@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Everything a tree needs, from a fresh clone: `make carry` and `make test`.
 #
 # Set-up is done once and remembered by stamp files in .venv: the locked packages are installed
@@ -9,17 +10,19 @@ VENV := .venv
 BIN := $(VENV)/bin
 export PYTHON
 
-EXTENSION := pyproject.toml CMakeLists.txt $(wildcard include/palmbots/*.hpp src/bindings/* src/lanes/*)
+EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
 CXX_FILES = $(shell find include src tests benchmarks verify -name '*.hpp' -o -name '*.cpp')
-PY_FILES = src tests examples benchmarks verify
+PY_FILES = src tests examples benchmarks scripts verify
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
-# (incrementally) in build/extension. $(1): warnings as errors, ON or OFF.
+# (incrementally) in build/extension. $(1): warnings as errors, ON or OFF. $(2): ON builds all, OFF
+# only what a single carry needs, which is a third of the compilation.
 define install
-	@echo "Building the extension (some minutes)"
+	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about a minute))"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
 		--config-settings=build-dir=build/extension \
-		--config-settings=cmake.define.PALMBOTS_WERROR=$(1) --editable .
+		--config-settings=cmake.define.PALMBOTS_WERROR=$(1) \
+		--config-settings=cmake.define.PALMBOTS_BATCH=$(2) --editable .
 endef
 
 help:  ## this list
@@ -29,10 +32,11 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 	$(BIN)/palmbots carry --out out
 
 test: $(VENV)/strict.done lint  ## everything a change must pass
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(BIN)/python tests/support/cxx.py
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
-	$(BIN)/python verify/explore.py
+	$(BIN)/python verify/model_check.py
 
 lint: $(VENV)/test.done
 	$(BIN)/ruff check $(PY_FILES)
@@ -45,20 +49,22 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
+soak: $(VENV)/strict.done  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
+	$(BIN)/python tests/soak/soak.py $(or $(MINUTES),60)
+
 fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600
-	$(BIN)/python tests/fuzzing.py $(or $(FUZZ_SECONDS),600)
+	$(BIN)/python tests/soak/fuzz_decode.py $(or $(FUZZ_SECONDS),600)
 
-bench: $(VENV)/bench.done $(VENV)/extension.done  ## speed against named peers; CSV in benchmarks/results/
-	$(BIN)/python benchmarks/run.py
-	$(BIN)/python benchmarks/modes.py
-	$(BIN)/python benchmarks/stability.py
-	$(BIN)/python benchmarks/wire.py
-	$(BIN)/python benchmarks/dynamic.py
-	$(BIN)/python benchmarks/curves.py
-	$(BIN)/python benchmarks/learn.py
+build: $(VENV)/build.done  ## everything compiled, for compare, study and validate too
 
-stubs: $(VENV)/extension.done  ## write src/palmbots/_core.pyi anew from the built module
-	$(BIN)/python -m nanobind.stubgen -q -m palmbots._core -o src/palmbots/_core.pyi
+bench: $(VENV)/bench.done $(VENV)/build.done  ## speed against named peers; CSV in benchmarks/results/
+	set -e; for bench in benchmarks/bench_*.py; do $(BIN)/python $$bench; done
+
+docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the docs anew
+	$(BIN)/python scripts/generate_docs.py
+
+stubs: $(VENV)/extension.done  ## write src/palmbots/_core/*.pyi anew from the built module
+	$(BIN)/python -m nanobind.stubgen -q -r -m palmbots._core -O src/palmbots
 
 lock: $(VENV)/test.done  ## write requirements/*.txt anew; LOCK=--upgrade moves to newer versions
 	scripts/lock $(LOCK)
@@ -74,17 +80,24 @@ $(VENV)/test.done $(VENV)/bench.done: $(VENV)/%.done: requirements/%.txt require
 	@scripts/setup carry $*
 	@touch $(VENV)/carry.done $@
 
-# Only where `make test` has run is a warning an error: elsewhere a newer compiler that warns of
-# more must not keep anybody from carrying.
+# extension.done: palmbots._core is up to date, and so is all that has been built before.
+# build.done: everything is. strict.done: everything, without a warning. Only where `make test` has
+# run is a warning an error: elsewhere a newer compiler with more warnings prevents no carry.
+WERROR = $(if $(wildcard $(VENV)/strict.done),ON,OFF)
+
 $(VENV)/extension.done: $(EXTENSION) $(VENV)/carry.done
-	$(call install,$(if $(wildcard $(VENV)/strict.done),ON,OFF))
-	@touch $@
+	$(call install,$(WERROR),$(if $(wildcard $(VENV)/build.done),ON,OFF))
+	@touch $(wildcard $(VENV)/build.done $(VENV)/strict.done) $@
+
+$(VENV)/build.done: $(EXTENSION) $(VENV)/carry.done
+	$(call install,$(WERROR),ON)
+	@touch $(wildcard $(VENV)/strict.done) $(VENV)/extension.done $@
 
 $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
-	$(call install,ON)
-	@touch $(VENV)/extension.done $@
+	$(call install,ON,ON)
+	@touch $(VENV)/extension.done $(VENV)/build.done $@
 
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help carry test verify lint format fuzz bench stubs lock clean
+.PHONY: docs help carry build test verify lint format soak fuzz bench stubs lock clean

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Carry the paper's box once and see what the robots had to correct."""
 
 import palmbots as pb

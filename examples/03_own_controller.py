@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A controller of your own: the shipped algorithm, by a robot that minds small deviations.
 
 It looks away from a deviation until it has lasted for a while, so that it corrects less often.
@@ -10,16 +11,16 @@ class Patient:
     """Table 2, but a sign counts only after it has lasted 0.3 s (30 control periods)."""
 
     def __init__(self) -> None:
-        self.table2 = pb.Distributed()
+        self.table2 = pb.control.DistributedController()
         self.last = 0
         self.lasted = 0
 
-    def step(self, seen: pb.StepInput) -> pb.StepOutput:
+    def step(self, seen: pb.control.StepInput) -> pb.control.StepOutput:
         """One control period."""
         self.lasted = self.lasted + 1 if seen.sign == self.last else 0
         self.last = seen.sign
         trusted = seen.sign if self.lasted >= 30 or seen.sign == 0 else 0
-        return self.table2.step(pb.StepInput(trusted, seen.letter, seen.turned))
+        return self.table2.step(pb.control.StepInput(trusted, seen.message, seen.palm_at_target))
 
 
 for controller in ("distributed", Patient):

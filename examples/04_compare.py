@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Section 5.3 of the paper: how much latency does each algorithm bear?"""
 
 import palmbots as pb

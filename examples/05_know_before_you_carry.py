@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Will it hold, by how much, and with which palm angles? Asked before anything moves."""
 
 import palmbots as pb
@@ -8,10 +9,10 @@ print(f"5° and 15°: {'hold' if found.holds else 'fail'}; COM from {1e3 * low:.
 print(f"{1e3 * high:.1f} mm, friction {found.friction[0][0]:.2f} to {found.friction[0][1]:.2f}")
 
 # Not sure about friction and COM? Then prove it for all that they may be.
-proof = pb.certify("paper", com_x_m=(0.12, 0.13), friction=(0.3, 0.5), common=True)
+proof = pb.certify("paper", com_x_m=(0.12, 0.13), friction=(0.3, 0.5), common_friction=True)
 print(f"friction 0.3 to 0.5, COM ± 5 mm: {proof.verdict}")
 
-best = pb.design("paper", friction=(0.3, 0.5), region_m="palm")
+best = pb.design("paper", friction=(0.3, 0.5), common_friction=True, region_m="palm")
 print(f"best angles: {best.shallow_deg:g}° and {best.steep_deg:g}°, COM ±", end="")
 print(f"{1e3 * best.tolerance:.1f} mm (5° and 15°: ±{1e3 * (best.paper_tolerance or 0):.1f} mm)")
 assert best.certificate.verdict == "holds"

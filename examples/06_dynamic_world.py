@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The same carry with mass, wheels and a bump of the floor: pip install 'palmbots[mujoco]'."""
 
 import palmbots as pb
@@ -6,7 +7,7 @@ scene = pb.load_scene(
     "paper",
     {
         "task.distance_m": 0.5,
-        "dynamic.ridges": [{"at_m": 0.5, "height_m": 0.002, "length_m": 0.05}],
+        "mujoco.ridges": [{"at_m": 0.5, "height_m": 0.002, "length_m": 0.05}],
     },
 )
 for world in ("quasistatic", "mujoco"):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Learn to carry: the task as a PettingZoo environment (pip install 'palmbots[learn]').
 
 What can two robots do that may not talk? Here each follows the same small table: for every sign
@@ -10,8 +11,8 @@ from itertools import product
 import numpy as np
 
 from palmbots.learn import carry_v0
-from palmbots.learn.baseline import play
-from palmbots.learn.meaning import MOVES, PALMS, action
+from palmbots.learn.baseline import run_episode
+from palmbots.learn.spaces import MOVES, PALMS, action
 
 CHOICES = [action(palm, move, messages=False) for palm in PALMS for move in MOVES]
 
@@ -34,7 +35,7 @@ def worth(choices: tuple[int, ...], seeds: range) -> float:
     """Mean return of a table that both robots follow."""
     table = Table(choices)
     policies = {"left": table, "right": table}
-    return float(np.mean([play(mute, policies, seed=seed).returned for seed in seeds]))
+    return float(np.mean([run_episode(mute, policies, seed=seed).returned for seed in seeds]))
 
 
 every = list(product(range(6), repeat=3))
@@ -46,6 +47,6 @@ for sign, choice in zip("-0+", best, strict=True):
 
 fresh = range(100, 120)
 talking = carry_v0.parallel_env("paper")
-paper = [play(talking, seed=seed).returned for seed in fresh]
+paper = [run_episode(talking, seed=seed).returned for seed in fresh]
 print(f"on fresh seeds the table earns {worth(best, fresh):.3f},", end=" ")
 print(f"the paper's algorithm {np.mean(paper):.3f}; 2 is the most there is")

@@ -1,63 +1,54 @@
-"""palmbots: two robots that cannot grasp carry an object together, on a flat tiltable palm each.
+# SPDX-License-Identifier: Apache-2.0
+"""palmbots: two mobile robots carry an object between two tilting palms, without grippers.
 
 >>> import palmbots as pb
 >>> pb.carry("paper", "distributed", seed=0).outcome
 'delivered'
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+import importlib as _importlib
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from palmbots.carry import carry
-from palmbots.check import Checked, check
-from palmbots.compare import Comparison, compare
-from palmbots.controllers import Controller, Distributed, StepInput, StepOutput
-from palmbots.errors import PalmbotsError, SceneError
-from palmbots.feasibility import feasible_modes
-from palmbots.modes import MODES, ContactModes, States, modes, states
-from palmbots.object_files import objects
-from palmbots.rare import DropRate, rare
-from palmbots.replay import Replay, replay
-from palmbots.result import Carry, Correction, Letter, Touch
-from palmbots.scene import Scene, load_scene
-from palmbots.stability.analysis import Analysis, analyze
-from palmbots.touching import Contact, contacts
-from palmbots.version import __version__
+from palmbots._version import __version__ as __version__
 
-if TYPE_CHECKING:
-    from palmbots import wire
-    from palmbots.dynamic.validation import Validation, validate
-    from palmbots.log import Log, read_log, write_log
-    from palmbots.stability.certificate import Certificate, certify
-    from palmbots.stability.design import Design, design
-    from palmbots.studies.run import open_results as open_study
-    from palmbots.studies.run import study
+if _TYPE_CHECKING:
+    from palmbots import control as control
+    from palmbots import learn as learn
+    from palmbots import logs as logs
+    from palmbots import mechanics as mechanics
+    from palmbots import mujoco as mujoco
+    from palmbots import simulation as simulation
+    from palmbots import stability as stability
+    from palmbots import studies as studies
+    from palmbots import viz as viz
+    from palmbots import wire as wire
+    from palmbots.errors import PalmbotsError as PalmbotsError
+    from palmbots.errors import SceneError as SceneError
+    from palmbots.logs.mcap_reader import read_log as read_log
+    from palmbots.logs.mcap_writer import write_log as write_log
+    from palmbots.logs.replaying import replay as replay
+    from palmbots.mechanics.contact_points import contacts as contacts
+    from palmbots.mechanics.mode_analysis import feasible_modes as feasible_modes
+    from palmbots.mechanics.mode_analysis import modes as modes
+    from palmbots.mechanics.mode_analysis import modes_batch as modes_batch
+    from palmbots.mujoco.validation.validation import validate as validate
+    from palmbots.scene.object_library import object_names as object_names
+    from palmbots.scene.scene import Scene as Scene
+    from palmbots.scene.scene import load_scene as load_scene
+    from palmbots.simulation.rare_events import estimate_drop_rate as estimate_drop_rate
+    from palmbots.simulation.single import carry as carry
+    from palmbots.simulation.sweep import compare as compare
+    from palmbots.stability.analysis import analyze as analyze
+    from palmbots.stability.certificates.checker.verify import check as check
+    from palmbots.stability.certificates.prover import certify as certify
+    from palmbots.stability.palm_angles import design as design
+    from palmbots.studies.study_reader import open_study as open_study
+    from palmbots.studies.study_runner import study as study
 
 __all__ = [
-    "MODES",
-    "Analysis",
-    "Carry",
-    "Certificate",
-    "Checked",
-    "Comparison",
-    "Contact",
-    "ContactModes",
-    "Controller",
-    "Correction",
-    "Design",
-    "Distributed",
-    "DropRate",
-    "Letter",
-    "Log",
     "PalmbotsError",
-    "Replay",
     "Scene",
     "SceneError",
-    "States",
-    "StepInput",
-    "StepOutput",
-    "Touch",
-    "Validation",
     "__version__",
     "analyze",
     "carry",
@@ -65,46 +56,114 @@ __all__ = [
     "check",
     "compare",
     "contacts",
+    "control",
     "design",
+    "estimate_drop_rate",
     "feasible_modes",
+    "learn",
     "load_scene",
+    "logs",
+    "mechanics",
     "modes",
-    "objects",
+    "modes_batch",
+    "mujoco",
+    "object_names",
     "open_study",
-    "rare",
     "read_log",
     "replay",
-    "states",
+    "simulation",
+    "stability",
+    "studies",
     "study",
     "validate",
+    "viz",
     "wire",
     "write_log",
 ]
 
-# Where names come from whose modules take long to import and that few programs use.
-_LATER = {
-    "Certificate": ("palmbots.stability.certificate", "Certificate"),
-    "Design": ("palmbots.stability.design", "Design"),
-    "Log": ("palmbots.log", "Log"),
-    "Validation": ("palmbots.dynamic.validation", "Validation"),
-    "certify": ("palmbots.stability.certificate", "certify"),
-    "design": ("palmbots.stability.design", "design"),
-    "open_study": ("palmbots.studies.run", "open_results"),
-    "read_log": ("palmbots.log", "read_log"),
-    "study": ("palmbots.studies.run", "study"),
-    "validate": ("palmbots.dynamic.validation", "validate"),
-    "wire": ("palmbots.wire", ""),
-    "write_log": ("palmbots.log", "write_log"),
+# Where each name is defined. All are loaded on first use: most modules import numpy and pydantic,
+# which take a quarter of a second, and `palmbots --help` and Ctrl-C must not wait for them.
+_LAZY = {
+    "analyze": "palmbots.stability.analysis:analyze",
+    "carry": "palmbots.simulation.single:carry",
+    "certify": "palmbots.stability.certificates.prover:certify",
+    "check": "palmbots.stability.certificates.checker.verify:check",
+    "compare": "palmbots.simulation.sweep:compare",
+    "contacts": "palmbots.mechanics.contact_points:contacts",
+    "control": "palmbots.control",
+    "design": "palmbots.stability.palm_angles:design",
+    "estimate_drop_rate": "palmbots.simulation.rare_events:estimate_drop_rate",
+    "feasible_modes": "palmbots.mechanics.mode_analysis:feasible_modes",
+    "learn": "palmbots.learn",
+    "load_scene": "palmbots.scene.scene:load_scene",
+    "logs": "palmbots.logs",
+    "mechanics": "palmbots.mechanics",
+    "modes": "palmbots.mechanics.mode_analysis:modes",
+    "modes_batch": "palmbots.mechanics.mode_analysis:modes_batch",
+    "mujoco": "palmbots.mujoco",
+    "object_names": "palmbots.scene.object_library:object_names",
+    "open_study": "palmbots.studies.study_reader:open_study",
+    "PalmbotsError": "palmbots.errors:PalmbotsError",
+    "read_log": "palmbots.logs.mcap_reader:read_log",
+    "replay": "palmbots.logs.replaying:replay",
+    "Scene": "palmbots.scene.scene:Scene",
+    "SceneError": "palmbots.errors:SceneError",
+    "simulation": "palmbots.simulation",
+    "stability": "palmbots.stability",
+    "studies": "palmbots.studies",
+    "study": "palmbots.studies.study_runner:study",
+    "validate": "palmbots.mujoco.validation.validation:validate",
+    "viz": "palmbots.viz",
+    "wire": "palmbots.wire",
+    "write_log": "palmbots.logs.mcap_writer:write_log",
+}
+
+# Former names, and where they are now.
+_RENAMED = {
+    "Analysis": "palmbots.stability.Analysis",
+    "Carry": "palmbots.simulation.Carry",
+    "Certificate": "palmbots.stability.Certificate",
+    "Checked": "palmbots.stability.CheckResult",
+    "Comparison": "palmbots.simulation.Comparison",
+    "Contact": "palmbots.mechanics.Contact",
+    "ContactModes": "palmbots.mechanics.ContactModes",
+    "Controller": "palmbots.control.Controller",
+    "Correction": "palmbots.simulation.Correction",
+    "Design": "palmbots.stability.Design",
+    "Distributed": "palmbots.control.DistributedController",
+    "DropRate": "palmbots.simulation.DropRate",
+    "Letter": "palmbots.simulation.Message",
+    "Log": "palmbots.logs.Log",
+    "MODES": "palmbots.mechanics.CONTACT_MODES",
+    "Replay": "palmbots.logs.ReplayResult",
+    "States": "palmbots.mechanics.ContactModesBatch",
+    "StepInput": "palmbots.control.StepInput",
+    "StepOutput": "palmbots.control.StepOutput",
+    "Touch": "palmbots.simulation.ContactEvent",
+    "Validation": "palmbots.mujoco.Validation",
+    "animation": "palmbots.viz",
+    "batch": "palmbots.simulation",
+    "controllers": "palmbots.control",
+    "drops": "palmbots.simulation",
+    "dynamic": "palmbots.mujoco",
+    "figure8": "palmbots.viz",
+    "objects": "palmbots.object_names",
+    "rare": "palmbots.estimate_drop_rate",
+    "result": "palmbots.simulation",
+    "states": "palmbots.modes_batch",
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _LATER:
+def __getattr__(name: str) -> object:
+    if name in _RENAMED:
+        raise AttributeError(f"palmbots.{name} is renamed to {_RENAMED[name]}")
+    if name not in _LAZY:
         raise AttributeError(f"module 'palmbots' has no attribute {name!r}")
-    module, attribute = _LATER[name]
-    found = importlib.import_module(module)
-    return getattr(found, attribute) if attribute else found
+    module, _, attribute = _LAZY[name].partition(":")
+    loaded = _importlib.import_module(module)
+    value = globals()[name] = getattr(loaded, attribute) if attribute else loaded
+    return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

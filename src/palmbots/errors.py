@@ -1,38 +1,43 @@
-"""What palmbots raises on purpose: one clear line, meant to be shown to the user as it is.
+# SPDX-License-Identifier: Apache-2.0
+"""The exceptions of palmbots: one line each, written for the user.
 
-A message about input names the file, the key, the value and what would have been allowed. Whatever
-text goes into it (file names, keys, values) comes from outside, so control characters and the like
-are escaped: a message is always one line that any terminal and any encoding can print.
+A message about input names the file, the key, the value and what is allowed. File names, keys and
+values come from outside, so unprintable characters in them are escaped: a message is always one
+line that every terminal can print.
 """
 
-import difflib
-import operator
-
-from palmbots.toml_text import toml_value
-
-__all__ = [
-    "PalmbotsError",
-    "SceneError",
-    "one_line",
-    "one_of",
-    "seed_of",
-    "show",
-    "two_numbers",
-    "whole_number",
-]
-
-_LONGEST_VALUE = 60
+__all__ = ["MissingExtra", "PalmbotsError", "SceneError", "UnknownSceneKey", "one_line"]
 
 
 class PalmbotsError(Exception):
-    """Something the user can put right; ``str(error)`` is one line and the whole story."""
+    """Something that the user can correct; ``str(error)`` is one line."""
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
 
 
+class MissingExtra(PalmbotsError):
+    """An optional package is not installed."""
+
+    def __init__(self, message: str, extra: str = "") -> None:
+        super().__init__(message)
+        self.extra = extra
+        """The extra that brings the package, such as ``study``."""
+
+
 class SceneError(PalmbotsError):
-    """A scene that cannot be read or makes no sense."""
+    """A scene that cannot be read or is not valid."""
+
+
+class UnknownSceneKey(SceneError):
+    """A key that no scene has, or that has another name now."""
+
+    def __init__(self, message: str, key: str = "", suggestion: str | None = None) -> None:
+        super().__init__(message)
+        self.key = key
+        """The dotted key as it was given."""
+        self.suggestion = suggestion
+        """The key that is probably meant, or the new name of a renamed key."""
 
 
 def one_line(text: str) -> str:
@@ -43,58 +48,3 @@ def one_line(text: str) -> str:
         c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode()
         for c in text
     )
-
-
-def show(value: object) -> str:
-    """A value as a message quotes it: short, on one line, spelt as in TOML where it can be."""
-    if value is None:
-        return "null"
-    try:
-        text = toml_value(value)
-    except Exception:  # a repr() may do anything; int's own refuses very long numbers
-        text = f"<{type(value).__name__}>"
-    text = one_line(text)
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
-
-
-def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
-    """Raise `PalmbotsError`, saying what is allowed, unless the value is one of the legal ones."""
-    if value not in legal:
-        near = difflib.get_close_matches(str(value), legal, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")
-
-
-def whole_number(key: str, value: object, least: int, most: int, allowed: str = "") -> int:
-    """The value as an int, also of one of NumPy's whole numbers.
-
-    Raises `PalmbotsError`, saying what is allowed, for anything else and beyond the limits.
-    """
-    try:
-        number = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        number = None
-    if number is None or not least <= number <= most:
-        raise PalmbotsError(
-            f"{key}: value is {show(value)}; allowed: {allowed or f'{least} to {most}'}"
-        )
-    return number
-
-
-def two_numbers(key: str, value: object) -> tuple[float, float]:
-    """The ends of an interval, in the order given, NaN and all.
-
-    Raises `PalmbotsError` for anything but a pair of numbers: a single one is easily given.
-    """
-    try:
-        low, high = value  # type: ignore[misc]
-        return float(low), float(high)
-    except (TypeError, ValueError):
-        raise PalmbotsError(
-            f"{key}: value is {show(value)}; allowed: two numbers, the lower one first"
-        ) from None
-
-
-def seed_of(value: object) -> int:
-    """The seed of a carry; raises `PalmbotsError` where it is none."""
-    return whole_number("seed", value, 0, 2**64 - 1, "a whole number from 0 to 2^64-1")

@@ -1,14 +1,15 @@
-"""The wire from Python: the packets that robots and station send each other, by the shipped core.
+# SPDX-License-Identifier: Apache-2.0
+"""Packets and endpoints: what robots and station send each other, computed by the compiled core.
 
-A packet has 28 bytes (docs/wire.md says what each of them is). ``encode`` and ``decode`` turn one
-into bytes and back; an ``Endpoint`` is what a robot or the station keeps between packets, and tells
-new packets from old ones.
+A packet has 28 bytes; docs/reference/wire.md describes each of them. `encode` and `decode` convert
+a packet to bytes and back. An `Endpoint` keeps what a robot or the station must remember between
+packets, and distinguishes new packets from old ones.
 
 >>> from palmbots import wire
 >>> left = wire.Endpoint(key=bytes(16), pair=7, role="left", epoch=1)
 >>> right = wire.Endpoint(key=bytes(16), pair=7, role="right", epoch=1)
->>> right.receive(left.send("right")).verdict  # the first packet after a boot only introduces
-'unanswered'
+>>> right.receive(left.send("right")).verdict  # the first packet after a boot opens the session
+'no_session'
 >>> left.receive(right.send("left", "TiltUp")).packet.body
 'TiltUp'
 """
@@ -16,9 +17,10 @@ new packets from old ones.
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from palmbots import _core
-from palmbots.controllers import Letter, Move, Palm
-from palmbots.errors import PalmbotsError, show
+import palmbots._core as _core
+from palmbots._util.arguments import show
+from palmbots.control.interface import MessageKind, Move, Palm
+from palmbots.errors import PalmbotsError
 
 __all__ = [
     "KEY_SIZE",
@@ -39,7 +41,7 @@ __all__ = [
     "encode",
 ]
 
-PACKET_SIZE = sum(size for _, _, size in _core.wire_layout())
+PACKET_SIZE = sum(size for _, _, size in _core.wire.layout())
 """Bytes of a packet."""
 KEY_SIZE = 16
 """Bytes of a pair's key."""
@@ -49,24 +51,25 @@ MAX_SEQUENCE = 2**32 - 1
 """The last packet of an epoch."""
 
 Role = Literal["left", "right", "station"]
-Kind = Literal["hello", "letter", "beacon", "report", "command"]
+Kind = Literal["hello", "message", "beacon", "report", "command"]
 Verdict = Literal[
     "accepted",
-    "other_version",
+    "wrong_version",
     "too_short",
     "too_long",
-    "stranger",
-    "misdirected",
-    "forged",
+    "wrong_pair",
+    "wrong_receiver",
+    "bad_tag",
     "malformed",
     "stale",
-    "unanswered",
+    "no_session",
 ]
 
 _ROLES: tuple[Role, ...] = get_args(Role)
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 _VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
-_LETTERS: tuple[Letter, ...] = get_args(Letter)  # as payload: 1, 2, 3
+# Names that the compiled core may still use.
+_MESSAGES: tuple[MessageKind, ...] = get_args(MessageKind)  # as payload: 1, 2, 3
 _BEACONS = ("I", "R", "G", "D", "W")
 _PALMS: tuple[Palm, ...] = get_args(Palm)
 _MOVES: tuple[Move, ...] = get_args(Move)
@@ -76,38 +79,38 @@ _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
 
 @dataclass(frozen=True, slots=True)
 class Beacon:
-    """What a robot says all the time in the resilient algorithm."""
+    """What a robot sends periodically in the resilient algorithm."""
 
     letter: Literal["I", "R", "G", "D", "W"]
-    rests: bool = False
+    stopped: bool = False
     """The robot does not travel."""
     ready: bool = False
-    """Nothing keeps the robot from travelling."""
+    """The robot is free to travel."""
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a robot tells the station."""
+    """What a robot reports to the station."""
 
     sign: Literal[-1, 0, 1]
     """Tactile sign of the contact coordinate p; p > 0 is outward."""
     palm: Palm
-    """The angle the palm was last commanded to …"""
-    turned: bool
-    """… and whether it is there."""
+    """The palm angle that was commanded last."""
+    palm_at_target: bool
+    """The palm has reached that angle."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What the station tells a robot."""
+    """What the station commands a robot to do."""
 
     palm: Palm
     move: Move
 
 
-Body = Letter | Beacon | Report | Command | None
-"""What a packet says: a letter of the distributed algorithm, a beacon of the resilient one, a
-report or a command of the centralized one, or nothing but hello."""
+Body = MessageKind | Beacon | Report | Command | None
+"""Content of a packet: a message of the distributed algorithm, a beacon of the resilient one, a
+report or a command of the centralized one, or None for a hello."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,77 +122,79 @@ class Packet:
     pair: int
     """Identity of the pair, 0 to 65535."""
     epoch: int
-    """The sender's boots so far, 1 to ``MAX_EPOCH``."""
+    """Number of boots of the sender, 1 to ``MAX_EPOCH``."""
     sequence: int
-    """The packets it has sent in this epoch, this one included, 1 to ``MAX_SEQUENCE``."""
-    heard: tuple[int, int] = (0, 0)
-    """Epoch and sequence of the newest packet from the receiver that the sender had heard since its
-    boot; (0, 0): none."""
+    """Number of packets that it has sent in this epoch, this one included, 1 to ``MAX_SEQUENCE``.
+    """
+    acknowledged: tuple[int, int] = (0, 0)
+    """Epoch and sequence of the newest packet that the sender had received from the receiver since
+    its boot; (0, 0): none."""
     body: Body = None
 
     @property
     def kind(self) -> Kind:
-        """What sort of thing the packet says."""
+        """The kind of content."""
         return _KINDS[_payload(self.body)[0]]
 
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """What became of some bytes."""
+    """The result of decoding bytes."""
 
     verdict: Verdict
     packet: Packet | None
-    """The packet, if it was accepted."""
+    """The packet if it was accepted, otherwise None."""
 
 
 def encode(packet: Packet, key: bytes) -> bytes:
-    """The packet's bytes, tagged with the key of the pair.
+    """The bytes of a packet, with a tag computed from the key of the pair.
 
     Raises:
-        PalmbotsError: a field is out of range, or such a sender does not say such a thing to such a
+        PalmbotsError: a field is out of range, or this sender never sends such a packet to this
             receiver.
     """
     _check_key(key)
     kind, payload = _payload(packet.body)
     _check_talk(packet.sender, packet.receiver, _KINDS[kind])
-    encoded = _core.wire_encode(
+    encoded = _core.wire.encode(
         key,
         kind,
         _ROLES.index(packet.sender),
         _ROLES.index(packet.receiver),
         _whole("pair", packet.pair, 0, 0xFFFF),
         _stamp("", (packet.epoch, packet.sequence)),
-        packet.heard if packet.heard == (0, 0) else _stamp("heard ", packet.heard),
+        (0, 0) if packet.acknowledged == (0, 0) else _stamp("acknowledged ", packet.acknowledged),
         payload,
     )
-    assert encoded is not None  # all that the core refuses has been refused with a reason
+    assert encoded is not None  # the checks above cover everything that the core refuses
     return encoded
 
 
 def decode(data: bytes, key: bytes, pair: int, receiver: Role) -> Decoded:
-    """What a receiver of a pair makes of some bytes, whether new or not.
+    """Decode bytes for a receiver, without checking whether the packet is new.
+
+    Bytes that are no packet raise no error; the verdict states what is wrong with them.
 
     Raises:
-        PalmbotsError: key, pair or receiver is none. Bytes that are no packet raise nothing: the
-            verdict says why.
+        PalmbotsError: key, pair or receiver is not valid.
     """
     _check_key(key)
     role = _index("receiver", _ROLES, receiver)
-    return _decoded(*_core.wire_decode(data, key, _whole("pair", pair, 0, 0xFFFF), role))
+    return _decoded(*_core.wire.decode(data, key, _whole("pair", pair, 0, 0xFFFF), role))
 
 
 class Endpoint:
-    """One end of the wire: numbers what it sends, and accepts from the others only what is new.
+    """One end of the wire: it numbers the packets that it sends and accepts only new packets.
 
-    A packet is accepted if it decodes, is newer than all before it from the same sender, and was
-    sent after the sender had heard this end in its present epoch. `epoch` counts this end's boots
-    and must be higher at each of them.
+    A packet is accepted if it decodes, is newer than all earlier packets of its sender, and was
+    sent after the sender had received a packet of this endpoint's present epoch. `epoch` counts the
+    boots of this endpoint and must increase at each boot.
     """
 
     def __init__(self, key: bytes, pair: int, role: Role, epoch: int) -> None:
         _check_key(key)
         self._role: Role = role
-        self._core = _core.WireEndpoint(
+        self._core = _core.wire.Endpoint(
             key,
             _whole("pair", pair, 0, 0xFFFF),
             _index("role", _ROLES, role),
@@ -200,8 +205,8 @@ class Endpoint:
         """The next packet.
 
         Raises:
-            PalmbotsError: this end does not say such a thing to such a receiver, or has used up its
-                numbers and must enter its next epoch.
+            PalmbotsError: this role never sends such a packet to this receiver, or the sequence
+                numbers of this epoch are used up.
         """
         kind, payload = _payload(body)
         _check_talk(self._role, receiver, _KINDS[kind])
@@ -213,13 +218,13 @@ class Endpoint:
         return sent
 
     def receive(self, data: bytes) -> Decoded:
-        """What becomes of some bytes; counted in any case."""
+        """Decode bytes and check that the packet is new; every call is counted."""
         return _decoded(*self._core.receive(data))
 
     @property
     def counts(self) -> dict[Verdict, int]:
-        """How many packets got each verdict."""
-        return dict(zip(_VERDICTS, (count for _, count in self._core.counts), strict=True))
+        """Number of received packets by verdict."""
+        return {_verdict(name): count for name, count in self._core.counts}
 
 
 def _payload(body: Body) -> tuple[int, int]:
@@ -229,46 +234,50 @@ def _payload(body: Body) -> tuple[int, int]:
             return 0, 0
         case Report():
             sign = _SIGNS[_index("sign", _SIGNS, body.sign)]
-            return 3, _core.wire_report(sign, _index("palm", _PALMS, body.palm), bool(body.turned))
+            return 3, _core.wire.report(
+                sign, _index("palm", _PALMS, body.palm), bool(body.palm_at_target)
+            )
         case Command():
             palm, move = _index("palm", _PALMS, body.palm), _index("move", _MOVES, body.move)
-            return 4, _core.wire_command(palm, move)
+            return 4, _core.wire.command(palm, move)
         case Beacon():
             _index("letter of a beacon", _BEACONS, body.letter)
-            return 2, _core.wire_beacon(body.letter, bool(body.rests), bool(body.ready))
+            return 2, _core.wire.beacon(body.letter, bool(body.stopped), bool(body.ready))
         case _:
             return 1, 1 + _index(
-                "body", _LETTERS, body, also=", or a Beacon, Report, Command or None"
+                "body", _MESSAGES, body, also=", or a Beacon, Report, Command or None"
             )
 
 
 def _body(kind: int, payload: int) -> Body:
-    """What a payload of an accepted packet means."""
+    """The content of an accepted packet."""
     match _KINDS[kind]:
         case "hello":
             return None
-        case "letter":
-            return _LETTERS[payload - 1]
+        case "message":
+            return _MESSAGES[payload - 1]
         case "beacon":
-            letter, rests, ready = _core.wire_beacon_of(payload)
-            return Beacon(letter, rests, ready)  # type: ignore[arg-type]
+            letter, stopped, ready = _core.wire.beacon_of(payload)
+            return Beacon(letter, stopped, ready)  # type: ignore[arg-type]
         case "report":
-            sign, palm, turned = _core.wire_report_of(payload)
-            return Report(_SIGNS[sign + 1], _PALMS[palm], turned)
+            sign, palm, palm_at_target = _core.wire.report_of(payload)
+            return Report(_SIGNS[sign + 1], _PALMS[palm], palm_at_target)
         case "command":
-            palm, move = _core.wire_command_of(payload)
+            palm, move = _core.wire.command_of(payload)
             return Command(_PALMS[palm], _MOVES[move])
 
 
 def _decoded(verdict: str, fields: _Fields) -> Decoded:
-    known = _VERDICTS[_VERDICTS.index(verdict)]
-    if known != "accepted":
-        return Decoded(known, None)
-    kind, sender, receiver, pair, (epoch, sequence), heard, payload = fields
-    packet = Packet(
-        _ROLES[sender], _ROLES[receiver], pair, epoch, sequence, heard, _body(kind, payload)
-    )
-    return Decoded(known, packet)
+    if verdict != "accepted":
+        return Decoded(_verdict(verdict), None)
+    kind, sender, receiver, pair, (epoch, sequence), acknowledged, payload = fields
+    body = _body(kind, payload)
+    packet = Packet(_ROLES[sender], _ROLES[receiver], pair, epoch, sequence, acknowledged, body)
+    return Decoded("accepted", packet)
+
+
+def _verdict(name: str) -> Verdict:
+    return _VERDICTS[_VERDICTS.index(name)]
 
 
 def _check_key(key: bytes) -> None:
@@ -277,11 +286,11 @@ def _check_key(key: bytes) -> None:
 
 
 def _check_talk(sender: Role, receiver: Role, kind: Kind) -> None:
-    """Whether one says such a thing to the other."""
+    """Refuse a packet that this sender never sends to this receiver."""
     _index("sender", _ROLES, sender)
     to: tuple[Role, ...] = tuple(role for role in _ROLES if role != sender)
     match kind:
-        case "letter" | "beacon":
+        case "message" | "beacon":
             _index("sender of a " + kind, ("left", "right"), sender)
             to = tuple(role for role in to if role != "station")
         case "report":

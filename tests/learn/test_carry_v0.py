@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """The environment: PettingZoo's own tests, and what it promises besides."""
 
 import copy
+import json
 import subprocess
 import sys
 from typing import Any
@@ -12,7 +14,7 @@ from pettingzoo.utils.conversions import aec_to_parallel
 
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.learn import carry_v0
-from palmbots.learn.meaning import ACTION, OBSERVATION, action
+from palmbots.learn.spaces import ACTION, OBSERVATION, action
 
 SHORT = {"task.distance_m": 0.1}
 
@@ -36,18 +38,18 @@ KINDS = [
 
 
 @pytest.mark.parametrize("keys", KINDS, ids=repr)
-def test_pettingzoo_accepts_it(keys: dict[str, Any]) -> None:
+def test_pettingzoo_accepts_the_parallel_environment(keys: dict[str, Any]) -> None:
     parallel_api_test(short(**keys), num_cycles=200)
 
 
 @pytest.mark.parametrize("keys", KINDS, ids=repr)
-def test_pettingzoo_accepts_it_with_agents_in_turn(keys: dict[str, Any]) -> None:
+def test_pettingzoo_accepts_the_aec_environment(keys: dict[str, Any]) -> None:
     api_test(carry_v0.env("paper", overrides=SHORT, **keys), num_cycles=200)
     parallel_api_test(aec_to_parallel(carry_v0.raw_env(overrides=SHORT, **keys)), num_cycles=50)
 
 
 @pytest.mark.parametrize("keys", KINDS, ids=repr)
-def test_the_same_seed_is_the_same_episode(keys: dict[str, Any]) -> None:
+def test_equal_seeds_give_equal_episodes(keys: dict[str, Any]) -> None:
     parallel_seed_test(lambda: short(**keys), num_cycles=60)
     seed_test(lambda: carry_v0.env("paper", overrides=SHORT, **keys), num_cycles=60)
 
@@ -58,7 +60,7 @@ def contacts_of(env: Any, actions: int = 200) -> list[float]:
     return env.state()[:2].tolist()
 
 
-def test_other_seeds_are_other_episodes() -> None:
+def test_different_seeds_give_different_episodes() -> None:
     env = carry_v0.parallel_env()
     found = []
     for seed in (0, 1, None, None):
@@ -72,7 +74,7 @@ def test_other_seeds_are_other_episodes() -> None:
     assert contacts_of(env) == list(found[2][1:])
 
 
-def test_what_is_seen_and_done() -> None:
+def test_spaces_with_and_without_messages() -> None:
     talk, mute = short(), short(messages=False)
     assert talk.observation_space("left").shape == (7,)
     assert talk.action_space("right").nvec.tolist() == [2, 3, 4]
@@ -82,7 +84,7 @@ def test_what_is_seen_and_done() -> None:
 
 
 @pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
-def test_a_robot_sees_its_own_palm_its_move_and_letters_after_the_latency(world: str) -> None:
+def test_observation_has_own_palm_move_and_delayed_messages(world: str) -> None:
     env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0}, world=world)
     seen, _ = env.reset(seed=0)
     assert {name: one.tolist() for name, one in seen.items()} == {
@@ -106,7 +108,7 @@ def test_a_robot_sees_its_own_palm_its_move_and_letters_after_the_latency(world:
     assert turned[0] == 20 if world == "quasistatic" else 18 <= turned[0] <= 24
 
 
-def test_a_letter_goes_out_once_in_a_long_step() -> None:
+def test_long_step_sends_one_message() -> None:
     env = carry_v0.parallel_env(record=True, ticks_per_step=20, overrides=SHORT)
     env.reset(seed=0)
     steps = 0
@@ -115,7 +117,7 @@ def test_a_letter_goes_out_once_in_a_long_step() -> None:
         steps += 1
     done = env.carry()
     assert done.messages == 2 * steps
-    assert {letter.letter for letter in done.letters} == {"TiltUp"}
+    assert {letter.kind for letter in done.message_log} == {"TiltUp"}
 
 
 def test_without_messages_the_radio_is_silent() -> None:
@@ -135,7 +137,7 @@ def ended(env: Any, seed: int, move: str = "hold") -> tuple[Any, ...]:
     return last
 
 
-def test_how_episodes_end() -> None:
+def test_termination_truncation_and_outcome() -> None:
     quiet = {"robot.noise_m_s": 0.0, "task.distance_m": 0.1}
     _, rewards, terminal, cut, infos = ended(carry_v0.parallel_env(overrides=quiet), 0)
     assert terminal == {"left": True, "right": True} and cut == {"left": False, "right": False}
@@ -150,11 +152,13 @@ def test_how_episodes_end() -> None:
     assert not any(terminal.values()) and all(cut.values())
     assert infos["left"]["outcome"] == "stalled" and abs(rewards["left"]) < 0.1
     assert late.step({}) == ({}, {}, {}, {}, {})
+    with pytest.raises(PalmbotsError, match="episode has ended, so left cannot act; call reset"):
+        late.step({"left": [0, 0, 0], "right": [0, 0, 0]})
 
 
-def test_the_return_is_what_the_reward_says() -> None:
+def test_return_follows_from_the_trace() -> None:
     """From the recorded trace, by the formula in `palmbots.learn.reward`."""
-    weights = carry_v0.Rewards(progress=2.0, centring=5.0, delivered=0.5, letter=0.01)
+    weights = carry_v0.RewardWeights(progress=2.0, centring=5.0, delivered=0.5, letter=0.01)
     env = carry_v0.parallel_env(
         record=True, rewards=weights, overrides={"task.distance_m": 0.3, "palm.left.length_m": 0.2}
     )
@@ -175,7 +179,7 @@ def test_the_return_is_what_the_reward_says() -> None:
     assert done.messages > 5
 
 
-def test_a_carry_may_have_another_scene() -> None:
+def test_reset_options_change_the_scene_of_one_episode() -> None:
     env = short()
     _, infos = env.reset(seed=1, options={"overrides": {"start.left_m": 0.03}})
     assert env.state()[0] == 0.03 and infos["left"]["seed"] == 1
@@ -183,15 +187,17 @@ def test_a_carry_may_have_another_scene() -> None:
     assert env.state()[0] == 0.0
 
 
-def test_bumps_are_seen_before_anything_is_done() -> None:
+def test_first_observation_includes_a_bump() -> None:
     bump = {"bumps.script": [{"at_s": 0.0, "robot": "left", "shift_m": 0.01}]}
     env = carry_v0.parallel_env(overrides=bump)
     seen, _ = env.reset(seed=0)
     assert seen["left"][0] == 1 and seen["right"][0] == 0
 
 
-def test_a_robot_that_does_not_run_does_not_obey() -> None:
-    freeze = {"faults.script": [{"kind": "freeze", "robot": "left", "at_s": 0.05, "for_s": 0.05}]}
+def test_frozen_robot_does_not_run() -> None:
+    freeze = {
+        "faults.script": [{"kind": "freeze", "robot": "left", "at_s": 0.05, "duration_s": 0.05}]
+    }
     env = carry_v0.parallel_env(overrides=freeze)
     _, infos = env.reset(seed=0)
     runs = []
@@ -201,7 +207,7 @@ def test_a_robot_that_does_not_run_does_not_obey() -> None:
     assert [k for k, one in enumerate(runs) if not one] == [5, 6, 7, 8, 9]
 
 
-def test_it_looks_like_the_animation() -> None:
+def test_render_shows_the_present_state() -> None:
     for world in ("quasistatic", "mujoco"):
         env = short(render_mode="rgb_array", world=world)
         env.reset(seed=0)
@@ -221,20 +227,20 @@ def test_it_looks_like_the_animation() -> None:
         ({"world": "gazebo"}, 'world: value is "gazebo"; allowed: quasistatic, mujoco'),
         ({"messages": "no"}, 'messages: value is "no"; allowed: true, false'),
         ({"record": "x"}, 'record: value is "x"; allowed: true, false'),
-        ({"rewards": 3}, "rewards: value is 3; allowed: carry_v0.Rewards"),
+        ({"rewards": 3}, "rewards: value is 3; allowed: carry_v0.RewardWeights"),
         ({"ticks_per_step": 0}, "ticks_per_step: value is 0; allowed: 1 to 1000"),
         ({"ticks_per_step": True}, "ticks_per_step: value is true; allowed: 1 to 1000"),
         ({"render_mode": "human"}, 'render_mode: value is "human"; allowed: rgb_array, or None'),
         ({"overrides": {"robot.speed": 1}}, "robot.speed"),
     ],
 )
-def test_what_makes_no_sense_is_refused(keys: dict[str, Any], says: str) -> None:
-    with pytest.raises(PalmbotsError) as told:
+def test_invalid_argument_is_refused(keys: dict[str, Any], says: str) -> None:
+    with pytest.raises(PalmbotsError) as caught:
         carry_v0.parallel_env(**keys)
-    assert says in str(told.value) and "\n" not in str(told.value)
+    assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_an_object_that_is_not_held_is_refused() -> None:
+def test_object_that_is_not_held_is_refused() -> None:
     with pytest.raises(SceneError, match=r"not held at the start \(sliding\)"):
         carry_v0.parallel_env(overrides={"palm.friction": 0.01, "object.com_m": [0.2, 0.04]})
 
@@ -242,7 +248,7 @@ def test_an_object_that_is_not_held_is_refused() -> None:
 @pytest.mark.parametrize(
     "action", [[0, 3, 0], [0, 0], [0, 0, 0, 0], [-1, 0, 0], 5, None, ["a", 0, 0]]
 )
-def test_a_wrong_action_is_refused_and_nothing_happens(action: Any) -> None:
+def test_invalid_action_is_refused_and_changes_nothing(action: Any) -> None:
     env = short()
     env.reset(seed=0)
     before = env.state()
@@ -254,7 +260,7 @@ def test_a_wrong_action_is_refused_and_nothing_happens(action: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "words"),
     [
         ({"overides": {"start.left_m": 0.03}}, "overides.*did you mean overrides"),
         ({"start.left_m": 0.03}, "start.left_m.*allowed: overrides"),
@@ -263,12 +269,12 @@ def test_a_wrong_action_is_refused_and_nothing_happens(action: Any) -> None:
         ({"overrides": 3}, "overrides"),
     ],
 )
-def test_a_misspelt_option_is_no_episode_of_another_scene(options: Any, told: str) -> None:
+def test_misspelt_option_is_refused(options: Any, words: str) -> None:
     """And the seeds of later episodes are as if it had not been asked for."""
     env, other = short(), short()
     env.reset(seed=5)
     other.reset(seed=5)
-    with pytest.raises(PalmbotsError, match=told):
+    with pytest.raises(PalmbotsError, match=words):
         env.reset(seed=6, options=options)
     assert env.reset()[1] == other.reset()[1]
 
@@ -283,19 +289,62 @@ def test_wrong_calls_are_refused() -> None:
         with pytest.raises(PalmbotsError, match=r"seed: .* allowed"):
             env.reset(seed=seed)  # type: ignore[arg-type]
     env.reset(seed=2**64 - 1)
-    with pytest.raises(PalmbotsError, match="still under way"):
+    with pytest.raises(PalmbotsError, match="but it has not ended"):
         env.carry()
     ended(env, 0)
     assert env.carry().trace is None
-    with pytest.raises(PalmbotsError, match="given away"):
+    with pytest.raises(PalmbotsError, match="its carry was returned before"):
         env.carry()
     wrong: list[dict[str, Any]] = [{"progress": -1}, {"letter": float("nan")}, {"dropped": "much"}]
     for weights in wrong:
-        with pytest.raises(PalmbotsError, match=r"rewards: .* allowed"):
-            carry_v0.Rewards(**weights)
+        with pytest.raises(PalmbotsError, match=r"^rewards\.\w+: value is .*; allowed: at least 0"):
+            carry_v0.RewardWeights(**weights)
 
 
-def test_a_state_is_what_the_world_is() -> None:
+@pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
+def test_step_without_an_episode_is_refused(world: str) -> None:
+    """Before the first reset, and after close, with and without actions."""
+    env = short(world=world)
+    still = dict.fromkeys(env.possible_agents, action("steep", "hold"))
+    for _ in range(2):
+        for actions in (still, {}):
+            with pytest.raises(PalmbotsError, match="there is no episode yet; call reset first"):
+                env.step(actions)
+        env.reset(seed=0)
+        assert env.step(still)[0].keys() == {"left", "right"}
+        env.close()
+
+
+@pytest.mark.parametrize("name", ["middle", "Left", "", 0])
+def test_action_of_an_unknown_agent_is_refused_and_nothing_happens(name: Any) -> None:
+    env = short()
+    env.reset(seed=0)
+    before = env.state()
+    still = dict.fromkeys(env.agents, action("steep", "hold"))
+    with pytest.raises(PalmbotsError, match=r"there is no agent .*; allowed: left, right"):
+        env.step({**still, name: action("steep", "hold")})
+    assert (env.state() == before).all()
+    env.step(still)
+
+
+def test_seeds_of_infos_survive_floats_and_json() -> None:
+    """The own seeds of 200 episodes: none loses a digit as a 64-bit float, and each repeats its
+    episode."""
+    env = short()
+    _, infos = env.reset(seed=3)
+    seed = infos["left"]["seed"]
+    for _ in range(200):
+        _, infos = env.reset()
+        seed = infos["left"]["seed"]
+        assert int(float(seed)) == seed == json.loads(json.dumps(seed)) == infos["right"]["seed"]
+        assert float(seed) < 2.0**53
+    still = dict.fromkeys(env.agents, action("steep", "hold"))
+    first = [env.step(still)[0]["left"].tolist() for _ in range(20)]
+    env.reset(seed=int(float(seed)))
+    assert [env.step(still)[0]["left"].tolist() for _ in range(20)] == first
+
+
+def test_state_equals_the_world() -> None:
     env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0})
     env.reset(seed=0)
     for _ in range(100):
@@ -308,9 +357,9 @@ def test_a_state_is_what_the_world_is() -> None:
     assert env.state_space.contains(env.state())
 
 
-def test_the_way_back_is_progress_too() -> None:
+def test_backward_motion_is_progress() -> None:
     back = {"robot.noise_m_s": 0.0, "task.direction": "backward", "task.distance_m": 0.5}
-    env = carry_v0.parallel_env(overrides=back, rewards=carry_v0.Rewards(centring=0.0))
+    env = carry_v0.parallel_env(overrides=back, rewards=carry_v0.RewardWeights(centring=0.0))
     env.reset(seed=0)
     paid = 0.0
     for _ in range(100):
@@ -322,7 +371,7 @@ def test_the_way_back_is_progress_too() -> None:
     assert paid == pytest.approx(gone / 0.5)
 
 
-def test_a_state_has_left_before_right_and_a_rise_that_is_up() -> None:
+def test_state_has_left_before_right_and_positive_rise_upwards() -> None:
     env = carry_v0.parallel_env(overrides={"robot.noise_m_s": 0.0})
     env.reset(seed=0)
     up, still = action("shallow", "hold"), action("steep", "hold")
@@ -335,23 +384,22 @@ def test_a_state_has_left_before_right_and_a_rise_that_is_up() -> None:
     assert env.state()[5] == pytest.approx(0.06 * np.sin(np.radians(15)), rel=0.05)
 
 
-def test_without_pettingzoo_one_line_says_what_to_install() -> None:
+def test_missing_pettingzoo_is_reported_in_one_line() -> None:
     program = (
         "import sys; sys.modules['pettingzoo'] = None\n"
         "from palmbots.errors import PalmbotsError\n"
         "try:\n    from palmbots.learn import carry_v0\n"
         "except PalmbotsError as error:\n    print(error)"
     )
-    told = subprocess.run(
+    caught = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    assert told.stdout == (
-        "learn: the package pettingzoo is missing; run: pip install 'palmbots[learn]'\n"
-    )
+    assert caught.stdout.startswith("learn: the package pettingzoo is missing; run: ")
+    assert caught.stdout.count("\n") == 1
 
 
-def test_many_at_once_are_the_single_ones() -> None:
-    """As docs/learning.md shows it: SuperSuit's vector of environments, both robots in each."""
+def test_vector_environment_equals_single_ones() -> None:
+    """As in docs/guide/learning.md: SuperSuit's vector of environments."""
     import supersuit
 
     single = carry_v0.parallel_env(ticks_per_step=10)
@@ -374,7 +422,7 @@ def test_many_at_once_are_the_single_ones() -> None:
     assert len(set(paid[::2].tolist())) == 3
 
 
-def test_spaces_stay_the_same_objects() -> None:
+def test_spaces_are_the_same_objects() -> None:
     env = short()
     assert env.action_space("left") is env.action_space("left")
     assert copy.copy(env.possible_agents) == ["left", "right"]

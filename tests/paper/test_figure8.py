@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Section 5.2 and Figure 8: the story of one run, retold by the built-in scene `figure8`.
 
 The text says that "the robots executed 6 corrective actions in this time period" and then tells of
@@ -7,7 +8,8 @@ seven, which the figure letters A to G. The scene follows the letters.
 import numpy as np
 import pytest
 
-from palmbots import Carry, carry
+from palmbots import carry
+from palmbots.simulation import Carry
 
 NOMINAL = 0.06
 
@@ -67,17 +69,17 @@ def test_left_goes_negative_early_in_f_but_assists_to_the_end(run):
     assert set(cases[assisting]) == {"c"}
     assert assisting.sum() > 0.9 * len(cases)  # a tick of idling between (c) and (d)
     # The assistant is released before its own correction starts.
-    released = [m.received_s for m in run.letters if m.letter == "TiltDown"][-1]
+    released = [m.received_s for m in run.message_log if m.kind == "TiltDown"][-1]
     assert released is not None and released < g.start_s
 
 
 def test_order_of_messages(run):
-    assert [(m.sender, m.receiver, m.letter) for m in run.letters] == 2 * [
+    assert [(m.sender, m.receiver, m.kind) for m in run.message_log] == 2 * [
         ("right", "left", "TiltUp"),
         ("left", "right", "Ack"),
         ("right", "left", "TiltDown"),
     ]
-    for tilt_up, ack, tilt_down in (run.letters[:3], run.letters[3:]):
+    for tilt_up, ack, tilt_down in (run.message_log[:3], run.message_log[3:]):
         assert tilt_up.sent_s < tilt_up.received_s < ack.sent_s < ack.received_s
         assert ack.received_s < tilt_down.sent_s
 
@@ -85,7 +87,7 @@ def test_order_of_messages(run):
 def test_a_the_right_robot_moves_only_after_the_acknowledgment(run):
     speeds = run.trace.sel(side="right").commanded.to_numpy()
     moved = float(run.trace.time[np.flatnonzero(speeds != NOMINAL)[0]])
-    ack = next(m for m in run.letters if m.letter == "Ack")
+    ack = next(m for m in run.message_log if m.kind == "Ack")
     assert moved == pytest.approx(ack.received_s, abs=1e-9)
     # An Ack says that the palm has turned.
     left = run.trace.sel(side="left")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What section 5 of the paper tells, and three general-purpose engines confirm: the distributed
 algorithm keeps the box, no algorithm loses it, and latency hurts the centralized one."""
 
@@ -5,9 +6,9 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.batch import run_seeds
-from palmbots.lowering import lower
-from palmbots.scene import Scene
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import run_seeds
 
 SEEDS = 200
 DROPPED = 2
@@ -15,7 +16,7 @@ DROPPED = 2
 
 def many(controller: str, precision: str = "double", **overrides: object) -> dict[str, np.ndarray]:
     keys = {key.replace("__", "."): value for key, value in overrides.items()}
-    return run_seeds(lower(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision)
+    return run_seeds(to_spec(pb.load_scene("paper", keys)), controller, 0, SEEDS, precision)
 
 
 def rms(runs: dict[str, np.ndarray]) -> float:
@@ -78,20 +79,24 @@ def test_distributed_is_better_at_the_default_latency() -> None:
     assert rms(many("distributed")) < 0.95 * rms(many("centralized"))
 
 
-def test_how_often_the_box_drops_does_not_hang_on_the_control_period() -> None:
+@pytest.mark.parametrize("n", [1000, pytest.param(4000, marks=pytest.mark.soak)])
+def test_how_often_the_box_drops_does_not_hang_on_the_control_period(n: int) -> None:
     """At 4 cm/s of noise most drop. Accelerations from tick to tick would grow as periods shrink,
-    and so they are averaged; taken as they are, they shuffle the slides and keep the box."""
-    n = 4000
+    and so they are averaged; taken as they are, they shuffle the slides and keep the box.
+
+    Rates that are equal differ by more than 8 `spread` (5.6 standard errors of a difference, six
+    pairs) with probability 1e-7.
+    """
 
     def delivered(period: float, lag: float) -> float:
-        keys = {"robot.noise_m_s": 0.04, "control.period_s": period, "task.inertia_lag_s": lag}
-        runs = run_seeds(lower(pb.load_scene("paper", keys)), "distributed", 0, n, "double")
+        keys = {"robot.noise_m_s": 0.04, "control.period_s": period, "task.inertia_tau_s": lag}
+        runs = run_seeds(to_spec(pb.load_scene("paper", keys)), "distributed", 0, n, "double")
         return 1 - drops(runs)
 
     averaged = [delivered(period, 0.05) for period in (0.02, 0.01, 0.005, 0.0025)]
     spread = (0.35 * 0.65 / n) ** 0.5
-    assert min(averaged) > 0.3 and max(averaged) - min(averaged) < 5 * spread
-    assert delivered(0.0025, 0.0) > delivered(0.02, 0.0) + 20 * spread
+    assert min(averaged) > 0.3 and max(averaged) - min(averaged) < 8 * spread
+    assert delivered(0.0025, 0.0) > delivered(0.02, 0.0) + 0.15
 
 
 def test_accelerations_take_part_in_what_slides() -> None:

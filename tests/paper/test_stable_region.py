@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Paper, section 3: equations (1) to (8), Figures 3 to 6, and the COM ranges of section 3.4.
 
 The geometry here is the paper's own (points B, D, L₁, R₁, R₂; q, s, γ, δ, α₁, β₁, β₂), written from
@@ -11,17 +12,17 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.stability.forms import failing
-from palmbots.stability.situation import Situation, permitted, situation_of
+from palmbots.stability.linear_conditions import failing
+from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
 
 W, COM = 0.25, (0.125, 0.04)
 SHALLOW, STEEP = math.radians(5), math.radians(15)
 HALF = 0.075
 
 
-def situation(friction: float, com: tuple[float, float] = COM) -> Situation:
+def situation(friction: float, com: tuple[float, float] = COM) -> StabilityProblem:
     scene = pb.load_scene("paper", {"palm.friction": friction})
-    return situation_of(scene).with_(com=com)
+    return stability_problem(scene).with_(com=com)
 
 
 class PaperGeometry:
@@ -48,9 +49,9 @@ class PaperGeometry:
         return z, l1, r1, r2
 
 
-def closing_is_sl_st(at: Situation, p_left: float, p_right: float) -> bool:
+def closing_is_sl_st(at: StabilityProblem, p_left: float, p_right: float) -> bool:
     # The paper's inequalities know nothing of the rest of the outline, so neither may this.
-    found = pb.states(
+    found = pb.modes_batch(
         width=W,
         com_x=at.com[0],
         com_y=at.com[1],
@@ -61,7 +62,7 @@ def closing_is_sl_st(at: Situation, p_left: float, p_right: float) -> bool:
         friction_left=at.friction[0],
         friction_right=at.friction[0],
     )
-    return found.closing == pb.MODES.index(("SL", "ST"))
+    return found.closing == pb.mechanics.CONTACT_MODES.index(("SL", "ST"))
 
 
 def test_equation_1_object_angle() -> None:
@@ -93,7 +94,7 @@ def test_figure_3_st_st_needs_gravity_through_both_cones() -> None:
             top = across / math.tan(steepest) + base if steepest > 0 else math.inf
             cones.append((across / math.tan(flattest) + base, top))
         meets = max(c[0] for c in cones) <= min(c[1] for c in cones)
-        found = pb.states(
+        found = pb.modes_batch(
             width=W,
             com_x=x,
             com_y=y,
@@ -104,7 +105,7 @@ def test_figure_3_st_st_needs_gravity_through_both_cones() -> None:
             friction_left=friction,
             friction_right=friction,
         )
-        assert found.feasible[pb.MODES.index(("ST", "ST"))] == meets
+        assert found.feasible[pb.mechanics.CONTACT_MODES.index(("ST", "ST"))] == meets
         seen.add(meets)
     assert seen == {True, False}
 
@@ -112,7 +113,7 @@ def test_figure_3_st_st_needs_gravity_through_both_cones() -> None:
 def test_section_3_1_nine_three_five_one() -> None:
     """9 modes, 3 in balance, 5 consistent with closing, one that is both."""
     found = pb.modes(p_left_m=-0.02, p_right_m=0.03, theta_left_deg=5, theta_right_deg=15)
-    assert len(pb.MODES) == 9
+    assert len(pb.mechanics.CONTACT_MODES) == 9
     assert len(found.feasible) == 3
     assert len(found.consistent_closing) == 5
     both = set(found.feasible) & set(found.consistent_closing)

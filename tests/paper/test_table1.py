@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Table 1 of the paper, word for word, against the shipped station on every input."""
 
 import re
@@ -5,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from grid import (
+from abstract_world import (
     AWAY,
     CLOSER,
     HOLD,

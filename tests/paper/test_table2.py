@@ -1,9 +1,10 @@
-"""Table 2 of the paper, transcribed in tests/table2.py, against the shipped controller on every
-input; and one robot through each of its cases."""
+# SPDX-License-Identifier: Apache-2.0
+"""Table 2 of the paper, transcribed in tests/support/table2_transcript.py, against the shipped
+controller on every input; and one robot through each of its cases."""
 
 import pytest
 
-from grid import (
+from abstract_world import (
     ACK,
     AWAY,
     CLOSER,
@@ -19,7 +20,7 @@ from grid import (
     distributed_prefixes,
     distributed_table,
 )
-from table2 import Deed, Robot, tick
+from table2_transcript import Deed, Robot, tick
 
 
 def test_every_state_and_input() -> None:

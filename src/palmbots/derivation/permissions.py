@@ -1,11 +1,12 @@
-"""What a motion is permitted by, and in words how it departs from the policy.
+# SPDX-License-Identifier: Apache-2.0
+"""Which level permits a motion, and how a motion departs from the policy, in words.
 
-A *motion* is a cell of closing or opening, with the signs of both contacts and the palms as they
-are then. Four permissions, each wider than the one before:
+A *motion* is one cell of closing or opening, with the signs of both contacts and the palms at that
+time. There are four permissions, each wider than the one before:
 
-- *policy*: the global policy moves so, with these signs and palms, in some case.
+- *policy*: the global policy makes this motion with these signs and palms, in some case.
 - *rules*: or a derived rule of a robot does. This is the policy with guards dropped: a robot acts
-  on its own contact, whatever the other one reads.
+  on its own contact, whatever the sign of the other one.
 - *at once*: or the robot follows its rule while the other one is in a rule that nothing orders
   with it, wherever the other's palm is.
 - *begun*: or that is so but for the robot's own contact, which has come to 0 since it began to turn
@@ -14,10 +15,10 @@ are then. Four permissions, each wider than the one before:
 
 from typing import NamedTuple
 
-from palmbots.derivation.pairs import Motion, Turn
-from palmbots.derivation.policy import NAMES, Signs
-from palmbots.derivation.rules import Conflict, Derivation, signs_text
-from palmbots.derivation.slides import Palms, improves, sliders
+from palmbots.derivation.abstract_world import Motion, Turn
+from palmbots.derivation.contact_motion import Palms, improves, sliders
+from palmbots.derivation.global_policy import NAMES, Signs
+from palmbots.derivation.local_rules import Conflict, Derivation, signs_text
 
 __all__ = ["LEVELS", "Kind", "Permissions"]
 
@@ -25,20 +26,20 @@ LEVELS = ("policy", "rules", "at once", "begun")
 
 
 class Kind(NamedTuple):
-    """What departures are told apart by."""
+    """The features that distinguish departures."""
 
     differs: str
-    """order, palms, fight, or moves on: the policy would not move at all."""
+    """``order``, ``palms``, ``fight``, or ``moves on``: the policy would not move."""
     case: str
-    """The case that the moving robot is in."""
+    """The case of the moving robot."""
     level: str | None
-    """The narrowest permission that it has all the same."""
+    """The narrowest permission that the motion has."""
     strays: bool
-    """It may move a contact away from 0."""
+    """The motion may move a contact away from 0."""
 
 
 class Permissions:
-    """What the policy and what was derived from it permit."""
+    """The motions that the policy and the derived rules permit."""
 
     def __init__(self, derivation: Derivation) -> None:
         self._derivation = derivation
@@ -49,7 +50,7 @@ class Permissions:
         }
 
     def level(self, turn: Turn, motion: Motion) -> str | None:
-        """The narrowest permission that a motion has; None: it has none."""
+        """The narrowest permission of a motion; None: it has none."""
         signs, palms, direction, fights = motion
         if fights:
             return None
@@ -65,7 +66,7 @@ class Permissions:
         return "begun" if turn.begins and signs[turn.robot] == 0 else None
 
     def kind(self, turn: Turn, motion: Motion) -> Kind | None:
-        """What kind of departure from the policy a motion is; None: it is none."""
+        """The kind of departure of a motion; None: the policy permits it."""
         level = self.level(turn, motion)
         if level == "policy":
             return None
@@ -73,7 +74,7 @@ class Permissions:
         return Kind(self._differs(motion), turn.cases[turn.robot or 0], level, strays)
 
     def _by_rule(self, robot: int, motion: Motion) -> bool:
-        """Whether one of the robot's rules holds and makes this motion."""
+        """Whether a rule of the robot applies and makes this motion."""
         palms = motion.palms if robot == 0 else motion.palms[::-1]
         return any(
             robot in self._derivation.robots[name]
@@ -83,7 +84,7 @@ class Permissions:
         )
 
     def _unordered(self, robot: int, cases: tuple[str, str], motion: Motion) -> bool:
-        """Whether the robot moves by its rule while nothing orders it with what the other is in."""
+        """Whether the robot follows a rule that no message orders with the case of the other."""
         pair = (min(cases), max(cases))
         if not any(c.rules == pair and c.asking == 0 for c in self._derivation.conflicts):
             return False
@@ -92,7 +93,7 @@ class Permissions:
         return own == (motion.palms[robot], motion.direction)
 
     def _differs(self, motion: Motion) -> str:
-        """In what a motion differs from all that the policy would do with these signs."""
+        """How a motion differs from all motions of the policy at these signs."""
         if motion.fights:
             return "fight"
         here = [s for s in self._derivation.steps if motion.signs in s.during]
@@ -102,25 +103,25 @@ class Permissions:
         return "palms" if motion.direction in directions else "order"
 
     def explained(self, turn: Turn, motion: Motion) -> str:
-        """What a motion does, what the policy does instead, and which conflict is behind it."""
-        told = f"at {signs_text(motion.signs)} it {_done(motion.direction, motion.palms)}"
-        told += f"; the policy {self._instead(motion.signs)}"
+        """What a motion does, what the policy does instead, and the conflict that causes it."""
+        text = f"at {signs_text(motion.signs)} it {_done(motion.direction, motion.palms)}"
+        text += f"; the policy {self._instead(motion.signs)}"
         if turn.robot is not None and self.level(turn, motion) == "begun":
-            told += f"; p_{'LR'[turn.robot]} was off when it began"
+            text += f"; p_{'LR'[turn.robot]} was off when it began"
         if motion.fights:
-            told += "; and the other robot drives the other way"
+            text += "; and the other robot drives the other way"
         movable = sliders(motion.palms, motion.direction)
         outward = 1 if motion.direction == "closer" else -1
         astray = [f"p_{'LR'[c]}" for c in sorted(movable) if motion.signs[c] != -outward]
         if astray:
-            told += f"; {' and '.join(astray)} may slide away from 0"
+            text += f"; {' and '.join(astray)} may slide away from 0"
         conflict = self._conflict(turn, motion)
         if conflict is not None:
-            told += f". {'∥'.join(f'({name})' for name in conflict.rules)}: {conflict.order}"
-        return told
+            text += f". {'∥'.join(f'({name})' for name in conflict.rules)}: {conflict.order}"
+        return text
 
     def _conflict(self, turn: Turn, motion: Motion) -> Conflict | None:
-        """That of the rules that the robots are in, or of those that hold at these signs."""
+        """The conflict of the rules in use, or of those that apply at these signs."""
         cases = (min(turn.cases), max(turn.cases))
         known = self._derivation.conflicts
         if turn.robot is None:
@@ -132,17 +133,17 @@ class Permissions:
         return next(by_case, None) or next(by_signs, None)
 
     def _instead(self, signs: Signs) -> str:
-        """What the policy does with these signs, in words."""
+        """The motion of the policy at these signs, in words."""
         does: dict[str, list[str]] = {}
         for step in self._derivation.steps:
             if signs in step.during:
                 does.setdefault(_done(step.move.direction, step.palms), []).append(str(step.case))
-        told = [f"{what} (case {' and '.join(cases)})" for what, cases in does.items()]
-        return " or ".join(told) or "does not move"
+        motions = [f"{what} (case {' and '.join(cases)})" for what, cases in does.items()]
+        return " or ".join(motions) or "does not move"
 
 
 def _done(direction: str, palms: Palms) -> str:
-    """Closes or separates, with which palms."""
+    """The direction of a motion and its palms, in words."""
     how = [f"the {NAMES[k]} palm {_PALM[palms[k]]}" for k in (0, 1) if palms[k] != "steep"]
     if palms[0] == palms[1]:
         how = [f"both palms {_PALM[palms[0]]}"]

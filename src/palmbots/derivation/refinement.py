@@ -1,6 +1,7 @@
-"""Does a controller do only what the policy permits? Every run is looked at.
+# SPDX-License-Identifier: Apache-2.0
+"""Checks exhaustively that a controller makes only motions that the policy permits.
 
-A motion that the policy does not permit (permissions.py) is a departure. Departures are gathered by
+A motion that the policy does not permit (permissions.py) is a departure. Departures are grouped by
 kind, each with the shortest run that shows it, and with whether the motion may carry a contact away
 from 0, which no motion of Table 1 does. Of every state it is asked, too, whether the nominal
 configuration can still be reached: contacts at 0, palms steep, nothing moving. A controller that
@@ -10,17 +11,17 @@ never moved would depart from nothing.
 from collections import deque
 from dataclasses import dataclass, field
 
-from palmbots.derivation.pairs import Motion, State, System, Turn
+from palmbots.derivation.abstract_world import Motion, State, System, Turn
+from palmbots.derivation.global_policy import NAMES
+from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS, Kind, Permissions
-from palmbots.derivation.policy import NAMES
-from palmbots.derivation.rules import Derivation
 
 __all__ = ["Departure", "Refinement", "check_refinement"]
 
 
 @dataclass
 class Departure:
-    """All departures of a kind, and the shortest run to one."""
+    """All departures of a kind, and the shortest run to one of them."""
 
     kind: Kind
     motions: set[Motion]
@@ -29,7 +30,7 @@ class Departure:
     explanation: str
 
     def transcript(self) -> list[str]:
-        """The run, a line for each turn: contacts in cells before it, who, what, palms."""
+        """The run, a line for each turn: contacts before it, robot, action, palms."""
         return [_line(turn) for turn in self.run]
 
 
@@ -46,20 +47,20 @@ def _line(turn: Turn) -> str:
 
 @dataclass
 class Refinement:
-    """What was found of a controller."""
+    """The result for one controller."""
 
     states: int = 0
     permitted: dict[str | None, set[Motion]] = field(default_factory=dict)
-    """The motions that happen, by the narrowest permission; None: by nothing."""
+    """The motions that occur, by their narrowest permission; None: not permitted."""
     departures: list[Departure] = field(default_factory=list)
     stuck: int = 0
-    """States from which the nominal configuration cannot be reached."""
+    """Number of states from which the nominal configuration cannot be reached."""
     falls: int = 0
-    """Turns after which a contact is off its palm."""
+    """Number of turns after which a contact is off its palm."""
 
     @property
     def needs(self) -> str | None:
-        """The narrowest permission that covers every motion; None: not even the widest does."""
+        """The narrowest permission that covers every motion; None: there is none."""
         if self.permitted.get(None):
             return None
         return max((n for n in self.permitted if n is not None), key=LEVELS.index, default="policy")
@@ -68,9 +69,9 @@ class Refinement:
 def check_refinement(
     system: System, derivation: Derivation, reach: int = 2, span: int = 4
 ) -> Refinement:
-    """Looks at every run that begins with contacts up to `reach` cells off.
+    """Check every run that starts with contacts at most `reach` cells from 0.
 
-    A contact more than `span` cells off has fallen.
+    A contact more than `span` cells from 0 has left its palm.
     """
     permissions = Permissions(derivation)
     found = Refinement()
@@ -110,7 +111,7 @@ def check_refinement(
 def _run(
     came: dict[State, tuple[State, Turn] | None], state: State
 ) -> tuple[tuple[int, int], list[Turn]]:
-    """Where the shortest run to a state starts, and its turns."""
+    """The start of the shortest run to a state, and its turns."""
     turns: list[Turn] = []
     while (link := came[state]) is not None:
         state, turn = link

@@ -1,22 +1,25 @@
-"""The paper's distributed algorithm as a policy of `carry_v0`, and what runs any policies.
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's distributed algorithm as a policy of `carry_v0`, and a function that runs policies.
 
-The policy knows nothing but the observations: it is the shipped Table 2 (`palmbots.Distributed`)
-with an inbox of its own, since the environment hands a letter over once, while Table 2 leaves one
-that it cannot use yet where it is.
+The policy uses nothing but the observations. It is the shipped controller of Table 2
+(`palmbots.control.DistributedController`) with an inbox of its own: the environment delivers a
+message once, while Table 2 leaves a message that it cannot use yet in the inbox.
 """
+
+from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from palmbots.controllers import Distributed, Letter, StepInput
+from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.errors import PalmbotsError
-from palmbots.learn.meaning import LETTERS, OBSERVATION, action
+from palmbots.learn.spaces import LETTERS, OBSERVATION, action
 
-__all__ = ["Baseline", "Played", "Policy", "play"]
+__all__ = ["Baseline", "EpisodeResult", "Policy", "run_episode"]
 
 
 class Policy(Protocol):
@@ -28,63 +31,75 @@ class Policy(Protocol):
 
 
 class Baseline:
-    """Table 2 for one robot; one for each episode and agent."""
+    """Table 2 for one robot. Each agent needs a new one for each episode."""
 
     def __init__(self) -> None:
-        self._table2 = Distributed()
-        self._inbox: deque[Letter | None] = deque()
+        self._table2 = DistributedController()
+        self._inbox: deque[MessageKind | None] = deque()
 
     def act(self, observation: Any) -> Any:
-        """The action for an observation. Raises `PalmbotsError` where robots may not talk."""
+        """The action for an observation.
+
+        Raises:
+            PalmbotsError: the environment has no messages.
+        """
         if len(observation) != len(OBSERVATION):
-            raise PalmbotsError("baseline: Table 2 needs letters; allowed: messages=True")
+            raise PalmbotsError("baseline: Table 2 needs messages; pass messages=True")
         sign, _, turned, _, *heard = np.asarray(observation).tolist()
         if 1 in heard:
             self._inbox.append(LETTERS[1 + heard.index(1)])
         oldest = self._inbox[0] if self._inbox else None
         seen = StepInput(-1 if sign < 0 else (1 if sign > 0 else 0), oldest, turned > 0)
-        done = self._table2.step(seen)
-        if done.read and self._inbox:
+        output = self._table2.step(seen)
+        if output.consume and self._inbox:
             self._inbox.popleft()
-        return action(done.palm, done.move, done.send)
+        return action(output.palm, output.move, output.send)
 
 
 @dataclass(frozen=True)
-class Played:
-    """One episode."""
+class EpisodeResult:
+    """The result of one episode."""
 
     outcome: str
     """``delivered``, ``dropped`` or ``stalled``."""
     steps: int
     returned: float
-    """Sum of the rewards, not discounted."""
+    """Sum of the rewards, without discount."""
 
 
-def play(
+PolicyLike: TypeAlias = "Callable[[], Policy] | Mapping[str, Policy]"
+"""A class of policies, or a policy for each agent."""
+
+
+def run_episode(
     env: Any,
-    policies: Callable[[], Policy] | Mapping[str, Policy] = Baseline,
+    policies: PolicyLike = Baseline,
     *,
     seed: int | None = None,
     options: dict[str, Any] | None = None,
-) -> Played:
+) -> EpisodeResult:
     """Run one episode of a parallel environment.
 
-    `policies` makes a policy for each agent when called, or is a table of them. A robot whose
-    program does not run (a fault of the scene) is not asked; when it begins anew, so does a policy
-    that can be made.
+    Args:
+        env: a parallel environment, such as `carry_v0.parallel_env` makes.
+        policies: makes the policy of an agent when called, or a table of policies by agent. A robot
+            whose program does not run (a fault of the scene) takes no action. When it restarts, so
+            does its policy, unless `policies` is a table.
+        seed: random seed of the episode.
+        options: as in `CarryEnv.reset`.
     """
     observations, infos = env.reset(seed=seed, options=options)
     if isinstance(policies, Mapping):
-        made, each = None, dict(policies)
+        make, each = None, dict(policies)
     else:
-        made = policies
-        each = {name: made() for name in env.agents}
+        make = policies
+        each = {name: make() for name in env.agents}
     still = {name: np.zeros_like(env.action_space(name).nvec) for name in env.agents}
     steps, returned, outcome = 0, 0.0, "running"
     while env.agents:
         for name in env.agents:
-            if infos[name]["boots"] and made:
-                each[name] = made()
+            if infos[name]["boots"] and make:
+                each[name] = make()
         actions = {
             name: each[name].act(observations[name]) if infos[name]["runs"] else still[name]
             for name in env.agents
@@ -93,4 +108,4 @@ def play(
         steps += 1
         returned += sum(rewards.values()) / len(rewards)
         outcome = next(iter(infos.values())).get("outcome", outcome)
-    return Played(outcome, steps, returned)
+    return EpisodeResult(outcome, steps, returned)

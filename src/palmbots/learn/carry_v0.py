@@ -1,13 +1,16 @@
-"""The environment `carry_v0`: two robots, one object, PettingZoo's parallel interface.
+# SPDX-License-Identifier: Apache-2.0
+"""The environment `carry_v0`: two robots carry one object; PettingZoo's parallel interface.
 
-Agents ``left`` and ``right`` see and do what `palmbots.learn.meaning` lists, at most one letter a
-step each way, over the scene's radio. Both get the same reward (`palmbots.learn.reward`). The
-episode terminates when the object is delivered or dropped, and is truncated at the scene's time
-limit (`task.timeout_s`). A step is `ticks_per_step` control periods.
+The agents ``left`` and ``right`` have the observations and actions of `palmbots.learn.spaces`. Each
+may send one message per step over the radio of the scene. Both get the same reward
+(`palmbots.learn.reward`). An episode terminates when the object is delivered or dropped, and it is
+truncated at the time limit of the scene (`task.timeout_s`). A step has `ticks_per_step` control
+periods.
 
-Of each robot `info` tells ``runs``: whether its program does, false while a fault of the scene
-keeps it from acting, and ``boots``: whether it has just begun anew, so that its policy should
-forget. At the start it tells the carry's ``seed``, at the end its ``outcome``.
+`infos` has two flags for each robot. ``runs`` is false while a fault of the scene stops the robot's
+program. ``boots`` is true when the program has just restarted, so that its policy should start
+afresh. At the start of an episode `infos` also has the ``seed`` of the carry, and at its end the
+``outcome``.
 
 >>> from palmbots.learn import carry_v0
 >>> env = carry_v0.parallel_env("paper")
@@ -19,44 +22,51 @@ from typing import Any
 
 import numpy as np
 
-from palmbots.carry import WORLDS
-from palmbots.errors import PalmbotsError, SceneError, one_of, show
-from palmbots.learn.episodes import Episode, Now, begun
-from palmbots.learn.meaning import ACTION, Do, action_sizes, observation, observation_size, orders
-from palmbots.learn.reward import Rewards, Scale
-from palmbots.result import Carry
-from palmbots.scene import Scene, load_scene
+from palmbots._util.arguments import one_of, show
+from palmbots._util.optional_imports import missing_extra
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.learn.episode import Episode, StepResult, begin_episode
+from palmbots.learn.reward import RewardTerms, RewardWeights
+from palmbots.learn.spaces import (
+    ACTION,
+    RobotAction,
+    action_sizes,
+    legal_actions,
+    observation,
+    observation_size,
+)
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.result import Carry
+from palmbots.simulation.worlds import world_names
 
 try:
     from gymnasium.spaces import Box, MultiDiscrete
     from pettingzoo import ParallelEnv
     from pettingzoo.utils import OrderEnforcingWrapper, parallel_to_aec
 except ModuleNotFoundError as error:
-    raise PalmbotsError(
-        f"learn: the package {(error.name or 'pettingzoo').partition('.')[0]} is missing; "
-        "run: pip install 'palmbots[learn]'"
-    ) from None
+    raise missing_extra(error.name or "pettingzoo", "learn") from None
 
-__all__ = ["CarryEnv", "Rewards", "env", "parallel_env", "raw_env"]
+__all__ = ["CarryEnv", "RewardWeights", "env", "parallel_env", "raw_env"]
 
 AGENTS = ["left", "right"]
 _PETTINGZOO_PROBE = "options"  # its API tests call reset(options={"options": 1})
-_MOST_TICKS = 1000
-_STATE = 8
+_MAX_TICKS = 1000
+_STATE_SIZE = 8
+_SEED_LIMIT = 2**53  # below it a seed survives loggers that store numbers as floats
 
 
 def parallel_env(scene: Any = "paper", **keys: Any) -> "CarryEnv":
-    """The environment; arguments as of `CarryEnv`."""
+    """The environment; the arguments are those of `CarryEnv`."""
     return CarryEnv(scene, **keys)
 
 
 def raw_env(scene: Any = "paper", **keys: Any) -> Any:
-    """The same in PettingZoo's other interface (AEC), in which agents take turns."""
+    """The same environment in PettingZoo's AEC interface, in which agents take turns."""
     return parallel_to_aec(CarryEnv(scene, **keys))
 
 
 def env(scene: Any = "paper", **keys: Any) -> Any:
-    """`raw_env` that complains of calls in a wrong order."""
+    """`raw_env` with checks of the order of calls."""
     return OrderEnforcingWrapper(raw_env(scene, **keys))
 
 
@@ -64,21 +74,22 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
     """Two robots carry an object: one episode is one carry.
 
     Args:
-        scene: as in `palmbots.carry`.
+        scene: a built-in scene, a TOML file, a table or a `Scene`.
         overrides: scene keys to set, such as ``{"robot.noise_m_s": 0.02}``.
         world: ``quasistatic``, or ``mujoco`` (needs the extra ``palmbots[mujoco]``).
-        messages: the robots may talk; without, letters are neither seen nor sent.
+        messages: whether the robots can send messages. If not, observations and actions have no
+            entries for them.
         ticks_per_step: control periods for which an action holds, 1 to 1000.
-        rewards: weights of the reward's terms.
-        record: keep every tick, so that `carry` has a trace (costs time and memory).
+        rewards: weights of the terms of the reward.
+        record: store every tick, so that `carry` has a trace (takes time and memory).
         render_mode: ``rgb_array``, or None.
 
     Raises:
-        SceneError: the scene makes no sense, or its object is not held at the start.
-        PalmbotsError: another argument is not one of those above.
+        SceneError: the scene is invalid, or its object is not held at the start.
+        PalmbotsError: another argument is not allowed.
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - so PettingZoo has it
+    metadata: dict[str, Any] = {  # noqa: RUF012 - the type that PettingZoo declares
         "name": "carry_v0",
         "render_modes": ["rgb_array"],
         "render_fps": 100,
@@ -93,20 +104,22 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         world: str = "quasistatic",
         messages: bool = True,
         ticks_per_step: int = 1,
-        rewards: Rewards | None = None,
+        rewards: RewardWeights | None = None,
         record: bool = False,
         render_mode: str | None = None,
     ) -> None:
         self._base = load_scene(scene, overrides)
-        one_of("world", world, WORLDS)
-        for name, told in (("messages", messages), ("record", record)):
-            if told not in (True, False):
-                raise PalmbotsError(f"{name}: value is {show(told)}; allowed: true, false")
-        if rewards is not None and not isinstance(rewards, Rewards):
-            raise PalmbotsError(f"rewards: value is {show(rewards)}; allowed: carry_v0.Rewards")
-        if type(ticks_per_step) is not int or not 1 <= ticks_per_step <= _MOST_TICKS:
+        one_of("world", world, world_names())
+        for name, value in (("messages", messages), ("record", record)):
+            if value not in (True, False):
+                raise PalmbotsError(f"{name}: value is {show(value)}; allowed: true, false")
+        if rewards is not None and not isinstance(rewards, RewardWeights):
             raise PalmbotsError(
-                f"ticks_per_step: value is {show(ticks_per_step)}; allowed: 1 to {_MOST_TICKS}"
+                f"rewards: value is {show(rewards)}; allowed: carry_v0.RewardWeights"
+            )
+        if type(ticks_per_step) is not int or not 1 <= ticks_per_step <= _MAX_TICKS:
+            raise PalmbotsError(
+                f"ticks_per_step: value is {show(ticks_per_step)}; allowed: 1 to {_MAX_TICKS}"
             )
         if render_mode not in (None, "rgb_array"):
             raise PalmbotsError(
@@ -120,7 +133,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         }
         self._world, self._messages, self._record = world, bool(messages), bool(record)
         self._ticks = ticks_per_step
-        self._rewards = rewards if rewards is not None else Rewards()
+        self._rewards = rewards if rewards is not None else RewardWeights()
         entries = observation_size(self._messages)
         self._spaces = {
             name: (
@@ -129,45 +142,46 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
             )
             for name in AGENTS
         }
-        self._orders = orders(self._messages)
-        self.state_space = Box(-np.inf, np.inf, (_STATE,), np.float64)
+        self._legal_actions = legal_actions(self._messages)
+        self.state_space = Box(-np.inf, np.inf, (_STATE_SIZE,), np.float64)
         self._random = np.random.default_rng()
         self._episode: Episode | None = None
-        self._picture: Any = None
-        self._begin(self._base, 0)  # complains of what cannot be carried now, not later
+        self._view: Any = None
+        self._begin(self._base, 0)  # refuses a scene that cannot be carried
         self._episode = None
 
     # --- PettingZoo -----------------------------------------------------------------------------
 
     def observation_space(self, agent: str) -> Box:
-        """The entries of `palmbots.learn.meaning.OBSERVATION`, the letters only with messages."""
+        """The entries of `palmbots.learn.spaces.OBSERVATION`; those of messages only with them."""
         return self._spaces[agent][0]
 
     def action_space(self, agent: str) -> MultiDiscrete:
-        """The entries of `palmbots.learn.meaning.ACTION`, `send` only with messages."""
+        """The entries of `palmbots.learn.spaces.ACTION`; `send` only with messages."""
         return self._spaces[agent][1]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Begin a carry.
+        """Begin an episode.
 
         Args:
-            seed: of this carry, as in ``palmbots carry --seed``; carries begun after it without a
-                seed get others that depend on it. Each `info` tells the carry's own as ``seed``.
-            options: ``{"overrides": {…}}`` sets scene keys for this carry alone. No other option is
-                known but ``options``, which PettingZoo's own tests give and which does nothing.
+            seed: random seed of the carry, as in ``palmbots carry --seed``. Later episodes without
+                a seed get seeds that depend on it; these are below 2^53, so a logger that stores
+                numbers as floats keeps all their digits. `infos` has the seed as ``seed``.
+            options: ``{"overrides": {…}}`` sets scene keys for this episode only. The key
+                ``options``, which PettingZoo's own tests pass, has no effect.
 
         Raises:
             SceneError: a scene key is wrong, or the object is not held at the start.
-            PalmbotsError: an option is unknown, or the seed is none.
+            PalmbotsError: an option is unknown, or the seed is not allowed.
         """
         scene = self._scene_for(options)
         if seed is not None:
             if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
                 raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
             self._random = np.random.default_rng(int(seed))
-        own = int(self._random.integers(2**63)) if seed is None else int(seed)
+        own = int(self._random.integers(_SEED_LIMIT)) if seed is None else int(seed)
         if own >= 2**64:
             raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
         self._begin(scene, own)
@@ -183,65 +197,81 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         dict[str, bool],
         dict[str, dict[str, Any]],
     ]:
-        """Both robots act for `ticks_per_step` control periods, or until the carry is over."""
+        """Both robots act for `ticks_per_step` control periods, or until the carry ends.
+
+        After the end of an episode there are no agents: no actions are allowed, and the results
+        are empty.
+
+        Raises:
+            PalmbotsError: there is no episode (before `reset`, after `close`), or the actions are
+                not exactly one for each agent.
+        """
+        episode = self._current_episode()
+        self._check_agents(actions)
         if not self.agents:
             return {}, {}, {}, {}, {}
-        told = self._order("left", actions), self._order("right", actions)
-        self._told = told
-        _, ticks, sent, midpoint, _ = self._now
-        self._now = now = self._under_way().step(*told, self._ticks)
-        outcome = now[0]
-        paid = self._scale.step(now[3] - midpoint, now[1] - ticks, now[4], now[2] - sent, outcome)
+        self._actions = self._action("left", actions), self._action("right", actions)
+        _, ticks, sent, midpoint, _ = self._last_step
+        self._last_step = step = episode.step(*self._actions, self._ticks)
+        outcome = step[0]
+        reward = self._terms.step(
+            step[3] - midpoint, step[1] - ticks, step[4], step[2] - sent, outcome
+        )
         observations, infos = self._observe(), self._infos()
-        terminal, cut = outcome in ("delivered", "dropped"), outcome == "stalled"
-        if terminal or cut:
+        terminated, truncated = outcome in ("delivered", "dropped"), outcome == "stalled"
+        if terminated or truncated:
             self.agents = []
             for info in infos.values():
                 info["outcome"] = outcome
         return (
             observations,
-            dict.fromkeys(AGENTS, paid),
-            dict.fromkeys(AGENTS, terminal),
-            dict.fromkeys(AGENTS, cut),
+            dict.fromkeys(AGENTS, reward),
+            dict.fromkeys(AGENTS, terminated),
+            dict.fromkeys(AGENTS, truncated),
             infos,
         )
 
     def state(self) -> np.ndarray:
-        """What no robot knows, for critics in training: contacts of both [m], their palms [rad],
-        separation [m], object's rise [m], way made and way to go [m]."""
-        at = self._under_way()
-        gone = at.midpoint * (1.0 if at.scene.task.direction == "forward" else -1.0)
-        rest = at.scene.task.distance_m - gone
-        return np.array([*at.contacts, *at.palms, at.separation, at.rise, gone, rest])
+        """The full state, which no robot knows, for critics in training.
+
+        Contact coordinates (left, right) [m], palm angles (left, right) [rad], separation [m],
+        height of the right contact vertex above the left one [m], distance travelled and distance
+        to go [m].
+        """
+        at = self._current_episode()
+        travelled = at.midpoint * (1.0 if at.scene.task.direction == "forward" else -1.0)
+        to_go = at.scene.task.distance_m - travelled
+        return np.array([*at.contacts, *at.palms, at.separation, at.rise, travelled, to_go])
 
     def render(self) -> np.ndarray | None:
-        """The carry from the side as it is now: (height, width, 3) of uint8, in either world."""
+        """The side view of the present state, in either world: (height, width, 3) of uint8."""
         if self.render_mode is None:
             return None
-        from palmbots.learn.picture import Picture
+        from palmbots.learn.rendering import EpisodeView
 
-        if self._picture is None:
-            self._picture = Picture(self._under_way())
-        return self._picture.draw(self._told, self._messages)
+        if self._view is None:
+            self._view = EpisodeView(self._current_episode())
+        return self._view.draw(self._actions, self._messages)
 
     def close(self) -> None:
-        """Forget the carry under way."""
-        self._episode, self._picture = None, None
+        """End the present episode; `reset` begins another one."""
+        self._episode, self._view = None, None
         self.agents = []
 
-    # --- besides --------------------------------------------------------------------------------
+    # --- further --------------------------------------------------------------------------------
 
-    def carry(self, controller: str = "learnt") -> Carry:
-        """The finished carry, for figures, animations and logs; once for each episode.
+    def carry(self, controller: str = "learned") -> Carry:
+        """The carry of the finished episode, for figures, animations and logs.
 
-        Raises `PalmbotsError` while it is under way.
+        Raises:
+            PalmbotsError: the episode has not ended, or its carry was returned before.
         """
-        episode = self._under_way()
-        if episode.outcome == "running" or self._taken:
-            why = "given away already" if self._taken else "still under way"
-            raise PalmbotsError(f"carry: is {why}; allowed: once, after the end of an episode")
-        self._taken = True
-        return episode.finished(controller)
+        episode = self._current_episode()
+        if episode.outcome == "running" or self._is_taken:
+            why = "its carry was returned before" if self._is_taken else "it has not ended"
+            raise PalmbotsError(f"carry: each episode has one carry, after its end, but {why}")
+        self._is_taken = True
+        return episode.make_carry(controller)
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -255,39 +285,51 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         return load_scene(self._base, given.get("overrides"))
 
     def _begin(self, scene: Scene, seed: int) -> None:
-        episode = begun(scene, self._world, seed, self._record)
+        episode = begin_episode(scene, self._world, seed, self._record)
         if episode.outcome != "running":
-            reason = episode.finished("none").reason
+            reason = episode.make_carry("none").reason
             raise SceneError(
-                f"scene: the object is not held at the start ({reason}); "
-                "`palmbots modes` tells more"
+                f"scene: the object is not held at the start ({reason}); run: palmbots modes"
             )
-        self._episode, self._picture, self._taken = episode, None, False
-        self._scale = Scale(self._rewards, scene)
-        self._told: tuple[Do, Do] = ((0, 0, 0), (0, 0, 0))
-        self._now: Now = ("running", 0, 0, 0.0, (0.0, 0.0))
+        self._episode, self._view, self._is_taken = episode, None, False
+        self._terms = RewardTerms(self._rewards, scene)
+        self._actions: tuple[RobotAction, RobotAction] = ((0, 0, 0), (0, 0, 0))
+        self._last_step: StepResult = ("running", 0, 0, 0.0, (0.0, 0.0))
 
-    def _under_way(self) -> Episode:
+    def _current_episode(self) -> Episode:
         if self._episode is None:
             raise PalmbotsError("carry_v0: there is no episode yet; call reset first")
         return self._episode
 
-    def _order(self, name: str, actions: Mapping[str, Any]) -> Do:
+    def _check_agents(self, actions: Mapping[str, Any]) -> None:
+        """Refuse actions of an agent that is unknown or, after the end, of any agent."""
+        for name in actions:
+            if name in self.agents:
+                continue
+            if name in AGENTS:
+                raise PalmbotsError(
+                    f"actions: the episode has ended, so {name} cannot act; call reset first"
+                )
+            raise PalmbotsError(
+                f"actions: there is no agent {show(name)}; allowed: {', '.join(AGENTS)}"
+            )
+
+    def _action(self, name: str, actions: Mapping[str, Any]) -> RobotAction:
         given: Any = None
         try:
             given = actions[name]
             numbers = given.tolist() if isinstance(given, np.ndarray) else given
-            return self._orders[tuple(numbers)]
+            return self._legal_actions[tuple(numbers)]
         except (KeyError, TypeError, IndexError):
             entries = zip(ACTION, action_sizes(self._messages), strict=False)
             legal = ", ".join(f"{what} 0 to {n - 1}" for what, n in entries)
-            raise PalmbotsError(f"action of {name}: is {given!r}; allowed: {legal}") from None
+            raise PalmbotsError(f"action of {name}: value is {given!r}; allowed: {legal}") from None
 
     def _observe(self) -> dict[str, Any]:
-        self._seen = self._under_way().seen()
+        self._seen = self._current_episode().seen()
         return {
-            name: observation(seen, told, self._messages)
-            for name, seen, told in zip(AGENTS, self._seen, self._told, strict=True)
+            name: observation(seen, last, self._messages)
+            for name, seen, last in zip(AGENTS, self._seen, self._actions, strict=True)
         }
 
     def _infos(self) -> dict[str, dict[str, Any]]:

@@ -1,27 +1,30 @@
-"""What the team is paid: both robots get the same, from what no robot sees.
+# SPDX-License-Identifier: Apache-2.0
+"""The reward. Both robots get the same one, computed from the full state.
 
-Over a step of length Δt in which the pair advances by Δx,
+For a step of length Δt in which the pair advances by Δx it is
 
-    progress · Δx / distance  −  centring · (Δt / T) · mean of (p / ℓ)²  −  letter · letters sent
+    progress · Δx / distance  −  centring · (Δt / T) · mean of (p / ℓ)²  −  letter · messages sent
 
-and at the end + delivered or − dropped. T is the time that the way takes at nominal speed, ℓ half
-of a palm's length. So by default an episode gives at most 2, for a delivery with both contacts at
-their pivots throughout, and at worst about −1; a carry that stands still for ever gets near 0.
+plus, at the end, + delivered or − dropped. T is the time that the distance takes at nominal speed,
+and ℓ is half the length of a palm. With the default weights an episode returns at most 2, for a
+delivery with both contacts at their pivots all the time, and at worst about −1. A carry that never
+moves returns about 0.
 """
 
 from dataclasses import dataclass, fields
 from math import inf
 
-from palmbots.errors import PalmbotsError, show
-from palmbots.geometry import SIDES
-from palmbots.scene import Scene
+from palmbots._types import SIDES
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
 
-__all__ = ["Rewards", "Scale"]
+__all__ = ["RewardTerms", "RewardWeights"]
 
 
 @dataclass(frozen=True)
-class Rewards:
-    """The weights of the terms above; all at least 0."""
+class RewardWeights:
+    """The weights of the terms of the reward; all at least 0."""
 
     progress: float = 1.0
     centring: float = 1.0
@@ -38,19 +41,19 @@ class Rewards:
                 or not 0 <= value < inf
             ):
                 raise PalmbotsError(
-                    f"rewards: {field.name} is {show(value)}; allowed: a number of at least 0"
+                    f"rewards.{field.name}: value is {show(value)}; allowed: at least 0"
                 )
 
 
-class Scale:
-    """What a scene makes of the weights."""
+class RewardTerms:
+    """The terms of the reward in a scene."""
 
-    def __init__(self, rewards: Rewards, scene: Scene) -> None:
+    def __init__(self, rewards: RewardWeights, scene: Scene) -> None:
         speed = sum(scene.robot_of(side).speed_m_s for side in SIDES) / 2
         distance, period = scene.task.distance_m, scene.control.period_s
         left, right = (scene.palm_of(side).length_m / 2 for side in SIDES)
         sense = 1.0 if scene.task.direction == "forward" else -1.0
-        self._way = rewards.progress * sense / distance
+        self._progress = rewards.progress * sense / distance
         per_tick = rewards.centring * period * speed / distance
         self._left, self._right = per_tick / 2 / left**2, per_tick / 2 / right**2
         self._letter = rewards.letter
@@ -59,8 +62,15 @@ class Scale:
     def step(
         self, advance: float, ticks: int, p: tuple[float, float], letters: int, outcome: str
     ) -> float:
-        """For an advance towards +x [m], contacts p [m] at the end of so many ticks, letters sent,
-        and ``running`` or how the carry ended."""
-        paid = self._way * advance - self._letter * letters
-        paid -= ticks * (self._left * p[0] * p[0] + self._right * p[1] * p[1])
-        return paid + self._end.get(outcome, 0.0)
+        """The reward of a step.
+
+        Args:
+            advance: displacement of the pair towards +x [m].
+            ticks: number of control periods.
+            p: contact coordinates (left, right) at the end of the step [m].
+            letters: number of messages sent.
+            outcome: ``running``, or how the carry ended.
+        """
+        reward = self._progress * advance - self._letter * letters
+        reward -= ticks * (self._left * p[0] * p[0] + self._right * p[1] * p[1])
+        return reward + self._end.get(outcome, 0.0)

@@ -1,19 +1,23 @@
-"""Does the outline touch a palm anywhere in the operating region, and how near does it come?
+# SPDX-License-Identifier: Apache-2.0
+"""Clearance: how close the outline comes to a palm in the operating region.
 
-Where no vertex comes down to the line of a palm, palms of any length are clear, and the nearest
-place is a corner of the region: a closed form, in the core. Where a part of the outline hangs below
-that line, the palms as long as they are decide. Then the least margin over all contacts and over
-all angles that a turning palm passes through is enclosed by branch and bound: parts of the region
-are halved as long as a bound for all of a part leaves open whether it holds the least margin. So
-"does not touch" is certain; for floating-point rounding `_ROUNDING` is taken off.
+Where all vertices lie above the line of a palm, palms of any length are clear, and the closest
+state is a corner of the region: a closed form, in the core. Where a part of the outline lies below
+that line, the length of the palm decides. Branch and bound then encloses the smallest margin over
+all contacts and over all angles of a turning palm: a part of the region is bisected as long as its
+bound does not exclude that it contains the smallest margin. A result "does not touch" is therefore
+certain; `_ROUNDING` is subtracted for floating-point rounding.
 
-Seen from its contact vertex the palm reaches inward to its tip and outward to its back end, along a
-line that is turned against the object by α = θ ± ϑ. A piece of the outline within reach of an end
-keeps the palm out of an interval of α; the interior angle at the contact vertex does so, however
-short the palm. The distance from an interval changes no faster than α and only shrinks as the palm
-gets longer: that bounds it over a part. Source: MECHANICS section 5.
+As seen from its contact vertex, the palm extends inward to its tip and outward to its back end,
+along a line at the angle α = θ ± ϑ to the object. A piece of the outline within reach of an end
+excludes an interval of α. The interior angle at the contact vertex excludes an interval for palms
+of any length. The distance from such an interval changes at most as fast as α, and decreases as the
+palm gets longer: this gives the bound over a part. Source: MECHANICS section 5.
 """
 
+from __future__ import annotations
+
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -21,25 +25,26 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots.sections import SIDES, Side
-from palmbots.stability.situation import Pair, Situation
+from palmbots._types import SIDES, Side
+from palmbots._util.results import Result
+from palmbots.stability.problem import Pair, StabilityProblem
 
-__all__ = ["Clearance", "Nearest", "clearance"]
+__all__ = ["Clearance", "ClosestState", "outline_clearance"]
 
 Array = NDArray[np.float64]
 Kind = Literal["flush", "tip", "back end"]
 
 _ROUNDING = 1e-9
-_INSET = 1e-9  # relative: a contact at the very end of its palm has no palm beyond it to touch
-_RESOLUTION = 2e-5  # rad and m: margins are at most so much greater than what is told
-_COARSE = 0.05  # where it touches, it may be so much deeper elsewhere
+_INSET = 1e-9  # relative: beyond a contact at the end of its palm there is no palm to touch
+_RESOLUTION = 2e-5  # rad and m: a margin exceeds its reported value by at most this much
+_COARSE = 0.05  # relative: an overlap may be this much deeper elsewhere
 _LEVELS = 120
 _MOST = 20_000
 
 
 @dataclass(frozen=True)
-class Nearest:
-    """The state in which a margin is least, and what touches there first."""
+class ClosestState:
+    """The state in which a margin is smallest, and what touches there first."""
 
     margin: float
     side: Side
@@ -49,31 +54,51 @@ class Nearest:
     contacts_m: Pair
 
 
-@dataclass(frozen=True)
-class Clearance:
+@dataclass(frozen=True, repr=False)
+class Clearance(Result):
     """How far the outline stays from both palms, everywhere in the operating region."""
 
-    turn: Nearest
-    """How far palm or object may turn until something touches [rad]; negative: it touches, and by
-    how much it would have to turn back. Counted for palms of any length where those clear."""
-    longer: Nearest | None
-    """How much longer the palms may be at either end [m]; negative: it touches, and by how much
-    they would have to be shorter there. None: palms of any length are clear."""
+    rotation_margin: ClosestState
+    """How far a palm or the object may turn until the outline touches a palm [rad]; negative: it
+    touches, and how far it would have to turn back. For palms of any length where those are
+    clear."""
+    length_margin: ClosestState | None
+    """How much longer the palms may be at either end [m]; negative: the outline touches, and how
+    much shorter they would have to be. None: palms of any length are clear."""
 
     @property
     def touches(self) -> bool:
-        """Whether the outline touches a palm somewhere; False is certain."""
-        return not self.turn.margin > 0
+        """Whether the outline touches a palm in some state; False is certain."""
+        return not self.rotation_margin.margin > 0
+
+    def headline(self) -> str:
+        """Whether the outline clears both palms."""
+        return (
+            "the outline touches a palm" if self.touches else "the outline is clear of both palms"
+        )
+
+    def facts(self) -> dict[str, str]:
+        """The margins, and the state of the smaller one."""
+        closest, length = self.rotation_margin, self.length_margin
+        angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in closest.angles_rad)
+        contacts = ", ".join(f"{1e3 * p:.1f} mm" for p in closest.contacts_m)
+        return {
+            "rotation margin": f"{math.degrees(closest.margin):.2f}°",
+            "length margin": "palms of any length are clear"
+            if length is None
+            else f"{1e3 * length.margin:.1f} mm",
+            "closest": f"{closest.side} palm, {closest.kind}, palms at {angles}, p {contacts}",
+        }
 
 
-def clearance(at: Situation) -> Clearance:
-    """The least margins of clearance over the whole operating region."""
-    low, high = _region(at)
-    views = [_View(at, side) for side in (0, 1)]
-    if at.envelope().clearance(at.angles) > 0:
+def outline_clearance(problem: StabilityProblem) -> Clearance:
+    """The smallest margins of clearance over the whole operating region."""
+    low, high = _region(problem)
+    views = [_View(problem, side) for side in (0, 1)]
+    if problem.envelope().clearance(problem.angles) > 0:
         corners = _corners(low, high)
-        found = [(view, view.endless(corners)) for view in views]
-        view, margins = min(found, key=lambda pair: float(pair[1].min()))
+        candidates = [(view, view.endless(corners)) for view in views]
+        view, margins = min(candidates, key=lambda pair: float(pair[1].min()))
         state = corners[int(margins.argmin())]
         return Clearance(view.nearest(state, float(margins.min()), "flush"), None)
     turn = min((_least(v, v.turn, low, high) for v in views), key=lambda n: n.margin)
@@ -81,18 +106,24 @@ def clearance(at: Situation) -> Clearance:
     return Clearance(turn, longer if np.isfinite(longer.margin) else None)
 
 
-def _region(at: Situation) -> tuple[Array, Array]:
-    """Least and greatest (θ_L, θ_R, p_L, p_R) of every pose."""
-    (left_shallow, left_steep), (right_shallow, right_steep) = at.angles
+def _region(problem: StabilityProblem) -> tuple[Array, Array]:
+    """Smallest and largest (θ_L, θ_R, p_L, p_R) of every pose."""
+    (left_shallow, left_steep), (right_shallow, right_steep) = problem.angles
     poses = [
-        ((left_steep, left_steep), (right_steep, right_steep), at.contacts),
-        ((left_shallow, left_shallow), (right_shallow, right_shallow), at.contacts),
-        *(((left_shallow, left_steep), (right_steep,) * 2, at.region(n, "left")) for n in (1, 2)),
-        *(((left_steep,) * 2, (right_shallow, right_steep), at.region(n, "right")) for n in (1, 2)),
+        ((left_steep, left_steep), (right_steep, right_steep), problem.contacts),
+        ((left_shallow, left_shallow), (right_shallow, right_shallow), problem.contacts),
+        *(
+            ((left_shallow, left_steep), (right_steep,) * 2, problem.region(n, "left"))
+            for n in (1, 2)
+        ),
+        *(
+            ((left_steep,) * 2, (right_shallow, right_steep), problem.region(n, "right"))
+            for n in (1, 2)
+        ),
     ]
     ends = np.array([(left, right, *contacts) for left, right, contacts in poses])
     low, high = ends[..., 0], ends[..., 1]
-    inset = _INSET * np.array([0.0, 0.0, *at.half_length])
+    inset = _INSET * np.array([0.0, 0.0, *problem.half_length])
     return low + inset, np.maximum(high - inset, low + inset)
 
 
@@ -106,15 +137,15 @@ def _wrapped(angle: Array) -> Array:
 
 
 class _View:
-    """The object from one palm's contact vertex; states are rows (θ_L, θ_R, p_L, p_R)."""
+    """The object seen from one palm's contact vertex; states are rows (θ_L, θ_R, p_L, p_R)."""
 
-    def __init__(self, at: Situation, side: int) -> None:
-        self.at, self.side = at, side
-        outline = np.array([(vertex[side], vertex[2]) for vertex in at.spec.outline])
+    def __init__(self, problem: StabilityProblem, side: int) -> None:
+        self.problem, self.side = problem, side
+        outline = np.array([(vertex[side], vertex[2]) for vertex in problem.spec.outline])
         own = int(np.flatnonzero((outline == 0).all(axis=1))[0])
         points = np.roll(outline, -own, axis=0)
         starts, ends = points[1:-1], points[2:]  # without the two edges at the contact vertex
-        # What lies outward of the contact is seen along the palm's line from the other end.
+        # Outward of the contact, the edges are mirrored through the contact vertex.
         self.a = np.concatenate([starts, -starts])
         self.d = np.concatenate([ends - starts, starts - ends])
         self.inward = np.arange(len(self.a)) < len(starts)
@@ -124,14 +155,14 @@ class _View:
 
     @staticmethod
     def _interval(a: Array, b: Array) -> tuple[Array, Array]:
-        """Middle and half width of the angles α between two directions."""
+        """Middle and half-width of the angles α between two directions."""
         cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
         delta = -np.arctan2(cross, (a * b).sum(axis=-1))
         return -np.arctan2(a[..., 1], a[..., 0]) + delta / 2, np.abs(delta) / 2
 
     def _turned(self, low: Array, high: Array) -> tuple[Array, Array]:
-        """Middle and half width of α over boxes of states."""
-        at = self.at
+        """Middle and half-width of α over boxes of states."""
+        problem = self.problem
         rise_low, rise_high = np.zeros(len(low)), np.zeros(len(low))
         for i, sign in ((0, -1.0), (1, 1.0)):
             theta = np.stack([low[:, i], high[:, i]], axis=-1)
@@ -139,23 +170,25 @@ class _View:
             along = (sine[:, :, None] * p[:, None, :]).reshape(-1, 4)
             cosine = np.cos(theta)
             level = (theta[:, 0] < 0) & (theta[:, 1] > 0)
-            across = at.offset[i] * np.column_stack([cosine, np.where(level, 1.0, cosine[:, 0])])
+            across = problem.offset[i] * np.column_stack(
+                [cosine, np.where(level, 1.0, cosine[:, 0])]
+            )
             least = along.min(axis=1) + across.min(axis=1)
             most = along.max(axis=1) + across.max(axis=1)
             rise_low += -most if sign < 0 else least
             rise_high += -least if sign < 0 else most
-        tilt = np.arcsin(np.clip(np.stack([rise_low, rise_high]) / at.width, -1, 1))
+        tilt = np.arcsin(np.clip(np.stack([rise_low, rise_high]) / problem.width, -1, 1))
         if self.side == 1:
             tilt = -tilt[::-1]
         lowest, highest = low[:, self.side] + tilt[0], high[:, self.side] + tilt[1]
         return 0.5 * (lowest + highest), 0.5 * (highest - lowest)
 
     def _reach(self, p: Array) -> tuple[Array, Array]:
-        half = self.at.half_length[self.side]
+        half = self.problem.half_length[self.side]
         return half + p, half - p
 
-    def _kept_out(self, alpha: Array, inward: Array, outward: Array) -> tuple[Array, Array, Array]:
-        """For every edge: how far α is from what it keeps out, and which parts are in reach."""
+    def _excluded(self, alpha: Array, inward: Array, outward: Array) -> tuple[Array, Array, Array]:
+        """For every edge: distance of α from the excluded interval, and the part within reach."""
         reach = np.where(self.inward, inward[:, None], outward[:, None])
         square, along = (self.d**2).sum(axis=-1), (self.a * self.d).sum(axis=-1)
         inside = along**2 - square * ((self.a**2).sum(axis=-1) - reach**2)
@@ -177,18 +210,18 @@ class _View:
         """How far palms of any length may turn."""
         alpha, _ = self._turned(states, states)
         far = np.full(len(states), np.inf)
-        return np.minimum(self._own_room(alpha), self._kept_out(alpha, far, far)[0].min(axis=1))
+        return np.minimum(self._own_room(alpha), self._excluded(alpha, far, far)[0].min(axis=1))
 
     def turn(self, alpha: Array, spread: Array, inward: Array, outward: Array) -> Array:
-        """At most how far a palm may turn, for all α within a spread."""
-        room = self._kept_out(alpha, inward, outward)[0].min(axis=1, initial=np.inf)
+        """Lower bound of how far a palm may turn, for all α within a spread."""
+        room = self._excluded(alpha, inward, outward)[0].min(axis=1, initial=np.inf)
         return np.minimum(self._own_room(alpha), room) - spread
 
     def _room(self, alpha: Array, spread: Array, inward: Array, outward: Array) -> Array:
-        """For every edge: how much longer the palm may be until it meets it."""
+        """For every edge: how much longer the palm may be until it reaches it."""
         middle, half = self._interval(self.a, self.a + self.d)
         off = _wrapped(alpha[:, None] - middle)
-        # Where the edge lies in the angles looked at, the place nearest to the contact counts.
+        # Within these angles, the point of the edge closest to the contact counts.
         low = np.maximum(off - spread[:, None], -half)
         high = np.minimum(off + spread[:, None], half)
         length = np.hypot(*self.d.T)
@@ -203,39 +236,41 @@ class _View:
         return far - np.where(self.inward, inward[:, None], outward[:, None])
 
     def longer(self, alpha: Array, spread: Array, inward: Array, outward: Array) -> Array:
-        """At most how much longer a palm may be, for all α within a spread."""
+        """Lower bound of how much longer a palm may be, for all α within a spread."""
         flat = self._own_room(alpha) <= spread
         room = self._room(alpha, spread, inward, outward).min(axis=1, initial=np.inf)
         return np.where(flat, -np.maximum(inward, outward), room)
 
-    def at_states(self, margin: "_Margin", states: Array) -> Array:
+    def at_states(self, margin: _Margin, states: Array) -> Array:
         """A margin in single states."""
         return margin(*self._turned(states, states), *self._reach(states[:, 2 + self.side]))
 
-    def bounds(self, margin: "_Margin", low: Array, high: Array) -> tuple[Array, Array]:
-        """At most a margin anywhere in boxes: for one α in the middle, and for every α."""
+    def bounds(self, margin: _Margin, low: Array, high: Array) -> tuple[Array, Array]:
+        """Lower bounds of a margin in boxes: for α in the middle, and for every α."""
         own = 2 + self.side
         alpha, spread = self._turned(low, high)
         inward, outward = self._reach(high[:, own])[0], self._reach(low[:, own])[1]
         return margin(alpha, 0 * spread, inward, outward), margin(alpha, spread, inward, outward)
 
     def effects(self, low: Array, high: Array) -> Array:
-        """By how much each of a state's four numbers turns the palm within a box, roughly."""
-        extent, width = high - low, self.at.width
+        """Approximate change of α within a box due to each of a state's four numbers."""
+        extent, width = high - low, self.problem.width
         far = np.maximum(np.abs(low), np.abs(high))
-        found = extent * np.column_stack(
+        effects = extent * np.column_stack(
             [far[:, 2] / width, far[:, 3] / width, *np.abs(np.sin(far[:, :2].T)) / width]
         )
-        found[:, self.side] = extent[:, self.side]
-        return found
+        effects[:, self.side] = extent[:, self.side]
+        return effects
 
-    def nearest(self, state: Array, margin: float, kind: Kind) -> Nearest:
-        """A state with what is told of it."""
+    def nearest(self, state: Array, margin: float, kind: Kind) -> ClosestState:
+        """The result for a state."""
         left, right, p_left, p_right = (float(value) for value in state)
-        return Nearest(margin - _ROUNDING, SIDES[self.side], kind, (left, right), (p_left, p_right))
+        return ClosestState(
+            margin - _ROUNDING, SIDES[self.side], kind, (left, right), (p_left, p_right)
+        )
 
-    def kind(self, margin: "_Margin", state: Array) -> Kind:
-        """What touches first where a margin is used up in a state."""
+    def kind(self, margin: _Margin, state: Array) -> Kind:
+        """What touches first where the margin of a state is used up."""
         row = state[None]
         alpha, spread = self._turned(row, row)
         reach = self._reach(row[:, 2 + self.side])
@@ -243,11 +278,11 @@ class _View:
         if margin == self.longer:
             k = int(self._room(alpha, spread, *reach)[0].argmin())
             return "flush" if own <= 0 else self._end(k)
-        room, start, end = (found[0] for found in self._kept_out(alpha, *reach))
+        room, start, end = (values[0] for values in self._excluded(alpha, *reach))
         k = int(room.argmin())
         if own <= room[k]:
             return "flush"
-        # At its nearer side what keeps the palm out ends with a vertex or where the palm ends.
+        # The nearer end of the excluded interval is a vertex, or where the palm's end is.
         shares = [start[k], end[k]]
         places = [self.a[k] + share * self.d[k] for share in shares]
         off = [abs(float(_wrapped(alpha + np.arctan2(y, x))[0])) for x, y in places]
@@ -260,8 +295,8 @@ class _View:
 _Margin = Callable[[Array, Array, Array, Array], Array]
 
 
-def _least(view: _View, margin: _Margin, low: Array, high: Array) -> Nearest:
-    """The least margin over all states between `low` and `high`, from below."""
+def _least(view: _View, margin: _Margin, low: Array, high: Array) -> ClosestState:
+    """Lower bound of the margin over all states between `low` and `high`."""
     states = _corners(low, high)
     margins = view.at_states(margin, states)
     best, state = float(margins.min()), states[int(margins.argmin())]
@@ -272,7 +307,7 @@ def _least(view: _View, margin: _Margin, low: Array, high: Array) -> Nearest:
         if margins.min() < best:
             best, state = float(margins.min()), middle[int(margins.argmin())]
         narrow, bound = view.bounds(margin, low, high)
-        # How deep a palm is in the object need not be known as well as whether it is.
+        # The depth of an overlap needs less accuracy than its existence.
         lowest = best - max(_RESOLUTION, -_COARSE * best)
         left = bound < lowest
         if not left.any():
@@ -282,10 +317,10 @@ def _least(view: _View, margin: _Margin, low: Array, high: Array) -> Nearest:
             break
         low, high, middle = low[left], high[left], middle[left]
         effects = view.effects(low, high)
-        with np.errstate(invalid="ignore"):  # ∞ − ∞: nothing in reach
+        with np.errstate(invalid="ignore"):  # ∞ − ∞: no edge is in reach
             by_reach = np.nan_to_num((margins - narrow)[left])
             by_angle = np.nan_to_num((narrow - bound)[left])
-        # Halve the contact where the palm's reach matters more than its angle.
+        # Bisect the contact coordinate where the palm's reach matters more than its angle.
         own = 2 + view.side
         reach = (by_reach > by_angle) & (high[:, own] > low[:, own])
         which = np.where(reach, own, effects.argmax(axis=1))

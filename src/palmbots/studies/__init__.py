@@ -1,8 +1,70 @@
-"""Studies: many carries over any scene keys, controllers and seeds, kept where a kill cannot hurt.
+# SPDX-License-Identifier: Apache-2.0
+"""Studies: many carries over scene keys, controllers and seeds, stored so that a kill loses little.
 
-axes → plan → design          what is asked: study file, design points
-tally → layout → work         what a chunk of carries is, and what becomes of it
-store → campaign              chunks on disk, which of them are due
-local, cluster → run          who carries them
-results → figures, report     what is shown
+Modules, in the order of a study:
+
+- axes, designs, study_file, points: what is asked, down to the scene at a point
+- variables, exact_sums, statistics, stopping, sobol: what is stored and computed
+- chunking, chunk_task: what a chunk of carries is, and how it is carried
+- zarr_arrays, store, schedule: the chunks on the disk, and which of them are due
+- local_runner, dask_runner, study_runner: who carries them
+- study_reader, study_figures: the results
 """
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from palmbots.studies.cost_estimate import Cost as Cost
+    from palmbots.studies.cost_estimate import estimate_cost as estimate_cost
+    from palmbots.studies.points import Points as Points
+    from palmbots.studies.points import design_points as design_points
+    from palmbots.studies.sobol import SobolIndex as SobolIndex
+    from palmbots.studies.sobol import sobol_indices as sobol_indices
+    from palmbots.studies.study_file import Plan as Plan
+    from palmbots.studies.study_file import StudyLike as StudyLike
+    from palmbots.studies.study_file import built_in_studies as built_in_studies
+    from palmbots.studies.study_file import load_plan as load_plan
+    from palmbots.studies.study_runner import StudyResult as StudyResult
+    from palmbots.studies.study_runner import run_study as run_study
+
+__all__ = [
+    "Cost",
+    "Plan",
+    "Points",
+    "SobolIndex",
+    "StudyLike",
+    "StudyResult",
+    "built_in_studies",
+    "design_points",
+    "estimate_cost",
+    "load_plan",
+    "run_study",
+    "sobol_indices",
+]
+
+# Loaded on first use: `import palmbots` must not import the modules behind these names.
+_MODULES = {
+    "Cost": "cost_estimate",
+    "Plan": "study_file",
+    "Points": "points",
+    "SobolIndex": "sobol",
+    "StudyLike": "study_file",
+    "StudyResult": "study_runner",
+    "built_in_studies": "study_file",
+    "design_points": "points",
+    "estimate_cost": "cost_estimate",
+    "load_plan": "study_file",
+    "run_study": "study_runner",
+    "sobol_indices": "sobol",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module 'palmbots.studies' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"palmbots.studies.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

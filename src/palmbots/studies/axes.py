@@ -1,45 +1,47 @@
-"""What a study varies: one scene key an axis, with the values that it may take.
+# SPDX-License-Identifier: Apache-2.0
+"""What a study varies: one axis for each scene key, with the values that the key takes.
 
-A key is dotted, as in ``--set``; ``object.com_m[0]`` is one number of a list. An axis lists values,
-or is a range {from, to} with a linear or logarithmic scale. Numbers that are worked out are rounded
-to twelve digits, so that 0.1 + 0.2 reads as 0.3 and no library's last bit gets into a design.
+A key is dotted, as in ``--set``; ``object.com_m[0]`` is one number of a list. An axis is a list of
+values, or a range {from, to} with a linear or logarithmic scale. Computed numbers are rounded to
+twelve digits, so 0.1 + 0.2 reads as 0.3, and the last bit of a library function cannot change a
+design.
 """
 
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, ValidationError, model_validator
 
-from palmbots.errors import show
-from palmbots.quantities import Range, fault, whole
-from palmbots.scene_at import ENTRY
-from palmbots.section import Section
+from palmbots._util.arguments import show
+from palmbots.scene.fields import Range, field_error, whole
+from palmbots.scene.section import Section
+from palmbots.scene.variations import ENTRY
 
 __all__ = ["Axis", "Levels", "Span", "axes_of"]
 
-_MOST_LEVELS = 100_000
+_MAX_LEVELS = 100_000
 
 
 class Span(Section):
-    """A range of numbers, ends included."""
+    """A range of numbers, including both ends."""
 
     start: Annotated[float, BeforeValidator(Range(least=-1e9, most=1e9))]
     stop: Annotated[float, BeforeValidator(Range(least=-1e9, most=1e9))]
-    steps: Annotated[int, BeforeValidator(whole(2, _MOST_LEVELS))] | None = None
-    """How many values a grid takes of it."""
+    steps: Annotated[int, BeforeValidator(whole(2, _MAX_LEVELS))] | None = None
+    """The number of values in a grid."""
     scale: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.stop <= self.start:
-            raise fault(self.stop, "is not more than from", f"more than {self.start:g}", "to")
+            raise field_error(self.stop, "is not more than from", f"more than {self.start:g}", "to")
         if self.scale == "log" and self.start <= 0:
-            raise fault(self.start, "has no logarithm", "more than 0 with scale log", "from")
+            raise field_error(self.start, "has no logarithm", "more than 0 with scale log", "from")
         return self
 
     def at(self, share: float) -> float:
-        """The number at 0 (the start) to 1 (the end) of the range."""
+        """The number at a share of the range: 0 is the start, 1 the end."""
         if self.scale == "log":
             value = self.start * math.exp(share * math.log(self.stop / self.start))
         else:
@@ -51,75 +53,76 @@ Levels = tuple[Any, ...]
 Axis = Levels | Span
 """The values of a key one by one, or a range of them."""
 
+_SPAN_KEYS = {"from": "start", "to": "stop", "steps": "steps", "scale": "scale"}
+_SPELLING = {field: key for key, field in _SPAN_KEYS.items()}
+
 
 def axes_of(table: object) -> dict[str, Axis]:
-    """The axes of the table ``vary``, by dotted key, whether nested or dotted in the file.
+    """The axes of the table ``vary`` by dotted key; tables in it may be nested or dotted.
 
-    Raises the fault of `palmbots.quantities` for an axis that makes no sense.
+    Raises the error of `field_error` for an invalid axis.
     """
     if not isinstance(table, Mapping):
-        raise fault(table, "is not a table", "a table {key = [values]} or {key = {from, to}}")
+        raise field_error(table, "is not a table", "a table {key = [values]} or {key = {from, to}}")
     pairs = _flat(table, "")
-    found = dict(pairs)
+    axes = dict(pairs)
     for name, _ in pairs:
         entry = ENTRY.fullmatch(name)
-        if entry and entry[1] in found:
-            raise fault(entry[1], f"is given beside {name}", "the list or its entries", name)
+        if entry and entry[1] in axes:
+            raise field_error(entry[1], f"is given beside {name}", "the list or its entries", name)
         if sum(name == other for other, _ in pairs) > 1:
-            raise fault(name, "is given twice", "each key once", name)
-    return found
+            raise field_error(name, "is given twice", "each key once", name)
+    return axes
 
 
-def _flat(table: Mapping[Any, Any], inside: str) -> list[tuple[str, Axis]]:
-    found: list[tuple[str, Axis]] = []
+def _flat(table: Mapping[Any, Any], prefix: str) -> list[tuple[str, Axis]]:
+    pairs: list[tuple[str, Axis]] = []
     for key, value in table.items():
-        name = f"{inside}{key}"
+        name = f"{prefix}{key}"
         if isinstance(value, Mapping) and not value:
-            raise fault(value, "is empty", "a list of values, or a range {from, to}", name)
+            raise field_error(value, "is empty", "a list of values, or a range {from, to}", name)
         if isinstance(value, Span):
-            found.append((name, value))
+            pairs.append((name, value))
         elif isinstance(value, Mapping) and not {"from", "to"} & set(value):
-            found += _flat(value, f"{name}.")
+            pairs += _flat(value, f"{name}.")
         elif isinstance(value, Mapping):
-            found.append((name, _span(name, value)))
+            pairs.append((name, _span(name, value)))
         else:
-            found.append((name, _levels(name, value)))
-    return found
+            pairs.append((name, _levels(name, value)))
+    return pairs
 
 
 def _span(name: str, table: Mapping[Any, Any]) -> Span:
-    known = {"from": "start", "to": "stop", "steps": "steps", "scale": "scale"}
     for key in table:
-        if key not in known:
-            raise fault(key, "is an unknown key of a range", "from, to, steps, scale", name)
+        if key not in _SPAN_KEYS:
+            raise field_error(key, "is an unknown key of a range", ", ".join(_SPAN_KEYS), name)
     for key in ("from", "to"):
         if key not in table:
-            raise fault(dict(table), f"has no {key}", "{from, to} with steps or scale", name)
+            raise field_error(dict(table), f"has no {key}", "{from, to} with steps or scale", name)
     try:
-        return Span.model_validate({known[key]: value for key, value in table.items()})
-    except ValueError as error:
-        first: Any = error.errors(include_url=False)[0]  # type: ignore[attr-defined]
-        told = first.get("ctx", {})
-        spelt = {"start": "from", "stop": "to"}
-        inner = ".".join(str(spelt.get(step, step)) for step in first["loc"])
-        below = ".".join(part for part in (name, inner, told.get("key", "")) if part)
+        return Span.model_validate({_SPAN_KEYS[key]: value for key, value in table.items()})
+    except ValidationError as error:
+        first: Any = error.errors(include_url=False)[0]
+        context = first.get("ctx", {})
+        inner = ".".join(str(_SPELLING.get(step, step)) for step in first["loc"])
+        key = ".".join(part for part in (name, inner, context.get("key", "")) if part)
         if first["type"] == "scene":
-            given = table.get(told["key"], first["input"])
-            raise fault(given, told["problem"], told["allowed"], below) from None
-        allowed = told.get("expected", first["msg"])
-        raise fault(first["input"], "is not known", allowed, below) from None
+            value = table.get(context["key"], first["input"])
+            raise field_error(value, context["problem"], context["allowed"], key) from None
+        allowed = context.get("expected", first["msg"])
+        raise field_error(first["input"], "is not known", allowed, key) from None
 
 
 def _levels(name: str, value: object) -> Levels:
-    allowed = f"a list of 1 to {_MOST_LEVELS} values, or a range {{from, to}}"
+    allowed = f"a list of 1 to {_MAX_LEVELS} values, or a range {{from, to}}"
     if not isinstance(value, list | tuple):
-        raise fault(value, "is neither a list nor a range", allowed, name)
-    if not 1 <= len(value) <= _MOST_LEVELS:
-        raise fault(value, f"has {len(value)} values", allowed, name)
-    seen: set[str] = set()
+        raise field_error(value, "is neither a list nor a range", allowed, name)
+    if not 1 <= len(value) <= _MAX_LEVELS:
+        raise field_error(value, f"has {len(value)} values", allowed, name)
+    texts: set[str] = set()
     for one in value:
-        plain = repr(float(one) if isinstance(one, int | float) else one)
-        if plain in seen:
-            raise fault(value, f"has {show(one)} twice", "each value once", name)
-        seen.add(plain)
+        text = repr(float(one) if isinstance(one, int | float) else one)
+        if text in texts:
+            raise field_error(value, f"has {show(one)} twice", "each value once", name)
+        texts.add(text)
     return tuple(value)

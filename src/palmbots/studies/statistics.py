@@ -1,91 +1,71 @@
-"""The statistics of a study's cells, worked out from tallies; each with its 95 % interval."""
-
-from collections.abc import Mapping
-from dataclasses import dataclass
+# SPDX-License-Identifier: Apache-2.0
+"""The statistics of a study's cells, computed from exact sums, each with its 95 % interval."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots.studies.stopping import Z95, mean_and_half, rms_interval, wilson_intervals
-from palmbots.studies.tally import Tally, count_of, sum_of
+from palmbots._util.confidence import Z95, wilson_bounds
+from palmbots.studies.exact_sums import ExactSums, count_of, sum_of
+from palmbots.studies.stopping import mean_and_half, root_mean_interval
+from palmbots.studies.variables import STATISTICS, Statistic
 
-__all__ = ["STATISTICS", "Statistic", "Values", "pooled_rate", "statistics_of"]
+__all__ = ["Values", "pooled_counts", "statistics_of"]
 
-
-@dataclass(frozen=True)
-class Statistic:
-    """One number a cell."""
-
-    unit: str
-    meaning: str
-    has_interval: bool = True
+Reals = NDArray[np.float64]
+Values = dict[str, tuple[Reals, Reals | None]]
+"""By name: values, and the low and high ends of their intervals along a last axis of two."""
 
 
-STATISTICS: Mapping[str, Statistic] = {
-    "carries": Statistic("1", "number of carries", False),
-    "drop_rate": Statistic("1", "share of carries that dropped the object"),
-    "stall_rate": Statistic("1", "share of carries that neither arrived nor dropped in time"),
-    "rms_m": Statistic("m", "root mean square of both contact coordinates over all carries"),
-    "mean_peak_m": Statistic("m", "mean of the larger peak of the two contacts"),
-    "mean_time_s": Statistic("s", "mean time of the delivered carries"),
-    "mean_waiting_s": Statistic("s", "mean time waited for messages, both robots together"),
-    "mean_corrections": Statistic("1", "mean number of corrections"),
-    "mean_messages": Statistic("1", "mean number of messages sent"),
-    "drop_rate_difference": Statistic(
-        "1", "drop rate less that of the first controller, over the same scenes and seeds"
-    ),
-    "square_difference": Statistic(
-        "m2", "mean square of the contact coordinates less that of the first controller, likewise"
-    ),
-}
-
-Values = dict[str, tuple[NDArray[np.float64], NDArray[np.float64] | None]]
-"""By name: values, and low and high ends along a last axis of two."""
-
-
-def statistics_of(tally: Tally) -> Values:
-    """All of `STATISTICS`, NaN where too few carries say anything."""
-    n = count_of(tally, "carried")
-    found: Values = {"carries": (n.astype(np.float64), None)}
+def statistics_of(sums: ExactSums) -> Values:
+    """All of `STATISTICS`; NaN where there are too few carries."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        for name, events in (("drop_rate", "dropped"), ("stall_rate", "stalled")):
-            count = count_of(tally, events)
-            found[name] = (count / n, np.stack(wilson_intervals(count, n), axis=-1))
-    rms, low, high = rms_interval(tally)
-    found["rms_m"] = (rms, np.stack([low, high], axis=-1))
-    means = (
-        ("mean_peak_m", "peak_m", n),
-        ("mean_time_s", "time_s", count_of(tally, "delivered")),
-        ("mean_waiting_s", "waiting_s", n),
-        ("mean_corrections", "corrections", n),
-        ("mean_messages", "messages", n),
-        ("square_difference", "excess", count_of(tally, "pairs")),
-    )
-    for name, quantity, of in means:
-        mean, half = mean_and_half(of, sum_of(tally, quantity), sum_of(tally, f"{quantity}²"))
-        found[name] = (mean, np.stack([mean - half, mean + half], axis=-1))
-    found["drop_rate_difference"] = _paired(tally)
-    return {name: found[name] for name in STATISTICS}
+        return {name: _reduced(statistic, sums) for name, statistic in STATISTICS.items()}
 
 
-def _paired(tally: Tally) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The difference of two paired rates; interval of Agresti and Min (2005): Wald's, with half a
-    pair added to each of the four kinds of pairs."""
-    n = count_of(tally, "pairs").astype(np.float64)
-    first, this = (count_of(tally, name) for name in ("only_first", "only_this"))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        m, a, b = n + 2, first + 0.5, this + 0.5
-        centre = (b - a) / m
-        half = Z95 * np.sqrt((a + b) - (b - a) ** 2 / m) / m
-        low, high = np.maximum(centre - half, -1), np.minimum(centre + half, 1)
-        ends = np.where((n > 0)[..., None], np.stack([low, high], axis=-1), np.nan)
-        rate = (this - first) / n
-    ends[:, 0] = np.where(np.isnan(rate[:, :1]), np.nan, 0.0)  # the first one against itself
+def _reduced(statistic: Statistic, sums: ExactSums) -> tuple[Reals, Reals | None]:
+    n = count_of(sums, "carried")
+    match statistic.reduction:
+        case "count":
+            return count_of(sums, statistic.event).astype(np.float64), None
+        case "rate":
+            events = count_of(sums, statistic.event)
+            return events / n, np.stack(wilson_bounds(events, n), axis=-1)
+        case "rate_difference":
+            return _rate_difference(sums)
+        case "root_mean":
+            value, low, high = root_mean_interval(sums, statistic.name)
+            return value, np.stack([low, high], axis=-1)
+        case _:
+            counted = "pairs" if statistic.is_difference else statistic.event
+            mean, half = mean_and_half(
+                count_of(sums, counted),
+                sum_of(sums, statistic.name),
+                sum_of(sums, f"{statistic.name}²"),
+            )
+            return mean, np.stack([mean - half, mean + half], axis=-1)
+
+
+def _rate_difference(sums: ExactSums) -> tuple[Reals, Reals]:
+    """The difference of two paired drop rates.
+
+    The interval is that of Agresti and Min (2005): Wald's, with half a pair added to each of the
+    four kinds of pairs.
+    """
+    n = count_of(sums, "pairs").astype(np.float64)
+    first, this = (count_of(sums, name) for name in ("only_first", "only_this"))
+    m, a, b = n + 2, first + 0.5, this + 0.5
+    centre = (b - a) / m
+    half = Z95 * np.sqrt((a + b) - (b - a) ** 2 / m) / m
+    low, high = np.maximum(centre - half, -1), np.minimum(centre + half, 1)
+    ends = np.where((n > 0)[..., None], np.stack([low, high], axis=-1), np.nan)
+    rate = (this - first) / n
+    # The first controller differs from itself by exactly 0.
+    ends[:, 0] = np.where(np.isnan(rate[:, :1]), np.nan, 0.0)
     return rate, ends
 
 
-def pooled_rate(tally: Tally) -> tuple[int, int, int]:
+def pooled_counts(sums: ExactSums) -> tuple[int, int, int]:
     """Carries, drops and stalls of all cells together."""
     names = ("carried", "dropped", "stalled")
-    carried, dropped, stalled = (int(count_of(tally, name).sum()) for name in names)
+    carried, dropped, stalled = (int(count_of(sums, name).sum()) for name in names)
     return carried, dropped, stalled

@@ -1,12 +1,13 @@
-"""A study's folder: who may use it, what it holds, and how a kill leaves it.
+# SPDX-License-Identifier: Apache-2.0
+"""The folder of a study: who may use it, what it holds, and in which state a kill leaves it.
 
     study.json      what is studied, with its identity; written first
-    results.zarr    every carry's results, and the statistics of the cells; opens with xarray
-    chunks/N.npz    the mark of chunk N: checksum and tally, written once its results are kept
-    lock            held by the process that carries
+    results.zarr    the results of every carry, and the statistics of the cells; opens with xarray
+    chunks/N.npz    the mark of chunk N: checksum and exact sums; written after its results
+    lock            held by the process that writes
 
-A chunk without its mark is carried again, over whatever is there. Files appear whole or not at all.
-Errors: `PalmbotsError`, one line that names the folder.
+A chunk without a mark is carried again, and its results are overwritten. Every file appears
+completely or not at all. Errors are `PalmbotsError`, one line that names the folder.
 """
 
 import contextlib
@@ -24,244 +25,274 @@ from typing import IO, Any
 
 import numpy as np
 
-from palmbots.errors import PalmbotsError, show
-from palmbots.files import folder, remove, write_whole
-from palmbots.studies.arrays import Arrays, Unsound, make_arrays
-from palmbots.studies.design import Points
-from palmbots.studies.layout import Chunk, Layout
-from palmbots.studies.tally import WIDTH, Tally
-from palmbots.studies.work import Block, checksum
-from palmbots.version import __version__
+from palmbots._util.arguments import show
+from palmbots._util.atomic_files import folder, remove, write_whole
+from palmbots._version import __version__
+from palmbots.errors import PalmbotsError
+from palmbots.studies.chunk_task import Block, checksum
+from palmbots.studies.chunking import Chunk, ChunkGrid
+from palmbots.studies.exact_sums import WIDTH, ExactSums
+from palmbots.studies.points import Points
+from palmbots.studies.zarr_arrays import FORMAT, StoreInvalid, ZarrArrays, make_arrays
 
-__all__ = ["Store", "opened", "read_record"]
+__all__ = ["RECORD", "RESULTS", "Store", "open_store", "other_format", "read_record"]
 
-_KEPT = "; what was finished is kept: make room and run it again"
-_RECORD, _RESULTS, _MARKS, _LOCK = "study.json", "results.zarr", "chunks", "lock"
+_KEPT = "; completed chunks are kept: make room and run the command again"
+RECORD, RESULTS = "study.json", "results.zarr"
+_MARKS, _LOCK = "chunks", "lock"
+_FORMAT_KEY = "palmbots study"
 
 
 class Store:
     """The folder of a study that this process may write."""
 
-    def __init__(self, root: Path, points: Points, cut: Layout, arrays: Arrays) -> None:
+    def __init__(self, root: Path, points: Points, layout: ChunkGrid, arrays: ZarrArrays) -> None:
         self.root = root
         self.points = points
-        self.layout = cut
+        self.layout = layout
         self.arrays = arrays
 
     @property
     def results(self) -> Path:
-        """The zarr store."""
-        return self.root / _RESULTS
+        """The Zarr store."""
+        return self.root / RESULTS
 
     def _mark(self, number: int) -> Path:
         return self.root / _MARKS / f"{number}.npz"
 
-    def write(self, chunk: Chunk, block: Block, tally: Tally) -> None:
-        """Keep a chunk: its results first, then its mark."""
-        with _told(self.root):
+    def write(self, chunk: Chunk, block: Block, sums: ExactSums) -> None:
+        """Write a chunk: its results first, then its mark."""
+        with _one_line(self.root):
             self.arrays.write(chunk, block)
         stream = io.BytesIO()
-        np.savez(stream, tally=tally, checksum=np.array(checksum(block)))
+        np.savez(stream, sums=sums, checksum=np.array(checksum(block)))
         try:
             write_whole(self._mark(chunk.number), stream.getvalue())
         except PalmbotsError as error:
             raise PalmbotsError(f"{self.root}: {error}{_KEPT}") from None
 
     def read(self, chunk: Chunk) -> Block | None:
-        """The results of a chunk, or None where they cannot be read."""
-        with _told(self.root):
+        """The results of a chunk, or None if they cannot be read."""
+        with _one_line(self.root):
             return self.arrays.read(chunk)
 
-    def kept(self, number: int, cells: tuple[int, int]) -> tuple[Tally, str] | None:
-        """Tally and checksum of a chunk that is marked; None where it is not."""
+    def mark(self, number: int, cells: tuple[int, int]) -> tuple[ExactSums, str] | None:
+        """Sums and checksum of a chunk that is marked; None if it is not, or if the mark is
+        damaged."""
         try:
             data = io.BytesIO(self._mark(number).read_bytes())
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 with np.load(data, allow_pickle=False) as mark:
-                    tally, told = mark["tally"], str(mark["checksum"])
-        except Exception:  # readers of zip, of headers and of arrays fail in a dozen ways
-            return None  # not there, or damaged from outside: carried again
-        whole = tally.shape == (*cells, WIDTH) and tally.dtype == np.int64
-        return (tally, told) if whole else None
+                    sums, digest = mark["sums"], str(mark["checksum"])
+        except Exception:  # readers of zip files, headers and arrays raise a dozen types
+            return None
+        is_sound = sums.shape == (*cells, WIDTH) and sums.dtype == np.int64
+        return (sums, digest) if is_sound else None
 
-    def forget(self, number: int) -> None:
-        """Take the mark of a chunk away."""
+    def remove_mark(self, number: int) -> None:
+        """Remove the mark of a chunk, so that it is carried again."""
         remove(self._mark(number))
 
-    def conclude(self, values: Mapping[str, Any], attributes: Mapping[str, Any]) -> None:
-        """Write the statistics, and what the whole store says of itself."""
-        with _told(self.root):
-            self.arrays.conclude(values, attributes)
+    def leave_out(self, chunk: Chunk) -> None:
+        """State that the study does not carry a chunk, because its cells stopped early."""
+        with _one_line(self.root):
+            self.arrays.leave_out(chunk)
+
+    def finish(self, values: Mapping[str, Any], attributes: Mapping[str, Any]) -> None:
+        """Write the statistics and the attributes of the whole store, and mark it complete."""
+        with _one_line(self.root):
+            self.arrays.finish(values, attributes)
 
 
 @contextlib.contextmanager
-def opened(root: Path, points: Points, cut: Layout, chosen: bool) -> Iterator[Store]:
-    """The folder of a study, begun or taken up again; nobody else may while it is open.
+def open_store(root: Path, points: Points, layout: ChunkGrid, is_chosen: bool) -> Iterator[Store]:
+    """The folder of a study, new or continued. No other process may write while it is open.
 
     Args:
-        root: the folder; made if missing.
+        root: the folder; created if it is missing.
         points: what is studied.
-        cut: how to cut a new study. One that was begun keeps its cut.
-        chosen: whether the user asked for that cut; then a study with another one is refused.
+        layout: how to divide a new study into chunks. A continued study keeps its own layout.
+        is_chosen: whether the user asked for this layout; a study with another one is then refused.
 
     Raises:
-        PalmbotsError: the folder cannot be written, belongs to something else, holds another
-            study, was begun with another version, or is in use.
+        PalmbotsError: the folder cannot be written, is no study's, holds another study, was begun
+            with another version, or is in use.
     """
     place = folder(root)
-    with _told(root):
-        there = {entry.name for entry in place.iterdir()}
-    if there and _RECORD not in there and there != {_LOCK}:
+    with _one_line(root):
+        names = {entry.name for entry in place.iterdir()}
+    if names and RECORD not in names and names != {_LOCK}:
         raise PalmbotsError(
-            f"{root}: is no study's folder (it holds {show(min(there))}); allowed: a new or empty "
-            "folder, or one that a study began"
+            f"{root}: this is not the folder of a study (it holds {show(min(names))}); choose a "
+            "new or empty folder, or that of a study"
         )
     with _lock(place):
-        record = read_record(place) if _RECORD in there else None
+        record = read_record(place) if RECORD in names else None
         if record is None:
             record = {
-                "palmbots study": 1,
+                _FORMAT_KEY: FORMAT,
                 "identity": points.identity,
                 "name": points.plan.name,
-                "layout": asdict(cut),
+                "max_carries": points.max_carries,
+                "layout": asdict(layout),
                 "content": points.content,
             }
-            write_whole(place / _RECORD, json.dumps(record, indent=1))
+            write_whole(place / RECORD, json.dumps(record, indent=1))
         else:
-            _same(root, record, points)
-            there_cut = _cut(place, record["layout"], cut)
-            if chosen and there_cut != cut:
+            _refuse_another_study(root, record, points)
+            own_layout = _layout(place, record["layout"], layout)
+            if is_chosen and own_layout != layout:
                 raise PalmbotsError(
-                    f"{root}: was begun with chunks of {there_cut.carries_a_chunk} carries; "
-                    "allowed: the same --chunk, none, or another --out"
+                    f"{root}: the study was begun with chunks of {own_layout.carries_a_chunk} "
+                    "carries; use the same chunk size or none, or another folder"
                 )
-            cut = there_cut
+            layout = own_layout
         folder(place / _MARKS)
-        _tidy(place)
-        with _told(root):
-            if not (place / _RESULTS).exists():
-                part = place / f"{_RESULTS}.part"
+        _remove_partial_files(place)
+        with _one_line(root):
+            if not (place / RESULTS).exists():
+                part = place / f"{RESULTS}.part"
                 shutil.rmtree(part, ignore_errors=True)
-                make_arrays(part, points, cut)
-                os.rename(part, place / _RESULTS)
-            arrays = _arrays(place, points, cut)
-        yield Store(root, points, cut, arrays)
+                make_arrays(part, points, layout)
+                os.rename(part, place / RESULTS)
+            arrays = _arrays(place, points, layout)
+        yield Store(root, points, layout, arrays)
 
 
-def _cut(place: Path, told: Mapping[str, Any], expected: Layout) -> Layout:
-    """The cut that a record tells of: one of the same study as the expected one."""
+def _layout(place: Path, recorded: Mapping[str, Any], expected: ChunkGrid) -> ChunkGrid:
+    """The layout in a record. It has to divide the same study as the expected one."""
     try:
-        cut = Layout(**{**told, "shape": tuple(told["shape"]), "block": tuple(told["block"])})
-        sizes = (*cut.block, cut.seeds_a_chunk)
-        room = (*expected.shape, expected.seeds)
-        fits = all(type(n) is int and 1 <= n <= m for n, m in zip(sizes, room, strict=True))
+        shape, block = tuple(recorded["shape"]), tuple(recorded["block"])
+        layout = ChunkGrid(**{**recorded, "shape": shape, "block": block})
+        sizes = (*layout.block, layout.seeds_a_chunk)
+        limits = (*expected.shape, expected.seeds)
+        fits = all(type(n) is int and 1 <= n <= m for n, m in zip(sizes, limits, strict=True))
     except (TypeError, KeyError, ValueError):
-        raise _no_study(place) from None
-    whole = (expected.shape, expected.controllers, expected.seeds)
-    if not fits or (cut.shape, cut.controllers, cut.seeds) != whole:
-        raise _no_study(place)
-    return cut
+        raise _not_a_study(place) from None
+    carries = (expected.shape, expected.controllers, expected.seeds)
+    if not fits or (layout.shape, layout.controllers, layout.seeds) != carries:
+        raise _not_a_study(place)
+    return layout
 
 
-def _arrays(place: Path, points: Points, cut: Layout) -> Arrays:
-    """The store, opened. What it says of its arrays follows from the study: where that is damaged
-    it is written anew, and the results stay; the marks tell which of them are sound."""
-    path, part = place / _RESULTS, place / f"{_RESULTS}.part"
-    with contextlib.suppress(Unsound):
-        return Arrays(path, points, cut)
+def _arrays(place: Path, points: Points, layout: ChunkGrid) -> ZarrArrays:
+    """The arrays of the store.
+
+    Damaged metadata is written again, because it follows from the study. The results stay: the
+    marks state which of them are sound.
+    """
+    path, part = place / RESULTS, place / f"{RESULTS}.part"
+    with contextlib.suppress(StoreInvalid):
+        return ZarrArrays(path, points, layout)
     shutil.rmtree(part, ignore_errors=True)
-    make_arrays(part, points, cut)
+    make_arrays(part, points, layout)
     shutil.copytree(part, path, dirs_exist_ok=True)
     shutil.rmtree(part)
-    return Arrays(path, points, cut)
+    return ZarrArrays(path, points, layout)
 
 
-def _tidy(place: Path) -> None:
-    """Remove what a killed process had begun to write and not yet given its name."""
-    with _told(place):
-        for pattern in (
-            f"{_RESULTS}/**/*.partial",
-            f"{_MARKS}/.palmbots-*.part",
-            ".palmbots-*.part",
-        ):
+def _remove_partial_files(place: Path) -> None:
+    """Remove the files that a killed process had not finished."""
+    patterns = (f"{RESULTS}/**/*.partial", f"{_MARKS}/.palmbots-*.part", ".palmbots-*.part")
+    with _one_line(place):
+        for pattern in patterns:
             for path in place.glob(pattern):
                 path.unlink(missing_ok=True)
 
 
 def read_record(place: Path) -> dict[str, Any]:
-    """What a study's folder says of itself."""
+    """The record of a study's folder.
+
+    Raises:
+        PalmbotsError: this is not the folder of a study, or one of another format.
+    """
     try:
-        record = json.loads((place / _RECORD).read_text("utf-8"))
-        if record["palmbots study"] != 1 or not isinstance(record["content"], dict):
+        record = json.loads((place / RECORD).read_text("utf-8"))
+        number = record[_FORMAT_KEY]
+        if type(number) is not int:
+            raise ValueError
+        if number != FORMAT:
+            raise other_format(place, number, record.get("content", {}).get("version"))
+        if not isinstance(record["content"], dict):
             raise ValueError
         _ = record["identity"], record["layout"]["seeds_a_chunk"], record["name"]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise _no_study(place) from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise _not_a_study(place) from None
     return record
 
 
-def _no_study(place: Path) -> PalmbotsError:
+def other_format(place: Path, number: object, version: object = None) -> PalmbotsError:
+    """The error about a study of another format."""
+    writer = f" (palmbots {version})" if isinstance(version, str) else ""
     return PalmbotsError(
-        f"{place}: is no study's folder ({_RECORD} is missing or not of a study); allowed: a "
-        "new or empty folder, or one that a study began"
+        f"{place}: this study has format {number}{writer}, and palmbots {__version__} uses format "
+        f"{FORMAT}; run the study again in another folder"
     )
 
 
-def _same(root: Path, record: Mapping[str, Any], points: Points) -> None:
-    """Refuse a folder that holds something else than this study."""
+def _not_a_study(place: Path) -> PalmbotsError:
+    return PalmbotsError(
+        f"{place}: this is not the folder of a study ({RECORD} is missing or damaged); choose a "
+        "new or empty folder, or that of a study"
+    )
+
+
+def _refuse_another_study(root: Path, record: Mapping[str, Any], points: Points) -> None:
+    """Refuse a folder that holds another study than this one."""
     if record["identity"] == points.identity:
         return
-    was, now = record["content"], points.content
-    if was.get("version") != now["version"]:
+    recorded, content = record["content"], points.content
+    if recorded.get("version") != content["version"]:
         raise PalmbotsError(
-            f"{root}: was begun with palmbots {was.get('version')}, this is {__version__}; "
-            "allowed: that version, or another --out"
+            f"{root}: the study was begun with palmbots {recorded.get('version')}, and this is "
+            f"palmbots {__version__}; use that version, or another folder"
         )
-    key, old, new = _difference("", was, now) or ("study", "another one", "this one")
+    key, old, new = _difference("", recorded, content) or ("study", "another", "this one")
     raise PalmbotsError(
-        f"{root}: holds another study: {key} is {show(old)} there, {show(new)} here; allowed: the "
-        "study as it was begun, or another --out"
+        f"{root}: this folder holds another study: {key} is {show(old)} there and {show(new)} "
+        "here; run the study as it was begun, or use another folder"
     )
 
 
-def _difference(inside: str, was: Any, now: Any) -> tuple[str, Any, Any] | None:
-    if isinstance(was, dict) and isinstance(now, dict):
-        for key in [*now, *(k for k in was if k not in now)]:
-            name = f"{inside}.{key}" if inside else key
-            found = _difference(name, was.get(key), now.get(key))
-            if found:
-                return found
+def _difference(prefix: str, old: Any, new: Any) -> tuple[str, Any, Any] | None:
+    """The first key in which two tables differ, with both values."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in [*new, *(k for k in old if k not in new)]:
+            name = f"{prefix}.{key}" if prefix else key
+            difference = _difference(name, old.get(key), new.get(key))
+            if difference:
+                return difference
         return None
-    return None if was == now else (inside, _short(was), _short(now))
+    return None if old == new else (prefix, _short(old), _short(new))
 
 
 def _short(value: Any) -> Any:
-    """Whole numbers as such: in the record every number is a float."""
+    """Whole numbers without a decimal point: in the record every number is a float."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 @contextlib.contextmanager
 def _lock(place: Path) -> Iterator[IO[bytes]]:
-    """Hold the folder: the system lets go when the process ends, however it ends."""
-    with _told(place):
-        stream = open(place / _LOCK, "ab")  # noqa: SIM115 (held for as long as the block runs)
+    """Lock the folder. The system releases the lock when the process ends, in any way."""
+    with _one_line(place):
+        stream = open(place / _LOCK, "ab")  # noqa: SIM115 (open for as long as the block runs)
     with stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise PalmbotsError(
-                f"{place}: is in use by another palmbots study; allowed: to wait until it ends"
+                f"{place}: another palmbots study is using this folder; wait until it ends"
             ) from None
         yield stream
 
 
 @contextlib.contextmanager
-def _told(root: Path) -> Iterator[None]:
-    """One line for what the system refuses."""
+def _one_line(root: Path) -> Iterator[None]:
+    """Report an error of the file system in one line."""
     try:
         yield
     except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-        hint = _KEPT if full else ""
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        hint = _KEPT if is_full else ""
         raise PalmbotsError(f"{root}: cannot be written: {error.strerror or error}{hint}") from None

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sixty-four carries side by side. All headers of the room.
+#pragma once
+
+#include "palmbots/batch/bitslice.hpp"
+#include "palmbots/batch/bitslice_centralized.hpp"
+#include "palmbots/batch/bitslice_counters.hpp"
+#include "palmbots/batch/bitslice_distributed.hpp"
+#include "palmbots/batch/bitslice_io.hpp"
+#include "palmbots/batch/bitslice_metrics.hpp"
+#include "palmbots/batch/bitslice_resilient.hpp"
+#include "palmbots/batch/bitslice_table.hpp"
+#include "palmbots/batch/bitslice_teams.hpp"
+#include "palmbots/batch/event_draws.hpp"
+#include "palmbots/batch/lane_random_inputs.hpp"
+#include "palmbots/batch/lockstep.hpp"
+#include "palmbots/batch/noise_draws.hpp"

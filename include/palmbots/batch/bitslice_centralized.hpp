@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// The centralized algorithm for sixty-four pairs of robots at once, each with its station: a bit a
+// pair, or a bit a robot.
+//
+// What CentralizedTeam (sim/centralized_team.hpp) does packet by packet is done here in words; the
+// cases are those of Centralized::table. For pairs whose robots do not fail but by reboots, whose
+// stations never do, and whose packets all take the same time, or are lost.
+#pragma once
+
+#include "palmbots/batch/bitslice_counters.hpp"
+#include "palmbots/batch/bitslice_io.hpp"
+#include "palmbots/sim/centralized_team.hpp"
+#include "palmbots/sim/metrics.hpp"
+
+namespace palmbots {
+
+// What robots report.
+struct BitslicedReport {
+  RobotMask positive{};
+  RobotMask negative{};
+  RobotMask shallow{};         // the angle last commanded …
+  RobotMask palm_at_target{};  // … and whether the palm is there
+};
+
+// Sixty-four stations without their radio. Centralized::step() for all of them.
+class BitslicedStations {
+  using Table = Centralized;
+
+ public:
+  void insert(int i) { decide_ |= CarryMask{1} << i; }
+  void erase(int i) {
+    for (CarryMask* stage : {&decide_, &tilt_, &first_, &second_, &restore_})
+      *stage &= ~(CarryMask{1} << i);
+  }
+
+  // One tick of those who have heard from both of their robots.
+  BitslicedCommand step(CarryMask hear, const BitslicedReport& in) {
+    CarryMask to_decide = 0;
+    CarryMask to_tilt = 0;
+    CarryMask to_first = 0;
+    CarryMask to_second = 0;
+    CarryMask to_restore = 0;
+    entered_ = 0;
+    const auto heard = [&](std::size_t side) {
+      return Table::Heard<CarryMask>{
+          {in.positive[side], in.negative[side], in.palm_at_target[side]}, in.shallow[side]};
+    };
+    const Table::Heard<CarryMask> robots[2] = {heard(left), heard(right)};
+    each_case([&](std::size_t k, const Table::Case& now) {
+      const CarryMask here = in_case_[k] & hear;
+      to_first |= here & tilt_ & Table::palm_is_at(now.tilt, Palm::shallow, robots);
+      const CarryMask done_first = here & first_ & Table::done(now.first, robots);
+      (now.second.move == Move::hold ? to_restore : to_second) |= done_first;
+      to_restore |= here & second_ & Table::done(now.second, robots);
+      to_decide |= here & restore_ & Table::palm_is_at(now.tilt, Palm::steep, robots);
+      const CarryMask enter = hear & decide_ & Table::shows(now.sign[left], robots[left]) &
+                              Table::shows(now.sign[right], robots[right]);
+      (now.tilt == Table::Who::none ? to_first : to_tilt) |= enter;
+      in_case_[k] = (in_case_[k] & ~(hear & decide_)) | enter;
+      entered_ |= enter;
+    });
+    const CarryMask leave_tilt = tilt_ & to_first;
+    const CarryMask leave_first = first_ & (to_second | to_restore);
+    decide_ = (decide_ & ~entered_) | to_decide;
+    second_ = (second_ & ~to_restore) | to_second;
+    tilt_ = (tilt_ & ~leave_tilt) | to_tilt;
+    first_ = (first_ & ~leave_first) | to_first;
+    restore_ = (restore_ & ~to_decide) | to_restore;
+    return commands();
+  }
+
+  // Which of them have come into a case in this tick.
+  CarryMask entered() const { return entered_; }
+
+ private:
+  template <class Visit>
+  [[gnu::always_inline]] static void each_case(Visit visit) {
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+      (visit(k, Table::table[k]), ...);
+    }(std::make_index_sequence<std::size(Table::table)>());
+  }
+
+  BitslicedCommand commands() const {
+    BitslicedCommand told;
+    const CarryMask up = tilt_ | first_ | second_;
+    CarryMask away = 0;
+    CarryMask closer = 0;
+    each_case([&](std::size_t k, const Table::Case& now) {
+      const auto act = [&](Move move, CarryMask stage) {
+        if (move == Move::away) away |= in_case_[k] & stage;
+        if (move == Move::closer) closer |= in_case_[k] & stage;
+      };
+      act(now.first.move, first_);
+      act(now.second.move, second_);
+      if (now.tilt == Table::Who::on_left) told.shallow[left] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_right) told.shallow[right] |= in_case_[k] & up;
+    });
+    told.away = RobotMask{away, away};
+    told.closer = RobotMask{closer, closer};
+    return told;
+  }
+
+  std::array<CarryMask, Table::cases> in_case_{};  // the case in progress, or the last one
+  CarryMask decide_ = 0;                           // who is in that stage
+  CarryMask tilt_ = 0;
+  CarryMask first_ = 0;
+  CarryMask second_ = 0;
+  CarryMask restore_ = 0;
+  CarryMask entered_ = 0;
+};
+
+// Sixty-four stations with their robots and the radio, and what is counted of them
+// (sim/metrics.hpp).
+class BitslicedCentralized {
+ public:
+  static constexpr bool can_stop = true;  // when it is off
+  static constexpr bool station = true;
+
+  static bool supports(const CentralizedTeam& team) {
+    return BitslicedDelay::supports(team.radio().steady_delay()) && team.faults().are_reboots();
+  }
+
+  void insert(int i, const CentralizedTeam& team) {
+    controllers_.insert(i);
+    delays_.insert(i, team.radio().steady_delay());
+    for (BitslicedCounts* counts : {&corrections_, &off_, &reports_lost_, &commands_lost_})
+      counts->clear(both_at(i));
+  }
+
+  void erase(int i) {
+    const RobotMask those = ~both_at(i);
+    controllers_.erase(i);
+    delays_.erase(i);
+    for (Row& row : line_) {
+      row.reported &= those;
+      row.told &= those;
+    }
+    commands_.erase(~those);
+    heard_ &= those;
+  }
+
+  CarryMask step(std::uint64_t tick, const BitslicedObservation& sensed,
+                 const BitslicedProgramState& programs, const BitslicedLoss& lost) {
+    const Row& arrived = line_[tick % line_.size()];
+    const BitslicedCommand before = commands_;
+    const BitslicedReport said{sensed.positive, sensed.negative, commands_.shallow,
+                               sensed.palm_at_target};
+    hear(arrived, tick);
+    obey(arrived, programs);
+    const CarryMask hear_both = heard_[left] & heard_[right];
+    const BitslicedCommand told = controllers_.step(hear_both, reports_);
+    const RobotMask tell = RobotMask{} + hear_both;
+    // Few are ever off, and few lose messages.
+    if (either(programs.off) != 0) [[unlikely]]
+      off_.add(programs.off);
+    if (either(lost.from_robot | lost.from_station) != 0) {
+      reports_lost_.add(lost.from_robot & ~programs.off);
+      commands_lost_.add(lost.from_station & tell);
+    }
+    corrections_.add(RobotMask{controllers_.entered(), 0});
+    delays_.each(tick, [&](std::size_t place, RobotMask whose) {
+      Row& row = line_[place];
+      const auto put = [&](RobotMask& there, RobotMask what) {
+        there = (there & ~whose) | (what & whose);
+      };
+      put(row.report.positive, said.positive);
+      put(row.report.negative, said.negative);
+      put(row.report.shallow, said.shallow);
+      put(row.report.palm_at_target, said.palm_at_target);
+      put(row.commands.shallow, told.shallow);
+      put(row.commands.away, told.away);
+      put(row.commands.closer, told.closer);
+      put(row.reported, ~(programs.off | lost.from_robot));
+      put(row.told, tell & ~lost.from_station);
+    });
+    now_ = tick;
+    return commands_.differ(before);
+  }
+
+  const BitslicedCommand& commands() const { return commands_; }
+
+  // Every tick each robot that runs sends, and the station does to each as soon as it has heard
+  // from both.
+  void write_results(int i, std::uint32_t ticks, Metrics& metrics, LinkTotals& link_totals) const {
+    metrics.corrections = corrections_.of(left, i);
+    const bool heard = (heard_[left] & heard_[right] & CarryMask{1} << i) != 0;
+    const std::uint64_t answers = heard ? now_ + 1 - heard_since_[static_cast<std::size_t>(i)] : 0;
+    link_totals.sent = 0;
+    link_totals.lost = 0;
+    for (const std::size_t side : {left, right}) {
+      metrics.waiting_ticks[side] = 0;
+      metrics.waits_since[side] = ticks;
+      link_totals.links[side].sent = ticks - off_.of(side, i);
+      link_totals.links[side].lost = reports_lost_.of(side, i);
+      link_totals.links[side + 2].sent = static_cast<std::uint32_t>(answers);
+      link_totals.links[side + 2].lost = commands_lost_.of(side, i);
+    }
+    for (const LinkCounts& link : link_totals.links) {
+      link_totals.sent += link.sent;
+      link_totals.lost += link.lost;
+    }
+  }
+
+ private:
+  // What arrives in a tick: whose reports do, and to whom commands.
+  struct Row {
+    BitslicedReport report;
+    BitslicedCommand commands;
+    RobotMask reported{};
+    RobotMask told{};
+  };
+
+  // The newest commands are what robots go by; those that boot do what they do by themselves.
+  void obey(const Row& arrived, const BitslicedProgramState& programs) {
+    commands_.erase(programs.booting);
+    const RobotMask whose = arrived.told & ~programs.off;
+    const auto take = [&](RobotMask& newest, RobotMask said) {
+      newest = (newest & ~whose) | (said & whose);
+    };
+    take(commands_.shallow, arrived.commands.shallow);
+    take(commands_.away, arrived.commands.away);
+    take(commands_.closer, arrived.commands.closer);
+    commands_.switch_off(programs.off);
+  }
+
+  // The newest reports are what stations go by.
+  void hear(const Row& arrived, std::uint64_t tick) {
+    const RobotMask whose = arrived.reported;
+    const auto take = [&](RobotMask& newest, RobotMask said) {
+      newest = (newest & ~whose) | (said & whose);
+    };
+    take(reports_.positive, arrived.report.positive);
+    take(reports_.negative, arrived.report.negative);
+    take(reports_.shallow, arrived.report.shallow);
+    take(reports_.palm_at_target, arrived.report.palm_at_target);
+    const CarryMask before = heard_[left] & heard_[right];
+    heard_ |= whose;
+    for_each_bit(heard_[left] & heard_[right] & ~before,
+                 [&](int i) { heard_since_[static_cast<std::size_t>(i)] = tick; });
+  }
+
+  BitslicedStations controllers_;
+  std::array<Row, BitslicedDelay::longest + 1> line_;
+  BitslicedDelay delays_;
+  BitslicedReport reports_;
+  RobotMask heard_{};                            // from whom, ever
+  std::array<std::uint64_t, 64> heard_since_{};  // the tick from which on from both
+  std::uint64_t now_ = 0;                        // the last tick
+  BitslicedCommand commands_;
+  BitslicedCounts corrections_;
+  BitslicedCounts off_;  // ticks in which a robot was
+  BitslicedCounts reports_lost_;
+  BitslicedCounts commands_lost_;
+};
+
+template <>
+struct BitslicedTeam<CentralizedTeam> : BitslicedCentralized {
+  static constexpr bool exist = true;
+};
+static_assert(DecidesInBits<BitslicedTeam<CentralizedTeam>, CentralizedTeam>);
+
+}  // namespace palmbots

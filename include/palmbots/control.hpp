@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a robot or the station decides. All headers of the room.
+#pragma once
+
+#include "palmbots/control/beacon.hpp"
+#include "palmbots/control/centralized.hpp"
+#include "palmbots/control/distributed.hpp"
+#include "palmbots/control/external.hpp"
+#include "palmbots/control/lease_state.hpp"
+#include "palmbots/control/messages.hpp"
+#include "palmbots/control/resilient.hpp"
+#include "palmbots/control/resilient_timing.hpp"
+#include "palmbots/control/transition_table.hpp"

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a controller sees and says: tactile sign, messages, commands.
+//
+// Controllers are sans-I/O: step(input) → output, one call a control tick, no clock, no heap, no
+// global state. The simulator, a model checker and a robot call the same step. These headers
+// compile freestanding.
+#pragma once
+
+#include <cstdint>
+
+namespace palmbots {
+
+// What the tactile sensor says of the contact coordinate p.
+enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
+
+// The messages of the distributed algorithm (paper, section 4): none, tilt_up, tilt_down, ack. The
+// resilient one adds what a robot does that its partner must know of: it corrects a negative
+// contact (closing), or its palm is up but is no answer to a request (raised).
+enum class MessageKind : std::uint8_t { none, tilt_up, tilt_down, ack, closing, raised };
+
+// The names that the paper, the logs and the tables use.
+constexpr const char* name_of(MessageKind kind) {
+  constexpr const char* names[] = {"", "TiltUp", "TiltDown", "Ack", "Closing", "Raised"};
+  return names[static_cast<int>(kind)];
+}
+
+// Which of its two angles a palm is commanded to. Tilting "up" lowers the angle (Table 1, caption).
+enum class Palm : std::uint8_t { steep, shallow };
+
+constexpr const char* name_of(Palm palm) {
+  constexpr const char* names[] = {"steep", "shallow"};
+  return names[static_cast<int>(palm)];
+}
+
+// The speed a robot adds to its nominal one.
+enum class Move : std::uint8_t { hold, away, closer };
+
+constexpr const char* name_of(Move move) {
+  constexpr const char* names[] = {"hold", "away", "closer"};
+  return names[static_cast<int>(move)];
+}
+
+struct Command {
+  Palm palm;
+  Move move;
+  bool stop = false;  // do not travel: the nominal speed is 0
+
+  constexpr bool operator==(const Command&) const = default;
+};
+
+}  // namespace palmbots

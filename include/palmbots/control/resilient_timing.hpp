@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// The time bounds of the resilient algorithm: what must hold, what follows, and what it costs where
+// a robot is left alone. Times in control ticks of T seconds, lengths in metres. Plain numbers in
+// and out: sim/build.hpp fills them in from a scene.
+//
+//   D  the radio's longest delay           B  the beacon period
+//   W  the watchdog: ticks that a robot may act on its last command without a step
+//   K  braking: ticks from the correction speed to the nominal one
+//   r  by how much one robot's clock may run faster than the other's
+//
+// lease (Tm, Tc). A robot's newest echo is of a beacon that waited up to B to be sent, took D to
+// arrive, waited up to B for the partner's next one and took D back: on a perfect radio it is up to
+// 2 D + 2 B old, and a tick each for steps that fall between. The lease must be longer than that;
+// each B that it is longer is one more beacon in a row that may be lost before anybody stops.
+//
+// hold (Tp, Tb). Whoever moves away does so on an Ack that is at most `lease` old by its own clock;
+// it may miss W ticks, and then brakes for K. The palm that said Ack stays up as long as that after
+// its last one: hold = r (lease + 1 + W + K). It trusts no D: the echo has measured the Ack's age.
+// After a boot the same.
+//
+// braking. A robot says that a move is over, by TiltDown after (a) or Ack after (d), r K of its own
+// ticks after it has ended it: by then its wheels run at the nominal speed.
+//
+// Variant H's Tf and Ts, waits for messages under way to have died, are not needed: a robot waits
+// for the echo of its release instead, one round trip.
+//
+// skew. A robot that stops says so; its partner stops when it hears that, or when its lease is out:
+// what it hears later was sent by a robot that rests. So nobody travels alone for longer than
+// r (lease + 1) + W. Both palms are steep by then or on their way, so one of the contacts takes all
+// the shift: speed × that time / cos(steepest palm). It starts within the zero zone or the overrun
+// next to it, or is being corrected; or outside, by what whoever started first has shifted in
+// `join`. The skew is both; the rest of the palm is the room it has.
+//
+// join. Who starts first says so at once; the other hears it D later, in the tick after at the
+// latest, and was ready when the first one started: join = r D + 1. With less, contacts that were
+// corrected only to the edge of the zero zone could make the two start and stop without end.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/control/resilient.hpp"
+
+namespace palmbots {
+
+// What the time bounds depend on.
+struct ResilientTimingInputs {
+  double period;       // T [s]
+  double beacon;       // period of the beacons [s]
+  double lease;        // [s]; 0: the usual one
+  double watchdog;     // [s]
+  double delay;        // D [ticks]
+  double braking;      // K [ticks]
+  double clock_ratio;  // r
+  double shift;        // of a contact in a tick in which one robot travels alone [m]
+  double room;         // for skew, on the shorter palm [m]
+};
+
+struct ResilientTiming {
+  enum class Problem : std::uint8_t { none, beacon_too_short, lease_too_short, lease_too_long };
+
+  Resilient::Times times{};
+  double delay = 0;           // D [ticks]
+  double braking = 0;         // K [ticks]
+  double skips = 0;           // W [ticks]
+  double clock_ratio = 1;     // r
+  double shortest_lease = 0;  // [ticks]
+  double longest_lease = 0;   // [ticks]: with it the skew fills the room
+  double losses = 0;          // beacons in a row that may be lost
+  double alone = 0;           // longest that one robot travels without the other [ticks]
+  double skew = 0;            // what that shifts a contact [m]
+  double room = 0;            // for it, on the shorter palm [m]
+  Problem problem = Problem::none;
+
+  static constexpr ResilientTiming of(const ResilientTimingInputs& in) {
+    ResilientTiming b;
+    const double beacon = rounded_up(in.beacon / in.period - 1e-9);
+    b.delay = in.delay;
+    b.skips = rounded_up(in.watchdog / in.period - 1e-9);
+    b.braking = in.braking;
+    b.clock_ratio = in.clock_ratio;
+    b.room = in.room;
+    b.shortest_lease = 2 * (b.delay + beacon) + 2;
+    const double longest =
+        in.shift > 0 ? rounded_down((b.room / in.shift - b.skips) / b.clock_ratio - 1 - joining(b))
+                     : 60000;
+    b.longest_lease = smaller(longest, 60000);
+    const double lease = in.lease > 0 ? rounded_down(in.lease / in.period + 1e-9)
+                                      : usual_lease(b, beacon, in.period);
+    const double hold = rounded_up(b.clock_ratio * (lease + 1 + b.skips + b.braking));
+    b.losses = rounded_down((lease - b.shortest_lease) / beacon);
+    const double braking = rounded_up(b.clock_ratio * b.braking);
+    const double join = joining(b);
+    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold), to_ticks(braking),
+               to_ticks(join)};
+    b.alone = b.clock_ratio * (lease + 1) + b.skips;
+    b.skew = in.shift * (b.alone + b.clock_ratio * join);
+    if (beacon < 1 || in.beacon < in.period * (1 - 1e-9)) {
+      b.problem = Problem::beacon_too_short;
+    } else if (lease < b.shortest_lease) {
+      b.problem = Problem::lease_too_short;
+    } else if (lease > b.longest_lease) {
+      b.problem = Problem::lease_too_long;
+    }
+    return b;
+  }
+
+  // ⌊x⌋ and ⌈x⌉ without a library. From 2⁵³ on every number is whole.
+  static constexpr double rounded_down(double x) {
+    constexpr double whole_from = 9007199254740992.0;
+    if (!(x < whole_from && x > -whole_from)) return x;
+    const auto towards_zero = static_cast<double>(static_cast<std::int64_t>(x));
+    return towards_zero > x ? towards_zero - 1 : towards_zero;
+  }
+  static constexpr double rounded_up(double x) { return -rounded_down(-x); }
+
+ private:
+  static constexpr double larger(double a, double b) { return a < b ? b : a; }
+  static constexpr double smaller(double a, double b) { return b < a ? b : a; }
+
+  static constexpr double joining(const ResilientTiming& b) {
+    return rounded_up(b.clock_ratio * b.delay) + 1;
+  }
+
+  // Half a second, or as much more as six lost beacons in a row need, within the room there is.
+  static constexpr double usual_lease(const ResilientTiming& b, double beacon, double period) {
+    const double wanted = larger(0.5 / period, b.shortest_lease + 6 * beacon);
+    return rounded_down(smaller(wanted, larger(b.longest_lease, b.shortest_lease)) + 1e-9);
+  }
+
+  static constexpr std::uint16_t to_ticks(double ticks) {
+    return static_cast<std::uint16_t>(ticks < 60000 ? ticks : 60000);
+  }
+};
+
+}  // namespace palmbots

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the rows of a controller's table are evaluated: for one robot, and for the robots of 64
+// pairs.
+//
+// Rule 1: what a condition means is written once, for a truth value B. B is bool for one robot, or
+// a word with a bit for each robot (batch/bitslice.hpp).
+// Rule 2: a robot runs the first row of its state that fits; if none does it stays as it is.
+// `spread` works this out for every input of one robot, so that a step is one look-up; `step_all`
+// does it for many robots at once, without a branch.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "palmbots/control/messages.hpp"
+
+namespace palmbots {
+
+// True for everybody, and the opposite.
+template <class B>
+constexpr B everywhere() {
+  return ~B{};
+}
+template <>
+constexpr bool everywhere<bool>() {
+  return true;
+}
+template <class B>
+[[gnu::always_inline]] constexpr B opposite(const B& b) {
+  static_assert(!std::is_same_v<B, int>, "name the truth value: opposite<bool>(a & b)");
+  if constexpr (std::is_same_v<B, bool>) {
+    return !b;
+  } else {
+    return ~b;
+  }
+}
+
+// What robots sense.
+template <class B>
+struct Observation {
+  B positive{};  // sign of the contact coordinate p
+  B negative{};
+  B palm_at_target{};  // the palm has reached the angle last commanded
+};
+
+constexpr Observation<bool> observation_of(Sign sign, bool palm_at_target) {
+  return {sign == Sign::positive, sign == Sign::negative, palm_at_target};
+}
+
+// What a row asks of the contact coordinate p.
+enum class ContactCondition : std::uint8_t { any, positive, not_positive, negative, not_negative };
+
+constexpr const char* name_of(ContactCondition condition) {
+  constexpr const char* names[] = {"any", "positive", "not_positive", "negative", "not_negative"};
+  return names[static_cast<int>(condition)];
+}
+
+template <class B>
+[[gnu::always_inline]] constexpr B holds(ContactCondition condition, const Observation<B>& seen) {
+  switch (condition) {
+    case ContactCondition::positive: return seen.positive;
+    case ContactCondition::not_positive: return opposite(seen.positive);
+    case ContactCondition::negative: return seen.negative;
+    case ContactCondition::not_negative: return opposite(seen.negative);
+    case ContactCondition::any: break;
+  }
+  return everywhere<B>();
+}
+
+// The message that one robot has got, or none.
+struct OneMessage {
+  MessageKind kind;
+  constexpr bool is(MessageKind that) const { return kind == that; }
+};
+
+// A table for one robot spread out over every input. The table provides `states` and `rows`; Key,
+// an input as a number below Key::count, and `fits(row, key)`; and Entry, what a step gives:
+// stay(state, key) if no row fits, run(row, key) if this one does.
+template <class Table>
+struct SpreadTable {
+  typename Table::Entry entries[Table::states * Table::Key::count];
+
+  constexpr const typename Table::Entry& at(typename Table::State state,
+                                            const typename Table::Key& key) const {
+    return entries[static_cast<int>(state) * Table::Key::count + key.number()];
+  }
+};
+
+template <class Table>
+constexpr SpreadTable<Table> spread() {
+  SpreadTable<Table> all{};
+  for (int s = 0; s < Table::states; ++s) {
+    for (int k = 0; k < Table::Key::count; ++k) {
+      const auto state = static_cast<typename Table::State>(s);
+      const auto key = Table::Key::of(k);
+      typename Table::Entry& entry = all.entries[s * Table::Key::count + k];
+      entry = Table::stay(state, key);
+      for (const auto& row : Table::rows) {
+        if (row.state == state && Table::fits(row, key)) {
+          entry = Table::run(row, key);
+          break;
+        }
+      }
+    }
+  }
+  return all;
+}
+
+// A step of `these` robots: in[s] are those in state s. fits(row) are those to whom a row applies,
+// and went(row, whose) learns who ran it. Unrolled: the table is gone when the compiler is done.
+template <class Table, class B, class Fits, class Went>
+[[gnu::always_inline]] constexpr void step_all(B (&in)[Table::states], const B& these, Fits&& fits,
+                                               Went&& went) {
+  B stay[Table::states];
+  B come[Table::states];
+  for (int s = 0; s < Table::states; ++s) {
+    stay[s] = in[s];
+    come[s] = B{};
+  }
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    const auto run = [&](const typename Table::Row& row) {
+      const auto from = static_cast<std::size_t>(row.state);
+      const B go = stay[from] & fits(row) & these;
+      stay[from] &= opposite(go);
+      come[static_cast<std::size_t>(row.next)] |= go;
+      went(row, go);
+    };
+    (run(Table::rows[i]), ...);
+  }(std::make_index_sequence<sizeof(Table::rows) / sizeof(Table::rows[0])>());
+  for (int s = 0; s < Table::states; ++s) in[s] = stay[s] | come[s];
+}
+
+}  // namespace palmbots

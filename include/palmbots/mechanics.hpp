@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Statics and kinematics of an object on two palms at one instant. All headers of the room.
+#pragma once
+
+#include "palmbots/mechanics/clearance.hpp"
+#include "palmbots/mechanics/contact_detection.hpp"
+#include "palmbots/mechanics/contact_modes.hpp"
+#include "palmbots/mechanics/contact_modes_batch.hpp"
+#include "palmbots/mechanics/equilibrium.hpp"
+#include "palmbots/mechanics/friction_cone.hpp"
+#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
+#include "palmbots/mechanics/model.hpp"
+#include "palmbots/mechanics/slip_onset.hpp"
+#include "palmbots/mechanics/twist_feasibility.hpp"
+#include "palmbots/mechanics/wrench_cone.hpp"

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does the object's outline stay clear of a palm, apart from the one vertex it stands on?
+//
+// Seen from a contact, the palm is a segment along the x axis of its own frame (inward, normal) and
+// the object is turned by the angle α between palm and object. Two things can end clearance:
+// another vertex of the outline comes down on the palm (an edge lies flush), or an end of the palm
+// meets an edge of the object (a tip contact). Source: MECHANICS section 5.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "palmbots/mechanics/loop_closure.hpp"
+
+namespace palmbots {
+
+// How a palm touches the object: a vertex stands on the plate, an edge lies flush on it, or an end
+// of the palm meets an edge.
+enum class ContactKind : std::uint8_t { none, vertex, flush, tip };
+
+constexpr const char* name_of(ContactKind kind) {
+  constexpr const char* names[] = {"", "vertex", "flush", "tip"};
+  return names[static_cast<int>(kind)];
+}
+
+inline constexpr std::size_t max_outline = 32;
+
+// A vertex of the outline: its distance along the line of contacts from either contact (the two sum
+// to w; both are kept so that mirroring swaps and does not round), and its height above that line.
+template <class Real>
+struct Vertex {
+  PerSide<Real> along;
+  Real height;
+};
+
+template <class Real>
+struct Outline {
+  std::array<Vertex<Real>, max_outline> vertices{};
+  std::size_t count = 0;
+  PerSide<std::size_t> contact{};  // the vertices the object stands on
+
+  // The i-th vertex from a side's contact vertex on, inward along the bottom: in the mirror the
+  // same.
+  constexpr std::size_t walked(std::size_t side, std::size_t i) const {
+    return (contact[side] + (side == left ? i : count - i)) % count;
+  }
+};
+
+// The directions of a palm that certainly touch nothing, however long it is: all vertices lie above
+// its line. tan α between the two bounds, for |α| < 90°.
+template <class Real>
+struct ClearCone {
+  Real low;
+  Real high;
+
+  constexpr MaskOf<Real> contains(PalmFrameVector<Real> r) const {
+    return (r.inward > Real(0)) & (r.normal > low * r.inward) & (r.normal < high * r.inward);
+  }
+};
+
+template <class Real>
+constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t side) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  ClearCone<Real> cone{-inf, inf};
+  for (std::size_t i = 0; i < outline.count; ++i) {
+    if (i == outline.contact[side]) continue;
+    const Vertex<Real>& v = outline.vertices[i];
+    const Real along = v.along[side];
+    if (along > Real(0)) {
+      if (-v.height / along > cone.low) cone.low = -v.height / along;
+    } else if (along < Real(0)) {
+      if (v.height / -along < cone.high) cone.high = v.height / -along;
+    } else if (!(v.height > Real(0))) {
+      return {inf, -inf};
+    }
+  }
+  return cone;
+}
+
+namespace detail {
+
+// Is the point (along, height) strictly inside the outline? Crossing-number test.
+template <class Real>
+constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along, Real height) {
+  bool in = false;
+  for (std::size_t i = 0, j = outline.count - 1; i < outline.count; j = i++) {
+    const Vertex<Real>& a = outline.vertices[i];
+    const Vertex<Real>& b = outline.vertices[j];
+    if ((a.height > height) == (b.height > height)) continue;
+    // Lower end first: a mirrored outline runs the other way round and must round alike.
+    const Vertex<Real>& low = a.height < b.height ? a : b;
+    const Vertex<Real>& high = a.height < b.height ? b : a;
+    const Real share = (height - low.height) / (high.height - low.height);
+    const Real crossing = low.along[side] + share * (high.along[side] - low.along[side]);
+    if (along < crossing) in = !in;
+  }
+  return in;
+}
+
+}  // namespace detail
+
+// What the palm touches besides its contact. `contact` is p, the palm reaches from p = −half to
+// +half; reach is the vector to the other contact in the palm's frame.
+template <class Real>
+[[gnu::noinline]] constexpr ContactKind further_contact(const Outline<Real>& outline,
+                                                        std::size_t side,
+                                                        PalmFrameVector<Real> vector, Real width,
+                                                        Real contact, Real half_length) {
+  const Real cos = vector.inward / width;
+  const Real sin = vector.normal / width;
+  const std::size_t own = outline.contact[side];
+  for (std::size_t i = 0; i < outline.count; ++i) {
+    if (i == own) continue;
+    const Vertex<Real>& v = outline.vertices[i];
+    const Real inward = v.along[side] * cos - v.height * sin;
+    const Real above = v.along[side] * sin + v.height * cos;
+    if (above > Real(0)) continue;
+    const Real place = contact - inward;
+    const bool on_palm = place >= -half_length && place <= half_length;
+    // An edge that starts at the contact lies on the palm however long it is.
+    const bool own_edge = i == (own + 1) % outline.count || own == (i + 1) % outline.count;
+    const bool palm_goes_on = inward > Real(0) ? contact > -half_length : contact < half_length;
+    if (on_palm || (own_edge && palm_goes_on)) return ContactKind::flush;
+  }
+  for (const Real end : {-half_length, half_length}) {
+    const Real inward = contact - end;
+    if (detail::inside(outline, side, inward * cos, -inward * sin)) return ContactKind::tip;
+  }
+  return ContactKind::none;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// The nine contact modes of one state: which balance, which can move, and which one happens.
+//
+// Closing drives the contact points together: the squeeze rises to the upper end of I_L ∩ I_R, and
+// the contact whose cone ends there slides up. Opening is the lower end, and down.
+// Source: MECHANICS section 2; paper, section 3.1 ("9, 3, 5, one").
+#pragma once
+
+#include <array>
+
+#include "palmbots/mechanics/equilibrium.hpp"
+
+namespace palmbots {
+
+inline constexpr std::array<SlipDirection, 3> slip_directions{
+    SlipDirection::stick, SlipDirection::up, SlipDirection::down};
+
+// A contact mode of the pair: how each contact moves.
+using ContactMode = PerSide<SlipDirection>;
+
+// Ends of squeeze intervals closer than this count as equal: rounding, a few hundred ulp.
+template <class Real>
+inline constexpr Real squeeze_tolerance = Real(256) * std::numeric_limits<Real>::epsilon();
+
+// One state of the two palms and the object, as far as statics sees it.
+template <class Real>
+struct Contacts {
+  Moments<Real> moments;
+  PerSide<FrictionCone<Real>> cones;
+  Real dx;
+  Real dy;
+};
+
+// The squeezes at which one contact is in the given mode: an interval for sticking, one point (or
+// nothing) for sliding.
+template <class Real>
+constexpr Interval<Real> squeeze_in(const Contacts<Real>& at, std::size_t side,
+                                    SlipDirection slide) {
+  const Interval<Real> all = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
+  if (slide == SlipDirection::stick || all.empty()) return all;
+  const ConeEdge<Real> edge = slide == SlipDirection::up ? at.cones[side].up : at.cones[side].down;
+  const Bound<Real> limit = bound(at.moments, side, edge, at.dx, at.dy);
+  constexpr Interval<Real> none{Real(1), Real(-1)};
+  if (limit.a == Real(0)) return none;
+  const Real h = limit.b / (limit.a * at.moments.width);
+  return h == all.low || h == all.high ? Interval<Real>{h, h} : none;
+}
+
+template <class Real>
+constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
+  const Interval<Real> l = squeeze_in(at, left, mode[left]);
+  const Interval<Real> r = squeeze_in(at, right, mode[right]);
+  if (l.empty() || r.empty()) return false;
+  const Interval<Real> both = intersect(l, r);
+  if (mode[left] == SlipDirection::stick || mode[right] == SlipDirection::stick)
+    return !both.empty();
+  const Real size = (l.low < 0 ? -l.low : l.low) + (r.low < 0 ? -r.low : r.low);
+  return both.low - both.high <= squeeze_tolerance<Real> * size;
+}
+
+// Closing needs a contact that slides up, opening one that slides down.
+constexpr bool consistent(ContactMode mode, SlipDirection direction) {
+  return mode[left] == direction || mode[right] == direction;
+}
+
+// What happens when the contact points are driven together (direction up) or apart (down).
+struct SelectedMode {
+  bool balanced;     // false: no squeeze holds the object; it slides on both palms
+  bool jammed;       // no squeeze makes a contact let go in that direction
+  ContactMode mode;  // valid if balanced and not jammed
+};
+
+template <class Real>
+constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
+  PerSide<Interval<Real>> ends{};
+  PerSide<bool> slides_there{};
+  for (const std::size_t side : {left, right}) {
+    ends[side] = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
+    slides_there[side] = !squeeze_in(at, side, direction).empty();
+  }
+  const Interval<Real> both = intersect(ends[left], ends[right]);
+  if (both.empty()) return {false, false, {}};
+  const bool closing = direction == SlipDirection::up;
+  const Real end = closing ? both.high : both.low;
+  ContactMode mode{SlipDirection::stick, SlipDirection::stick};
+  for (const std::size_t side : {left, right}) {
+    const Real own = closing ? ends[side].high : ends[side].low;
+    const Real size = end < 0 ? -end : end;
+    const Real gap = own < end ? end - own : own - end;
+    if (own == end || gap <= squeeze_tolerance<Real> * size) {
+      // The end that binds must be the edge that slides in this direction; in exotic states (COM
+      // beyond a contact) it is the other edge, and nothing can let go.
+      const Interval<Real> slide = squeeze_in(at, side, direction);
+      if (slides_there[side] && slide.low == own) mode[side] = direction;
+    }
+  }
+  return {true, !consistent(mode, direction), mode};
+}
+
+// The largest angle by which both friction cones could shrink with the object still held (negative:
+// by which they would have to grow). Bisection to the last bit of the answer.
+template <class Real>
+constexpr Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real>> palm,
+                               PerSide<Real> friction_angle, Real dx, Real dy) {
+  const auto held = [&](Real shrink) {
+    Interval<Real> both{-std::numeric_limits<Real>::infinity(),
+                        std::numeric_limits<Real>::infinity()};
+    for (const std::size_t side : {left, right}) {
+      const FrictionCone<Real> cone =
+          friction_cone(palm[side], tangent(friction_angle[side] - shrink));
+      both = intersect(both, squeeze(moments, side, cone, dx, dy));
+    }
+    return !both.empty();
+  };
+  // A cone shrinks to nothing at φ and grows to a half plane at φ − π/2.
+  const Real smaller =
+      friction_angle[left] < friction_angle[right] ? friction_angle[left] : friction_angle[right];
+  const Real larger =
+      friction_angle[left] < friction_angle[right] ? friction_angle[right] : friction_angle[left];
+  Real held_at = larger - Real(0.5) * pi<Real> + Real(1e-6);
+  Real lost_at = smaller;
+  if (!held(held_at)) return held_at;
+  for (int i = 0; i < 60; ++i) {
+    const Real middle = Real(0.5) * (held_at + lost_at);
+    (held(middle) ? held_at : lost_at) = middle;
+  }
+  return held_at;
+}
+
+}  // namespace palmbots

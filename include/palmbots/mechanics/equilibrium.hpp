@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two contacts under one weight: the squeeze interval, and which contact lets go.
+//
+// Balance of forces and moments on an object held at two points leaves one unknown, the squeeze H.
+// Under a sideways specific force s (floor slope or acceleration, towards −x) the two palms squeeze
+// by H + s/2 and H − s/2; with s = 0 this is MECHANICS section 2, with s ≠ 0 section 4, written
+// about the mean of the two so that the mirrored problem has mirrored numbers to the last bit.
+// Forces are in units of the weight.
+//
+// (dx, dy) is the vector from the left contact to the right one, |(dx, dy)| = w, dx > 0. With x_L,
+// x_R the horizontal distances of the COM from the contacts and y its mean height above them,
+//
+//     V_L = (x_R + H dy + s y) / dx            V_R = (x_L − H dy − s y) / dx
+//
+// and a cone edge bounds H linearly, a H ≤ b for `up` and a H ≥ b for `down`:
+//
+//     left : a = vertical dx − lateral dy      b = lateral (x_R + s y) − ½ s vertical dx
+//     right: a = vertical dx + lateral dy      b = lateral (x_L − s y) + ½ s vertical dx
+#pragma once
+
+#include <limits>
+
+#include "palmbots/base/side.hpp"
+#include "palmbots/mechanics/friction_cone.hpp"
+
+namespace palmbots {
+
+// The vector from the left contact to the right one [m].
+template <class Real>
+struct ContactVector {
+  Real dx;
+  Real dy;
+};
+
+// What the two contacts hold up. The COM is given from both contacts (com_left + com_right = w), so
+// that mirroring swaps two numbers and rounds nothing.
+template <class Real>
+struct ObjectParams {
+  Real width;       // w, distance between the contacts [m]
+  Real com_left;    // COM from the left contact, along the line of contacts [m]
+  Real com_right;   // COM from the right contact, along the line of contacts [m]
+  Real com_height;  // COM above the line of contacts [m]
+  Real slope;       // s, sideways specific force towards −x [1]
+};
+
+// The moment arms of the weight and of the sideways force, which everything below is made of; times
+// w: x_R + s y = level[left] dx + tilt dy, and its mirror image on the right.
+template <class Real>
+struct Moments {
+  Real width;           // w [m]
+  PerSide<Real> level;  // [m]
+  Real tilt;            // [m]
+  PerSide<Real> lift;   // the tilt of `moment_arm` [m]
+  Real slope;           // s [1]
+
+  static constexpr Moments of(const ObjectParams<Real>& object) { return of(object, object.slope); }
+
+  // The same under another sideways specific force.
+  static constexpr Moments of(const ObjectParams<Real>& object, Real s) {
+    return {object.width,
+            {object.com_right + s * object.com_height, object.com_left - s * object.com_height},
+            object.com_height + s * (Real(0.5) * (object.com_left - object.com_right)),
+            {object.com_height - s * object.com_right, object.com_height + s * object.com_left},
+            s};
+  }
+
+  // w (x_R + s y_R) on the left, w (x_L − s y_L) on the right, with y_L, y_R the heights of the COM
+  // above that contact. Negative where nothing presses on this side's palm: the object tips.
+  constexpr Real moment_arm(std::size_t side, Real dx, Real rise) const {
+    return level[side] * dx + lift[side] * rise;
+  }
+
+  // The arm of the mean squeeze, about which the bounds below are written.
+  constexpr Real arm(std::size_t side, Real dx, Real rise) const {
+    return level[side] * dx + tilt * rise;
+  }
+};
+
+// The bound a H ≤ b (up) or a H ≥ b (down) that one cone edge puts on the squeeze; b is times w.
+template <class Real>
+struct Bound {
+  Real a;
+  Real b;
+};
+
+template <class Real>
+constexpr Bound<Real> bound(const Moments<Real>& moments, std::size_t side, ConeEdge<Real> edge,
+                            Real dx, Real dy) {
+  const Real rise = mirrored(side, dy);
+  const Real push = mirrored(side, moments.slope);
+  return {edge.vertical * dx - edge.lateral * rise,
+          edge.lateral * moments.arm(side, dx, rise) -
+              Real(0.5) * push * moments.width * edge.vertical * dx};
+}
+
+// The squeezes that a contact (or both) can bear. Empty iff low > high.
+template <class Real>
+struct Interval {
+  Real low;
+  Real high;
+
+  constexpr bool empty() const { return !(low <= high); }
+};
+
+template <class Real>
+constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
+  return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
+}
+
+namespace detail {
+
+// The half line {H : a H ≤ b}.
+template <class Real>
+constexpr Interval<Real> half_line(Real a, Real b) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  if (a > Real(0)) return {-inf, b / a};
+  if (a < Real(0)) return {b / a, inf};
+  return b >= Real(0) ? Interval<Real>{-inf, inf} : Interval<Real>{inf, -inf};
+}
+
+}  // namespace detail
+
+// I_L or I_R: every squeeze whose force on this contact lies in its cone. [H in weights]
+template <class Real>
+constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
+                                 const FrictionCone<Real>& cone, Real dx, Real dy) {
+  const Bound<Real> up = bound(moments, side, cone.up, dx, dy);
+  const Bound<Real> down = bound(moments, side, cone.down, dx, dy);
+  return intersect(detail::half_line(up.a * moments.width, up.b),
+                   detail::half_line(-down.a * moments.width, -down.b));
+}
+
+// Where the squeezes at one edge of the left cone and one of the right cone are equal: a line in
+// (dx, dy), for MECHANICS section 3's polynomial G is linear in tan ϑ = dy / dx (its quadratic
+// terms cancel, with s ≠ 0 too).
+//
+// at(dx, dy) > 0 ⇔ H at the left edge > H at the right edge, where neither edge is wedged.
+template <class Real>
+struct SlipOrder {
+  Real level;
+  Real tilt;
+
+  constexpr Real at(Real dx, Real dy) const { return level * dx + tilt * dy; }
+  constexpr Real at(ContactVector<Real> contact_vector) const {
+    return at(contact_vector.dx, contact_vector.dy);
+  }
+};
+
+template <class Real>
+constexpr SlipOrder<Real> slip_order(const Moments<Real>& moments, ConeEdge<Real> l,
+                                     ConeEdge<Real> r) {
+  const Real half_push = Real(0.5) * moments.slope * moments.width;
+  const Real lateral_left = l.lateral * r.vertical;
+  const Real lateral_right = l.vertical * r.lateral;
+  return {(lateral_left * moments.level[left] - lateral_right * moments.level[right]) -
+              (half_push + half_push) * (l.vertical * r.vertical),
+          ((l.lateral * r.lateral) * moments.width + half_push * (lateral_left - lateral_right)) +
+              moments.tilt * (lateral_left + lateral_right)};
+}
+
+// True where an edge bounds no squeeze, because its cone contains the line to the other contact:
+// pushing along it only wedges the object (MECHANICS section 2).
+template <class Real>
+constexpr MaskOf<Real> wedged(std::size_t side, ConeEdge<Real> edge, Real dx, Real dy) {
+  const Real rise = mirrored(side, dy);
+  return !(edge.vertical * dx - edge.lateral * rise > Real(0));
+}
+
+}  // namespace palmbots

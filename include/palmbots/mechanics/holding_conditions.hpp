@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// What ends a carry: the conditions under which two palms hold an object, at one instant.
+//
+// Source: MECHANICS section 5.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/mechanics/model.hpp"
+
+namespace palmbots {
+
+enum class DropReason : std::uint8_t {
+  none,
+  off_palm,  // a contact ran past an end of its palm
+  sliding,   // no squeeze balances the object: it slides on both palms
+  flush,     // an edge of the object came to lie on a palm
+  tip,       // a palm's end met an edge of the object
+  tipping,   // the COM went past a contact
+  jammed,    // no motion is possible in balance, and the robots still drive
+  lifting,   // the object lifted off a palm, and rests on the other one alone
+};
+
+constexpr const char* name_of(DropReason reason) {
+  constexpr const char* names[] = {"",    "off-palm", "sliding", "flush",
+                                   "tip", "tipping",  "jammed",  "lifting"};
+  return names[static_cast<int>(reason)];
+}
+
+// A further contact closed: what comes of it is not said here.
+constexpr bool adds_contact(DropReason reason) {
+  return reason == DropReason::flush || reason == DropReason::tip;
+}
+
+// The statics at one pair of palm angles.
+template <class Real>
+struct Statics {
+  PerSide<FrictionCone<Real>> cones;
+
+  static constexpr Statics at(const Model<Real>& model, const PerSide<PalmAngle<Real>>& palms) {
+    Statics s{};
+    for (const std::size_t side : {left, right}) {
+      s.cones[side] = friction_cone<Real>({palms[side].sin, palms[side].cos}, model.friction[side]);
+    }
+    return s;
+  }
+
+  // ≥ 0 while the squeezes that one side's lower end and the other's upper end permit overlap.
+  constexpr Real overlap(const Moments<Real>& moments, std::size_t lower,
+                         ContactVector<Real> contact_vector) const {
+    if (lower == right)
+      return slip_order(moments, cones[left].up, cones[right].down).at(contact_vector);
+    return -slip_order(moments, cones[left].down, cones[right].up).at(contact_vector);
+  }
+
+  // Does the edge that slides in this direction bound no squeeze?
+  constexpr bool wedged_in(std::size_t side, SlipDirection direction,
+                           ContactVector<Real> contact_vector) const {
+    const ConeEdge<Real> edge = direction == SlipDirection::up ? cones[side].up : cones[side].down;
+    return wedged(side, edge, contact_vector.dx, contact_vector.dy);
+  }
+};
+
+// Is the object certainly held? A quick yes without a branch, for almost every tick; `false` leaves
+// it open, since a wedged edge or a palm that passes below an overhang may hold all the same.
+template <class Real>
+[[gnu::always_inline]] inline MaskOf<Real> certainly_held(const ModelParams<Real>& params,
+                                                          const PerSide<FrictionCone<Real>>& cones,
+                                                          const PerSide<PalmAngle<Real>>& palms,
+                                                          const PerSide<Real>& contacts,
+                                                          ContactVector<Real> contact_vector) {
+  const Real left_up =
+      slip_order(params.moments, cones[left].up, cones[right].down).at(contact_vector);
+  const Real right_up =
+      slip_order(params.moments, cones[left].down, cones[right].up).at(contact_vector);
+  MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
+  on_both_sides([&](std::size_t side) {
+    const MaskOf<Real> on_palm = within(contacts[side], params.half_length[side]);
+    const Real arm =
+        params.moments.moment_arm(side, contact_vector.dx, mirrored(side, contact_vector.dy));
+    const MaskOf<Real> clear =
+        params.clear[side].contains(palm_frame_vector(contact_vector, side, palms[side]));
+    held = held & on_palm & (arm >= Real(0)) & clear;
+  });
+  return held;
+}
+
+// The first reason, in a fixed order, why the object is not held.
+template <class Real>
+[[gnu::noinline]] DropReason drop_reason(const Model<Real>& model, const Statics<Real>& statics,
+                                         const PerSide<PalmAngle<Real>>& palms,
+                                         const PerSide<Real>& contacts,
+                                         ContactVector<Real> contact_vector) {
+  for (const std::size_t side : {left, right}) {
+    const Real p = contacts[side];
+    if (!(p >= -model.half_length[side] && p <= model.half_length[side]))
+      return DropReason::off_palm;
+  }
+  bool at_tip = false;
+  for (const std::size_t side : {left, right}) {
+    const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);
+    if (model.clear[side].contains(r)) continue;
+    const ContactKind t = further_contact(model.outline, side, r, model.object.width,
+                                          contacts[side], model.half_length[side]);
+    if (t == ContactKind::flush) return DropReason::flush;
+    at_tip = at_tip || t == ContactKind::tip;
+  }
+  if (at_tip) return DropReason::tip;
+  for (const std::size_t side : {left, right}) {
+    const Real arm =
+        model.moments.moment_arm(side, contact_vector.dx, mirrored(side, contact_vector.dy));
+    if (!(arm >= Real(0))) return DropReason::tipping;
+  }
+  const bool left_holds = statics.overlap(model.moments, right, contact_vector) >= Real(0) ||
+                          statics.wedged_in(left, SlipDirection::up, contact_vector) ||
+                          statics.wedged_in(right, SlipDirection::down, contact_vector);
+  const bool right_holds = statics.overlap(model.moments, left, contact_vector) >= Real(0) ||
+                           statics.wedged_in(left, SlipDirection::down, contact_vector) ||
+                           statics.wedged_in(right, SlipDirection::up, contact_vector);
+  return left_holds && right_holds ? DropReason::none : DropReason::sliding;
+}
+
+}  // namespace palmbots

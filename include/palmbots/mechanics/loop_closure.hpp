@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the two palms and the object are: the loop constraint, and its exact solutions.
+//
+// With P the pivots (equal heights, `separation` apart), u the unit vector along a palm outward, n
+// its normal, o the offset of the palm's surface from its pivot along n, and p the contact
+// coordinate along u, a contact is at C = P + p u + o n. The object is rigid: |C_R − C_L| = w.
+// Source: MECHANICS section 1; for o = 0 the height difference dy is the paper's z, equation (1).
+#pragma once
+
+#include "palmbots/mechanics/equilibrium.hpp"
+
+namespace palmbots {
+
+// A palm's angle (> 0: it rises outward) with its sine and cosine.
+template <class Real>
+struct PalmAngle {
+  Real angle;
+  Real sin;
+  Real cos;
+
+  static constexpr PalmAngle at(Real angle) {
+    const SinCos<Real> value = sin_cos(angle);
+    return {angle, value.sin, value.cos};
+  }
+};
+
+template <class V>
+constexpr PalmAngle<V> select(MaskOf<V> mask, const PalmAngle<V>& yes, const PalmAngle<V>& no) {
+  return {select(mask, yes.angle, no.angle), select(mask, yes.sin, no.sin),
+          select(mask, yes.cos, no.cos)};
+}
+
+template <class Real>
+struct Configuration {
+  Real separation;                 // of the pivots [m]
+  PerSide<PalmAngle<Real>> palms;  // [rad]
+  PerSide<Real> contacts;          // p, from the foot of the pivot, outward [m]
+  PerSide<Real>
+      lift{};  // of the contact vertices above their palms (world/multi_contact_step.hpp) [m]
+};
+
+// Distance and height difference of the palms' feet: the span at p = 0.
+template <class Real>
+constexpr ContactVector<Real> feet(Real separation, const PerSide<PalmAngle<Real>>& palms,
+                                   const PerSide<Real>& offset) {
+  return {separation - (offset[left] * palms[left].sin + offset[right] * palms[right].sin),
+          offset[right] * palms[right].cos - offset[left] * palms[left].cos};
+}
+
+template <class Real>
+constexpr ContactVector<Real> contact_vector(const Configuration<Real>& s,
+                                             const PerSide<Real>& offset) {
+  const ContactVector<Real> base = feet(s.separation, s.palms, offset);
+  const auto& p = s.contacts;
+  return {base.dx + (p[left] * s.palms[left].cos + p[right] * s.palms[right].cos),
+          base.dy + (p[right] * s.palms[right].sin - p[left] * s.palms[left].sin)};
+}
+
+// The vector from one contact to the other as seen from a palm: along the palm inward, and along
+// its normal. Divided by w they are cosine and sine of the angle between palm and object.
+template <class Real>
+struct PalmFrameVector {
+  Real inward;
+  Real normal;
+};
+
+template <class Real>
+constexpr PalmFrameVector<Real> palm_frame_vector(ContactVector<Real> contact_vector,
+                                                  std::size_t side, const PalmAngle<Real>& palm) {
+  const Real rise = mirrored(side, contact_vector.dy);
+  return {contact_vector.dx * palm.cos - rise * palm.sin,
+          contact_vector.dx * palm.sin + rise * palm.cos};
+}
+
+// A contact that has slid, and the span it leads to.
+template <class Real>
+struct SlideSolution {
+  Real contact;
+  ContactVector<Real> contact_vector;
+};
+
+// Closes the loop by sliding one contact, on the palm `own`, while the other one keeps its
+// coordinate, `held`. `base` is the span between the feet seen from the sliding contact's side, and
+// so is the one returned. Seen from the foot of the sliding contact's palm the other contact's
+// normal part does not change while sliding, and the inward part must become √(w² − normal²). Not a
+// number when the object cannot reach.
+template <class Real>
+[[gnu::always_inline]] inline SlideSolution<Real> solve_slide(ContactVector<Real> base,
+                                                              const PalmAngle<Real>& own,
+                                                              const PalmAngle<Real>& partner,
+                                                              Real held, Real width) {
+  const Real dx = base.dx + held * partner.cos;
+  const Real rise = base.dy + held * partner.sin;
+  const Real inward = dx * own.cos - rise * own.sin;
+  const Real normal = dx * own.sin + rise * own.cos;
+  const Real contact = square_root((width - normal) * (width + normal)) - inward;
+  return {contact, {dx + contact * own.cos, rise - contact * own.sin}};
+}
+
+// The same for the contact of a side, with the span as everywhere.
+template <class Real>
+[[gnu::always_inline]] inline SlideSolution<Real> solve_slide(Real separation,
+                                                              const PerSide<PalmAngle<Real>>& palms,
+                                                              std::size_t side, Real held,
+                                                              const PerSide<Real>& offset,
+                                                              Real width) {
+  ContactVector<Real> base = feet(separation, palms, offset);
+  base.dy = mirrored(side, base.dy);
+  const SlideSolution<Real> seen = solve_slide(base, palms[side], palms[other(side)], held, width);
+  return {seen.contact, {seen.contact_vector.dx, mirrored(side, seen.contact_vector.dy)}};
+}
+
+// Closes the loop by sliding both contacts such that the object takes the direction dy / dx =
+// slope: two linear equations. Between parallel palms sliding cannot choose the direction, only the
+// sum of the two coordinates counts, and each contact takes half of the change.
+template <class Real>
+PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
+                                const PerSide<Real>& offset, Real width) {
+  const auto& l = s.palms[left];
+  const auto& r = s.palms[right];
+  const Real turn = l.sin * r.cos + r.sin * l.cos;  // sin(θ_L + θ_R)
+  constexpr Real parallel = Real(1e-6);
+  if (turn < parallel && turn > -parallel) {
+    PerSide<Real> alone{};
+    for (const std::size_t side : {left, right}) {
+      alone[side] =
+          solve_slide(s.separation, s.palms, side, s.contacts[other(side)], offset, width).contact -
+          s.contacts[side];
+    }
+    const Real half = Real(0.25) * (alone[left] + alone[right]);
+    return {s.contacts[left] + half, s.contacts[right] + half};
+  }
+  const ContactVector<Real> base = feet(s.separation, s.palms, offset);
+  const Real target_dx = width / std::sqrt(Real(1) + slope * slope);
+  const Real dx = target_dx - base.dx;
+  const Real dy = target_dx * slope - base.dy;
+  return {(dx * r.sin - dy * r.cos) / turn, (dx * l.sin + dy * l.cos) / turn};
+}
+
+// Closes the loop by placing the robots: the separation at which the contacts are where they are.
+template <class Real>
+Real closing_separation(const Configuration<Real>& s, const PerSide<Real>& offset, Real width) {
+  const Configuration<Real> together{Real(0), s.palms, s.contacts};
+  const ContactVector<Real> gap = contact_vector(together, offset);
+  return std::sqrt((width - gap.dy) * (width + gap.dy)) - gap.dx;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which contact slips, and which way: the two questions that the world asks at every instant.
+//
+// Source: MECHANICS sections 1 and 2.
+#pragma once
+
+#include "palmbots/mechanics/contact_modes.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
+
+namespace palmbots {
+
+// The moments as they count for which contact lets go first: with the push, a further sideways
+// specific force (an acceleration / g).
+template <class V>
+constexpr Moments<V> moments_under(const ObjectParams<V>& object, V push) {
+  return Moments<V>::of(object, object.slope + push);
+}
+
+// > 0: the left contact lets go first; < 0: the right one; 0: tie. `let_go` is the tie of the cone
+// ends that count in this direction.
+template <class Real>
+constexpr Real left_first(const SlipOrder<Real>& let_go, SlipDirection direction,
+                          ContactVector<Real> contact_vector) {
+  const Real left_higher = let_go.at(contact_vector);
+  return direction == SlipDirection::up ? -left_higher : left_higher;
+}
+
+// Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens. `change`
+// and `turn` are the rates of the separation and of the palm angles.
+template <class Real>
+constexpr Real drive_rate(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
+                          const PerSide<Real>& offset, ContactVector<Real> contact_vector,
+                          Real change, const PerSide<Real>& turn) {
+  PerSide<Real> along{};
+  PerSide<Real> lift{};
+  on_both_sides([&](std::size_t side) {
+    const PalmAngle<Real>& palm = palms[side];
+    const Real p = contacts[side];
+    const Real o = offset[side];
+    along[side] = (p * palm.sin + o * palm.cos) * turn[side];
+    lift[side] = (p * palm.cos - o * palm.sin) * turn[side];
+  });
+  return contact_vector.dx * (change - (along[left] + along[right])) +
+         contact_vector.dy * (lift[right] - lift[left]);
+}
+
+// The direction in which contacts slide at that rate: up when closing, down when opening.
+template <class Real>
+constexpr SlipDirection direction_of(Real rate) {
+  return rate < Real(0) ? SlipDirection::up
+                        : (rate > Real(0) ? SlipDirection::down : SlipDirection::stick);
+}
+
+// The edges on which contacts that slide in one direction are: `way` is +1 for up and −1 for down.
+template <class V>
+constexpr PerSide<ConeEdge<V>> edges_at(const PerSide<V>& friction,
+                                        const PerSide<PalmAngle<V>>& palms, V way) {
+  PerSide<ConeEdge<V>> edges{};
+  on_both_sides([&](std::size_t side) {
+    edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * friction[side]);
+  });
+  return edges;
+}
+
+// Contacts of which one has slid, and the span they lead to.
+template <class V>
+struct Slipped {
+  PerSide<V> contacts;
+  ContactVector<V> contact_vector;
+};
+
+// Closes the loop by sliding one contact: the left one, or the right one.
+template <class V>
+[[gnu::always_inline]] inline Slipped<V> slip(MaskOf<V> on_left, V separation,
+                                              const PerSide<PalmAngle<V>>& palms,
+                                              const PerSide<V>& contacts, const PerSide<V>& offset,
+                                              V width) {
+  // Seen from the side of the contact that slides.
+  ContactVector<V> base = feet(separation, palms, offset);
+  base.dy = select(on_left, base.dy, -base.dy);
+  const PalmAngle<V> own = select<V>(on_left, palms[left], palms[right]);
+  const PalmAngle<V> partner = select<V>(on_left, palms[right], palms[left]);
+  const V held = select(on_left, contacts[right], contacts[left]);
+  const SlideSolution<V> next = solve_slide(base, own, partner, held, width);
+  return {
+      {select(on_left, next.contact, contacts[left]),
+       select(on_left, contacts[right], next.contact)},
+      {next.contact_vector.dx, select(on_left, next.contact_vector.dy, -next.contact_vector.dy)}};
+}
+
+}  // namespace palmbots

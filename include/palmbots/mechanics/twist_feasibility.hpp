@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which motions of several contacts a rigid body can make while the palms move, and which of them
+// balance.
+//
+// Frame: world x forward, y up, positions from the COM. A body's twist is (vx, vy, ω · reach).
+// Relative to the palm, the velocity at a contact has no part along the normal where the contact
+// stays, a positive one where it leaves; along the tangent none where it sticks, a positive one
+// where it slides up, a negative one where it slides down. That makes equations and strict
+// inequalities for three unknowns.
+//
+// No linear program is needed. The equations leave a space of three dimensions or fewer. By
+// Motzkin's theorem strict inequalities g · z > h have no solution there iff some of them
+// contradict each other: positive shares with Σ share g = 0 and Σ share h ≥ 0; and the extreme ones
+// of such sets have at most one more member than the space has dimensions. So pairs, triples and
+// quadruples are all there is to try.
+#pragma once
+
+#include "palmbots/mechanics/wrench_cone.hpp"
+
+namespace palmbots {
+
+// How a palm moves: velocity of its pivot, and how fast it turns anticlockwise about it.
+template <class Real>
+struct PalmMotion {
+  Real vx;  // [m/s]
+  Real vy;
+  Real spin;  // [rad/s]
+};
+
+template <class Real>
+struct Velocity {
+  Real x;
+  Real y;
+};
+
+// The velocities of the palms at the contacts.
+template <class Real>
+using Velocities = std::array<Velocity<Real>, max_supports>;
+
+// The velocity of a palm's point that lies (x, y) from its pivot.
+template <class Real>
+constexpr Velocity<Real> velocity_at(const PalmMotion<Real>& palm, Real x, Real y) {
+  return {palm.vx - palm.spin * y, palm.vy + palm.spin * x};
+}
+
+// row · twist = value, or row · twist > value; the row has unit size.
+template <class Real>
+struct Condition {
+  Triple<Real> row;
+  Real value;
+};
+
+// The twists that fulfil some equations: origin + Σ z_k basis_k.
+template <class Real>
+struct TwistSpace {
+  Triple<Real> origin{};
+  std::array<Triple<Real>, 3> basis{{{Real(1), 0, 0}, {0, Real(1), 0}, {0, 0, Real(1)}}};
+  std::size_t dimension = 3;
+
+  // Adds an equation; false where it contradicts those before it.
+  constexpr bool restrict(const Condition<Real>& to) {
+    const Real missing = to.value - dot(to.row, origin);
+    Triple<Real> within{};
+    for (std::size_t k = 0; k < dimension; ++k) {
+      within = within + basis[k] * dot(to.row, basis[k]);
+    }
+    const Real part = size(within);
+    if (!(part > wrench_tolerance<Real>)) {
+      return missing <= wrench_tolerance<Real> && -missing <= wrench_tolerance<Real>;
+    }
+    const Triple<Real> unit = within * (Real(1) / part);
+    origin = origin + unit * (missing / part);
+    leave_out(unit);
+    return true;
+  }
+
+ private:
+  // The part of the space across a unit vector in it (Gram and Schmidt, the longest leftovers).
+  constexpr void leave_out(Triple<Real> unit) {
+    std::array<Triple<Real>, 3> rest = basis;
+    std::array<Triple<Real>, 3> found{};
+    for (std::size_t n = 0; n + 1 < dimension; ++n) {
+      Triple<Real> longest{};
+      for (std::size_t k = 0; k < dimension; ++k) {
+        rest[k] = rest[k] - unit * dot(rest[k], unit);
+        if (dot(rest[k], rest[k]) > dot(longest, longest)) longest = rest[k];
+      }
+      unit = found[n] = longest * (Real(1) / size(longest));
+    }
+    basis = found;
+    --dimension;
+  }
+};
+
+// Strict inequalities in a twist space, as half spaces g · z > h with |g| = 1.
+template <class Real>
+class HalfSpaces {
+ public:
+  // Adds one that is met by nothing, everything or a half; false if by nothing.
+  constexpr bool add(const TwistSpace<Real>& space, const Condition<Real>& above) {
+    const Real h = above.value - dot(above.row, space.origin);
+    Triple<Real> g{};
+    const std::size_t n = space.dimension;
+    g.x = n > 0 ? dot(above.row, space.basis[0]) : Real(0);
+    g.y = n > 1 ? dot(above.row, space.basis[1]) : Real(0);
+    g.z = n > 2 ? dot(above.row, space.basis[2]) : Real(0);
+    const Real part = size(g);
+    if (!(part > wrench_tolerance<Real>)) return h < -wrench_tolerance<Real>;
+    sides_[count_++] = {g * (Real(1) / part), h / part};
+    return true;
+  }
+
+  // Have they a point in common?
+  constexpr bool meet() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      for (std::size_t j = i + 1; j < count_; ++j) {
+        if (contradict(sides_[i], sides_[j])) return false;
+        for (std::size_t k = j + 1; k < count_; ++k) {
+          if (contradict(sides_[i], sides_[j], sides_[k])) return false;
+          for (std::size_t l = k + 1; l < count_; ++l) {
+            if (contradict(sides_[i], sides_[j], sides_[k], sides_[l])) return false;
+          }
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  using Side = Condition<Real>;
+
+  // With shares ≥ 0 that add up to `total`: is Σ share h ≥ 0, but for rounding?
+  static constexpr bool nothing_left(Real value, Real sizes, Real total) {
+    return value >= -wrench_tolerance<Real> * (total + sizes);
+  }
+
+  static constexpr bool contradict(const Side& a, const Side& b) {
+    if (!(size(a.row + b.row) <= wrench_tolerance<Real>)) return false;
+    return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), Real(2));
+  }
+
+  // Three in a plane: by Lami's theorem each share is the sine between the other two.
+  static constexpr bool contradict(const Side& a, const Side& b, const Side& c) {
+    const Real p = size(cross(b.row, c.row));
+    const Real q = size(cross(c.row, a.row));
+    const Real r = size(cross(a.row, b.row));
+    const Real total = p + q + r;
+    const Real least = wrench_tolerance<Real> * total;
+    if (!(p > least && q > least && r > least)) return false;
+    if (!(size((a.row * p + b.row * q) + c.row * r) <= least)) return false;
+    return nothing_left(p * a.value + q * b.value + r * c.value,
+                        p * magnitude(a.value) + q * magnitude(b.value) + r * magnitude(c.value),
+                        total);
+  }
+
+  // Four in space: each share is the volume of the other three.
+  static constexpr bool contradict(const Side& a, const Side& b, const Side& c, const Side& d) {
+    const Real shares[4] = {dot(b.row, cross(c.row, d.row)), -dot(a.row, cross(c.row, d.row)),
+                            dot(a.row, cross(b.row, d.row)), -dot(a.row, cross(b.row, c.row))};
+    const Real values[4] = {a.value, b.value, c.value, d.value};
+    const Real sign = shares[0] < Real(0) ? Real(-1) : Real(1);
+    Real total = Real(0);
+    for (const Real share : shares) total = total + sign * share;
+    Real value = Real(0);
+    Real sizes = Real(0);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Real share = sign * shares[k];
+      // Where one has (almost) no share the other three decide.
+      if (!(share > wrench_tolerance<Real> * total) || !(share > Real(0))) return false;
+      value = value + share * values[k];
+      sizes = sizes + share * magnitude(values[k]);
+    }
+    return nothing_left(value, sizes, total);
+  }
+
+  std::array<Side, max_supports> sides_{};
+  std::size_t count_ = 0;
+};
+
+// The body's possible twists while contacts move in some way, contact by contact.
+template <class Real>
+class Twists {
+ public:
+  Twists(const Supports<Real>& supports, const Velocities<Real>& palms) : count_(supports.count) {
+    const Real reach = supports.reach();
+    Real fastest = Real(0);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Real square = palms[i].x * palms[i].x + palms[i].y * palms[i].y;
+      if (square > fastest) fastest = square;
+    }
+    // Rates have no scale of their own: what counts is which are zero or positive.
+    const Real pace = fastest > Real(0) ? Real(1) / std::sqrt(fastest) : Real(1);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Support<Real>& s = supports.at[i];
+      normal_[i] = condition(s, s.nx, s.ny, reach, palms[i], pace);
+      tangent_[i] = condition(s, s.tx(), s.ty(), reach, palms[i], pace);
+    }
+  }
+
+  // Is there a twist at which the first `count` contacts move like this?
+  bool exist(const Motions& motions, std::size_t count) const {
+    TwistSpace<Real> space{};
+    for (std::size_t i = 0; i < count; ++i) {
+      if (motions[i] == Motion::leave) continue;
+      if (!space.restrict(normal_[i])) return false;
+      if (motions[i] == Motion::stick && !space.restrict(tangent_[i])) return false;
+    }
+    HalfSpaces<Real> open{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Condition<Real>& along = tangent_[i];
+      if (motions[i] == Motion::leave && !open.add(space, normal_[i])) return false;
+      if (motions[i] == Motion::up && !open.add(space, along)) return false;
+      if (motions[i] == Motion::down && !open.add(space, {along.row * Real(-1), -along.value})) {
+        return false;
+      }
+    }
+    return open.meet();
+  }
+
+  // Calls found(motions) for every way in which all contacts can move.
+  template <class Found>
+  void each(Found&& found) const {
+    Motions motions{};
+    descend(motions, 0, found);
+  }
+
+ private:
+  static Condition<Real> condition(const Support<Real>& s, Real dx, Real dy, Real reach,
+                                   Velocity<Real> palm, Real pace) {
+    const Triple<Real> row{dx, dy, (s.x * dy - s.y * dx) / reach};
+    const Real scale = Real(1) / size(row);
+    return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
+  }
+
+  template <class Found>
+  void descend(Motions& motions, std::size_t i, Found& found) const {
+    if (i == count_) {
+      found(static_cast<const Motions&>(motions));
+      return;
+    }
+    for (const Motion motion : {Motion::stick, Motion::up, Motion::down, Motion::leave}) {
+      motions[i] = motion;
+      if (exist(motions, i + 1)) descend(motions, i + 1, found);
+    }
+  }
+
+  std::size_t count_;
+  std::array<Condition<Real>, max_supports> normal_{};
+  std::array<Condition<Real>, max_supports> tangent_{};
+};
+
+// Calls found(motions) for every way of moving that is possible and in balance: what may happen.
+// There may be none (the body falls or jams) or several.
+template <class Real, class Found>
+void each_outcome(const Supports<Real>& supports, const Velocities<Real>& palms, Real slope,
+                  Found&& found) {
+  Twists<Real>(supports, palms).each([&](const Motions& motions) {
+    if (balances(supports, motions, slope)) found(motions);
+  });
+}
+
+}  // namespace palmbots

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// A body under its weight on several frictional points: do the forces they can carry balance it?
+//
+// Frame: world x forward, y up, positions from the COM. Forces are in units of the weight. Under a
+// sideways specific force s (towards −x, as in mechanics/equilibrium.hpp) the supports must
+// together push with (s, 1) through the COM. Each adds rays to a cone of wrenches (force, moment
+// about the COM): both edges of its friction cone where it sticks, the edge that opposes the slip
+// where it slides, none where it leaves. With one point on either palm this is what
+// mechanics/contact_modes.hpp says in closed form.
+//
+// No linear program is needed. By Carathéodory a wrench lies in a cone in three dimensions iff it
+// lies in that of at most three of its rays, and the point of the cone nearest to a wrench outside
+// it lies on one ray or between two. So the distance from the cone is the least over all pairs and
+// single rays; parallel, opposed and dependent rays are no special cases, since a degenerate triple
+// may be left out for its pairs and a degenerate pair for its single rays.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "palmbots/base/scalar.hpp"
+#include "palmbots/base/side.hpp"
+
+namespace palmbots {
+
+inline constexpr std::size_t max_supports = 8;
+
+// How a contact moves on its palm: as `Slide`, up is outward; or it leaves the palm.
+enum class Motion : std::int8_t { down = -1, stick = 0, up = 1, leave = 2 };
+
+// A point at which a palm holds the body.
+template <class Real>
+struct Support {
+  std::size_t side;
+  Real x;  // from the COM [m]
+  Real y;
+  Real nx;  // unit normal, into the body
+  Real ny;
+  Real friction;
+
+  // Unit tangent: how the body moves along the contact where it slides up, outward.
+  constexpr Real tx() const { return outward<Real>(side) * ny; }
+  constexpr Real ty() const { return -outward<Real>(side) * nx; }
+};
+
+template <class Real>
+struct Supports {
+  std::array<Support<Real>, max_supports> at{};
+  std::size_t count = 0;
+
+  // The largest distance from the COM, by which moments are divided; 1 where there is none.
+  constexpr Real reach() const {
+    Real most = Real(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Real square = at[i].x * at[i].x + at[i].y * at[i].y;
+      if (square > most) most = square;
+    }
+    return most > Real(0) ? std::sqrt(most) : Real(1);
+  }
+};
+
+using Motions = std::array<Motion, max_supports>;
+
+// Three numbers: a wrench (force, moment / reach), or a row that a twist is multiplied with.
+template <class Real>
+struct Triple {
+  Real x;
+  Real y;
+  Real z;
+
+  constexpr Triple operator+(Triple o) const { return {x + o.x, y + o.y, z + o.z}; }
+  constexpr Triple operator-(Triple o) const { return {x - o.x, y - o.y, z - o.z}; }
+  constexpr Triple operator*(Real k) const { return {k * x, k * y, k * z}; }
+};
+
+template <class Real>
+constexpr Real dot(Triple<Real> p, Triple<Real> q) {
+  return (p.x * q.x + p.y * q.y) + p.z * q.z;
+}
+
+template <class Real>
+constexpr Triple<Real> cross(Triple<Real> p, Triple<Real> q) {
+  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
+}
+
+template <class Real>
+constexpr Real size(Triple<Real> p) {
+  return std::sqrt(dot(p, p));
+}
+
+// Unit vectors, wrenches in weights and rates closer than this are equal but for rounding.
+template <class Real>
+inline constexpr Real wrench_tolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-4);
+
+// The extreme rays of a cone of wrenches, of unit size.
+template <class Real>
+struct Rays {
+  std::array<Triple<Real>, 2 * max_supports> ray{};
+  std::size_t count = 0;
+};
+
+template <class Real>
+constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& motions) {
+  const Real reach = supports.reach();
+  Rays<Real> rays{};
+  for (std::size_t i = 0; i < supports.count; ++i) {
+    const Support<Real>& s = supports.at[i];
+    for (const Motion edge : {Motion::up, Motion::down}) {
+      if (motions[i] != edge && motions[i] != Motion::stick) continue;
+      const Real friction = edge == Motion::up ? -s.friction : s.friction;
+      const Real fx = s.nx + friction * s.tx();
+      const Real fy = s.ny + friction * s.ty();
+      const Triple<Real> wrench{fx, fy, (s.x * fy - s.y * fx) / reach};
+      rays.ray[rays.count++] = wrench * (Real(1) / size(wrench));
+    }
+  }
+  return rays;
+}
+
+namespace detail {
+
+// Is the wrench in the cone of three rays that are clearly independent? Cramer's rule.
+template <class Real>
+constexpr bool in_triple(Triple<Real> a, Triple<Real> b, Triple<Real> c, Triple<Real> wrench) {
+  const Triple<Real> bc = cross(b, c);
+  const Triple<Real> ca = cross(c, a);
+  const Triple<Real> ab = cross(a, b);
+  const Real volume = dot(a, bc);
+  const Real least = wrench_tolerance<Real>;
+  const Real known = volume < Real(0) ? -volume : volume;
+  if (!(known > least * size(bc) && known > least * size(ca) && known > least * size(ab))) {
+    return false;
+  }
+  const Real sign = volume < Real(0) ? Real(-1) : Real(1);
+  return sign * dot(wrench, bc) >= Real(0) && sign * dot(wrench, ca) >= Real(0) &&
+         sign * dot(wrench, ab) >= Real(0);
+}
+
+// Distance of the wrench from the cone of two rays where its projection falls between them, else
+// from the first ray or from nothing.
+template <class Real>
+constexpr Real distance_from_pair(Triple<Real> a, Triple<Real> b, Triple<Real> wrench) {
+  const Real along = dot(wrench, a);
+  const Triple<Real> beside = along > Real(0) ? wrench - a * along : wrench;
+  const Real single = size(beside);
+  const Triple<Real> across = b - a * dot(a, b);
+  const Real width = size(across);
+  if (!(width > wrench_tolerance<Real>)) return single;
+  const Triple<Real> unit = across * (Real(1) / width);
+  const Real share_b = dot(wrench, unit) / width;
+  const Real share_a = along - share_b * dot(a, b);
+  if (!(share_a >= Real(0) && share_b >= Real(0))) return single;
+  const Real pair = size((wrench - a * along) - unit * dot(wrench, unit));
+  return pair < single ? pair : single;
+}
+
+}  // namespace detail
+
+// How far the wrench is from the cone of the rays; 0 inside.
+template <class Real>
+constexpr Real distance_from_cone(const Rays<Real>& rays, Triple<Real> wrench) {
+  Real nearest = size(wrench);
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t j = 0; j < rays.count; ++j) {
+      const Real distance = detail::distance_from_pair(rays.ray[i], rays.ray[j], wrench);
+      if (distance < nearest) nearest = distance;
+    }
+  }
+  if (nearest <= wrench_tolerance<Real>) return nearest;
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t j = i + 1; j < rays.count; ++j) {
+      for (std::size_t k = j + 1; k < rays.count; ++k) {
+        if (detail::in_triple(rays.ray[i], rays.ray[j], rays.ray[k], wrench)) return Real(0);
+      }
+    }
+  }
+  return nearest;
+}
+
+// What is missing for balance, in weights: the least wrench (moment over reach) that would have to
+// be added. 0, but for rounding, where the contacts in these motions hold the body.
+template <class Real>
+constexpr Real imbalance(const Supports<Real>& supports, const Motions& motions, Real slope) {
+  return distance_from_cone(rays_of(supports, motions), {slope, Real(1), Real(0)});
+}
+
+template <class Real>
+constexpr bool balances(const Supports<Real>& supports, const Motions& motions, Real slope) {
+  return imbalance(supports, motions, slope) <= wrench_tolerance<Real>;
+}
+
+}  // namespace palmbots

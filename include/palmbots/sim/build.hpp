@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a spec becomes: the parts of a carry in its own precision, and what is known of it
+// beforehand.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "palmbots/control/resilient_timing.hpp"
+#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/robot/actuators.hpp"
+#include "palmbots/sim/radio_channel.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/spec.hpp"
+#include "palmbots/stability/safe_reach.hpp"
+
+namespace palmbots {
+
+template <class Real>
+Model<Real> model_of(const Spec& spec) {
+  Model<Real> model{};
+  model.object = {Real(spec.width), Real(spec.com_left), Real(spec.com_right),
+                  Real(spec.com_height), Real(spec.slope)};
+  model.moments = Moments<Real>::of(model.object);
+  model.outline.count = spec.outline.count;
+  model.outline.contact = spec.outline.contact;
+  for (std::size_t i = 0; i < spec.outline.count; ++i) {
+    const Vertex<double>& v = spec.outline.vertices[i];
+    model.outline.vertices[i] = {{Real(v.along[left]), Real(v.along[right])}, Real(v.height)};
+  }
+  for (const std::size_t side : {left, right}) {
+    model.clear[side] = clear_cone(model.outline, side);
+    model.offset[side] = Real(spec.palms[side].offset);
+    model.half_length[side] = Real(0.5 * spec.palms[side].length);
+    model.friction[side] = Real(spec.palms[side].friction);
+  }
+  model.safe_reach = Real(spec.safe_reach);
+  return model;
+}
+
+// Both palms steep, the contacts where the spec starts them, the robots where the object makes
+// them.
+template <class Real>
+Configuration<Real> configuration_of(const Spec& spec, const Model<Real>& model) {
+  Configuration<Real> configuration{};
+  for (const std::size_t side : {left, right}) {
+    configuration.palms[side] = PalmAngle<Real>::at(Real(spec.palms[side].steep));
+    configuration.contacts[side] = Real(spec.start[side]);
+  }
+  configuration.separation = closing_separation(configuration, model.offset, model.object.width);
+  return configuration;
+}
+
+// What is left of a first-order lag after a period.
+template <class Real>
+Real memory_of(double period, double lag) {
+  return lag > 0 ? exp_minus(Real(period / lag)) : Real(0);
+}
+
+template <class Real>
+Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
+  const Real memory = memory_of<Real>(period, robot.noise_tau);
+  const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
+  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
+          drive};
+}
+
+template <class Real>
+Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
+  return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
+}
+
+inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
+
+// Both robots before they start.
+template <class Real>
+Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
+  Robots<Real> robots{};
+  robots.travel_sense = Real(spec.direction);
+  robots.period = Real(spec.period);
+  // The object goes with the mean of the two robots; a push is an acceleration in units of g.
+  if (spec.inertia != 0) robots.inertia = Real(0.5 / (spec.period * standard_gravity));
+  robots.push_memory = memory_of<Real>(spec.period, spec.inertia_lag);
+  robots.push_share = Real(1) - robots.push_memory;
+  // Noise is under way when the carry starts: its first value has its lasting spread.
+  const Words words = draw(seed, ~0U, Stream::noise);
+  for (const std::size_t side : {left, right}) {
+    robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
+    robots.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
+    robots.wheels[side].noise =
+        Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
+  }
+  return robots;
+}
+
+inline Channel channel_of(const Spec& spec) {
+  Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
+  channel.duplicate_words = Channel::words_of(spec.duplicate);
+  channel.corrupt_words = Channel::words_of(spec.corruption);
+  channel.reorders = spec.reorders != 0;
+  channel.burst_share = spec.burst_share;
+  channel.burst_rate = spec.period / ((1 - spec.burst_share) * spec.burst_mean);
+  channel.airtime_ticks = spec.airtime / spec.period;
+  channel.outage_count = spec.outage_count;
+  for (std::size_t i = 0; i < spec.outage_count; ++i) {
+    const OutageSpec& outage = spec.outages[i];
+    const auto tick = [&](double s) { return static_cast<std::uint32_t>(s / spec.period + 0.5); };
+    channel.outages[i] = {outage.sender, tick(outage.from), tick(outage.to)};
+  }
+  channel.message_fault_count = spec.message_fault_count;
+  for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
+    const MessageFaultSpec& m = spec.message_faults[i];
+    channel.message_faults[i] = {m.sender, m.message, static_cast<MessageEffect>(m.effect),
+                                 static_cast<std::uint32_t>(m.late / spec.period + 0.5)};
+  }
+  return channel;
+}
+
+// How far from the middle of their palms both contacts may be at any angles [m]; −1: none.
+inline double safe_reach(const Spec& spec) {
+  PerSide<AnglePair<double>> angles{};
+  for (const std::size_t side : {left, right}) {
+    const PalmSpec& palm = spec.palms[side];
+    angles[side] = {PalmAngle<double>::at(palm.shallow), PalmAngle<double>::at(palm.steep)};
+  }
+  return safe_reach(model_of<double>(spec), angles);
+}
+
+namespace detail {
+
+// How far from the pivot a contact may be while the sensor reads 0: to the nearest place from
+// which on it reads another sign, on the side where that is farther.
+inline double zero_zone_reach(const Spec& spec) {
+  const TactileSensor<double> tactile(spec.zones, spec.zone_count, 0);
+  double reach = 0;
+  for (const double side : {-1.0, 1.0}) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spec.zone_count; ++i) {
+      for (const double edge : {spec.zones[i].from * side, spec.zones[i].to * side}) {
+        const bool leaves = edge >= 0 && tactile.sign((edge + 1e-9) * side) != Sign::zero;
+        if (leaves) nearest = smaller(nearest, edge);
+      }
+    }
+    reach = larger(reach, nearest);
+  }
+  return reach;
+}
+
+}  // namespace detail
+
+// The time bounds of the resilient algorithm in this scene.
+inline ResilientTiming resilient_timing_of(const Spec& spec) {
+  double braking = 0;
+  double fast = 1;
+  double slow = 1;
+  double speed = 0;
+  for (const RobotSpec& robot : spec.robots) {
+    braking = larger(braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
+    fast = larger(fast, 1 + robot.clock_drift);
+    slow = smaller(slow, 1 + robot.clock_drift);
+    speed = larger(speed, robot.speed);
+  }
+  double flattest = 1;  // cosine of the steepest palm
+  double half = spec.palms[left].length;
+  for (const PalmSpec& palm : spec.palms) {
+    flattest = smaller(flattest, sin_cos(palm.steep).cos);
+    half = smaller(half, 0.5 * palm.length);
+  }
+  return ResilientTiming::of({
+      .period = spec.period,
+      .beacon = spec.beacon,
+      .lease = spec.lease,
+      .watchdog = spec.watchdog,
+      .delay = double(Channel::of(spec.latency, spec.jitter, 0, spec.period).longest()),
+      .braking = braking,
+      .clock_ratio = fast / slow,
+      .shift = speed * spec.period / flattest,
+      .room = half - detail::zero_zone_reach(spec),
+  });
+}
+
+}  // namespace palmbots

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// A carry: world, two robots, radio and controllers, tick after tick, until it ends.
+//
+// One tick: scheduled and random bumps; sensors read; the team (controllers and radio) turns
+// readings into commands; wheels and wrists act; the world moves exactly. Nothing in a tick
+// allocates; a recorder, if any, gets its memory before the first.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/sim/bumps.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/robot_pair.hpp"
+#include "palmbots/world/quasistatic_world.hpp"
+
+namespace palmbots {
+
+template <class Real, class Team, class Recorder>
+class Carry : public RobotPair<Real, Team> {
+  using Base = RobotPair<Real, Team>;
+
+ public:
+  Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
+      : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)), bumps_(spec) {
+    const Model<Real> model = model_of<Real>(spec);
+    world_ = World<Real>(model, configuration_of(spec, model));
+  }
+
+  // Before the first tick: is the object held?
+  void begin() { metrics_.reason = world_.check(); }
+
+  // From here on the random numbers of another seed; what has happened stays. Faults keep their
+  // schedule.
+  void fork(std::uint64_t seed) {
+    seed_ = seed;
+    team_.fork(seed);
+    const std::uint32_t first = tick_ - tick_ % block_ticks;
+    if (first == tick_) return;
+    draw_noise(first);
+    bumps_.draw_block(spec_, seed, first);
+  }
+
+  // Runs to the end.
+  void run() {
+    begin();
+    while (!this->done()) {
+      recorder_.make_room();
+      tick();
+    }
+    recorder_.make_room();
+    recorder_.end(*this);
+  }
+
+  // One control period.
+  void tick() {
+    if (open()) act(sense());
+  }
+
+  // The same in two halves, for somebody who decides in between. First bumps; tells whether the
+  // object is still held.
+  [[gnu::always_inline]] bool open() {
+    if (metrics_.reason == DropReason::none && Bumps::any(spec_)) bump();
+    if (metrics_.reason == DropReason::none) return true;
+    drop();
+    return false;
+  }
+
+  // Then all else, with what the robots sense now.
+  [[gnu::always_inline]] void act(const PerSide<RobotObservation>& sensed) {
+    if (notice(sensed)) think();
+    const std::uint32_t k = tick_ % block_ticks;
+    if (k == 0) next_block();
+    statistics_.add(world_.touched());
+    const Actuation<Real> act =
+        actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
+    recorder_.before(*this, sensed);
+    const Advance<Real>& step = world_.advance(act.change, act.angles, act.push);
+    metrics_.observe(tick_, world_.contact_events(), !world_.constraints().none());
+    const Real before = robots_.midpoint;
+    robots_.midpoint =
+        before + (step.reason == DropReason::none ? act.travel : act.travel * step.fraction);
+    recorder_.after(*this);
+    finish_tick(step.reason, double(step.fraction), before);
+  }
+
+  const World<Real>& world() const { return world_; }
+  Recorder& recorder() { return recorder_; }
+  const Recorder& recorder() const { return recorder_; }
+
+  // What the robots sense, bumps done.
+  PerSide<RobotObservation> sense() const {
+    const PerSide<Sign> signs = read(world_.touched());
+    PerSide<RobotObservation> sensed{};
+    for (const std::size_t side : {left, right}) {
+      sensed[side] = {signs[side],
+                      world_.configuration().palms[side].angle == robots_.goal_angle[side]};
+    }
+    return sensed;
+  }
+
+ private:
+  template <class, int, class>
+  friend class Lockstep;
+  template <class, int, class>
+  friend class BitslicedTeams;
+
+  using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
+  using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
+  using Base::notice, Base::rank;
+  using Base::read, Base::reads_truly, Base::statistics_, Base::team_, Base::tick_,
+      Base::next_decision_tick_;
+
+  bool think() {
+    return Base::think([&](const SentMessage& p) { recorder_.message(p); });
+  }
+
+  // What is done for many ticks at once.
+  [[gnu::noinline]] void next_block() {
+    collect();
+    draw_noise(tick_);
+  }
+
+  // The noise of a block of ticks: four words serve two robots for two ticks.
+  void draw_noise(std::uint32_t first) {
+    const auto words = draw_row<block_ticks / 2>(seed_, first, Stream::noise, 2);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t lane = rank(side);
+      for (std::size_t i = 0; i < block_ticks / 2; ++i) {
+        noise_[side][2 * i] = unit_noise<Real>(words[lane][i]);
+        noise_[side][2 * i + 1] = unit_noise<Real>(words[2 + lane][i]);
+      }
+    }
+  }
+
+  void bump() {
+    if (tick_ % block_ticks == 0) bumps_.draw_block(spec_, seed_, tick_);
+    if (!bumps_.due(spec_, tick_, robots_.midpoint, robots_.together)) return;
+    const auto shift = bumps_.take(spec_, seed_, tick_, robots_.midpoint, robots_.together);
+    metrics_.bumps += shift.bumps;
+    const PerSide<Real> by{Real(shift.by[left]), Real(shift.by[right])};
+    if (by[left] != Real(0) || by[right] != Real(0)) metrics_.reason = world_.shift(by);
+  }
+
+  Recorder recorder_;
+  World<Real> world_;
+  PerSide<std::array<Real, block_ticks>> noise_{};
+  Bumps bumps_;
+};
+
+}  // namespace palmbots

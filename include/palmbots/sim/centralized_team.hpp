@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two robots that report to a station every tick and do what its newest packet says.
+//
+// Over a plain radio, once nothing new has been said for as long as messages travel, nothing new is
+// heard either: until a robot senses something else the same messages go on, and are only counted.
+#pragma once
+
+#include <cstring>
+#include <type_traits>
+
+#include "palmbots/control/centralized.hpp"
+#include "palmbots/sim/faults.hpp"
+#include "palmbots/sim/team.hpp"
+
+namespace palmbots {
+
+class CentralizedTeam {
+ public:
+  static constexpr bool half_moves = true;  // both robots move, at half the correction speed each
+  static constexpr bool expects_turns = false;
+  LinkTotals link_totals{};
+
+  CentralizedTeam(const Channel& channel, std::uint64_t seed, std::size_t leader,
+                  const Faults& faults = {})
+      : radio_(channel, seed, leader),
+        faults_(faults),
+        may_rest_(channel.is_plain()),
+        travel_(channel.longest()) {}
+
+  template <class Log>
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed, Log&&) {
+    close(tick);
+    due_ = tick + 1;
+    const Moment before = now_;
+    const bool lost = faults_.any() && faults_.station_lost(tick);
+    PerSide<bool> runs{true, true};
+    for (const std::size_t side : {left, right}) {
+      if (faults_.any()) runs[side] = this->runs(tick, side);
+      if (runs[side]) down_[side].newest(tick, now_.commands[side]);
+      if (lost) up_[side].drop(tick);
+      now_.heard[side] = up_[side].newest(tick, now_.reports[side]) || now_.heard[side];
+    }
+    // Slots keep the station's packets off the robots', but not the robots' off each other.
+    const bool collides = runs[left] && runs[right] && radio_.collide(tick);
+    if (now_.heard[left] && now_.heard[right] && !lost) {
+      const Centralized::Output told = now_.station.step(now_.reports);
+      on_both_sides([&](std::size_t side) {
+        radio_.post(down_[side], tick, told.command[side], 2, side, false, link_totals);
+      });
+      now_.told = told;
+    }
+    on_both_sides([&](std::size_t side) {
+      if (!runs[side]) return;
+      // `turned` speaks of the command in force until this tick.
+      const Centralized::Report said{sensed[side].sign, obeyed_[side], sensed[side].palm_at_target};
+      radio_.post(up_[side], tick, said, side, side, collides, link_totals);
+      now_.said[side] = said;
+      obeyed_[side] = now_.commands[side].palm;
+    });
+    if (!(now_ == before)) changed_ = tick;
+    return now_.commands;
+  }
+
+  // The next tick at which it is not sure that all goes on as now.
+  std::uint32_t next_decision_tick(std::uint32_t tick) const {
+    return may_rest_ && tick - changed_ > travel_ ? faults_.next_outage(tick) : tick + 1;
+  }
+
+  // The carry ends, or goes on, with this tick: what went on in ticks before it that had no step.
+  void close(std::uint32_t tick) {
+    const std::uint32_t skipped = tick - due_;
+    for (LinkCounts& link : link_totals.links) link.sent += skipped;
+    link_totals.sent += 4 * skipped;
+    due_ = tick;
+  }
+
+  void fork(std::uint64_t seed) { radio_.fork(seed); }
+
+  const Radio& radio() const { return radio_; }
+  const Faults& faults() const { return faults_; }
+
+  char name(std::size_t) const {
+    const int now = now_.station.current();
+    return now == 0 ? ' ' : static_cast<char>('0' + now);
+  }
+  bool waits(std::size_t) const { return false; }
+  MessageKind awaits(std::size_t) const { return MessageKind::none; }
+
+  CorrectionActivity activity(std::size_t side) const {
+    const int now = now_.station.current();
+    if (side != left || now == 0) return {};
+    constexpr auto nobody = CorrectionActivity::nobody;
+    constexpr auto both = CorrectionActivity::both;
+    struct Part {
+      std::int8_t robot;
+      std::int8_t assistant;
+      PerSide<std::int8_t> sense;
+    };
+    constexpr Part parts[8] = {
+        {0, 1, {1, 0}},          {1, 0, {0, 1}},            // cases 1, 2
+        {0, nobody, {-1, 0}},    {1, nobody, {0, -1}},      // 3, 4
+        {both, nobody, {1, 1}},  {both, nobody, {-1, -1}},  // 5, 6
+        {both, nobody, {1, -1}}, {both, nobody, {-1, 1}},   // 7, 8
+    };
+    const Part& part = parts[now - 1];
+    return {static_cast<char>('0' + now), part.robot, part.assistant, part.sense};
+  }
+
+ private:
+  // What is said, heard and done in a tick.
+  struct Moment {
+    Centralized station;
+    PerSide<bool> heard{};             // by the station, ever
+    Centralized::Report reports[2]{};  // the newest that it has
+    Centralized::Output told{};
+    PerSide<Centralized::Report> said{};
+    PerSide<Command> commands{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+
+    // All of it at once: bytes without gaps.
+    bool operator==(const Moment& other) const {
+      static_assert(std::has_unique_object_representations_v<Moment>);
+      return std::memcmp(this, &other, sizeof other) == 0;
+    }
+  };
+
+  // Whether a robot's program runs; one that boots drives on until it hears from the station.
+  bool runs(std::uint32_t tick, std::size_t side) {
+    const ProgramState state = monitor_.program_state(faults_, tick, side);
+    if (state == ProgramState::off) {
+      down_[side].drop(tick);
+      now_.commands[side] = switched_off(now_.commands[side]);
+    }
+    if (state == ProgramState::booting) now_.commands[side] = {Palm::steep, Move::hold};
+    return state == ProgramState::running || state == ProgramState::booting;
+  }
+
+  Moment now_;
+  PerSide<Link<Centralized::Report>> up_;
+  PerSide<Link<Command>> down_;
+  PerSide<Palm> obeyed_{Palm::steep, Palm::steep};
+  Radio radio_;
+  Faults faults_;
+  ProgramMonitor monitor_;
+  bool may_rest_;
+  std::uint32_t travel_;       // of messages [ticks]
+  std::uint32_t changed_ = 0;  // the last tick that was not like the one before
+  std::uint32_t due_ = 0;      // the tick after the last step
+};
+
+static_assert(Team<CentralizedTeam>);
+
+}  // namespace palmbots

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both robots of a carry without its world: sensors, controllers and radio, wheels and wrists,
+// metrics and trace, for a world that is moved by somebody else (a dynamics engine, say).
+//
+// One tick in two calls. `step_controllers` reads the sensors where the world was last seen, lets
+// the team decide and says what wheels and wrists do until the next tick; `observe` takes in what
+// became of it. In between the world moves. Driven with the quasistatic world it is `Carry` to the
+// last bit, which is a test; what Carry does besides (bumps that shift contacts) belongs to that
+// world and is left out.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/recorder.hpp"
+#include "palmbots/sim/robot_pair.hpp"
+
+namespace palmbots {
+
+// What is seen of a world at the end of a tick.
+struct WorldObservation {
+  PerSide<double> contacts{};           // p of the contact vertices [m]
+  PerSide<double> lift{};               // of the contact vertices above their palms [m]
+  PerSide<double> touched{};            // where the palms are pressed: p of that [m]
+  PerSide<bool> pressed{{true, true}};  // hard enough for a switch
+  PerSide<double> palms{};              // angles of the palms in the world [rad]
+  PerSide<double> wrists{};             // angles as the robots measure them [rad]
+  double separation = 0;                // of the pivots [m]
+  double midpoint = 0;                  // of the pivots, from where it started [m]
+  double rise = 0;                      // of the right contact vertex over the left one [m]
+  PerSide<int> motion{};  // over the tick: contacts slide down −1, stick 0, slide up +1
+  DropReason reason = DropReason::none;
+  double fraction = 1;  // of the tick at which it ended
+};
+
+// The sight as the recorder takes it: as it takes a world.
+class ObservedWorld {
+ public:
+  void observe(const WorldObservation& observation) {
+    for (const std::size_t side : {left, right}) {
+      configuration_.contacts[side] = observation.contacts[side];
+      configuration_.lift[side] = observation.lift[side];
+      configuration_.palms[side].angle = observation.palms[side];
+      last_.motion[side] = static_cast<SlipDirection>(observation.motion[side]);
+    }
+    configuration_.separation = observation.separation;
+    contact_vector_.dy = observation.rise;
+  }
+  const Configuration<double>& configuration() const { return configuration_; }
+  const ContactVector<double>& contact_vector() const { return contact_vector_; }
+  const Advance<double>& last() const { return last_; }
+
+ private:
+  Configuration<double> configuration_{};
+  ContactVector<double> contact_vector_{};
+  Advance<double> last_{};
+};
+
+template <class Team>
+class CoSimulation : public RobotPair<double, Team> {
+  using Base = RobotPair<double, Team>;
+
+ public:
+  // `slack`: a palm has turned where its wrist is so near to the angle last commanded [rad].
+  CoSimulation(const Spec& spec, std::uint64_t seed, Team team, double slack,
+               const WorldObservation& first)
+      : Base(spec, seed, std::move(team)), slack_(slack), observation_(first) {
+    for (const std::size_t side : {left, right}) {
+      set_points_[side] = PalmAngle<double>::at(spec.palms[side].steep);
+    }
+    metrics_.reason = first.reason;
+    world_.observe(first);
+    robots_.midpoint = first.midpoint;
+    if (metrics_.reason == DropReason::none) return;
+    drop();
+    finish();
+  }
+
+  // What the robots sense where the world was last seen.
+  PerSide<RobotObservation> sense() const {
+    PerSide<double> touched{};
+    for (const std::size_t side : {left, right}) {
+      // Where nothing presses hard enough no switch is closed, which reads as 0.
+      touched[side] = observation_.pressed[side] ? observation_.touched[side] : 0.0;
+    }
+    const PerSide<Sign> signs = read(touched);
+    PerSide<RobotObservation> sensed{};
+    for (const std::size_t side : {left, right}) {
+      const double off = observation_.wrists[side] - robots_.goal_angle[side];
+      sensed[side] = {signs[side], off <= slack_ && off >= -slack_};
+    }
+    return sensed;
+  }
+
+  // What wheels and wrists do until the next tick.
+  Actuation<double> step_controllers() {
+    recorder_.make_room();
+    const PerSide<RobotObservation> sensed = sense();
+    if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
+    if (tick_ % block_ticks == 0) collect();
+    const PerSide<double> random = noise();
+    statistics_.add(observation_.touched);
+    const Actuation<double> act = actuate(robots_, set_points_, random);
+    for (const std::size_t side : {left, right}) set_points_[side].angle = act.angles[side];
+    recorder_.before(*this, sensed);
+    return act;
+  }
+
+  // What became of it.
+  void observe(const WorldObservation& observation) {
+    const double before = observation_.midpoint;
+    observation_ = observation;
+    world_.observe(observation);
+    robots_.midpoint = observation.midpoint;
+    recorder_.after(*this);
+    finish_tick(observation.reason, observation.fraction, before);
+    if (this->done()) finish();
+  }
+
+  TraceRecorder& recorder() { return recorder_; }
+  const ObservedWorld& world() const { return world_; }
+
+ private:
+  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::rank, Base::read;
+  using Base::metrics_, Base::robots_, Base::seed_, Base::statistics_, Base::think, Base::tick_;
+
+  // The words of a tick as `Carry` draws them: four serve two robots for two ticks.
+  PerSide<double> noise() const {
+    const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
+    const std::size_t first = 2 * (tick_ % 2);
+    return {unit_noise<double>(words[first + rank(left)]),
+            unit_noise<double>(words[first + rank(right)])};
+  }
+
+  void finish() {
+    recorder_.make_room();
+    recorder_.end(*this);
+  }
+
+  double slack_;
+  TraceRecorder recorder_;
+  WorldObservation observation_;
+  ObservedWorld world_;
+  PerSide<PalmAngle<double>> set_points_{};  // of the wrists' motors
+};
+
+}  // namespace palmbots

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// What breaks in a carry, and when: a schedule, worked out once from the spec and the seed.
+//
+// A robot whose program does not run keeps the command it had last. After the watchdog's time
+// without a step its wheels are brought to rest and its controller starts anew when the fault is
+// over; the palm's servo holds the angle it was told last. A reboot is that from the start. A stuck
+// sensor reads one sign; a flickering one now and then reads a random one. A lost station neither
+// hears nor sends.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/base/philox.hpp"
+#include "palmbots/base/side.hpp"
+#include "palmbots/control/messages.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/spec.hpp"
+
+namespace palmbots {
+
+// Whether a robot's program runs.
+enum class ProgramState : std::uint8_t {
+  running,
+  frozen,   // not stepped; the command stays
+  off,      // not stepped; the robot rests
+  booting,  // runs, for the first time since it was off
+};
+
+class Faults {
+ public:
+  Faults() = default;
+
+  static Faults of(const Spec& spec, std::uint64_t seed) {
+    Faults faults;
+    faults.seed_ = seed;
+    for (std::size_t i = 0; i < spec.fault_count; ++i) faults.add(spec, spec.faults[i]);
+    // Random reboots: any robot, any time of a carry at nominal speed.
+    const double length =
+        spec.distance / (0.5 * (spec.robots[left].speed + spec.robots[right].speed));
+    for (std::uint32_t i = 0; i < spec.random_reboots; ++i) {
+      const Words words = draw(seed, i, Stream::fault);
+      const std::size_t leader = spec.direction > 0 ? right : left;
+      const std::size_t side = (words[0] & 1) != 0 ? leader : other(leader);
+      faults.add(spec, {FaultKind::reboot, static_cast<std::uint32_t>(side),
+                        unit_uniform<double>(words[1]) * length, spec.reboot, 0, 0});
+    }
+    return faults;
+  }
+
+  bool any() const { return count_ > 0; }
+
+  // Whether there are no others than robots that are off for a while.
+  bool are_reboots() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].kind != FaultKind::reboot) return false;
+    }
+    return true;
+  }
+
+  // Whether any of them is a sensor's.
+  bool corrupts_readings() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].is_sensors()) return true;
+    }
+    return false;
+  }
+
+  // Whether a robot's program runs at a tick, by the schedule alone: never `boots`
+  // (ProgramMonitor).
+  ProgramState program_state(std::uint32_t tick, std::size_t side) const {
+    ProgramState state = ProgramState::running;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || !f.covers(tick)) continue;
+      if (f.kind == FaultKind::freeze && tick < f.off_from && state != ProgramState::off) {
+        state = ProgramState::frozen;
+      }
+      if (f.kind == FaultKind::reboot || (f.kind == FaultKind::freeze && tick >= f.off_from)) {
+        state = ProgramState::off;
+      }
+    }
+    return state;
+  }
+
+  bool station_lost(std::uint32_t tick) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].kind == FaultKind::station && list_[i].covers(tick)) return true;
+    }
+    return false;
+  }
+
+  // The first tick after this one that robots and station are not sure to pass as usual.
+  std::uint32_t next_outage(std::uint32_t tick) const {
+    std::uint32_t next = ~0U;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.is_sensors() || tick >= f.to) continue;
+      const std::uint32_t at = f.from > tick ? f.from : tick + 1;
+      next = at < next ? at : next;
+    }
+    return next;
+  }
+
+  // The first tick after this one at which program_state() may say something else.
+  std::uint32_t next_change(std::uint32_t tick, std::size_t side) const {
+    std::uint32_t next = ~0U;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || f.is_sensors()) continue;
+      for (const std::uint32_t at : {f.from, f.off_from, f.to}) {
+        if (at > tick && at < next) next = at;
+      }
+    }
+    return next;
+  }
+
+  // What a sensor says at a tick where it should say `sign`.
+  Sign reading(std::uint32_t tick, std::size_t side, Sign sign) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || !f.covers(tick)) continue;
+      if (f.kind == FaultKind::stuck) sign = f.reads;
+      if (f.kind == FaultKind::flicker) {
+        const Words words = draw(seed_, tick, Stream::fault, 1 + static_cast<std::uint32_t>(i));
+        if (words[0] < f.flicker_words)
+          sign = static_cast<Sign>(static_cast<int>(words[1] % 3) - 1);
+      }
+    }
+    return sign;
+  }
+
+ private:
+  struct Fault {
+    FaultKind kind;
+    std::size_t side;
+    std::uint32_t from;
+    std::uint32_t to;        // the first tick after it
+    std::uint32_t off_from;  // from which on the robot rests and will boot
+    Sign reads;
+    std::uint64_t flicker_words;  // of 2³²
+
+    bool is_sensors() const { return kind == FaultKind::stuck || kind == FaultKind::flicker; }
+    bool covers(std::uint32_t tick) const { return tick >= from && tick < to; }
+  };
+
+  void add(const Spec& spec, const FaultSpec& fault) {
+    const auto ticks = [&](double seconds) {
+      return static_cast<std::uint32_t>(seconds / spec.period + 0.5);
+    };
+    Fault& f = list_[count_++];
+    f.kind = fault.kind;
+    f.side = fault.side;
+    f.from = ticks(fault.at);
+    f.to = f.from + ticks(fault.lasts);
+    f.off_from = fault.kind == FaultKind::freeze ? f.from + ticks(spec.watchdog) : f.from;
+    f.reads = static_cast<Sign>(fault.reads);
+    f.flicker_words = static_cast<std::uint64_t>(fault.rate * 4294967296.0);
+  }
+
+  static constexpr std::size_t capacity = max_faults + 8;  // the schedule's, and random ones
+  std::array<Fault, capacity> list_{};
+  std::size_t count_ = 0;
+  std::uint64_t seed_ = 0;
+};
+
+// Which robots have been off since they last ran. A program that was off boots when it runs next,
+// whatever has kept it from running meanwhile.
+class ProgramMonitor {
+ public:
+  // Asked once a tick and robot.
+  ProgramState program_state(const Faults& faults, std::uint32_t tick, std::size_t side) {
+    const ProgramState state = next_program_state(faults, tick, side);
+    if (state == ProgramState::off) was_off_[side] = true;
+    if (state == ProgramState::booting) was_off_[side] = false;
+    return state;
+  }
+
+  // What program_state() will say in the tick to come.
+  ProgramState next_program_state(const Faults& faults, std::uint32_t tick,
+                                  std::size_t side) const {
+    const ProgramState state = faults.program_state(tick, side);
+    return state == ProgramState::running && was_off_[side] ? ProgramState::booting : state;
+  }
+
+ private:
+  PerSide<bool> was_off_{};
+};
+
+}  // namespace palmbots

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The chance of something rare, by multilevel splitting with fixed effort.
+//
+// A process that rarely gets to the top first has to get half-way: of those that do, copies are
+// made, which go on from there with random numbers of their own. With N runs in every stage, of
+// which r_k reach the next level and d_k hit the top before they do,
+//
+//     P = Σ_k (r_0 / N) ⋯ (r_{k−1} / N) · d_k / N
+//
+// is an unbiased estimate of the chance to hit the top, whatever the levels are; they only decide
+// how much it scatters. Source: Garvels, "The splitting method in rare event simulation" (2000),
+// section 2.2; Botev and Kroese, "Efficient Monte Carlo simulation via the generalized splitting
+// method" (2012), section 3.
+//
+// A Process is a value with
+//
+//     RunStatus step()          one step; `finished` when it can no longer hit
+//     double height()      how near to the top it is
+//     void fork(seed)      from here on the random numbers of this seed
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "palmbots/base/philox.hpp"
+
+namespace palmbots {
+
+// Whether a process still climbs.
+enum class RunStatus : std::uint8_t { running, finished, hit };
+
+// What became of the runs of one stage.
+struct Stage {
+  std::uint32_t reached = 0;  // the next level
+  std::uint32_t hits = 0;     // of the top, without a look at the level in between
+};
+
+// A seed for each run, and the number of its parent among so many.
+struct ResampledRun {
+  std::uint64_t seed;
+  std::size_t parent;
+
+  static constexpr ResampledRun of(std::uint64_t seed, std::uint32_t replicate, std::uint32_t stage,
+                                   std::uint32_t run, std::size_t parents) {
+    const Words words = philox({run, stage, replicate, 0x53504C54}, seed);  // "SPLT"
+    const std::uint64_t share = std::uint64_t{words[2]} * parents;
+    return {std::uint64_t{words[0]} << 32 | words[1], static_cast<std::size_t>(share >> 32)};
+  }
+};
+
+// make(seed) is a process at its start.
+template <class Process, class Make>
+class Splitting {
+ public:
+  Splitting(Make make, std::uint64_t seed, std::uint32_t effort)
+      : make_(std::move(make)), seed_(seed), effort_(effort) {}
+
+  // One estimate, independent of that of any other replicate.
+  std::vector<Stage> replicate(std::uint32_t number, const std::vector<double>& levels) {
+    std::vector<Stage> stages(levels.size() + 1);
+    std::vector<Process> parents;
+    for (std::uint32_t k = 0; k < stages.size(); ++k) {
+      const double level = k < levels.size() ? levels[k] : never;
+      parents = run(number, k, parents, level, stages[k], nullptr);
+      if (parents.empty()) break;
+    }
+    return stages;
+  }
+
+  // Levels of which each is reached by about `share` of the runs from the one before.
+  std::vector<double> choose_levels(double share) {
+    std::vector<double> levels;
+    std::vector<Process> parents;
+    double last = -never;
+    for (std::uint32_t k = 0; k < most_levels; ++k) {
+      std::vector<double> tops;
+      Stage stage;
+      run(pilot, k, parents, never, stage, &tops);
+      std::sort(tops.begin(), tops.end(), std::greater<>());
+      const double level = tops[static_cast<std::size_t>(share * effort_)];
+      if (!(level < never) || !(level > last)) break;  // the top itself, or no way up
+      stage = {};
+      parents = run(pilot, k, parents, level, stage, nullptr);
+      if (parents.empty()) break;  // who came there was over with that step
+      last = level;
+      levels.push_back(level);
+    }
+    return levels;
+  }
+
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr std::uint32_t pilot = ~0U;  // the number of the replicate that finds the levels
+  static constexpr std::uint32_t most_levels = 64;
+
+  // All runs of a stage; gives back those that reached the level, and the height of each in `tops`.
+  std::vector<Process> run(std::uint32_t number, std::uint32_t k,
+                           const std::vector<Process>& parents, double level, Stage& stage,
+                           std::vector<double>* tops) {
+    std::vector<Process> reached;
+    for (std::uint32_t i = 0; i < effort_; ++i) {
+      const ResampledRun resampled = ResampledRun::of(seed_, number, k, i, parents.size());
+      Process process = k == 0 ? make_(resampled.seed) : parents[resampled.parent];
+      if (k > 0) process.fork(resampled.seed);
+      double top = process.height();
+      RunStatus status = RunStatus::running;
+      while (status == RunStatus::running && !(top >= level)) {
+        status = process.step();
+        ++steps_;
+        top = std::max(top, status == RunStatus::hit ? never : process.height());
+      }
+      if (status == RunStatus::hit) {
+        ++stage.hits;
+      } else if (top >= level && status == RunStatus::running) {  // what is over has no way on
+        ++stage.reached;
+        reached.push_back(std::move(process));
+      }
+      if (tops != nullptr) tops->push_back(top);
+    }
+    return reached;
+  }
+
+  Make make_;
+  std::uint64_t seed_;
+  std::uint32_t effort_;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace palmbots

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The radio between robots and station: sends messages over links and counts them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "palmbots/base/side.hpp"
+#include "palmbots/control/centralized.hpp"
+#include "palmbots/sim/corruption.hpp"
+#include "palmbots/sim/radio_channel.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/wire/codec.hpp"
+
+namespace palmbots {
+
+// One message, for the log. One that is lost, or comes damaged, has received == 0.
+struct SentMessage {
+  std::uint32_t sent;
+  std::uint32_t received;
+  std::uint8_t sender;
+  std::uint8_t receiver;
+  MessageKind kind;
+};
+
+// Counts of messages. What was not lost is delivered, and so is each copy, damaged or not.
+struct LinkCounts {
+  std::uint32_t sent = 0;
+  std::uint32_t lost = 0;
+  std::uint32_t duplicated = 0;
+  std::uint32_t late = 0;      // heard by the resilient algorithm, but too old to count
+  std::uint32_t rejected = 0;  // damaged; by that algorithm also a copy, or older than one heard
+};
+
+struct LinkTotals {
+  std::uint32_t sent = 0;
+  std::uint32_t lost = 0;
+  // From the left robot, from the right one, from the station to the left and to the right one.
+  std::array<LinkCounts, 4> links{};
+};
+
+// What a team knows of the radio: posts messages on links and counts them. Of two that send in one
+// tick, each does so at a random instant of it; if they overlap neither is heard.
+class Radio {
+ public:
+  Radio(const Channel& channel, std::uint64_t seed, std::size_t leader)
+      : channel_(channel),
+        plain_delay_(channel.is_plain() ? channel.longest() : 0),
+        seed_(seed),
+        leader_(leader) {}
+
+  std::size_t leader() const { return leader_; }
+
+  // From here on the random numbers of another seed.
+  void fork(std::uint64_t seed) { seed_ = seed; }
+
+  // How long every message takes that is not lost, if they all take the same time and losses are
+  // all that befalls them [ticks]; else 0.
+  std::uint32_t steady_delay() const { return channel_.is_steady() ? channel_.longest() : 0; }
+  // A message is lost where a random word is below this.
+  std::uint64_t loss_words() const { return channel_.loss_words; }
+
+  // Before a tick's messages: whether those of two stations that both send in it collide.
+  bool collide(std::uint32_t tick) const {
+    if (channel_.airtime_ticks <= 0) return false;
+    const Words words = draw(seed_, tick, Stream::collision);
+    const double apart = unit_uniform<double>(words[0]) - unit_uniform<double>(words[1]);
+    return (apart < 0 ? -apart : apart) < channel_.airtime_ticks;
+  }
+
+  // Sends from `sender` (0, 1: robots, 2: station) to a robot, or to the station; returns the tick
+  // of arrival, 0 if it is lost.
+  template <class Payload>
+  std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
+                     std::size_t sender, std::size_t robot, bool collides,
+                     LinkTotals& link_totals) const {
+    LinkCounts& counts = link_totals.links[robot + (sender == 2 ? 2 : 0)];
+    ++link_totals.sent;
+    ++counts.sent;
+    if (plain_delay_ > 0 && link.has_room()) return link.put(tick + plain_delay_, payload);
+    // The robot that leads has the first lane, so that the mirrored carry draws the mirrored
+    // numbers.
+    const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
+    const Words words =
+        channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
+    const MessageFault* message_fault = channel_.message_fault(sender, counts.sent);
+    const bool lost = message_fault != nullptr && message_fault->effect == MessageEffect::lost;
+    const bool late = message_fault != nullptr && message_fault->effect == MessageEffect::late;
+    if (collides || lost || channel_.is_dead(static_cast<std::uint32_t>(sender), tick) ||
+        !link.takes(tick, channel_, words)) {
+      ++link_totals.lost;
+      ++counts.lost;
+      return 0;
+    }
+    std::uint32_t received = 0;
+    if (channel_.corrupt_words > 0 && damages(payload, tick, sender, robot, lane, counts.sent)) {
+      ++counts.rejected;
+    } else {
+      received = link.put(late ? tick + message_fault->late : tick, payload, channel_, words);
+    }
+    if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
+      ++counts.duplicated;
+    }
+    if (message_fault != nullptr && message_fault->effect == MessageEffect::copied) {
+      link.send_again(tick + message_fault->late, payload, channel_, words);
+      ++counts.duplicated;
+    }
+    return received;
+  }
+
+ private:
+  // Whether the message comes damaged and is turned away: it is made into its packet, some bytes of
+  // which become noise, and the receiver's decoder reads what is left of it (wire/codec.hpp).
+  template <class Payload>
+  bool damages(const Payload& payload, std::uint32_t tick, std::size_t sender, std::size_t robot,
+               std::uint32_t lane, std::uint32_t number) const {
+    const Words words = draw(seed_, tick, Stream::corruption, lane);
+    if (words[0] >= channel_.corrupt_words) return false;
+    constexpr bool reports = std::is_same_v<Payload, Centralized::Report>;
+    const std::size_t receiver = reports ? 2 : (sender == 2 ? robot : other(sender));
+    const wire::PacketHeader header{
+        static_cast<wire::Role>(sender), static_cast<wire::Role>(receiver), 0, {1, number}, {}};
+    return damaged(wire::packet_of(payload, header), words) != wire::Verdict::accepted;
+  }
+
+  Channel channel_;
+  std::uint32_t plain_delay_;
+  std::uint64_t seed_;
+  std::size_t leader_;
+};
+
+}  // namespace palmbots

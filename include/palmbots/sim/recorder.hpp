@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is kept of a carry besides its metrics: nothing, a hash, or every tick.
+//
+// A row is the state at the start of a tick with the readings, commands and speeds of that tick;
+// the last row is the state at the end. The hash takes the bits of every row as doubles, so that
+// two traces with equal hashes are equal.
+#pragma once
+
+#include <bit>
+#include <vector>
+
+#include "palmbots/sim/carry.hpp"
+
+namespace palmbots {
+
+struct NoRecorder {
+  void make_room() {}
+  void message(const SentMessage&) {}
+  template <class Carry>
+  void before(const Carry&, const PerSide<RobotObservation>&) {}
+  template <class Carry>
+  void after(const Carry&) {}
+  template <class Carry>
+  void end(const Carry&) {}
+};
+
+// FNV-1a on 64-bit words, with a final mix so that every bit of the input reaches every bit of the
+// hash.
+class TraceHash {
+ public:
+  void add(double value) {
+    state_ = (state_ ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001B3ULL;
+    state_ ^= state_ >> 29;
+  }
+  std::uint64_t value() const {
+    std::uint64_t x = state_;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+    return x ^ (x >> 31);
+  }
+
+ private:
+  std::uint64_t state_ = 0xCBF29CE484222325ULL;
+};
+
+// One tick, as it goes into the trace.
+struct Row {
+  PerSide<double> contact;
+  PerSide<double> palm;
+  PerSide<double> speed;
+  PerSide<double> commanded;
+  double separation;
+  double midpoint;
+  double object;  // sine of the object angle
+  PerSide<std::int8_t> sign;
+  PerSide<char> name;  // case
+  PerSide<std::int8_t> motion;
+  PerSide<double> lift;  // of the contact vertices above their palms
+
+  template <class Visit>
+  void numbers(Visit visit) const {
+    for (const auto* pair : {&contact, &palm, &speed, &commanded}) {
+      visit((*pair)[left]);
+      visit((*pair)[right]);
+    }
+    visit(separation);
+    visit(midpoint);
+  }
+};
+
+template <class Carry>
+Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
+  Row row{};
+  const auto& configuration = carry.world().configuration();
+  for (const std::size_t side : {left, right}) {
+    row.contact[side] = double(configuration.contacts[side]);
+    row.lift[side] = double(configuration.lift[side]);
+    row.palm[side] = double(configuration.palms[side].angle);
+    row.speed[side] = double(carry.speeds()[side]);
+    row.commanded[side] = double(carry.wanted(side, carry.commands()[side]));
+    row.sign[side] = static_cast<std::int8_t>(sensed[side].sign);
+    row.name[side] = carry.team().name(side);
+  }
+  row.separation = double(configuration.separation);
+  row.midpoint = double(carry.midpoint());
+  row.object = double(carry.world().contact_vector().dy) / carry.spec().width;
+  return row;
+}
+
+// Keeps the hash only.
+class HashRecorder {
+ public:
+  void make_room() {}
+  void message(const SentMessage&) {}
+  template <class Carry>
+  void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
+    sensed_ = sensed;
+    add(row_of(carry, sensed));
+  }
+  template <class Carry>
+  void after(const Carry&) {}
+  template <class Carry>
+  void end(const Carry& carry) {
+    add(row_of(carry, sensed_));
+  }
+  std::uint64_t hash() const { return hash_.value(); }
+
+ protected:
+  void add(const Row& row) {
+    row.numbers([this](double value) { hash_.add(value); });
+  }
+  PerSide<RobotObservation> sensed_{};
+  TraceHash hash_;
+};
+
+// Keeps every row and message as well. Memory grows between ticks, never inside one.
+class TraceRecorder : public HashRecorder {
+ public:
+  void make_room() {
+    grow(rows_, 1);
+    grow(sent_messages_, 4);
+  }
+  void message(const SentMessage& sent) { sent_messages_.push_back(sent); }
+  template <class Carry>
+  void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
+    sensed_ = sensed;
+    rows_.push_back(row_of(carry, sensed));
+    add(rows_.back());
+  }
+  template <class Carry>
+  void after(const Carry& carry) {
+    const ContactMode motion = carry.world().last().motion;
+    rows_.back().motion = {static_cast<std::int8_t>(motion[left]),
+                           static_cast<std::int8_t>(motion[right])};
+  }
+  template <class Carry>
+  void end(const Carry& carry) {
+    rows_.push_back(row_of(carry, sensed_));
+    add(rows_.back());
+  }
+  std::vector<Row> take_rows() { return std::move(rows_); }
+  std::vector<SentMessage> take_sent_messages() { return std::move(sent_messages_); }
+
+ private:
+  template <class T>
+  static void grow(std::vector<T>& list, std::size_t spare) {
+    if (list.size() + spare > list.capacity()) list.reserve(2 * list.capacity() + 1024);
+  }
+  std::vector<Row> rows_;
+  std::vector<SentMessage> sent_messages_;
+};
+
+}  // namespace palmbots

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// How two resilient robots are wired together: beacons, receivers, and what outlives a reboot.
+#pragma once
+
+#include <algorithm>
+
+#include "palmbots/control/beacon.hpp"
+#include "palmbots/control/resilient.hpp"
+#include "palmbots/sim/faults.hpp"
+#include "palmbots/sim/team.hpp"
+
+namespace palmbots {
+
+// Two robots that broadcast beacons to each other, on leases (control/resilient.hpp).
+class ResilientTeam {
+ public:
+  static constexpr bool half_moves = false;
+  static constexpr bool expects_turns = false;
+  LinkTotals link_totals{};
+
+  ResilientTeam(Resilient::Times times, PerSide<double> clock_drift, const Channel& channel,
+                std::uint64_t seed, std::size_t leader, const Faults& faults = {})
+      : times_(times),
+        robots_{robot(times, left, leader), robot(times, right, leader)},
+        rate_{1 + clock_drift[left], 1 + clock_drift[right]},
+        radio_(channel, seed, leader),
+        faults_(faults) {}
+
+  template <class Log>
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed,
+                               Log&& log) {
+    PerSide<bool> sends{};
+    for (const std::size_t side : {left, right}) {
+      if (tick < due_[side] && sensed[side] == sensed_[side] && !inbox_[side].oldest(tick))
+        continue;
+      catch_up(tick, side);
+      sensed_[side] = sensed[side];
+      due_[side] = tick;
+      clock_[side] += rate_[side];
+      if (faults_.any() && !runs(tick, side)) continue;
+      const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
+      if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
+      clock_[side] -= elapsed;
+      const Resilient::Output out = robots_[side].step(hear(tick, side, sensed[side], elapsed));
+      commands_[side] = out.command;
+      messages_[side] = out.message;
+      ready_[side] = out.ready;
+      assisted_[side] = out.assists;
+      sends[side] = out.send;
+    }
+    const bool collides = sends[left] && sends[right] && radio_.collide(tick);
+    for (const std::size_t side : {left, right}) {
+      if (!sends[side]) continue;
+      const Beacon beacon =
+          receivers_[side].beacon(messages_[side], robots_[side].stopped(), ready_[side]);
+      const std::uint32_t received =
+          radio_.post(inbox_[other(side)], tick, beacon, side, side, collides, link_totals);
+      log(SentMessage{tick, received, static_cast<std::uint8_t>(side),
+                      static_cast<std::uint8_t>(other(side)), beacon.message});
+    }
+    for (const std::size_t side : {left, right}) {
+      if (due_[side] == tick) due_[side] = due(tick, side);
+    }
+    return commands_;
+  }
+
+  void fork(std::uint64_t seed) { radio_.fork(seed); }
+  void close(std::uint32_t) {}
+
+  // The next tick in which something happens by itself.
+  std::uint32_t next_decision_tick(std::uint32_t tick) const {
+    std::uint32_t next = ~0U;
+    for (const std::size_t side : {left, right}) {
+      next = std::min({next, due_[side], inbox_[side].next_arrival(tick)});
+    }
+    return next;
+  }
+
+  char name(std::size_t side) const { return robots_[side].now().name; }
+  bool waits(std::size_t side) const { return robots_[side].now().waits; }
+  MessageKind awaits(std::size_t side) const {
+    return waits(side) ? MessageKind::ack : MessageKind::none;
+  }
+  CorrectionActivity activity(std::size_t side) const { return activity_of(name(side), side); }
+  const Resilient& robot(std::size_t side) const { return robots_[side]; }
+  const Resilient::Times& times() const { return times_; }
+
+  // Whether the robots' clocks are the carry's.
+  bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
+  const Radio& radio() const { return radio_; }
+  const Faults& faults() const { return faults_; }
+
+ private:
+  // The ticks since a robot's last step, in which all went on as before.
+  void catch_up(std::uint32_t tick, std::size_t side) {
+    const auto rested = static_cast<std::uint16_t>(tick - stepped_[side] - 1);
+    stepped_[side] = tick;
+    if (rested == 0) return;
+    robots_[side].idle(sensed_[side].sign, rested);
+    receivers_[side].tick(rested);
+  }
+
+  // The next tick in which a robot has something to do by itself: a beacon is due, a time is over,
+  // or its program stops or starts to run. A clock that is not the carry's own is stepped in every
+  // tick, and so is a program that is frozen: when it goes on it learns how long it was.
+  std::uint32_t due(std::uint32_t tick, std::size_t side) const {
+    const ProgramState state =
+        faults_.any() ? faults_.program_state(tick, side) : ProgramState::running;
+    if (rate_[side] != 1 || state == ProgramState::frozen) return tick + 1;
+    const std::uint32_t change = faults_.next_change(tick, side);
+    if (state == ProgramState::off) return change;
+    const std::uint32_t quiet =
+        robots_[side].quiet(sensed_[side].sign, sensed_[side].palm_at_target);
+    return std::min(tick + 1 + quiet, change);
+  }
+
+  // The follower is the one that yields, wherever it stands.
+  static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
+                         bool assisted = false) {
+    return Resilient(times, side != leader, assisted);
+  }
+
+  // Everything that has arrived goes through the receiver; the controller gets the newest.
+  Resilient::Input hear(std::uint32_t tick, std::size_t side, const RobotObservation& sensed,
+                        std::uint16_t elapsed) {
+    BeaconReceiver& receiver = receivers_[side];
+    receiver.tick(elapsed);
+    LinkCounts& counts = link_totals.links[other(side)];
+    bool news = false;
+    while (const Beacon* beacon = inbox_[side].oldest(tick)) {
+      const bool newer = receiver.accept(*beacon);
+      counts.rejected += newer ? 0 : 1;
+      counts.late += newer && receiver.age() > times_.lease ? 1 : 0;
+      news = news || newer;
+      inbox_[side].pop();
+    }
+    const Beacon& newest = receiver.newest();
+    return {sensed.sign,    sensed.palm_at_target,
+            elapsed,        news ? newest.message : MessageKind::none,
+            newest.stopped, newest.ready,
+            receiver.age()};
+  }
+
+  // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
+  bool runs(std::uint32_t tick, std::size_t side) {
+    const ProgramState state = monitor_.program_state(faults_, tick, side);
+    if (state == ProgramState::off) {
+      inbox_[side].drop(tick);
+      commands_[side] = switched_off(commands_[side]);
+    }
+    if (state == ProgramState::booting) {
+      robots_[side] = robot(times_, side, radio_.leader(), assisted_[side]);
+      receivers_[side] = BeaconReceiver(++epoch_[side]);
+      clock_[side] = 1;
+    }
+    return state == ProgramState::running || state == ProgramState::booting;
+  }
+
+  Resilient::Times times_;
+  PerSide<Resilient> robots_;
+  PerSide<std::uint32_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
+  PerSide<bool> assisted_{};
+  PerSide<BeaconReceiver> receivers_{BeaconReceiver(1), BeaconReceiver(1)};
+  PerSide<double> rate_;     // of the robots' clocks
+  PerSide<double> clock_{};  // ticks of theirs not yet stepped
+  PerSide<Link<Beacon>> inbox_;
+  PerSide<std::uint32_t> stepped_{~0U, ~0U};  // the tick of a robot's last step
+  PerSide<std::uint32_t> due_{};        // and of its next one, if it senses and hears nothing new
+  PerSide<RobotObservation> sensed_{};  // in that step
+  PerSide<MessageKind> messages_{};
+  PerSide<bool> ready_{};
+  PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
+  Radio radio_;
+  Faults faults_;
+  ProgramMonitor monitor_;
+};
+
+static_assert(Team<ResilientTeam>);
+
+}  // namespace palmbots

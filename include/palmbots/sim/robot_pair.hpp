@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both robots of a carry without its world: sensors, controllers and radio, what commands come to,
+// how a carry ends, and what is measured.
+//
+// Whoever has a world drives them: Carry the quasistatic one of its own, CoSimulation one that
+// somebody else moves.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "palmbots/sim/build.hpp"
+#include "palmbots/sim/faults.hpp"
+#include "palmbots/sim/metrics.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/team.hpp"
+
+namespace palmbots {
+
+template <class Real, Team AnyTeam>
+class RobotPair {
+ public:
+  RobotPair(const Spec& spec, std::uint64_t seed, AnyTeam team)
+      : spec_(spec), seed_(seed), faults_(Faults::of(spec, seed)), team_(std::move(team)) {
+    robots_ = robots_of<Real>(spec, seed);
+    for (const std::size_t side : {left, right}) {
+      full_move_[side] = Real(spec.robots[side].correction * (AnyTeam::half_moves ? 0.5 : 1.0));
+      nominal_[side] = Real(spec.direction * spec.robots[side].speed);
+    }
+    std::array<Zone<Real>, max_zones> zones{};
+    for (std::size_t i = 0; i < spec.zone_count; ++i) {
+      zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
+    }
+    tactile_ = TactileSensor<Real>(zones, spec.zone_count, spec.false_rate);
+    metrics_.settle_ticks = settle_ticks();
+    obey(commands_);
+  }
+
+  bool done() const { return metrics_.outcome != Outcome::running; }
+  std::uint32_t ticks() const { return tick_; }
+  const Spec& spec() const { return spec_; }
+  const AnyTeam& team() const { return team_; }
+  const Metrics& metrics() const { return metrics_; }
+  Real midpoint() const { return robots_.midpoint; }
+  const PerSide<Real>& speeds() const { return robots_.speeds; }
+  const PerSide<Command>& commands() const { return commands_; }
+
+  // The speed a command asks of a robot, in the world's x direction.
+  Real wanted(std::size_t side, Command command) const {
+    const Real away = outward<Real>(side) * full_move_[side];
+    const Real move =
+        command.move == Move::away ? away : (command.move == Move::closer ? -away : Real(0));
+    return (command.stop ? Real(0) : nominal_[side]) + move;
+  }
+
+ protected:
+  // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored
+  // carry draws the mirrored numbers.
+  std::size_t leader() const { return leader_of(spec_); }
+  std::size_t rank(std::size_t side) const { return side == leader() ? 0 : 1; }
+
+  // What the sensors say of palms touched there, in this tick.
+  PerSide<Sign> read(const PerSide<Real>& touched) const {
+    PerSide<Sign> signs{};
+    Words words{};
+    if (tactile_.has_false_readings()) words = draw(seed_, tick_, Stream::tactile);
+    for (const std::size_t side : {left, right}) {
+      const std::size_t first = 2 * rank(side);
+      signs[side] = tactile_.has_false_readings()
+                        ? tactile_.sign(touched[side], words[first], words[first + 1])
+                        : tactile_.sign(touched[side]);
+      if (faults_.any()) [[unlikely]]
+        signs[side] = faults_.reading(tick_, side, signs[side]);
+    }
+    return signs;
+  }
+
+  // The speed that the wheels go for, along the direction of travel.
+  Real goal_speed(std::size_t side, Command command) const {
+    return robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, command));
+  }
+
+  // Whether they say the same as long as the palms are touched in the same stretches.
+  bool reads_truly() const {
+    return !tactile_.has_false_readings() && !faults_.corrupts_readings();
+  }
+
+  // Takes in what the robots sense. Is there anything for the team to do? Otherwise this tick is as
+  // the one before: they sense what they sensed, and the team has nothing to do by itself.
+  [[gnu::always_inline]] bool notice(const PerSide<RobotObservation>& sensed) {
+    bool is_news = tick_ >= next_decision_tick_;
+    // Field by field: a copy of the whole would wait for fields that have only just been written.
+    on_both_sides([&](std::size_t side) {
+      is_news |= !(sensed[side] == sensed_[side]);
+      sensed_[side].sign = sensed[side].sign;
+      sensed_[side].palm_at_target = sensed[side].palm_at_target;
+    });
+    return is_news;
+  }
+
+  // The team runs, log(SentMessage) gets what it sends, and what it commands is obeyed. Tells
+  // whether the commands are new.
+  template <class Log>
+  bool think(Log&& log) {
+    const PerSide<Command>& commands = team_.step(tick_, sensed_, log);
+    next_decision_tick_ = team_.next_decision_tick(tick_);
+    const bool are_new = commands != commands_;
+    if (are_new) [[unlikely]]
+      obey(commands);
+    metrics_.note(tick_, team_);
+    return are_new;
+  }
+
+  void collect() { metrics_.collect(statistics_, tick_ - metrics_.samples); }
+
+  // The end of a tick of which the world did `fraction`, up to `end` if that is something;
+  // `before`: where the midpoint was.
+  void finish_tick(DropReason reason, double fraction, Real before) {
+    const double gone = double(robots_.midpoint) * spec_.direction;
+    if (reason != DropReason::none) {
+      metrics_.reason = reason;
+      metrics_.outcome = Outcome::dropped;
+      metrics_.time_ticks = double(tick_) + fraction;
+    } else if (gone >= spec_.distance) {
+      metrics_.outcome = Outcome::delivered;
+      // The instant inside the tick at which the distance was reached.
+      const double over = gone - spec_.distance;
+      const double way = (double(robots_.midpoint) - double(before)) * spec_.direction;
+      metrics_.time_ticks = double(tick_) + (way > 0 ? 1 - over / way : 1);
+    } else if (tick_ + 1 >= spec_.timeout_ticks) {
+      metrics_.outcome = Outcome::stalled;
+      metrics_.time_ticks = double(tick_) + 1;
+    }
+    ++tick_;
+    if (done()) close();
+  }
+
+  // The object is no longer held when a tick begins.
+  void drop() {
+    metrics_.outcome = Outcome::dropped;
+    metrics_.time_ticks = double(tick_);
+    close();
+  }
+
+ private:
+  void close() {
+    collect();
+    team_.close(tick_);
+    metrics_.close(tick_);
+  }
+
+  // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
+  // processor guesses that they did not.
+  [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
+    for (const std::size_t side : {left, right}) {
+      const bool turns = commands[side].palm != commands_[side].palm;
+      if (AnyTeam::expects_turns && turns) sensed_[side].palm_at_target = false;
+    }
+    commands_ = commands;
+    for (const std::size_t side : {left, right}) {
+      robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
+      robots_.goal_speed[side] = goal_speed(side, commands[side]);
+      const bool stops = commands[side].stop && robots_.goal_speed[side] == Real(0);
+      robots_.brakes[side] = Real(stops ? 1 : 0);
+    }
+  }
+
+  // A correction that follows the last one within this time belongs to the same run of corrections:
+  // twice the time that messages and palms take.
+  std::uint32_t settle_ticks() const {
+    double turn = 0;
+    for (const PalmSpec& palm : spec_.palms) {
+      const double own = (palm.steep - palm.shallow) / palm.rate;
+      turn = own > turn ? own : turn;
+    }
+    return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
+                                      spec_.period) +
+           10;
+  }
+
+ protected:
+  Spec spec_;
+  std::uint64_t seed_;
+  Faults faults_;
+  AnyTeam team_;
+  Robots<Real> robots_{};
+  TactileSensor<Real> tactile_;
+  PerSide<RobotObservation> sensed_{};
+  std::uint32_t next_decision_tick_ =
+      0;  // the next tick at which the team is asked whatever is sensed
+  ContactStatistics<Real> statistics_{};
+  std::uint32_t tick_ = 0;
+  Metrics metrics_;
+
+ private:
+  PerSide<Real> full_move_{};
+  PerSide<Real> nominal_{};
+  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+};
+
+}  // namespace palmbots

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that defines a carry, as plain numbers in SI units and radians: what a scene becomes.
+//
+// Trivially copyable, so that a spec can be handed on as bytes. Numbers are double here whatever
+// the precision of the carry; whoever fills it in has validated it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/mechanics/clearance.hpp"
+#include "palmbots/robot/tactile_sensor.hpp"
+#include "palmbots/sim/radio_channel.hpp"
+
+namespace palmbots {
+
+struct PalmSpec {
+  double length = 0.15;
+  double offset = 0;  // of the surface from the pivot
+  double friction = 0.3;
+  double shallow = 0;
+  double steep = 0;
+  double rate = 0;  // [rad/s]
+};
+
+struct RobotSpec {
+  double speed = 0.06;
+  double correction = 0.03;
+  double acceleration = 0.5;
+  double max_speed = 0.2;
+  double noise = 0.01;  // stationary standard deviation
+  double noise_tau = 0.5;
+  double bias = 0;
+  double clock_drift = 0;  // share by which its clock runs fast
+};
+
+// A sudden shift of one contact, when the pair has come `at` far, or at time `at`.
+struct BumpSpec {
+  std::uint32_t side = 0;
+  std::uint32_t by_time = 0;
+  double at = 0;     // [m] or [s]
+  double shift = 0;  // [m], outward
+};
+
+// How a robot, a sensor or the station fails. The number is part of the spec: append.
+enum class FaultKind : std::uint32_t {
+  reboot = 0,
+  freeze = 1,
+  stuck = 2,
+  flicker = 3,
+  station = 4
+};
+
+struct FaultSpec {
+  FaultKind kind = FaultKind::reboot;
+  std::uint32_t side = 0;
+  double at = 0;           // [s]
+  double lasts = 0;        // [s]
+  std::int32_t reads = 0;  // stuck: the sign that the sensor reads
+  double rate = 0;         // flicker: the probability that a reading is random
+};
+
+// Nothing that the sender sends arrives.
+struct OutageSpec {
+  std::uint32_t sender = 0;  // 0: left, 1: right, 2: the station
+  double from = 0;           // [s]
+  double to = 0;             // [s]
+};
+
+// What befalls one message of a robot (MessageEffect, in its order).
+struct MessageFaultSpec {
+  std::uint32_t sender = 0;
+  std::uint32_t message = 0;  // from 1
+  std::uint32_t effect = 0;
+  double late = 0;  // [s]
+};
+
+inline constexpr std::size_t max_faults = 32;
+inline constexpr std::size_t max_bumps = 64;
+inline constexpr double standard_gravity = 9.80665;  // [m/s²]
+
+struct Spec {
+  double width = 0;
+  double com_left = 0;
+  double com_right = 0;
+  double com_height = 0;
+  Outline<double> outline{};
+  PalmSpec palms[2]{};
+  RobotSpec robots[2]{};
+  std::array<Zone<double>, max_zones> zones{};
+  std::size_t zone_count = 0;
+  double false_rate = 0;
+  double period = 0.01;
+  double latency = 0.05;
+  double jitter = 0;
+  double loss = 0;
+  double duplicate = 0;
+  double corruption = 0;
+  std::uint32_t reorders = 0;
+  double burst_share = 0;  // of the time in which a link is dead
+  double burst_mean = 0.1;
+  double airtime = 0;  // 0: no collisions
+  double beacon = 0.05;
+  double lease = 0;  // 0: what ResilientTiming::of takes
+  std::array<OutageSpec, max_outages> outages{};
+  std::size_t outage_count = 0;
+  std::array<MessageFaultSpec, max_message_faults> message_faults{};
+  std::size_t message_fault_count = 0;
+  double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots
+  std::array<FaultSpec, max_faults> faults{};
+  std::size_t fault_count = 0;
+  std::uint32_t random_reboots = 0;  // in each carry
+  double reboot = 0.5;               // what one of them takes
+  double distance = 1.5;
+  double slope = 0;           // specific force towards −x
+  double inertia = 1;         // 0: accelerations do not count, as the paper assumes
+  double inertia_lag = 0.05;  // the time over which they are averaged [s]
+  double direction = 1;       // +1: the right robot leads, −1: the left one
+  std::uint64_t timeout_ticks = 5000;
+  double start[2]{};
+  std::array<BumpSpec, max_bumps> bumps{};
+  std::size_t bump_count = 0;
+  double bump_rate = 0;    // random bumps per metre and robot
+  double bump_max = 0;     // largest random shift
+  double safe_reach = -1;  // see ModelParams; whoever fills in a spec may leave it out
+};
+
+}  // namespace palmbots

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything under which the properties have to hold, and the COMs for which they do.
+//
+// An envelope is a box: the COM's height, each palm's friction, the slope and the contacts each lie
+// in an interval. The result is the interval of c_x, at exactly given palm angles, that is
+// permitted everywhere in the box. Its bounds are monotone or linear in each quantity alone
+// (stability/com_bounds.hpp), so the corners of the box decide; errors of the palm angles are not
+// in it, they are taken as further pairs of angles.
+//
+// The operating region: with a palm tilted to shallow, either its own contact is to be corrected
+// (property 1's region) or the partner's (property 2's); with both palms alike, any contacts.
+// Sources: MECHANICS sections 3 and 5; paper, sections 3.3 and 3.4.
+#pragma once
+
+#include "palmbots/stability/com_bounds.hpp"
+
+namespace palmbots {
+
+template <class Real>
+struct OperatingEnvelope {
+  Real width;            // w [m]
+  PerSide<Real> offset;  // of the palms' surfaces from their pivots [m]
+  Interval<Real> com_y;  // [m]
+  Friction<Real> friction;
+  Interval<Real> slope;  // s [1]
+  Region<Real> contacts;
+  Real beyond;                     // how far past p = 0 a correction runs on [m]
+  PerSide<ClearCone<Real>> clear;  // the object's outline as the palms see it
+};
+
+// The two angles between which each palm is switched.
+template <class Real>
+struct AnglePair {
+  PalmAngle<Real> shallow;
+  PalmAngle<Real> steep;
+};
+
+namespace detail {
+
+inline constexpr int turn_steps = 8;  // a turning palm is looked at at so many angles
+
+// What a property permits at two extreme height differences.
+template <class Real>
+Interval<Real> com_x_at(const OperatingEnvelope<Real>& envelope, const Property& property,
+                        std::size_t shallow, const PerSide<PalmAngle<Real>>& palms,
+                        Interval<Real> rise) {
+  Interval<Real> permitted{-std::numeric_limits<Real>::infinity(),
+                           std::numeric_limits<Real>::infinity()};
+  for (const Real slope : {envelope.slope.low, envelope.slope.high}) {
+    for (const Real dy : {rise.low, rise.high}) {
+      const ComInterval<Real> interval =
+          com_interval(property, shallow, palms, envelope.friction, envelope.width, slope,
+                       contact_vector_at(dy, envelope.width));
+      for (const Real com_y : {envelope.com_y.low, envelope.com_y.high}) {
+        permitted = intersect(permitted, interval.com_x(com_y));
+      }
+    }
+    if (envelope.slope.low == envelope.slope.high) break;
+  }
+  return permitted;
+}
+
+template <class Real>
+Interval<Real> operating_rise(const OperatingEnvelope<Real>& envelope, std::size_t shallow,
+                              const PerSide<PalmAngle<Real>>& palms) {
+  const auto rise = [&](int property) {
+    return rise_over(region_of(property, shallow, envelope.contacts, envelope.beyond), palms,
+                     envelope.offset);
+  };
+  return hull(rise(1), rise(2));
+}
+
+}  // namespace detail
+
+// The c_x that property 1 or 2 permits everywhere, with the given palm shallow. [m]
+template <class Real>
+Interval<Real> com_x_of(const OperatingEnvelope<Real>& envelope, int property, std::size_t shallow,
+                        const PerSide<AnglePair<Real>>& angles) {
+  PerSide<PalmAngle<Real>> palms{};
+  palms[shallow] = angles[shallow].shallow;
+  palms[other(shallow)] = angles[other(shallow)].steep;
+  const Interval<Real> rise = rise_over(
+      region_of(property, shallow, envelope.contacts, envelope.beyond), palms, envelope.offset);
+  return detail::com_x_at(envelope, properties[property], shallow, palms, rise);
+}
+
+namespace detail {
+
+// Is everything the same seen from the other side?
+template <class Real>
+constexpr bool symmetric(const OperatingEnvelope<Real>& e, const PerSide<AnglePair<Real>>& angles) {
+  const auto same = [](Interval<Real> p, Interval<Real> q) {
+    return p.low == q.low && p.high == q.high;
+  };
+  return e.slope.low == Real(0) && e.slope.high == Real(0) && e.offset[left] == e.offset[right] &&
+         same(e.friction.palms[left], e.friction.palms[right]) &&
+         same(e.contacts[left], e.contacts[right]) &&
+         angles[left].shallow.angle == angles[right].shallow.angle &&
+         angles[left].steep.angle == angles[right].steep.angle;
+}
+
+// If so, what one side permits the other one does in the mirror.
+template <class Real>
+constexpr Interval<Real> and_mirrored(const OperatingEnvelope<Real>& e, Interval<Real> com_x,
+                                      bool mirror) {
+  return mirror ? intersect(com_x, {e.width - com_x.high, e.width - com_x.low}) : com_x;
+}
+
+template <class Real>
+constexpr bool contains(Interval<Real> all, Interval<Real> part) {
+  return all.low <= part.low && part.high <= all.high;
+}
+
+}  // namespace detail
+
+// The c_x for which the object is held (property 0) while one palm turns between its angles and the
+// other one is steep, and with both palms shallow. [m]
+template <class Real>
+Interval<Real> com_x_held(const OperatingEnvelope<Real>& envelope,
+                          const PerSide<AnglePair<Real>>& angles) {
+  const auto held = [&](const PerSide<PalmAngle<Real>>& palms, std::size_t shallow,
+                        Interval<Real> rise) {
+    return detail::com_x_at(envelope, properties[0], shallow, palms, rise);
+  };
+  const bool mirror = detail::symmetric(envelope, angles);
+  const PerSide<PalmAngle<Real>> steep{angles[left].steep, angles[right].steep};
+  const PerSide<PalmAngle<Real>> flat{angles[left].shallow, angles[right].shallow};
+  Interval<Real> permitted =
+      intersect(held(steep, left, rise_over(envelope.contacts, steep, envelope.offset)),
+                held(flat, left, rise_over(envelope.contacts, flat, envelope.offset)));
+  for (const std::size_t turning : {left, right}) {
+    PerSide<PalmAngle<Real>> palms = steep;
+    const Real from = angles[turning].shallow.angle;
+    const Real turn = angles[turning].steep.angle - from;
+    for (int i = 0; i < detail::turn_steps; ++i) {
+      palms[turning] = i == 0 ? angles[turning].shallow
+                              : PalmAngle<Real>::at(from + turn * Real(i) / detail::turn_steps);
+      permitted = intersect(permitted,
+                            held(palms, turning, detail::operating_rise(envelope, turning, palms)));
+    }
+    if (mirror) break;
+  }
+  return detail::and_mirrored(envelope, permitted, mirror);
+}
+
+// The height differences over all contacts and any pair of angles between shallow and steep. [m]
+template <class Real>
+Interval<Real> rise_at_any_angles(const OperatingEnvelope<Real>& envelope,
+                                  const PerSide<AnglePair<Real>>& angles) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  Interval<Real> rise{inf, -inf};
+  for (const PalmAngle<Real>& l : {angles[left].shallow, angles[left].steep}) {
+    for (const PalmAngle<Real>& r : {angles[right].shallow, angles[right].steep}) {
+      rise = hull(rise, rise_over(envelope.contacts, {l, r}, envelope.offset));
+    }
+  }
+  return rise;
+}
+
+// The same, no wider and much quicker: the squeeze at an edge grows with the palm's angle, so the
+// shallow palm's edges against the steep one's over all heights that any pair of angles reaches
+// are the worst. Most angles need no closer look.
+template <class Real>
+Interval<Real> com_x_held_surely(const OperatingEnvelope<Real>& envelope,
+                                 const PerSide<AnglePair<Real>>& angles) {
+  const Interval<Real> rise = rise_at_any_angles(envelope, angles);
+  Interval<Real> permitted{-std::numeric_limits<Real>::infinity(),
+                           std::numeric_limits<Real>::infinity()};
+  for (const std::size_t shallow : {left, right}) {
+    PerSide<PalmAngle<Real>> palms{angles[left].steep, angles[right].steep};
+    palms[shallow] = angles[shallow].shallow;
+    permitted =
+        intersect(permitted, detail::com_x_at(envelope, properties[0], shallow, palms, rise));
+  }
+  return permitted;
+}
+
+// The c_x for which both properties hold with either palm as the shallow one, and the object is
+// held throughout. Where `wanted` is not within it the result is only no narrower, which saves
+// work. [m]
+template <class Real>
+Interval<Real> com_x_all(const OperatingEnvelope<Real>& envelope,
+                         const PerSide<AnglePair<Real>>& angles, Interval<Real> wanted) {
+  const bool mirror = detail::symmetric(envelope, angles);
+  Interval<Real> permitted{-std::numeric_limits<Real>::infinity(),
+                           std::numeric_limits<Real>::infinity()};
+  for (const std::size_t shallow : {left, right}) {
+    for (const int property : {1, 2}) {
+      permitted = intersect(
+          permitted,
+          detail::and_mirrored(envelope, com_x_of(envelope, property, shallow, angles), mirror));
+      if (!detail::contains(permitted, wanted)) return permitted;
+    }
+    if (mirror) break;
+  }
+  const Interval<Real> surely = intersect(permitted, com_x_held_surely(envelope, angles));
+  if (surely.low == permitted.low && surely.high == permitted.high) return permitted;
+  return intersect(permitted, com_x_held(envelope, angles));
+}
+
+// By how much the outline clears both palms, anywhere in the operating region: the least angle by
+// which object or palm would have to turn until an edge lies on a palm's line. The palms count as
+// endless. [rad]
+template <class Real>
+Real clearance_margin(const OperatingEnvelope<Real>& envelope,
+                      const PerSide<AnglePair<Real>>& angles) {
+  constexpr Real inf = std::numeric_limits<Real>::infinity();
+  // The tangents of the angle between palm and object: the extremes over all that is looked at.
+  PerSide<Interval<Real>> seen{Interval<Real>{inf, -inf}, Interval<Real>{inf, -inf}};
+  bool within = true;
+  const auto look = [&](const PerSide<PalmAngle<Real>>& palms, Interval<Real> rise) {
+    for (const Real dy : {rise.low, rise.high}) {
+      const ContactVector<Real> contact_vector = contact_vector_at(dy, envelope.width);
+      for (const std::size_t side : {left, right}) {
+        const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);
+        within = within && r.inward > Real(0);  // not so when the object cannot reach, too
+        const Real tangent = r.normal / r.inward;
+        seen[side] = hull(seen[side], {tangent, tangent});
+      }
+    }
+  };
+  const PerSide<PalmAngle<Real>> steep{angles[left].steep, angles[right].steep};
+  const PerSide<PalmAngle<Real>> flat{angles[left].shallow, angles[right].shallow};
+  look(steep, rise_over(envelope.contacts, steep, envelope.offset));
+  look(flat, rise_over(envelope.contacts, flat, envelope.offset));
+  for (const std::size_t shallow : {left, right}) {
+    PerSide<PalmAngle<Real>> palms = steep;
+    palms[shallow] = flat[shallow];
+    look(palms, detail::operating_rise(envelope, shallow, palms));
+  }
+  if (!within) return -pi<Real>;
+  Real least = pi<Real>;
+  for (const std::size_t side : {left, right}) {
+    const Real low = std::atan(seen[side].low) - std::atan(envelope.clear[side].low);
+    const Real high = std::atan(envelope.clear[side].high) - std::atan(seen[side].high);
+    least = low < least ? low : least;
+    least = high < least ? high : least;
+  }
+  return least;
+}
+
+}  // namespace palmbots

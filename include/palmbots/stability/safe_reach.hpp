@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far from the middle of their palms both contacts may be without a look at what ends a carry.
+//
+// Found once per scene, so that the world need not check its ends in every tick: |p| up to the safe
+// reach on both palms, at any pair of angles between shallow and steep, is certain to be held. For
+// then every height difference of the contacts lies within those of the extreme angles, and over
+// all of these the sufficient conditions of stability/operating_envelope.hpp hold.
+#pragma once
+
+#include <cmath>
+
+#include "palmbots/mechanics/model.hpp"
+#include "palmbots/stability/operating_envelope.hpp"
+
+namespace palmbots {
+
+namespace detail {
+
+// Is the object certainly held with both |p| ≤ extent?
+inline bool held_within(const Model<double>& model, const PerSide<AnglePair<double>>& angles,
+                        double extent) {
+  for (const std::size_t side : {left, right}) {
+    // A contact near the pivot of a palm with an offset is not highest or lowest at an extreme
+    // angle.
+    const PalmAngle<double>& steep = angles[side].steep;
+    if (extent * steep.cos < std::abs(model.offset[side]) * steep.sin) return false;
+  }
+  const Interval<double> both{-extent, extent};
+  const Interval<double> com_y{model.object.com_height, model.object.com_height};
+  const auto just = [](double x) { return Interval<double>{x, x}; };
+  const Friction<double> friction{{just(model.friction[left]), just(model.friction[right])}, false};
+  const OperatingEnvelope<double> envelope{
+      model.object.width,       model.offset, com_y, friction,
+      just(model.object.slope), {both, both}, 0,     model.clear};
+  const Interval<double> permitted = com_x_held_surely(envelope, angles);
+  if (!(permitted.low <= model.object.com_left && model.object.com_left <= permitted.high))
+    return false;
+  const Interval<double> rise = rise_at_any_angles(envelope, angles);
+  for (const double dy : {rise.low, rise.high}) {
+    const ContactVector<double> contact_vector = contact_vector_at(dy, model.object.width);
+    for (const std::size_t side : {left, right}) {
+      for (const PalmAngle<double>& palm : {angles[side].shallow, angles[side].steep}) {
+        if (!model.clear[side].contains(palm_frame_vector(contact_vector, side, palm)))
+          return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace detail
+
+// The safe reach at any angles between the given ones [m], with a hundredth to spare for rounding;
+// −1: none.
+inline double safe_reach(const Model<double>& model, const PerSide<AnglePair<double>>& angles) {
+  for (const AnglePair<double>& palm : angles) {
+    // Squeezes and heights grow with the angle from level on only.
+    if (!(palm.shallow.angle >= 0 && palm.shallow.angle < palm.steep.angle)) return -1;
+  }
+  const double longest = model.half_length[left] < model.half_length[right]
+                             ? model.half_length[left]
+                             : model.half_length[right];
+  constexpr int steps = 16;
+  for (int i = steps; i > 0; --i) {
+    const double extent = longest * i / steps;
+    if (detail::held_within(model, angles, extent)) return 0.99 * extent;
+  }
+  return -1;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// A step of the world in which more happens than one contact sliding: cut into pieces of one
+// regime.
+//
+// In a regime the sliding coordinates are closed-form functions of the time within the step. What
+// ends it, and where it ends, is the root of a condition along them:
+//
+//   reversal   the palms stop driving the contact points together and start driving them apart
+//              (this can happen inside a step only while a palm turns);
+//   tie        the squeezes at which the two contacts let go become equal. Where each slider drives
+//              towards the other's region both slide from there on and keep them equal; where one
+//              drives on into its own region it alone slides; where either would (a symmetric
+//              object closed on by equal palms), both slide and stay equal, by rule;
+//   end        the object is no longer held by its two vertices alone: the carry is over, or a
+//              further contact closes, which the world looks into.
+//
+// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
+// so that a look at the end of the step misses nothing. While a palm turns, a step is cut into
+// pieces of at most 1° for the same look.
+//
+// Source: MECHANICS sections 1, 2, 5, 6.
+#pragma once
+
+#include "palmbots/base/root_finding.hpp"
+#include "palmbots/world/multi_contact_step.hpp"
+#include "palmbots/world/single_slip_step.hpp"
+
+namespace palmbots {
+
+// One step, cut into pieces.
+template <class Real>
+struct EventStep {
+  const Model<Real>& model;
+  WorldState<Real>& world;
+  Real change;
+  PerSide<Real> angles;
+  Real separation = world.configuration.separation;
+  PerSide<Real> from{world.configuration.palms[left].angle, world.configuration.palms[right].angle};
+  PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
+  bool turning = turn[left] != Real(0) || turn[right] != Real(0);
+  PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
+  Moments<Real> pushed = moments_under(model.object, world.push);
+
+  // Which contacts slide in a piece.
+  enum class SlidingContact : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
+
+  struct State {
+    Configuration<Real> configuration;
+    ContactVector<Real> contact_vector;
+  };
+
+  // What decides, in one direction, which contact lets go.
+  struct SlipOnset {
+    PerSide<bool> wedged;  // that contact does not, in this direction
+    Real left_first;       // > 0: the left one does first; < 0: the right one; of unwedged ones
+  };
+
+  static constexpr int max_reversals = 16;  // in a step: a bound on work
+
+  static constexpr Real sense_of(SlipDirection direction) {
+    return Real(static_cast<int>(direction));
+  }
+
+  [[gnu::noinline]] Advance<Real> run() {
+    Advance<Real> result;
+    State now{world.configuration, world.contact_vector};
+    Real done = Real(0);
+    Real look = max_event_interval();
+    SlipDirection direction = SlipDirection::stick;
+    bool known = false;  // the direction, from the event that ended the last piece
+    int reversals = 0;
+    for (result.segments = 1;; ++result.segments) {
+      const bool iteration_limit =
+          result.segments >= 200;  // a bound on work; tests show it is not met
+      const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
+      if (!known) direction = direction_at(now, goal);
+      known = false;
+      const SlipOnset first = slip_onset(now, direction);
+      if (direction != SlipDirection::stick && first.wedged[left] && first.wedged[right]) {
+        result.reason = DropReason::jammed;
+        return finish(result, now, done, SlidingContact::none, direction);
+      }
+      const auto [slider, then] = choose(now, first, direction, goal);
+      if (slider == SlidingContact::both && turning && !legal(now, then, direction) &&
+          goal - done > Real(1) / Real(1024)) {
+        look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
+        continue;
+      }
+      look = max_event_interval();
+      const auto at = [&, slider = slider](Real t) { return state(t, slider, direction, now); };
+      // A contact right at its pivot, on a palm that turns, would go to and fro by a rounding
+      // error.
+      const bool reverses = reversals < max_reversals;
+      const auto [event, when] =
+          first_event(done, goal, now, then, slider, direction, iteration_limit, reverses, at);
+      switch (event) {
+        case Event::none:
+          if (slider != SlidingContact::both) world.tied = Real(0);
+          if (goal >= Real(1)) return finish(result, then, Real(1), slider, direction);
+          now = then;
+          done = goal;
+          break;
+        case Event::end: {
+          // The reason is read where it first applies, the state where it last did not.
+          const Real over = std::nextafter(when, Real(2));
+          result.reason = reason_at(at(over < goal ? over : goal));
+          return finish(result, at(when), when, slider, direction);
+        }
+        case Event::reversal:
+          now = at(when);
+          done = when;
+          direction = direction == SlipDirection::up ? SlipDirection::down : SlipDirection::up;
+          world.tied = Real(0);
+          known = true;
+          ++reversals;
+          break;
+        case Event::tie:
+          now = at(when);
+          done = when;
+          world.tied = sense_of(direction);
+          known = true;
+          break;
+      }
+    }
+  }
+
+  enum class Event : std::uint8_t { none, end, reversal, tie };
+  struct StepEvent {
+    Event event;
+    Real when;
+  };
+
+  // The earliest event between `done` and `goal`, given the state now, and at `goal` if there were
+  // none.
+  template <class At>
+  StepEvent first_event(Real done, Real goal, const State& now, const State& then,
+                        SlidingContact slider, SlipDirection direction, bool iteration_limit,
+                        bool reverses, At at) const {
+    StepEvent first{Event::none, goal};
+    const auto note = [&](Event event, Real when) {
+      if (first.event == Event::none || when < first.when) first = {event, when};
+    };
+    if (reason_at(then) != DropReason::none) {
+      note(Event::end, bisect_last_true(done, goal, [&](Real t) {
+             return reason_at(at(t)) == DropReason::none;
+           }));
+    }
+    if (iteration_limit) return first;
+    const auto drives_on = [&](const State& s) {
+      return direction == SlipDirection::up ? -drive(s) : drive(s);
+    };
+    if (turning && direction != SlipDirection::stick && reverses) {
+      const Real last = drives_on(then);
+      if (last < Real(0)) {
+        note(Event::reversal, bracketed_root(true, done, drives_on(now), goal, last,
+                                             [&](Real t) { return drives_on(at(t)); }));
+      }
+    }
+    if (slider == SlidingContact::on_left || slider == SlidingContact::on_right) {
+      const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
+      const Real last = ahead(then);
+      if (last < Real(0)) {
+        note(Event::tie, bracketed_root(true, done, ahead(now), goal, last,
+                                        [&](Real t) { return ahead(at(t)); }));
+      }
+    }
+    return first;
+  }
+
+  Real max_event_interval() const {
+    Real most = Real(0);
+    for (const Real t : turn) {
+      const Real size = t < Real(0) ? -t : t;
+      if (size > most) most = size;
+    }
+    return most > longest_turn<Real> ? longest_turn<Real> / most : Real(1);
+  }
+
+  // The state at a fraction t of the step, if `slider` slides from `now` on.
+  State state(Real t, SlidingContact slider, SlipDirection direction, const State& now) const {
+    State then = now;
+    then.configuration.separation = separation + t * change;
+    if (t == Real(1)) {
+      then.configuration.palms = turned;
+    } else if (turning) {
+      for (const std::size_t side : {left, right}) {
+        if (turn[side] == Real(0)) continue;
+        then.configuration.palms[side] = PalmAngle<Real>::at(from[side] + t * turn[side]);
+      }
+    }
+    const auto& offset = model.offset;
+    const Real width = model.object.width;
+    if (slider == SlidingContact::both) {
+      const auto edges = edges_at(model.friction, then.configuration.palms, sense_of(direction));
+      const SlipOrder<Real> equal = slip_order(pushed, edges[left], edges[right]);
+      const Real slope = equal.tilt != Real(0) ? -equal.level / equal.tilt
+                                               : now.contact_vector.dy / now.contact_vector.dx;
+      then.configuration.contacts = solve_slide_along(then.configuration, slope, offset, width);
+    } else if (slider != SlidingContact::none) {
+      const auto side = static_cast<std::size_t>(slider);
+      const auto next = solve_slide(then.configuration.separation, then.configuration.palms, side,
+                                    then.configuration.contacts[other(side)], offset, width);
+      then.configuration.contacts[side] = next.contact;
+      then.contact_vector = next.contact_vector;
+      return then;
+    }
+    then.contact_vector = palmbots::contact_vector(then.configuration, offset);
+    return then;
+  }
+
+  DropReason reason_at(const State& s) const {
+    const Real safe = model.safe_reach;
+    const auto& p = s.configuration.contacts;
+    if (within(p[left], safe) && within(p[right], safe)) return DropReason::none;
+    const Statics<Real> statics = Statics<Real>::at(model, s.configuration.palms);
+    return drop_reason(model, statics, s.configuration.palms, s.configuration.contacts,
+                       s.contact_vector);
+  }
+
+  PalmAngle<Real> at_its_goal(std::size_t side) const {
+    return turn[side] == Real(0) ? world.configuration.palms[side]
+                                 : PalmAngle<Real>::at(angles[side]);
+  }
+
+  Real drive(const State& s) const {
+    return drive_rate(s.configuration.palms, s.configuration.contacts, model.offset,
+                      s.contact_vector, change, turn);
+  }
+
+  SlipDirection direction_at(const State& now, Real goal) const {
+    Real rate = change;
+    if (turning) {
+      rate = drive(now);
+      if (rate == Real(0))
+        rate = drive(state(goal, SlidingContact::none, SlipDirection::stick, now));
+    }
+    return direction_of(rate);
+  }
+
+  SlipOnset slip_onset(const State& s, SlipDirection direction) const {
+    const auto edges = edges_at(model.friction, s.configuration.palms, sense_of(direction));
+    const auto is_wedged = [&](std::size_t side) {
+      return wedged(side, edges[side], s.contact_vector.dx, s.contact_vector.dy);
+    };
+    return {{is_wedged(left), is_wedged(right)},
+            left_first(slip_order(pushed, edges[left], edges[right]), direction, s.contact_vector)};
+  }
+
+  // ≥ 0 while the sliding contact is still the one that lets go first.
+  Real own_choice(const State& s, SlidingContact slider, SlipDirection direction) const {
+    const SlipOnset first = slip_onset(s, direction);
+    if (first.wedged[left] || first.wedged[right]) return Real(0);
+    return slider == SlidingContact::on_left ? first.left_first : -first.left_first;
+  }
+
+  // What slides, and where that leads by `goal`.
+  struct Choice {
+    SlidingContact slider;
+    State then;
+  };
+
+  Choice choose(const State& now, const SlipOnset& first, SlipDirection direction,
+                Real goal) const {
+    const auto with = [&](SlidingContact slider) {
+      return Choice{slider, state(goal, slider, direction, now)};
+    };
+    if (direction == SlipDirection::stick) return with(SlidingContact::none);
+    if (first.wedged[left]) return with(SlidingContact::on_right);
+    if (first.wedged[right]) return with(SlidingContact::on_left);
+    if (world.tied != sense_of(direction) && first.left_first != Real(0)) {
+      return with(first.left_first > Real(0) ? SlidingContact::on_left : SlidingContact::on_right);
+    }
+    // On the tie: does one slider, alone, go on into its own region?
+    const Choice one = with(SlidingContact::on_left);
+    const Choice another = with(SlidingContact::on_right);
+    const bool one_goes_on = own_choice(one.then, one.slider, direction) > Real(0);
+    const bool another_goes_on = own_choice(another.then, another.slider, direction) > Real(0);
+    if (one_goes_on != another_goes_on) return one_goes_on ? one : another;
+    world.tied = sense_of(direction);
+    return with(SlidingContact::both);
+  }
+
+  // Both contacts moved the way this direction allows.
+  bool legal(const State& now, const State& then, SlipDirection direction) const {
+    const Real sense = direction == SlipDirection::up ? Real(1) : Real(-1);
+    const auto& p = now.configuration.contacts;
+    const auto& q = then.configuration.contacts;
+    const Real slack = Real(16) * std::numeric_limits<Real>::epsilon() * model.object.width;
+    return (q[left] - p[left]) * sense >= -slack && (q[right] - p[right]) * sense >= -slack;
+  }
+
+  Advance<Real> finish(Advance<Real> result, const State& s, Real done, SlidingContact slider,
+                       SlipDirection direction) const {
+    world.configuration = s.configuration;
+    world.contact_vector = s.contact_vector;
+    result.fraction = done;
+    if (slider == SlidingContact::on_left || slider == SlidingContact::both)
+      result.motion[left] = direction;
+    if (slider == SlidingContact::on_right || slider == SlidingContact::both)
+      result.motion[right] = direction;
+    return result;
+  }
+};
+
+}  // namespace palmbots

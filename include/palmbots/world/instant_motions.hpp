@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can happen at one instant while the object rests on more, or on something else, than its two
+// contact vertices: which contacts stay, and which of those stick.
+//
+// The motions that all contacts together can make, and that are in balance
+// (mechanics/twist_feasibility.hpp), decide. Where several motions are possible the rules are:
+//
+//   - as many contacts stay as can, and both vertices before anything else;
+//   - with both palms flush and parallel the object may slide along either: along both alike where
+//     that is in balance, else along the one that it is;
+//   - else the first in a fixed order, the palm with the further contact first.
+//
+// Source: MECHANICS sections 5, 6.
+#pragma once
+
+#include <array>
+
+#include "palmbots/mechanics/contact_modes.hpp"
+#include "palmbots/world/contact_constraints.hpp"
+
+namespace palmbots {
+
+// How the robots move during a step, or how fast: change of the separation, turns of the palms.
+template <class Real>
+struct Drive {
+  Real change;
+  PerSide<Real> turn;
+
+  constexpr bool none() const {
+    return change == Real(0) && turn[left] == Real(0) && turn[right] == Real(0);
+  }
+};
+
+// One instant: all contacts, and what may happen to them.
+template <class Real>
+class InstantMotions {
+ public:
+  // Contacts of `constraints` count as they are, others only once they have closed.
+  InstantMotions(const Model<Real>& model, const Configuration<Real>& configuration,
+                 const Drive<Real>& drive, const ContactConstraints<Real>& constraints, Real push)
+      : model_(model),
+        configuration_(configuration),
+        push_(push),
+        found_(detect_contacts(model, configuration, closed_tolerance<Real>)) {
+    const detail::Equations<Real> equations(model, configuration, left);
+    const Real closed = Real(64) * std::numeric_limits<Real>::epsilon() * model.object.width;
+    std::array<bool, max_supports> counts{};
+    PerSide<std::size_t> counted{};
+    PerSide<std::size_t> further{};
+    const std::size_t kept = found_.count < max_supports ? found_.count : max_supports;
+    for (std::size_t i = 0; i < kept; ++i) {
+      const ContactPoint<Real>& p = found_.points[i];
+      for (std::size_t k = 0; k < constraints.count; ++k)
+        counts[i] = counts[i] || constraints.active[k].is(p);
+      counts[i] =
+          counts[i] || equations.gap(active_contact(p)).value <= closed * model.object.width;
+      if (counts[i]) ++counted[p.support.side];
+    }
+    for (std::size_t i = 0; i < kept; ++i) {
+      const ContactPoint<Real>& p = found_.points[i];
+      // A vertex that slides over a palm's end hands over to the tip while that is almost closed.
+      counts[i] = counts[i] || counted[p.support.side] == 0;
+      if (counts[i]) further[p.support.side] += own(p) ? 0 : 1;
+    }
+    first_ = leading(further);
+    for (const std::size_t side : {first_, other(first_)}) {
+      const PalmMotion<Real> palm{outward<Real>(side) * Real(0.5) * drive.change, Real(0),
+                                  outward<Real>(side) * drive.turn[side]};
+      for (std::size_t i = 0; i < kept; ++i) {
+        const Support<Real>& s = found_.points[i].support;
+        if (s.side != side || !counts[i]) continue;
+        velocities_[supports_.count] =
+            velocity_at(palm, s.x - found_.pivot_x[side], s.y - found_.pivot_y[side]);
+        point_[supports_.count] = i;
+        supports_.at[supports_.count++] = s;
+      }
+    }
+  }
+
+  // Is the object held, whatever moves, and is no palm in it? none, or why not.
+  DropReason check() const {
+    PerSide<bool> touched{};
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      const ContactPoint<Real>& p = point(i);
+      touched[p.support.side] = true;
+      // A vertex this near to a palm's end (nanometres) and that end are one contact.
+      const Real half = model_.half_length[p.support.side] -
+                        Real(200) * closed_tolerance<Real> * model_.object.width;
+      const Real at = configuration_.contacts[p.support.side];
+      if (own(p) && !(at >= -half && at <= half)) return DropReason::off_palm;
+    }
+    if (!touched[left] || !touched[right]) return DropReason::lifting;
+    // Less than what touches: a corner goes deeper into a palm than the palm goes into the corner.
+    const Real near = closed_tolerance<Real> * model_.object.width / Real(64);
+    if (found_.sunk[left] > near || found_.sunk[right] > near) return DropReason::flush;
+    const Real slope = model_.object.slope;
+    if (balances(supports_, Motions{}, slope)) return DropReason::none;
+    // Does the line of gravity pass beside all contacts?
+    PerSide<bool> beside{true, true};
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      const Real x = supports_.at[i].x - slope * supports_.at[i].y;
+      beside[left] = beside[left] && x < Real(0);
+      beside[right] = beside[right] && x > Real(0);
+    }
+    return beside[left] || beside[right] ? DropReason::tipping : DropReason::sliding;
+  }
+
+  // Does what moves as the constraints say go on to be what happens? How the vertices move.
+  bool goes_on(const ContactConstraints<Real>& constraints, ContactMode& motion) const {
+    std::array<const ActiveContact<Real>*, max_supports> held_as{};
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      for (std::size_t k = 0; k < constraints.count; ++k) {
+        if (constraints.active[k].is(point(i))) held_as[i] = &constraints.active[k];
+      }
+      found += held_as[i] != nullptr ? 1 : 0;
+    }
+    if (found < constraints.count) return false;
+    bool same = false;
+    each([&](const Motions& m) {
+      if (same) return;
+      for (std::size_t i = 0; i < supports_.count; ++i) {
+        if ((m[i] != Motion::leave) != (held_as[i] != nullptr)) return;
+        if (!constraints.full && held_as[i] != nullptr &&
+            held_as[i]->sticks != (m[i] == Motion::stick))
+          return;
+      }
+      same = true;
+      motion = motion_in(m);
+    });
+    return same;
+  }
+
+  // Are the constraints all that touches?
+  bool is_all(const ContactConstraints<Real>& constraints) const {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      for (std::size_t k = 0; k < constraints.count; ++k)
+        found += constraints.active[k].is(point(i)) ? 1 : 0;
+    }
+    return found == constraints.count && supports_.count == constraints.count;
+  }
+
+  struct Decision {
+    DropReason reason;
+    ContactConstraints<Real> constraints;
+    ContactMode motion;
+  };
+
+  // What happens next; no constraints: the object goes on upon its two vertices alone.
+  Decision decision() const {
+    Decision decision{check(), {}, {}};
+    if (decision.reason != DropReason::none) return decision;
+    std::size_t best = 0;
+    each([&](const Motions& m) {
+      std::size_t staying = 0;
+      std::size_t vertices = 0;
+      std::size_t slide = 0;
+      PerSide<bool> touched{};
+      for (std::size_t i = 0; i < supports_.count; ++i) {
+        if (m[i] == Motion::leave) continue;
+        ++staying;
+        touched[supports_.at[i].side] = true;
+        if (!own(point(i))) continue;
+        ++vertices;
+        slide += m[i] != Motion::stick ? 1 : 0;
+      }
+      const std::size_t both = touched[left] && touched[right] ? 1 : 0;
+      const std::size_t rank = 1 + 1000 * both + 100 * (vertices / 2) + 10 * staying + slide / 2;
+      if (rank <= best) return;
+      best = rank;
+      decision.reason = both == 1 ? DropReason::none : DropReason::lifting;
+      decision.motion = motion_in(m);
+      decision.constraints = staying == vertices ? ContactConstraints<Real>{} : constraints_at(m);
+    });
+    if (best == 0) decision.reason = DropReason::jammed;
+    return decision;
+  }
+
+  // All contacts, where there are more than the two vertices; each may slide.
+  ContactConstraints<Real> all() const {
+    Motions m{};
+    m.fill(Motion::up);
+    return further() == max_supports ? ContactConstraints<Real>{} : constraints_at(m);
+  }
+
+  // The first contact that is no contact vertex.
+  ContactKind kind() const {
+    const std::size_t i = further();
+    if (i == max_supports) return ContactKind::none;
+    return point(i).kind == ContactKind::tip ? ContactKind::tip : ContactKind::flush;
+  }
+  std::size_t side() const {
+    const std::size_t i = further();
+    return i == max_supports ? first_ : supports_.at[i].side;
+  }
+
+ private:
+  const ContactPoint<Real>& point(std::size_t i) const { return found_.points[point_[i]]; }
+  bool own(const ContactPoint<Real>& p) const {
+    return !p.palm_end && p.feature == model_.outline.contact[p.support.side];
+  }
+  // The palm with more contacts besides its vertex; the mirror must not matter, and left comes
+  // first only where all is alike.
+  std::size_t leading(const PerSide<std::size_t>& beside,
+                      const PerSide<std::size_t>& stuck = {}) const {
+    const auto ranks = [&](std::size_t side) {
+      return std::array<Real, 9>{
+          Real(beside[side]),
+          configuration_.palms[side].angle,
+          configuration_.contacts[side],
+          Real(stuck[side]),
+          model_.friction[side],
+          model_.offset[side],
+          model_.half_length[side],
+          side == left ? model_.object.com_left : model_.object.com_right,
+          mirrored(side, model_.object.slope + push_),
+      };
+    };
+    const auto of_left = ranks(left);
+    const auto of_right = ranks(right);
+    if (of_left != of_right) return of_right > of_left ? right : left;
+    const auto& outline = model_.outline;
+    for (std::size_t i = 0; i < outline.count; ++i) {
+      const Vertex<Real>& a = outline.vertices[outline.walked(left, i)];
+      const Vertex<Real>& b = outline.vertices[outline.walked(right, i)];
+      if (a.along[left] != b.along[right]) return b.along[right] > a.along[left] ? right : left;
+      if (a.height != b.height) return b.height > a.height ? right : left;
+    }
+    return left;
+  }
+
+  static ActiveContact<Real> active_contact(const ContactPoint<Real>& p) {
+    return {p.support.side, p.palm_end, p.feature, p.place, false, Real(0)};
+  }
+  std::size_t further() const {
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      if (!own(point(i))) return i;
+    }
+    return max_supports;
+  }
+
+  // Of a palm's first contact that stays.
+  ContactMode motion_in(const Motions& m) const {
+    ContactMode motion{};
+    PerSide<bool> known{};
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      const std::size_t side = supports_.at[i].side;
+      if (m[i] == Motion::leave || known[side]) continue;
+      known[side] = true;
+      motion[side] = static_cast<SlipDirection>(m[i]);
+    }
+    return motion;
+  }
+
+  ContactConstraints<Real> constraints_at(const Motions& m) const {
+    ContactConstraints<Real> constraints{};
+    PerSide<std::size_t> beside{};
+    PerSide<std::size_t> stuck{};
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      if (m[i] == Motion::leave) continue;
+      const ContactPoint<Real>& p = point(i);
+      beside[p.support.side] += own(p) ? 0 : 1;
+      stuck[p.support.side] += m[i] == Motion::stick ? 1 : 0;
+      constraints.active[constraints.count++] = {
+          p.support.side, p.palm_end, p.feature, p.place, m[i] == Motion::stick, Real(0)};
+    }
+    constraints.first = leading(beside, stuck);
+    remember(model_, configuration_, constraints);
+    return constraints;
+  }
+
+  // The motions in balance under the push; where there are none, without it.
+  template <class Found>
+  void each(Found found) const {
+    bool any = false;
+    each_outcome(supports_, velocities_, model_.object.slope + push_, [&](const Motions& m) {
+      any = true;
+      found(m);
+    });
+    if (!any && push_ != Real(0)) each_outcome(supports_, velocities_, model_.object.slope, found);
+  }
+
+  const Model<Real>& model_;
+  const Configuration<Real>& configuration_;
+  Real push_;
+  ContactSet<Real> found_;
+  Supports<Real> supports_{};
+  Velocities<Real> velocities_{};
+  std::array<std::size_t, max_supports> point_{};
+  std::size_t first_ = left;
+};
+
+}  // namespace palmbots

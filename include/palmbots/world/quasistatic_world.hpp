@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The quasistatic world: exact motion of the contacts while the robots move and the palms turn.
+//
+// A step changes the separation and the palm angles linearly. Nothing is integrated: in every
+// regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
+// constraint at any instant, and a contact that sticks is never written, so it cannot drift. Where
+// one contact slides through a whole step, world/single_slip_step.hpp takes it; where the regime
+// changes, world/event_step.hpp. Where a further contact closes, world/multi_contact_step.hpp takes
+// over until it opens again.
+//
+// `push` is the sideways specific force of the object's inertia when the pair changes its speed
+// (MECHANICS section 4). It decides only which contact lets go first. It is small, but so is what
+// it competes with: with φ near θ the lower ends of the squeeze intervals are close to zero and to
+// each other, and a symmetric object under no push at all stays symmetric for ever, which no real
+// one does. What ends a carry is judged without it.
+//
+// Source: MECHANICS sections 1, 2, 4, 5, 6.
+#pragma once
+
+#include "palmbots/world/event_step.hpp"
+
+namespace palmbots {
+
+template <class Real>
+class World {
+ public:
+  World() = default;
+  World(const Model<Real>& model, const Configuration<Real>& configuration)
+      : model_(model),
+        state_{{configuration, palmbots::contact_vector(configuration, model.offset)},
+               {Real(0), Real(0), Real(0)}} {}
+
+  const Configuration<Real>& configuration() const { return state_.configuration; }
+  const Model<Real>& model() const { return model_; }
+  ContactVector<Real> contact_vector() const { return state_.contact_vector; }
+  // Where the palms are touched: p of the contact vertex as long as that is on the palm.
+  PerSide<Real> touched() const {
+    if (constraints_.none()) return state_.configuration.contacts;
+    return {felt(model_, constraints_, state_.configuration, left),
+            felt(model_, constraints_, state_.configuration, right)};
+  }
+  const Advance<Real>& last() const { return last_; }
+
+  // What is moving, to be taken out and put back by whoever moves several worlds in lockstep.
+  const WorldState<Real>& state() const { return state_; }
+  void set_state(const WorldState<Real>& state) { state_ = state; }
+
+  // What the object rests on; none: its two contact vertices.
+  const ContactConstraints<Real>& constraints() const { return constraints_; }
+  const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
+
+  // Why the object is not held where it is now (none: it is).
+  DropReason check() const {
+    const Configuration<Real>& here = state_.configuration;
+    if (!constraints_.none())
+      return InstantMotions<Real>(model_, here, {}, constraints_, state_.push).check();
+    const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
+    const DropReason reason =
+        drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
+    if (!adds_contact(reason)) return reason;
+    const InstantMotions<Real> now(model_, here, {}, constraints_, state_.push);
+    const DropReason found = now.check();
+    return now.kind() == ContactKind::none || adds_contact(found) ? reason : found;
+  }
+
+  // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
+  DropReason shift(const PerSide<Real>& by) {
+    Configuration<Real>& now = state_.configuration;
+    for (const std::size_t side : {left, right}) now.contacts[side] += by[side];
+    now.lift = {};
+    now.separation = closing_separation(now, model_.offset, model_.object.width);
+    state_.contact_vector = palmbots::contact_vector(now, model_.offset);
+    state_.tied = Real(0);
+    constraints_ = {};
+    state_.multi_contact = Real(0);
+    return check();
+  }
+
+  // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
+  // Returns what happened, valid until the next step.
+  const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
+    const ModelParams<Real>& params = model_;
+    const SingleSlipStep<Real> step = step_single_slip(params, state_, change, angles, push);
+    if (step.done) {
+      const std::size_t side = step.on_left ? left : right;
+      last_.reason = DropReason::none;
+      last_.fraction = Real(1);
+      last_.motion[side] = step.closing ? SlipDirection::up : SlipDirection::down;
+      last_.motion[other(side)] = SlipDirection::stick;
+      last_.segments = step.switched ? 2 : 1;
+    } else {
+      take_apart(change, angles);
+    }
+    return last_;
+  }
+
+  // The same where the common step (world/single_slip_step.hpp) has been tried, and left it undone.
+  const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
+    last_ = go(change, angles);
+    state_.multi_contact = Real(constraints_.none() ? 0 : 1);
+    return last_;
+  }
+
+ private:
+  static constexpr int most_changes = 6;  // of the constraints in a step: a bound on work
+
+  // A whole step, by turns upon the two vertices alone and under other constraints.
+  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& angles) {
+    Configuration<Real>& configuration = state_.configuration;
+    const Real goal = configuration.separation + change;
+    Drive<Real> drive{change, {}};
+    Advance<Real> total{DropReason::none, Real(0), {}, 0};
+    Real released = Real(-1);  // when the object came back upon its two vertices
+    bool by_force = false;
+    for (int changes = 0;; ++changes) {
+      for (const std::size_t side : {left, right}) {
+        drive.turn[side] = angles[side] - configuration.palms[side].angle;
+      }
+      const bool rests = !constraints_.none();
+      const Advance<Real> part =
+          rests ? MultiContactStep<Real>{model_, drive, angles, state_.push}.run(
+                      configuration, constraints_, by_force)
+                : EventStep<Real>{model_, state_, drive.change, angles}.run();
+      total = {part.reason, total.fraction + (Real(1) - total.fraction) * part.fraction,
+               part.motion, total.segments + part.segments};
+      if (rests) {
+        state_.tied = Real(0);
+        if (constraints_.none()) {
+          configuration.lift = {};
+          released = contact_events_.ended = total.fraction;
+        }
+        state_.contact_vector =
+            palmbots::contact_vector(configuration, vertex_offset(model_, configuration));
+      } else if (adds_contact(part.reason)) {
+        const InstantMotions<Real> now(model_, configuration, drive, constraints_, state_.push);
+        if (now.kind() == ContactKind::none) return total;  // at the very end of a palm
+        const auto decision = now.decision();
+        const bool again = released == total.fraction;
+        if (!again) {
+          contact_events_ = {contact_events_.count + 1, now.kind(), now.side(), total.fraction,
+                             total.fraction};
+        }
+        total.reason = decision.reason;
+        constraints_ = decision.constraints;
+        // What balance opens and the vertices' motion closes all the same (by rounding, or because
+        // they slide by turns) stays for the rest of the step.
+        by_force = decision.reason == DropReason::none && constraints_.none() &&
+                   (again || changes > most_changes);
+        if (by_force) constraints_ = now.all();
+        released = total.fraction;
+      }
+      if (changes > 4 * most_changes) total.reason = DropReason::jammed;
+      if (total.reason != DropReason::none || total.fraction >= Real(1)) return total;
+      drive.change = goal - configuration.separation;
+    }
+  }
+
+  Model<Real> model_{};
+  WorldState<Real> state_{};
+  Advance<Real> last_{};
+  ContactConstraints<Real> constraints_{};
+  ContactEventCounter<Real> contact_events_{};
+};
+
+}  // namespace palmbots

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// The common step of the world, without ceremony: one contact slides through the whole step.
+//
+// Written for one carry or for several side by side (base/simd_lanes.hpp), without a branch that
+// lanes could not share. What few steps need, a look at all that holds the object and a tie on the
+// way, comes in a second half: several packs of lanes make the first one in turn, and a processor
+// that guesses wrong which of them need the other has nothing else under way that is lost. Where
+// anything else goes on (a reversal, an end, both edges wedged), nothing is changed, and the world
+// takes the step apart (world/quasistatic_world.hpp).
+//
+// Source: MECHANICS sections 1, 2, 6.
+#pragma once
+
+#include "palmbots/world/slip_switch_step.hpp"
+#include "palmbots/world/state.hpp"
+
+namespace palmbots {
+
+// How far a palm turns between two looks for events.
+template <class Real>
+inline constexpr Real longest_turn = radians_per_degree<Real>;
+
+// What a step did, where it is done.
+template <class V>
+struct SingleSlipStep {
+  MaskOf<V> done;
+  MaskOf<V> closing;   // the contact slid up, otherwise down
+  MaskOf<V> on_left;   // it was the left contact, otherwise the right one
+  MaskOf<V> switched;  // the other one slid before it, up to a tie
+  // For the second half: where the step is done if the object is held, where there is a tie on the
+  // way, and how far the contact that lets go first does so before the other, at its begin and at
+  // its end.
+  MaskOf<V> unsure;
+  MaskOf<V> ties;
+  V lead_before;
+  V lead;
+};
+
+namespace detail {
+
+template <class V>
+constexpr PerSide<FrictionCone<V>> cones_at(const ModelParams<V>& params,
+                                            const PerSide<PalmAngle<V>>& palms) {
+  PerSide<FrictionCone<V>> cones{};
+  on_both_sides([&](std::size_t side) {
+    cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, params.friction[side]);
+  });
+  return cones;
+}
+
+}  // namespace detail
+
+// Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly,
+// under a push: the first half, which fills in `step` but for `switched`.
+template <class V>
+[[gnu::always_inline]] inline void step_single_slip(const ModelParams<V>& params,
+                                                    const Kinematics<V>& from,
+                                                    SlipState<V>& slip_state, Kinematics<V>& to,
+                                                    V change, const PerSide<V>& angles, V push,
+                                                    SingleSlipStep<V>& step) {
+  using Mask = MaskOf<V>;
+  const PerSide<PalmAngle<V>>& palms = from.configuration.palms;
+  const PerSide<V>& contacts = from.configuration.contacts;
+  const Moments<V> pushed = moments_under(params.object, push);
+  const bool some_tied = any(slip_state.tied != V(0));
+  // Ties lie elsewhere under another push.
+  if (some_tied) slip_state.tied = select(push != slip_state.push, V(0), slip_state.tied);
+  slip_state.push = push;
+  const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
+  const Mask left_turns = turn[left] != V(0);
+  const Mask right_turns = turn[right] != V(0);
+  const Mask turning = left_turns | right_turns;
+  const bool some_turn = any(turning);
+
+  V rate = change;
+  if (some_turn) {
+    rate = select(turning,
+                  drive_rate(palms, contacts, params.offset, from.contact_vector, change, turn),
+                  change);
+  }
+  const Mask closing = rate < V(0);
+  const V way = select(closing, V(1), V(-1));
+  const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, way);
+  const SlipOrder<V> before = slip_order(pushed, edges[left], edges[right]);
+  const V left_behind =
+      before.at(from.contact_vector) * way;  // < 0: the left contact slides sooner
+  const Mask on_left = left_behind < V(0);
+  Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
+  good = good & (slip_state.multi_contact == V(0));
+  if (some_tied) good = good & (slip_state.tied * way <= V(0));
+  on_both_sides([&](std::size_t side) {
+    good = good & (!wedged(side, edges[side], from.contact_vector.dx, from.contact_vector.dy));
+  });
+
+  PerSide<PalmAngle<V>> turned = palms;
+  if (some_turn) {
+    const V longest(longest_turn<typename ScalarOf<V>::type>);
+    on_both_sides([&](std::size_t side) { good = good & within(turn[side], longest); });
+    // A palm that does not turn has its sine and cosine already: what is found anew are the same
+    // bits.
+    if (any(left_turns)) turned[left] = PalmAngle<V>::at(angles[left]);
+    if (any(right_turns)) turned[right] = PalmAngle<V>::at(angles[right]);
+  }
+  const V separation = from.configuration.separation + change;
+  const Slipped<V> alone =
+      slip(on_left, separation, turned, contacts, params.offset, params.object.width);
+
+  SlipOrder<V> tie_after = before;
+  if (some_turn) {
+    const V rate_after =
+        drive_rate(turned, alone.contacts, params.offset, alone.contact_vector, change, turn);
+    good = good & ((!turning) | (rate_after * way < V(0)));
+    const PerSide<ConeEdge<V>> edges_after = edges_at(params.friction, turned, way);
+    tie_after = slip_order(pushed, edges_after[left], edges_after[right]);
+  }
+  const V still_behind = tie_after.at(alone.contact_vector) * way;
+  const V lead = select(on_left, -still_behind, still_behind);
+  const Mask ties = good & (lead < V(0));
+  good = good & (lead > V(0));
+  Mask held(good);
+  on_both_sides(
+      [&](std::size_t side) { held = held & within(alone.contacts[side], params.safe_reach); });
+  const Mask unsure = good & (!held);
+  good = good & held;
+
+  to.configuration.separation = separation;
+  on_both_sides([&](std::size_t side) {
+    to.configuration.palms[side] = turned[side];
+    to.configuration.contacts[side] = alone.contacts[side];
+  });
+  to.contact_vector = alone.contact_vector;
+  if (some_tied) slip_state.tied = select(good, V(0), slip_state.tied);
+  // Field by field: a copy of the whole would wait for fields that have only just been written.
+  step.done = good;
+  step.closing = closing;
+  step.on_left = on_left;
+  step.unsure = unsure;
+  step.ties = ties;
+  step.lead_before = select(on_left, -left_behind, left_behind);
+  step.lead = lead;
+}
+
+// The second half of a step that is not done everywhere. Where it is not done then either,
+// everything is where it was.
+template <class V>
+[[gnu::noinline, gnu::flatten]] void finish_single_slip(const ModelParams<V>& params,
+                                                        const Kinematics<V>& from,
+                                                        SlipState<V>& slip, Kinematics<V>& to,
+                                                        V change, SingleSlipStep<V>& step) {
+  using Mask = MaskOf<V>;
+  const PerSide<PalmAngle<V>>& turned = to.configuration.palms;
+  PerSide<V>& after = to.configuration.contacts;
+  Mask good = step.unsure;
+  Mask held = !good;
+  if (any(step.ties)) {
+    Mask wanted = step.ties;
+    const V way = select(step.closing, V(1), V(-1));
+    const PerSide<ConeEdge<V>> edges = edges_at(params.friction, turned, way);
+    on_both_sides([&](std::size_t side) {
+      const Mask reached = within(after[side], params.safe_reach);
+      const Mask wedges = wedged(side, edges[side], to.contact_vector.dx, to.contact_vector.dy);
+      wanted = wanted & reached & (!wedges);
+    });
+    // Mostly it is so at all ties. What comes next need not wait for that: a branch is guessed.
+    if (all(wanted | !step.ties)) [[likely]]
+      wanted = step.ties;
+    const SlipSwitch<V> over = switch_slip<V>(
+        params, from.configuration,
+        {step.on_left, way, change, turned, slip.push, step.lead_before, step.lead}, wanted);
+    step.switched = over.done;
+    step.on_left = step.on_left ^ over.done;
+    good = good | over.done;
+    // Wherever there is a tie, though it may not be done there: then it is put back, and nobody has
+    // waited.
+    on_both_sides([&](std::size_t side) {
+      after[side] = select(step.ties, over.end.contacts[side], after[side]);
+      held = held & (within(after[side], params.safe_reach) | !step.ties);
+    });
+    to.contact_vector = {select(step.ties, over.end.contact_vector.dx, to.contact_vector.dx),
+                         select(step.ties, over.end.contact_vector.dy, to.contact_vector.dy)};
+  }
+  // Few contacts are ever out of the safe reach; only then all conditions are looked at.
+  if (any(good & (!held))) {
+    held = held | certainly_held(params, detail::cones_at(params, turned), turned, after,
+                                 to.contact_vector);
+  }
+  good = good & held;
+  slip.tied = select(good, V(0), slip.tied);
+  step.done = step.done | good;
+  if (all(step.done)) return;
+  const auto put_back = [&](V& there, V then) { there = select(step.done, there, then); };
+  put_back(to.configuration.separation, from.configuration.separation);
+  on_both_sides([&](std::size_t side) {
+    PalmAngle<V>& palm = to.configuration.palms[side];
+    palm = select<V>(step.done, palm, from.configuration.palms[side]);
+    put_back(after[side], from.configuration.contacts[side]);
+  });
+  put_back(to.contact_vector.dx, from.contact_vector.dx);
+  put_back(to.contact_vector.dy, from.contact_vector.dy);
+}
+
+// Both halves, in place.
+template <class V>
+[[gnu::always_inline]] inline SingleSlipStep<V> step_single_slip(const ModelParams<V>& params,
+                                                                 WorldState<V>& state, V change,
+                                                                 const PerSide<V>& angles, V push) {
+  Kinematics<V> to = state;
+  SingleSlipStep<V> step{};
+  step_single_slip<V>(params, state, state, to, change, angles, push, step);
+  if (!all(step.done)) finish_single_slip<V>(params, state, state, to, change, step);
+  static_cast<Kinematics<V>&>(state) = to;
+  return step;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The outputs of `palmbots derive`."""
+
+import io
+
+from rich.console import Console
+
+from palmbots.cli.reports.derivation_report import derivation_report
+from palmbots.derivation.abstract_world import CONTROLLERS, system_of
+from palmbots.derivation.global_policy import as_printed, table_1
+from palmbots.derivation.local_rules import derive
+from palmbots.derivation.refinement import check_refinement
+
+PAGE = "docs/theory/derivation.md"
+
+
+def printed(policy: str, controllers: tuple[str, ...], runs: bool) -> str:
+    """The output of `palmbots derive`, 100 columns wide."""
+    rules = derive(table_1() if policy == "table-1" else as_printed())
+    checked = {name: check_refinement(system_of(name), rules) for name in controllers}
+    out = io.StringIO()
+    console = Console(file=out, width=100, highlight=False)
+    derivation_report(rules, checked, policy, runs, console)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+
+
+def blocks() -> dict[str, str]:
+    """The generated parts of the page, by the name of their markers."""
+    everything = printed("table-1", CONTROLLERS, True)
+    marks = [everything.index(f"\n\nWhere {name} ") for name in CONTROLLERS[1:]]
+    middle = everything.index("\n\nMotions in every run")
+    outputs = {
+        "derivation": everything[:middle],
+        "refinement": everything[middle + 2 : marks[0]],
+        "distributed": everything[marks[0] + 2 : marks[1]],
+        "resilient": everything[marks[1] + 2 :],
+        "as printed": "\n".join(printed("as-printed", (), False).splitlines()[:4]),
+    }
+    return {name: f"```\n{text}\n```" for name, text in outputs.items()}

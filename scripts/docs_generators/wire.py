@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The bytes of a packet, from the layout that the core uses, and what a packet costs."""
+
+import csv
+from pathlib import Path
+
+import palmbots._core as _core
+from palmbots.wire import MAX_EPOCH, MAX_SEQUENCE
+
+PAGE = "docs/reference/wire.md"
+COST = Path(__file__).parents[2] / "benchmarks" / "results" / "wire.csv"
+
+MEANING = {
+    "version": "version of this format: 1",
+    "kind": "0 hello, 1 message, 2 beacon, 3 report, 4 command",
+    "roles": "bits 0–3 who sends, bits 4–7 to whom: 0 left, 1 right, 2 station",
+    "pair": "identity of the pair of robots, any number",
+    "epoch": f"the sender's boots so far, 1 to {MAX_EPOCH}",
+    "heard epoch": "of the newest packet heard from the receiver since the sender's boot …",
+    "heard sequence": "… and its sequence; both 0: none",
+    "sequence": f"the sender's packets in this epoch so far, 1 to {MAX_SEQUENCE}; numbers "
+    "may be left out",
+    "payload": "what is said, below",
+    "tag": "SipHash-2-4 of all bytes before it, under the key of the pair",
+}
+
+
+def layout() -> str:
+    """The fields in order, as Markdown."""
+    rows = ["| bytes | field | meaning |", "|---|---|---|"]
+    for name, offset, size in _core.wire.layout():
+        last = offset + size - 1
+        places = f"{offset}" if size == 1 else f"{offset}–{last}"
+        rows.append(f"| {places} | `{name}` | {MEANING[name]} |")
+    return "\n".join(rows)
+
+
+def cost() -> str:
+    """The instructions counted, as Markdown."""
+    with COST.open(newline="") as file:
+        head, *counts = (row[:3] for row in csv.reader(file))
+    lines = (head, ["---"] * 3, *counts)
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def blocks() -> dict[str, str]:
+    """The generated parts of the page, by the name of their markers."""
+    return {"layout": layout(), "cost": cost()}

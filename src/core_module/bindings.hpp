@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parts of the nanobind module share.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <vector>
+
+#include "palmbots/sim/carry.hpp"
+
+namespace palmbots::bindings {
+
+namespace nb = nanobind;
+
+void bind_spec(nb::module_& m);
+void bind_mechanics(nb::module_& m);
+void bind_modes_batch(nb::module_& m);
+void bind_stability(nb::module_& m);
+void bind_world(nb::module_& m);
+void bind_controllers(nb::module_& m);
+void bind_carry(nb::module_& m);
+void bind_splitting(nb::module_& m);
+void bind_cosimulation(nb::module_& m);
+void bind_episode(nb::module_& m);
+void bind_wire(nb::module_& m);
+void bind_multi_contact(nb::module_& m);
+
+// A C++ vector handed over to NumPy without a copy.
+template <class T>
+nb::capsule owner_of(std::vector<T>* values) {
+  return nb::capsule(values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+}
+
+}  // namespace palmbots::bindings

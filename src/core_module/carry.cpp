@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole carries: one with everything that was seen, or many with their metrics.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <limits>
+
+#include "carry.hpp"
+#include "palmbots/sim/team_registry.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+template <class Real, class Recorder, class Team>
+Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
+  Carry<Real, Team, Recorder> carry(spec, seed, std::move(team), Recorder{});
+  carry.run();
+  Run run = run_of(carry);
+  if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
+  if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
+    run.rows = carry.recorder().take_rows();
+    run.sent_messages = carry.recorder().take_sent_messages();
+  }
+  return run;
+}
+
+// A built-in controller by its name.
+template <class Real, class Recorder>
+Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed) {
+  if (!is_controller(name)) {
+    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+  }
+  return visit_team(
+      name, [&](auto make) { return run_team<Real, Recorder>(spec, seed, make(spec, seed)); });
+}
+
+bool is_single(const std::string& precision) {
+  if (precision == "float") return true;
+  if (precision == "double") return false;
+  throw std::invalid_argument("precision: double or float");
+}
+
+Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
+        const std::string& precision, bool record) {
+  const bool single = is_single(precision);
+  if (nb::isinstance<nb::str>(controller)) {
+    const auto name = nb::cast<std::string>(controller);
+    const nb::gil_scoped_release release;
+    if (record) {
+      return single ? run_named<float, TraceRecorder>(spec, name, seed)
+                    : run_named<double, TraceRecorder>(spec, name, seed);
+    }
+    return single ? run_named<float, HashRecorder>(spec, name, seed)
+                  : run_named<double, HashRecorder>(spec, name, seed);
+  }
+  const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
+  DistributedTeam<PythonController> team(
+      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
+      seed, leader_of(spec), Faults::of(spec, seed));
+  return single ? run_team<float, TraceRecorder>(spec, seed, std::move(team))
+                : run_team<double, TraceRecorder>(spec, seed, std::move(team));
+}
+
+// Columns of the trace: one entry a row, or one for each side.
+template <class T, class Get>
+nb::object column(const std::vector<Row>& rows, Get get) {
+  auto* values = new std::vector<T>();
+  values->reserve(rows.size());
+  for (const Row& row : rows) values->push_back(get(row));
+  return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), {values->size()}, owner_of(values)));
+}
+
+template <class T, class Get>
+nb::object columns(const std::vector<Row>& rows, Get get) {
+  auto* values = new std::vector<T>();
+  values->reserve(2 * rows.size());
+  for (const Row& row : rows) {
+    for (const std::size_t side : {left, right}) values->push_back(static_cast<T>(get(row)[side]));
+  }
+  return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), {rows.size(), 2}, owner_of(values)));
+}
+
+nb::object trace(const Run& run) {
+  if (run.rows.empty()) return nb::none();
+  const std::vector<Row>& rows = run.rows;
+  nb::dict d;
+  auto* time = new std::vector<double>();
+  for (std::size_t k = 0; k + 1 < rows.size(); ++k) time->push_back(double(k) * run.period);
+  time->push_back(run.metrics.time_ticks * run.period);
+  d["time_s"] = nb::ndarray<nb::numpy, double>(time->data(), {time->size()}, owner_of(time));
+  d["contact_m"] = columns<double>(rows, [](const Row& r) { return r.contact; });
+  d["vertex_height_m"] = columns<double>(rows, [](const Row& r) { return r.lift; });
+  d["palm_rad"] = columns<double>(rows, [](const Row& r) { return r.palm; });
+  d["speed_m_s"] = columns<double>(rows, [](const Row& r) { return r.speed; });
+  d["commanded_m_s"] = columns<double>(rows, [](const Row& r) { return r.commanded; });
+  d["separation_m"] = column<double>(rows, [](const Row& r) { return r.separation; });
+  d["midpoint_m"] = column<double>(rows, [](const Row& r) { return r.midpoint; });
+  // For people and pictures only; the hash does not see it, so libm may serve.
+  d["object_rad"] = column<double>(rows, [](const Row& r) { return std::asin(r.object); });
+  d["sign"] = columns<std::int8_t>(rows, [](const Row& r) { return r.sign; });
+  d["case"] = columns<std::uint8_t>(rows, [](const Row& r) { return r.name; });
+  d["motion"] = columns<std::int8_t>(rows, [](const Row& r) { return r.motion; });
+  return d;
+}
+
+nb::list corrections(const Run& run) {
+  nb::list list;
+  const std::size_t kept =
+      run.metrics.corrections < max_corrections ? run.metrics.corrections : max_corrections;
+  for (std::size_t i = 0; i < kept; ++i) {
+    const Correction& c = run.metrics.rows[i];
+    // The last tick may be cut short by the end of the carry.
+    const double end =
+        double(c.end) < run.metrics.time_ticks ? double(c.end) : run.metrics.time_ticks;
+    list.append(nb::make_tuple(static_cast<int>(c.robot), nb::str(&c.name, 1),
+                               static_cast<int>(c.assistant), double(c.start) * run.period,
+                               end * run.period));
+  }
+  return list;
+}
+
+nb::list contact_events(const Run& run) {
+  nb::list list;
+  const std::size_t kept = run.metrics.contact_events < max_contact_events
+                               ? run.metrics.contact_events
+                               : max_contact_events;
+  for (std::size_t i = 0; i < kept; ++i) {
+    const ContactEventRow& t = run.metrics.contact_event_rows[i];
+    list.append(nb::make_tuple(t.side, name_of(t.kind), t.start * run.period, t.end * run.period));
+  }
+  return list;
+}
+
+// For how long each robot has been waiting at the end [s], and for which message if that is known.
+nb::list hanging(const Run& run) {
+  nb::list list;
+  for (const std::size_t side : {left, right}) {
+    const double since = double(run.metrics.waits_since[side]) * run.period;
+    const double waits = run.metrics.time_ticks * run.period - since;
+    list.append(nb::make_tuple(since, waits > 0 ? waits : 0.0, name_of(run.awaits[side])));
+  }
+  return list;
+}
+
+// Of each link (sent, lost, duplicated, late, rejected): from the left robot, from the right one,
+// from the station to the left and to the right one.
+nb::list links(const Run& run) {
+  nb::list list;
+  for (const LinkCounts& c : run.link_totals.links) {
+    list.append(nb::make_tuple(c.sent, c.lost, c.duplicated, c.late, c.rejected));
+  }
+  return list;
+}
+
+nb::list messages(const Run& run) {
+  nb::list list;
+  for (const SentMessage& p : run.sent_messages) {
+    const double received = p.received == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                            : double(p.received) * run.period;
+    list.append(nb::make_tuple(double(p.sent) * run.period, received, static_cast<int>(p.sender),
+                               static_cast<int>(p.receiver), name_of(p.kind)));
+  }
+  return list;
+}
+
+std::string hex(std::uint64_t value) {
+  std::string text(16, '0');
+  for (std::size_t i = 0; i < 16; ++i) {
+    text[15 - i] = "0123456789abcdef"[(value >> (4 * i)) & 15];
+  }
+  return text;
+}
+
+}  // namespace
+
+void bind_carry(nb::module_& m) {
+  nb::class_<Run>(m, "Run", "A finished carry.")
+      .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
+      .def_prop_ro("reason",
+                   [](const Run& r) -> nb::object {
+                     if (r.metrics.reason == DropReason::none) return nb::none();
+                     return nb::str(name_of(r.metrics.reason));
+                   })
+      .def_prop_ro("time_s", [](const Run& r) { return r.metrics.time_ticks * r.period; })
+      .def_prop_ro("distance_m", [](const Run& r) { return r.distance; })
+      .def_prop_ro(
+          "contact_rms_m",
+          [](const Run& r) { return std::tuple(r.metrics.rms(left), r.metrics.rms(right)); })
+      .def_prop_ro(
+          "contact_peak_m",
+          [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
+      .def_prop_ro("messages", [](const Run& r) { return r.link_totals.sent; })
+      .def_prop_ro("links", &links)
+      .def_prop_ro("stopped",
+                   [](const Run& r) { return std::tuple(r.stopped[left], r.stopped[right]); })
+      .def_prop_ro("messages_lost", [](const Run& r) { return r.link_totals.lost; })
+      .def_prop_ro("waiting_s",
+                   [](const Run& r) {
+                     return std::tuple(r.metrics.waiting_ticks[left] * r.period,
+                                       r.metrics.waiting_ticks[right] * r.period);
+                   })
+      .def_prop_ro("hanging", &hanging)
+      .def_prop_ro("limit_cycle",
+                   [](const Run& r) {
+                     return std::tuple(bool(r.metrics.limit_cycle[left]),
+                                       bool(r.metrics.limit_cycle[right]));
+                   })
+      .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
+      .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
+      .def_prop_ro("corrections", &corrections)
+      .def_prop_ro("contact_event_count", [](const Run& r) { return r.metrics.contact_events; })
+      .def_prop_ro("contact_events", &contact_events)
+      .def_prop_ro("message_log", &messages)
+      .def_prop_ro("trace", &trace)
+      .def_prop_ro("trace_hash", [](const Run& r) { return hex(r.hash); });
+
+  m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
+        nb::arg("record"), "One carry. controller: a name, or a pair of Python step functions.");
+}
+
+}  // namespace palmbots::bindings

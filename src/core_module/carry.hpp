@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a finished carry gave, and controllers written in Python: for both ways to run a carry.
+#pragma once
+
+#include <nanobind/stl/tuple.h>
+
+#include <vector>
+
+#include "bindings.hpp"
+#include "palmbots/sim/distributed_team.hpp"
+#include "palmbots/sim/recorder.hpp"
+
+namespace palmbots::bindings {
+
+// A controller written in Python: an object with
+//   step(sign, message, turned) -> (palm, move, message sent, message read, case, waits).
+class PythonController {
+ public:
+  explicit PythonController(nb::object step) : step_(std::move(step)) {}
+
+  Distributed::Output step(Distributed::Input in) {
+    const nb::object answer =
+        step_(static_cast<int>(in.sign), static_cast<int>(in.message), in.palm_at_target);
+    const auto [palm, move, send, read, name, waits] =
+        nb::cast<std::tuple<int, int, int, bool, int, bool>>(answer);
+    now_ = {static_cast<char>(name),
+            {static_cast<Palm>(palm), static_cast<Move>(move)},
+            waits,
+            MessageKind::none};
+    return {now_.command, static_cast<MessageKind>(send), read};
+  }
+  const Distributed::StateOutput& now() const { return now_; }
+
+ private:
+  nb::object step_;
+  Distributed::StateOutput now_ = Distributed::outputs[0];
+};
+
+// What a carry gave, in seconds and metres.
+struct Run {
+  Metrics metrics;
+  double period = 0;
+  double distance = 0;
+  LinkTotals link_totals;
+  PerSide<MessageKind> awaits{};
+  PerSide<bool> stopped{};  // at the end
+  std::uint64_t hash = 0;
+  std::vector<Row> rows;
+  std::vector<SentMessage> sent_messages;
+};
+
+// A carry (or a co-simulation) that is over; what its recorder kept is not in it yet.
+template <class Carry>
+Run run_of(const Carry& carry) {
+  Run run;
+  run.metrics = carry.metrics();
+  run.period = carry.spec().period;
+  run.distance = double(carry.midpoint()) * carry.spec().direction;
+  run.link_totals = carry.team().link_totals;
+  for (const std::size_t side : {left, right}) {
+    run.awaits[side] = carry.team().awaits(side);
+    run.stopped[side] = carry.commands()[side].stop;
+  }
+  return run;
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controllers and their tables, one step at a time.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstring>
+
+#include "bindings.hpp"
+#include "palmbots/control/centralized.hpp"
+#include "palmbots/control/distributed.hpp"
+#include "palmbots/control/resilient.hpp"
+#include "palmbots/sim/build.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+// All that a controller remembers, to tell its states apart. Where the compiler cannot clear
+// padding, one state may show as several, never several as one.
+template <class Controller>
+nb::bytes memory(Controller controller) {
+#if __has_builtin(__builtin_clear_padding)
+  __builtin_clear_padding(&controller);
+#endif
+  char image[sizeof controller];
+  std::memcpy(image, &controller, sizeof controller);
+  return nb::bytes(image, sizeof image);
+}
+
+using Action = std::tuple<std::string, std::string, std::string>;
+Action action(const Centralized::Action& a) {
+  return {name_of(a.move), name_of(a.who), name_of(a.until)};
+}
+
+// An enumeration of consecutive values from `first` to `last`, with the names that the core gives
+// them.
+template <class Enum>
+void bind_enum(nb::module_& m, const char* name, Enum first, Enum last, const char* about) {
+  nb::enum_<Enum> names(m, name, nb::is_arithmetic(), about);
+  for (int i = static_cast<int>(first); i <= static_cast<int>(last); ++i) {
+    const auto value = static_cast<Enum>(i);
+    names.value(*name_of(value) != 0 ? name_of(value) : "none", value);
+  }
+}
+
+}  // namespace
+
+void bind_controllers(nb::module_& m) {
+  bind_enum(m, "Palm", Palm::steep, Palm::shallow,
+            "Which of its two angles a palm is commanded to.");
+  bind_enum(m, "Move", Move::hold, Move::closer, "The speed a robot adds to its nominal one.");
+  bind_enum(m, "MessageKind", MessageKind::none, MessageKind::raised,
+            "What robots say to each other.");
+
+  m.def(
+      "table1",
+      [] {
+        std::vector<std::tuple<std::array<int, 2>, std::string, Action, Action>> rows;
+        for (const auto& row : Centralized::table) {
+          rows.push_back({{static_cast<int>(row.sign[0]), static_cast<int>(row.sign[1])},
+                          name_of(row.tilt),
+                          action(row.first),
+                          action(row.second)});
+        }
+        return rows;
+      },
+      "Table 1 as it runs: per case the signs, the palm to tilt up, and two actions (move, whose "
+      "contact, until).");
+  m.def(
+      "table2",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string, bool>> outputs;
+        for (int i = 0; i < Distributed::states; ++i) {
+          const auto& d = Distributed::outputs[i];
+          outputs.push_back({name_of(static_cast<Distributed::State>(i)), std::string(1, d.name),
+                             name_of(d.command.palm), name_of(d.command.move), d.waits});
+        }
+        std::vector<std::array<std::string, 6>> rows;
+        for (const auto& row : Distributed::rows) {
+          rows.push_back({name_of(row.state), name_of(row.p), name_of(row.got), name_of(row.tilt),
+                          name_of(row.next), name_of(row.send)});
+        }
+        return std::pair(outputs, rows);
+      },
+      "Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, "
+      "contact, "
+      "message, palm turned, next state, message sent).");
+
+  m.def(
+      "resilient_table",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string, std::string>>
+            outputs;
+        for (int i = 0; i < Resilient::states; ++i) {
+          const auto& d = Resilient::outputs[i];
+          outputs.push_back({name_of(static_cast<Resilient::State>(i)), std::string(1, d.name),
+                             name_of(d.command.palm), name_of(d.command.move), name_of(d.message)});
+        }
+        std::vector<std::array<std::string, 5>> rows;
+        for (const auto& row : Resilient::rows) {
+          rows.push_back({name_of(row.state), name_of(row.p), name_of(row.heard), name_of(row.when),
+                          name_of(row.next)});
+        }
+        return std::pair(outputs, rows);
+      },
+      "The resilient algorithm as it runs: per state (name, case, palm, move, message), and the "
+      "rows "
+      "(state, contact, message heard, condition, next state).");
+  m.def(
+      "resilient_timing",
+      [](const Spec& spec) {
+        const ResilientTiming b = resilient_timing_of(spec);
+        const double tick = spec.period;
+        nb::dict d;
+        d["beacon_s"] = b.times.beacon * tick;
+        d["delay_s"] = b.delay * tick;
+        d["lease_s"] = b.times.lease * tick;
+        d["shortest_lease_s"] = b.shortest_lease * tick;
+        d["longest_lease_s"] = b.longest_lease * tick;
+        d["losses"] = static_cast<int>(b.losses);
+        d["hold_s"] = b.times.hold * tick;
+        d["alone_s"] = b.alone * tick;
+        d["skew_m"] = b.skew;
+        d["room_m"] = b.room;
+        constexpr const char* problems[] = {"", "beacon", "short", "long"};
+        d["problem"] = problems[static_cast<int>(b.problem)];
+        return d;
+      },
+      nb::arg("spec"),
+      "The time bounds of the resilient algorithm (control/resilient_timing.hpp).");
+
+  nb::class_<Distributed>(m, "Distributed", "Table 2 of the paper, one robot.")
+      .def(nb::init<>())
+      .def(
+          "step",
+          [](Distributed& self, int sign, int message, bool palm_at_target) {
+            if (sign < -1 || sign > 1 || message < 0 || message > 3) {
+              throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
+            }
+            const auto out = self.step(
+                {static_cast<Sign>(sign), static_cast<MessageKind>(message), palm_at_target});
+            return std::tuple(static_cast<int>(out.command.palm),
+                              static_cast<int>(out.command.move), static_cast<int>(out.send),
+                              out.read);
+          },
+          nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
+          "One tick; returns (palm, move, message sent, message read).")
+      .def("__copy__", [](const Distributed& self) { return self; })
+      .def_prop_ro("memory", &memory<Distributed>, "All that it remembers.")
+      .def_prop_ro("state", [](const Distributed& self) { return static_cast<int>(self.state()); })
+      .def_prop_ro("name", [](const Distributed& self) { return nb::str(&self.now().name, 1); })
+      .def_prop_ro("waits", [](const Distributed& self) { return self.now().waits; });
+
+  nb::class_<Resilient>(m, "Resilient", "The resilient distributed algorithm, one robot.")
+      .def(
+          "__init__",
+          [](Resilient* self, std::uint16_t lease, std::uint16_t hold, std::uint16_t join,
+             bool yields) { new (self) Resilient({1, lease, hold, 0, join}, yields); },
+          nb::arg("lease"), nb::arg("hold"), nb::arg("join"), nb::arg("yields"),
+          "Times in ticks; a beacon goes out every tick, and wheels stop at once.")
+      .def(
+          "step",
+          [](Resilient& self, int sign, bool palm_at_target, int message, bool stopped, bool ready,
+             std::uint16_t age) {
+            if (sign < -1 || sign > 1 || message < 0 || message > 5) {
+              throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 5");
+            }
+            const auto out = self.step({static_cast<Sign>(sign), palm_at_target, 1,
+                                        static_cast<MessageKind>(message), stopped, ready, age});
+            return std::tuple(static_cast<int>(out.command.palm),
+                              static_cast<int>(out.command.move), static_cast<int>(out.message),
+                              out.command.stop, out.ready);
+          },
+          nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("message"), nb::arg("stopped"),
+          nb::arg("ready"), nb::arg("age"),
+          "One tick with what a new beacon said and how old it may be (message 0: none came); "
+          "returns (palm, move, message, stop, ready).")
+      .def("__copy__", [](const Resilient& self) { return self; })
+      .def_prop_ro("memory", &memory<Resilient>, "All that it remembers.")
+      .def_prop_ro("name", [](const Resilient& self) { return nb::str(&self.now().name, 1); });
+
+  nb::class_<Centralized>(m, "Centralized", "Table 1 of the paper, the station.")
+      .def(nb::init<>())
+      .def(
+          "step",
+          [](Centralized& self, std::tuple<int, int, bool> l, std::tuple<int, int, bool> r) {
+            const auto report = [](const std::tuple<int, int, bool>& t) {
+              return Centralized::Report{static_cast<Sign>(std::get<0>(t)),
+                                         static_cast<Palm>(std::get<1>(t)), std::get<2>(t)};
+            };
+            const Centralized::Report reports[2] = {report(l), report(r)};
+            const auto out = self.step(reports);
+            return std::tuple(
+                static_cast<int>(out.command[0].palm), static_cast<int>(out.command[0].move),
+                static_cast<int>(out.command[1].palm), static_cast<int>(out.command[1].move));
+          },
+          nb::arg("left"), nb::arg("right"),
+          "One tick with each robot's (sign, palm commanded, palm at target); returns (palm, move) "
+          "of "
+          "both.")
+      .def("__copy__", [](const Centralized& self) { return self; })
+      .def_prop_ro("memory", &memory<Centralized>, "All that it remembers.")
+      .def_prop_ro("case_number", &Centralized::current)
+      .def_prop_ro("stage", [](const Centralized& self) { return static_cast<int>(self.stage()); });
+}
+
+}  // namespace palmbots::bindings

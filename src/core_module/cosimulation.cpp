@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both robots without their world, tick by tick.
+#include "palmbots/sim/cosimulation.hpp"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "carry.hpp"
+#include "palmbots/sim/team_registry.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+// A co-simulation whatever its controllers are.
+class AnyCoSimulation {
+ public:
+  virtual ~AnyCoSimulation() = default;
+  virtual Actuation<double> step_controllers() = 0;
+  virtual void observe(const WorldObservation& observation) = 0;
+  virtual bool done() const = 0;
+  virtual const PerSide<double>& speeds() const = 0;
+  virtual Run run() = 0;
+};
+
+template <class Team>
+class CoSimulationOf : public AnyCoSimulation {
+ public:
+  CoSimulationOf(const Spec& spec, std::uint64_t seed, Team team, double slack,
+                 const WorldObservation& first)
+      : cosimulation_(spec, seed, std::move(team), slack, first) {}
+  Actuation<double> step_controllers() override { return cosimulation_.step_controllers(); }
+  void observe(const WorldObservation& observation) override { cosimulation_.observe(observation); }
+  bool done() const override { return cosimulation_.done(); }
+  const PerSide<double>& speeds() const override { return cosimulation_.speeds(); }
+  Run run() override {
+    Run run = run_of(cosimulation_);
+    run.hash = cosimulation_.recorder().hash();
+    run.rows = cosimulation_.recorder().take_rows();
+    run.sent_messages = cosimulation_.recorder().take_sent_messages();
+    return run;
+  }
+
+ private:
+  CoSimulation<Team> cosimulation_;
+};
+
+std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
+                                                   std::uint64_t seed, double slack,
+                                                   const WorldObservation& first) {
+  const auto make = [&](auto team) -> std::unique_ptr<AnyCoSimulation> {
+    using Team = decltype(team);
+    return std::make_unique<CoSimulationOf<Team>>(spec, seed, std::move(team), slack, first);
+  };
+  if (nb::isinstance<nb::str>(controller)) {
+    const auto name = nb::cast<std::string>(controller);
+    if (!is_controller(name)) {
+      throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+    }
+    return visit_team(name, [&](auto team) { return make(team(spec, seed)); });
+  }
+  const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
+  return make(DistributedTeam<PythonController>(
+      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
+      seed, leader_of(spec), Faults::of(spec, seed)));
+}
+
+template <class T>
+PerSide<T> sides(std::pair<T, T> pair) {
+  return {pair.first, pair.second};
+}
+template <class T>
+std::pair<T, T> pair_of(const PerSide<T>& both) {
+  return {both[left], both[right]};
+}
+using Two = std::pair<double, double>;
+
+// Owns a co-simulation; a class of its own, since nanobind makes objects in place.
+struct CoSimulationHandle {
+  std::unique_ptr<AnyCoSimulation> cosimulation;
+};
+
+DropReason reason_of(const std::string& name) {
+  for (int i = 0; i <= static_cast<int>(DropReason::lifting); ++i) {
+    const auto reason = static_cast<DropReason>(i);
+    if (name == name_of(reason)) return reason;
+  }
+  throw std::invalid_argument("reason: no such reason");
+}
+
+}  // namespace
+
+void bind_cosimulation(nb::module_& m) {
+  nb::class_<WorldObservation>(
+      m, "WorldObservation", "What is seen of a world at the end of a tick (sim/cosimulation.hpp).")
+      .def(
+          "__init__",
+          [](WorldObservation* self, Two contacts, Two lift, Two touched,
+             std::pair<bool, bool> pressed, Two palms, Two wrists, double separation,
+             double midpoint, double rise, std::pair<int, int> motion, const std::string& reason,
+             double fraction) {
+            const DropReason why = reason_of(reason);
+            for (const int one : {motion.first, motion.second}) {
+              if (one < -1 || one > 1) throw std::out_of_range("motion is -1, 0 or 1");
+            }
+            new (self) WorldObservation{sides(contacts), sides(lift),  sides(touched),
+                                        sides(pressed),  sides(palms), sides(wrists),
+                                        separation,      midpoint,     rise,
+                                        sides(motion),   why,          fraction};
+          },
+          nb::arg("contacts"), nb::arg("lift"), nb::arg("touched"), nb::arg("pressed"),
+          nb::arg("palms"), nb::arg("wrists"), nb::arg("separation"), nb::arg("midpoint"),
+          nb::arg("rise"), nb::arg("motion"), nb::arg("reason") = "", nb::arg("fraction") = 1.0)
+      .def_prop_ro("contacts", [](const WorldObservation& s) { return pair_of(s.contacts); })
+      .def_prop_ro("lift", [](const WorldObservation& s) { return pair_of(s.lift); })
+      .def_prop_ro("palms", [](const WorldObservation& s) { return pair_of(s.palms); })
+      .def_prop_ro("motion", [](const WorldObservation& s) { return pair_of(s.motion); })
+      .def_ro("separation", &WorldObservation::separation)
+      .def_ro("midpoint", &WorldObservation::midpoint)
+      .def_ro("rise", &WorldObservation::rise);
+
+  nb::class_<CoSimulationHandle>(
+      m, "CoSimulation", "Both robots without their world: step_controllers, move, observe.")
+      .def(
+          "__init__",
+          [](CoSimulationHandle* self, const Spec& spec, const nb::object& controller,
+             std::uint64_t seed, const WorldObservation& first, double slack) {
+            new (self) CoSimulationHandle{cosimulation_with(spec, controller, seed, slack, first)};
+          },
+          nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("first"),
+          nb::arg("slack") = 0.0,
+          "controller: a name, or a pair of Python step functions; slack: how far from the angle "
+          "commanded [rad] a wrist counts as turned.")
+      .def_prop_ro("done", [](const CoSimulationHandle& c) { return c.cosimulation->done(); })
+      .def(
+          "step_controllers",
+          [](CoSimulationHandle& c) {
+            if (c.cosimulation->done()) throw std::runtime_error("the carry is over");
+            const Actuation<double> act = c.cosimulation->step_controllers();
+            const PerSide<double>& v = c.cosimulation->speeds();
+            return std::tuple(Two{v[left], v[right]}, Two{act.angles[left], act.angles[right]},
+                              act.change, act.push, act.travel);
+          },
+          "Decides: (speeds [m/s] towards +x, palm angles [rad] at the end of the tick, change of "
+          "the separation [m], push [1], travel of the midpoint [m]).")
+      .def(
+          "observe",
+          [](CoSimulationHandle& c, const WorldObservation& observation) {
+            c.cosimulation->observe(observation);
+          },
+          nb::arg("sight"), "What became of it, once for each step_controllers().")
+      .def(
+          "run", [](CoSimulationHandle& c) { return c.cosimulation->run(); },
+          "The finished carry; takes the trace with it.");
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact modes of many states at once.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.hpp"
+#include "palmbots/mechanics/contact_modes.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+// A number per state: either one array element each, or one for all.
+using Column = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+struct Reader {
+  const double* data;
+  std::size_t step;
+  double operator[](std::size_t i) const { return data[i * step]; }
+};
+
+// The nine modes in the order of their bits: left contact first, each in the order of `slides`.
+constexpr ContactMode mode_of(std::size_t bit) {
+  return {slip_directions[bit / 3], slip_directions[bit % 3]};
+}
+
+// The bit of the mode that happens, or −1 if the object is not held, −2 if nothing lets go.
+std::int8_t happening(const Contacts<double>& at, SlipDirection direction) {
+  const SelectedMode result = selected_mode(at, direction);
+  if (!result.balanced) return -1;
+  if (result.jammed) return -2;
+  for (std::size_t bit = 0; bit < 9; ++bit) {
+    if (mode_of(bit) == result.mode) return static_cast<std::int8_t>(bit);
+  }
+  return -2;
+}
+
+// One state from its 13 numbers: w, COM from left, from right, height, s, and per palm (left,
+// right) offset, friction, angle, contact coordinate.
+Contacts<double> contacts_of(const double (&v)[13]) {
+  Configuration<double> configuration{};
+  Contacts<double> at{};
+  at.moments = Moments<double>::of({v[0], v[1], v[2], v[3], v[4]});
+  for (const std::size_t side : {left, right}) {
+    configuration.palms[side] = PalmAngle<double>::at(v[9 + side]);
+    configuration.contacts[side] = v[11 + side];
+    at.cones[side] = friction_cone<double>(
+        {configuration.palms[side].sin, configuration.palms[side].cos}, v[7 + side]);
+  }
+  const PerSide<double> offset{v[5], v[6]};
+  at.dy = contact_vector(configuration, offset).dy;
+  at.dx = std::sqrt((v[0] - at.dy) * (v[0] + at.dy));
+  return at;
+}
+
+template <class T>
+auto numpy(std::vector<T>&& values) {
+  auto* kept = new std::vector<T>(std::move(values));
+  return nb::ndarray<nb::numpy, T, nb::ndim<1>>(kept->data(), {kept->size()}, owner_of(kept));
+}
+
+nb::tuple modes(const std::vector<Column>& columns, std::size_t n) {
+  if (columns.size() != 13) throw std::invalid_argument("modes: 13 columns");
+  Reader in[13];
+  for (std::size_t k = 0; k < 13; ++k) {
+    if (columns[k].size() != 1 && columns[k].size() != n) {
+      throw std::invalid_argument("modes: a column has one number, or one for each state");
+    }
+    in[k] = {columns[k].data(), columns[k].size() == 1 ? std::size_t{0} : std::size_t{1}};
+  }
+  std::vector<double> ends[4];
+  for (auto& end : ends) end.resize(n);
+  std::vector<std::uint16_t> feasible_bits(n);
+  std::vector<std::int8_t> closing(n);
+  std::vector<std::int8_t> opening(n);
+  {
+    const nb::gil_scoped_release release;
+    for (std::size_t i = 0; i < n; ++i) {
+      double v[13];
+      for (std::size_t k = 0; k < 13; ++k) v[k] = in[k][i];
+      const Contacts<double> at = contacts_of(v);
+      for (const std::size_t side : {left, right}) {
+        const Interval<double> h = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
+        ends[2 * side][i] = h.low;
+        ends[2 * side + 1][i] = h.high;
+      }
+      unsigned bits = 0;
+      for (unsigned bit = 0; bit < 9; ++bit) {
+        bits |= (feasible(at, mode_of(bit)) ? 1U : 0U) << bit;
+      }
+      feasible_bits[i] = static_cast<std::uint16_t>(bits);
+      closing[i] = happening(at, SlipDirection::up);
+      opening[i] = happening(at, SlipDirection::down);
+    }
+  }
+  return nb::make_tuple(numpy(std::move(ends[0])), numpy(std::move(ends[1])),
+                        numpy(std::move(ends[2])), numpy(std::move(ends[3])),
+                        numpy(std::move(feasible_bits)), numpy(std::move(closing)),
+                        numpy(std::move(opening)));
+}
+
+}  // namespace
+
+void bind_mechanics(nb::module_& m) {
+  m.def("modes", &modes, nb::arg("columns"), nb::arg("n"),
+        "For n states: ends of I_L and I_R, bits of the feasible modes, and the bits of the modes "
+        "on closing and opening (-1: not held, -2: jammed).");
+  m.def(
+      "margin",
+      [](const std::vector<double>& values, double angle_left, double angle_right) {
+        if (values.size() != 13) throw std::invalid_argument("margin: 13 numbers");
+        double v[13];
+        for (std::size_t k = 0; k < 13; ++k) v[k] = values[k];
+        const Contacts<double> at = contacts_of(v);
+        return friction_margin<double>(at.moments, {sin_cos(v[9]), sin_cos(v[10])},
+                                       {angle_left, angle_right}, at.dx, at.dy);
+      },
+      nb::arg("values"), nb::arg("friction_angle_left"), nb::arg("friction_angle_right"),
+      "The angle [rad] by which both friction cones may shrink with the object still held.");
+}
+
+}  // namespace palmbots::bindings

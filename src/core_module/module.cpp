@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// palmbots._core: the C++ core as Python sees it. Thin: no logic of its own.
+#include "bindings.hpp"
+
+NB_MODULE(_core, m) {
+  m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
+  m.def("tangent", &palmbots::tangent<double>, nanobind::arg("angle"),
+        "Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.");
+  m.def(
+      "supports_x86_level",
+      []([[maybe_unused]] int level) {
+#if defined(__x86_64__)
+        const bool v3 = __builtin_cpu_supports("avx2") != 0 &&
+                        __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("fma") != 0;
+        const bool v4 =
+            v3 && __builtin_cpu_supports("avx512f") != 0 &&
+            __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512cd") != 0 &&
+            __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
+        return level == 3 ? v3 : level == 4 && v4;
+#else
+        return false;
+#endif
+      },
+      nanobind::arg("level"),
+      "Has this processor the instructions of that level of x86-64, 3 (AVX2) or 4 (AVX-512)?");
+  palmbots::bindings::bind_spec(m);
+  palmbots::bindings::bind_mechanics(m);
+  palmbots::bindings::bind_modes_batch(m);
+  palmbots::bindings::bind_stability(m);
+  palmbots::bindings::bind_world(m);
+  palmbots::bindings::bind_controllers(m);
+  palmbots::bindings::bind_carry(m);
+  palmbots::bindings::bind_splitting(m);
+  palmbots::bindings::bind_cosimulation(m);
+  palmbots::bindings::bind_episode(m);
+  palmbots::bindings::bind_wire(m);
+  palmbots::bindings::bind_multi_contact(m);
+}

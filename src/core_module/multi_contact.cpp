@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where palms and object touch, and what several contacts can do.
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <tuple>
+
+#include "bindings.hpp"
+#include "palmbots/mechanics/contact_detection.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+using Numbers2 = std::pair<double, double>;
+// side, x, y from the COM, unit normal into the body, friction
+using SupportTuple = std::tuple<std::size_t, double, double, double, double, double>;
+using PalmTuple = std::tuple<double, double, double>;  // vx, vy, spin
+
+Supports<double> supports_of(const std::vector<SupportTuple>& given) {
+  if (given.size() > max_supports) throw std::invalid_argument("at most 8 supports");
+  Supports<double> supports{};
+  for (const auto& [side, x, y, nx, ny, friction] : given) {
+    if (side > 1) throw std::out_of_range("side is 0 or 1");
+    supports.at[supports.count++] = {side, x, y, nx, ny, friction};
+  }
+  return supports;
+}
+
+Motions motions_of(const std::vector<int>& given, std::size_t count) {
+  if (given.size() != count) throw std::invalid_argument("one motion for each support");
+  Motions motions{};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (given[i] < -1 || given[i] > 2) throw std::out_of_range("a motion is -1, 0, 1 or 2");
+    motions[i] = static_cast<Motion>(given[i]);
+  }
+  return motions;
+}
+
+Velocities<double> velocities_of(const std::vector<Numbers2>& given, std::size_t count) {
+  if (given.size() != count) throw std::invalid_argument("one velocity for each support");
+  Velocities<double> velocities{};
+  for (std::size_t i = 0; i < count; ++i) velocities[i] = {given[i].first, given[i].second};
+  return velocities;
+}
+
+std::vector<int> listed(const Motions& motions, std::size_t count) {
+  std::vector<int> found;
+  for (std::size_t i = 0; i < count; ++i) found.push_back(static_cast<int>(motions[i]));
+  return found;
+}
+
+nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
+  const Model<double> model = model_of<double>(spec);
+  const Configuration<double> configuration{
+      0.0,
+      {PalmAngle<double>::at(angles.first), PalmAngle<double>::at(angles.second)},
+      {places.first, places.second}};
+  const ContactSet<double> found = detect_contacts(model, configuration);
+  std::vector<std::tuple<std::string, double, double, double, SupportTuple>> points;
+  for (std::size_t i = 0; i < found.count && i < max_supports; ++i) {
+    const ContactPoint<double>& t = found.points[i];
+    const Support<double>& s = t.support;
+    points.emplace_back(name_of(t.kind), t.place, t.along[left], t.height,
+                        SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
+  }
+  const auto pivot = [&](std::size_t side) {
+    return Numbers2{found.pivot_x[side], found.pivot_y[side]};
+  };
+  return nb::make_tuple(points, found.count, Numbers2{found.sunk[left], found.sunk[right]},
+                        std::pair(pivot(left), pivot(right)));
+}
+
+std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
+                                      std::pair<Numbers2, Numbers2> pivots,
+                                      std::pair<PalmTuple, PalmTuple> palms) {
+  const Supports<double> supports = supports_of(given);
+  std::vector<Numbers2> found;
+  for (std::size_t i = 0; i < supports.count; ++i) {
+    const Support<double>& s = supports.at[i];
+    const Numbers2 pivot = s.side == left ? pivots.first : pivots.second;
+    const auto [vx, vy, spin] = s.side == left ? palms.first : palms.second;
+    const Velocity<double> v =
+        velocity_at<double>({vx, vy, spin}, s.x - pivot.first, s.y - pivot.second);
+    found.emplace_back(v.x, v.y);
+  }
+  return found;
+}
+
+std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
+                                       const std::vector<Numbers2>& velocities) {
+  const Supports<double> supports = supports_of(given);
+  std::vector<std::vector<int>> found;
+  Twists<double>(supports, velocities_of(velocities, supports.count)).each([&](const Motions& m) {
+    found.push_back(listed(m, supports.count));
+  });
+  return found;
+}
+
+std::vector<std::vector<int>> outcomes(const std::vector<SupportTuple>& given,
+                                       const std::vector<Numbers2>& velocities, double slope) {
+  const Supports<double> supports = supports_of(given);
+  std::vector<std::vector<int>> found;
+  each_outcome(supports, velocities_of(velocities, supports.count), slope,
+               [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
+  return found;
+}
+
+}  // namespace
+
+void bind_multi_contact(nb::module_& m) {
+  m.attr("contact_tolerance") = contact_tolerance<double>;
+  m.attr("wrench_tolerance") = wrench_tolerance<double>;
+  m.def("contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
+        "All contacts as (kind, place, object x, object y, support), how many there are (at most 8 "
+        "are listed), how deep either palm is in the object [m], and the pivots from the COM [m].");
+  m.def("palm_velocities", &palm_velocities, nb::arg("supports"), nb::arg("pivots"),
+        nb::arg("palms"), "Of the palms at the supports; a palm moves by (vx, vy, spin).");
+  m.def(
+      "imbalance",
+      [](const std::vector<SupportTuple>& given, const std::vector<int>& motions, double slope) {
+        const Supports<double> supports = supports_of(given);
+        return imbalance(supports, motions_of(motions, supports.count), slope);
+      },
+      nb::arg("supports"), nb::arg("motions"), nb::arg("slope") = 0.0,
+      "What these contacts lack for balance, in weights; 0 but for rounding: they hold. A motion "
+      "is "
+      "0 stick, 1 up, -1 down, 2 leave.");
+  m.def(
+      "twist_exists",
+      [](const std::vector<SupportTuple>& given, const std::vector<int>& motions,
+         const std::vector<Numbers2>& velocities) {
+        const Supports<double> supports = supports_of(given);
+        return Twists<double>(supports, velocities_of(velocities, supports.count))
+            .exist(motions_of(motions, supports.count), supports.count);
+      },
+      nb::arg("supports"), nb::arg("motions"), nb::arg("velocities"),
+      "Can a rigid body move like this on palms with these velocities?");
+  m.def("possible_motions", &possible, nb::arg("supports"), nb::arg("velocities"),
+        "Every way in which a rigid body can move on palms with these velocities.");
+  m.def("outcomes", &outcomes, nb::arg("supports"), nb::arg("velocities"), nb::arg("slope") = 0.0,
+        "Those of them that balance.");
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The quasistatic world, step by step.
+#include "palmbots/world/quasistatic_world.hpp"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+std::pair<double, double> pair_of(const PerSide<double>& p) { return {p[left], p[right]}; }
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+  using W = World<double>;
+  nb::class_<W>(m, "World", "Two palms and an object: exact motion under given robot motions.")
+      .def(
+          "__init__",
+          [](W* self, const Spec& spec) {
+            Model<double> model = model_of<double>(spec);
+            model.safe_reach = -1;  // the palms may be turned to any angles
+            new (self) W(model, configuration_of(spec, model));
+          },
+          nb::arg("spec"))
+      .def_prop_ro("contacts", [](const W& w) { return pair_of(w.configuration().contacts); })
+      .def_prop_ro("separation", [](const W& w) { return w.configuration().separation; })
+      .def_prop_ro("palms",
+                   [](const W& w) {
+                     return std::pair(w.configuration().palms[left].angle,
+                                      w.configuration().palms[right].angle);
+                   })
+      .def_prop_ro(
+          "contact_vector",
+          [](const W& w) { return std::pair(w.contact_vector().dx, w.contact_vector().dy); })
+      .def_prop_ro("lift", [](const W& w) { return pair_of(w.configuration().lift); })
+      .def_prop_ro(
+          "constraints",
+          [](const W& w) {
+            std::vector<std::tuple<std::size_t, bool, std::size_t, double>> contacts;
+            for (std::size_t i = 0; i < w.constraints().count; ++i) {
+              const ActiveContact<double>& h = w.constraints().active[i];
+              contacts.emplace_back(h.side, h.tip, h.feature, h.end);
+            }
+            return contacts;
+          },
+          "Contacts as (side, tip, vertex or edge, p of the tip); empty: the two vertices alone.")
+      .def_prop_ro("contact_events", [](const W& w) { return w.contact_events().count; })
+      .def(
+          "check", [](const W& w) { return name_of(w.check()); },
+          "Why the object is not held here; empty if it is.")
+      .def(
+          "shift",
+          [](W& w, std::size_t side, double by) {
+            if (side > 1) throw std::out_of_range("side is 0 or 1");
+            PerSide<double> shifts{};
+            shifts[side] = by;
+            return name_of(w.shift(shifts));
+          },
+          nb::arg("side"), nb::arg("by"), "A bump: shifts one contact [m]; the robots give way.")
+      .def(
+          "advance",
+          [](W& w, double change, std::pair<double, double> palms, double push) {
+            const Advance<double> a = w.advance(change, {palms.first, palms.second}, push);
+            return std::tuple(name_of(a.reason), a.fraction, static_cast<int>(a.motion[left]),
+                              static_cast<int>(a.motion[right]), a.segments);
+          },
+          nb::arg("change"), nb::arg("palms"), nb::arg("push") = 0.0,
+          "Changes the separation [m] and turns the palms to the given angles [rad], both at "
+          "constant rates. Returns (reason, fraction done, motion left, motion right, segments).");
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of arguments, and the form in which messages quote values.
+
+Every refusal is a `PalmbotsError` of one line: the key, the value, and what is allowed.
+"""
+
+import difflib
+import operator
+
+from palmbots._util.toml_writer import toml_value
+from palmbots.errors import PalmbotsError, one_line
+
+__all__ = ["one_of", "seed_of", "show", "two_numbers", "whole_number"]
+
+_LONGEST_VALUE = 60
+
+
+def show(value: object) -> str:
+    """A value as messages quote it: short, on one line, in TOML where possible."""
+    if value is None:
+        return "null"
+    try:
+        text = toml_value(value)
+    except Exception:  # a repr() may do anything; int's own refuses very long numbers
+        text = f"<{type(value).__name__}>"
+    text = one_line(text)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+
+
+def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
+    """Raise `PalmbotsError` with the legal values unless the value is one of them."""
+    if value not in legal:
+        near = difflib.get_close_matches(str(value), legal, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")
+
+
+def whole_number(key: str, value: object, least: int, most: int, allowed: str = "") -> int:
+    """The value as an int; accepts NumPy's integers, too.
+
+    Raises `PalmbotsError` with the allowed values for other types and outside the limits.
+    """
+    try:
+        number = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        number = None
+    if number is None or not least <= number <= most:
+        raise PalmbotsError(
+            f"{key}: value is {show(value)}; allowed: {allowed or f'{least} to {most}'}"
+        )
+    return number
+
+
+def two_numbers(key: str, value: object) -> tuple[float, float]:
+    """The ends of an interval, in the given order; NaN is not checked.
+
+    Raises `PalmbotsError` for anything but a pair of numbers.
+    """
+    try:
+        low, high = value  # type: ignore[misc]
+        return float(low), float(high)
+    except (TypeError, ValueError):
+        raise PalmbotsError(
+            f"{key}: value is {show(value)}; allowed: two numbers, the lower one first"
+        ) from None
+
+
+def seed_of(value: object) -> int:
+    """The seed of a carry; raises `PalmbotsError` if the value is not a valid seed."""
+    return whole_number("seed", value, 0, 2**64 - 1, "a whole number from 0 to 2^64-1")

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Atomic writing of files: each one appears complete or not at all.
+
+A file is first written under a temporary name in the target folder, flushed to the disk, and then
+renamed to its final name. A reader, a crash or a full disk therefore never leaves a partial file.
+The temporary name starts with a dot and ends in ``.part``. After a failure the temporary file is
+removed, and an older file under the final name is unchanged.
+
+Every function raises `PalmbotsError` with one line that names the path and the reason.
+"""
+
+import contextlib
+import itertools
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from palmbots.errors import PalmbotsError
+
+__all__ = [
+    "check_folder",
+    "folder",
+    "remove",
+    "set_aside",
+    "whole_file",
+    "write_new",
+    "write_whole",
+]
+
+
+def _refusal(path: Path, error: OSError) -> PalmbotsError:
+    return PalmbotsError(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def _final_path(path: Path) -> Path:
+    """The file that a write to `path` replaces: links are followed.
+
+    Devices and pipes are refused, because the renaming would replace the device itself.
+    """
+    try:
+        final = path.resolve()
+        mode = final.stat().st_mode
+    except FileNotFoundError:
+        return path.resolve()
+    except (OSError, RuntimeError) as error:  # RuntimeError: a link that points to itself
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise PalmbotsError(f"{path}: cannot be written: {reason}") from None
+    if stat.S_ISDIR(mode):
+        raise PalmbotsError(f"{path}: cannot be written: it is a folder")
+    if not stat.S_ISREG(mode):
+        raise PalmbotsError(f"{path}: cannot be written: it is not a regular file")
+    return final
+
+
+def _sync_folder(path: Path) -> None:
+    """Flush the folder's entry of a renamed file to the disk, if the system supports it."""
+    with contextlib.suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a binary file (readable, writable, seekable) that gets the name `path` on success.
+
+    An exception in the block removes the temporary file and leaves `path` unchanged.
+    """
+    shown = Path(path)
+    final = _final_path(shown)
+    temporary = final.with_name(f".palmbots-{secrets.token_hex(6)}.part")
+    try:
+        # "x" never follows a planted link, and leaves the permissions to the user's umask.
+        stream = open(temporary, "x+b")  # noqa: SIM115 (the file outlives this block)
+    except OSError as error:
+        raise _refusal(shown, error) from None
+    try:
+        with stream:
+            yield stream
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(temporary, final)
+        _sync_folder(final.parent)
+    except OSError as error:
+        raise _refusal(shown, error) from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_whole(path: str | os.PathLike[str], data: bytes | str) -> None:
+    """Write `data` (text as UTF-8) to `path`, completely or not at all."""
+    with whole_file(path) as stream:
+        stream.write(data.encode() if isinstance(data, str) else data)
+
+
+def write_new(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text to a new file, whole or not at all; never replaces a file that exists."""
+    shown = Path(path)
+    if os.path.lexists(shown):
+        raise PalmbotsError(f"{shown}: exists already and is never overwritten")
+    temporary = shown.with_name(f".palmbots-{secrets.token_hex(6)}.part")
+    try:
+        write_whole(temporary, text)
+        os.link(temporary, shown)  # unlike a rename, fails if the file has appeared meanwhile
+    except FileExistsError:
+        raise PalmbotsError(f"{shown}: exists already and is never overwritten") from None
+    except OSError as error:
+        raise _refusal(shown, error) from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def remove(path: Path) -> bool:
+    """Remove the file `path`; returns whether it existed."""
+    try:
+        path.unlink()
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be removed: {error.strerror or error}") from None
+    return True
+
+
+def set_aside(path: Path) -> Path | None:
+    """Rename an older file `path`, so that it is not mistaken for a file of this run.
+
+    Returns the new name, the first free one of ``NAME.old``, ``NAME.old2``, …, or None if there is
+    no such file. Devices and folders keep their names.
+    """
+    if not path.is_file():
+        return None
+    names = (f"{path.name}.old{number if number > 1 else ''}" for number in itertools.count(1))
+    free = next(place for name in names if not os.path.lexists(place := path.with_name(name)))
+    try:
+        path.rename(free)
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be renamed: {error.strerror or error}") from None
+    return free
+
+
+def _folder_named(path: str | os.PathLike[str]) -> Path:
+    """The path; refuses an empty name, which `Path` would take for the working directory."""
+    if not os.fspath(path):
+        raise PalmbotsError('folder: value is ""; allowed: a name (. is the working directory)')
+    return Path(path)
+
+
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """Raise the errors of `folder` that are known without creating anything.
+
+    Long computations call it before they start.
+    """
+    place = _folder_named(path)
+    if place.exists() and not place.is_dir():
+        raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
+    above = place.absolute()
+    while not os.path.lexists(above):
+        above = above.parent
+    if not above.is_dir():
+        raise PalmbotsError(f"{place}: cannot be written: {above} is not a folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise PalmbotsError(f"{place}: cannot be written: permission denied")
+
+
+def folder(path: str | os.PathLike[str]) -> Path:
+    """Create the folder `path` with its parents if necessary, and check that it is writable."""
+    place = _folder_named(path)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name") from None
+    except OSError as error:
+        raise _refusal(place, error) from None
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise PalmbotsError(f"{place}: cannot be written: permission denied")
+    return place

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Optional packages: imported where they are used; a missing one is reported in one line.
+
+The message names the packages of the extra themselves. Unlike ``palmbots[EXTRA]``, which needs an
+index that has palmbots, these install in a clone and beside an installed palmbots alike.
+"""
+
+import importlib
+import importlib.metadata
+import re
+import shlex
+import sys
+from typing import Any
+
+from palmbots.errors import MissingExtra
+
+__all__ = ["missing_extra", "require"]
+
+_REQUIREMENT = re.compile(r"""(?P<package>[^;]+?)\s*;\s*extra\s*==\s*['"](?P<extra>[\w-]+)['"]""")
+
+
+def require(module: str, extra: str) -> Any:
+    """The module of that name, which comes with an extra.
+
+    Raises:
+        MissingExtra: its package is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise missing_extra(error.name or module, extra) from None
+    except ImportError as error:
+        raise MissingExtra(f"{extra}: {module} cannot be imported: {error}", extra) from None
+
+
+def missing_extra(module: str, extra: str) -> MissingExtra:
+    """The error that reports a missing module, with the command that installs its extra."""
+    package = module.partition(".")[0]
+    command = [sys.executable or "python", "-m", "pip", "install"]
+    return MissingExtra(
+        f"{extra}: the package {package} is missing; run: "
+        + shlex.join([*command, *(_packages(extra) or [package])]),
+        extra,
+    )
+
+
+def _packages(extra: str) -> list[str]:
+    """What an extra installs, from the metadata of palmbots; empty where there is none."""
+    try:
+        lines = importlib.metadata.requires("palmbots") or []
+    except importlib.metadata.PackageNotFoundError:
+        return []
+    packages: list[str] = []
+    for match in filter(None, map(_REQUIREMENT.fullmatch, lines)):
+        if match["extra"] != extra:
+            continue
+        inner = re.fullmatch(r"palmbots\[([\w-]+)\]", match["package"])  # an extra within an extra
+        packages += _packages(inner[1]) if inner else [match["package"]]
+    return packages

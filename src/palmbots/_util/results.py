@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all results have in common: a short text, a table for notebooks, a figure."""
+
+import html
+from collections.abc import Callable
+from typing import Any
+
+from palmbots._util.named_registry import Registry
+from palmbots.errors import PalmbotsError
+
+__all__ = ["FIGURES", "Result"]
+
+FIGURES: Registry[Callable[..., Any]] = Registry("figure", home="palmbots.viz")
+"""Functions that draw a result, by the name of the figure: result → `matplotlib.figure.Figure`."""
+
+_MOST_LINES = 10
+
+
+class Result:
+    """Base of all results. A subclass is a dataclass with ``repr=False``."""
+
+    figure: str | None = None
+    """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
+
+    def headline(self) -> str:
+        """One line that states the result."""
+        return type(self).__name__
+
+    def facts(self) -> dict[str, str]:
+        """The main figures, each with its unit, by name; at most nine."""
+        return {}
+
+    def __repr__(self) -> str:
+        facts = list(self.facts().items())[: _MOST_LINES - 1]
+        width = max((len(name) for name, _ in facts), default=0)
+        return "\n".join([self.headline(), *(f"  {n:<{width}}  {text}" for n, text in facts)])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self.facts().items()
+        )
+        return f"<table><caption>{html.escape(self.headline())}</caption>{rows}</table>"
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the result.
+
+        Returns:
+            The `matplotlib.figure.Figure`; save it with its ``savefig``.
+
+        Raises:
+            PalmbotsError: this kind of result has no figure.
+        """
+        if self.figure is None:
+            raise PalmbotsError(f"plot: there is no figure of a {type(self).__name__}")
+        return FIGURES.get(self.figure)(self, **options)

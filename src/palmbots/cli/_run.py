@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands have in common: the scene, warnings, and the presentation of a result."""
+
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.scene.scene import Scene
+
+__all__ = [
+    "Interrupted",
+    "check_output",
+    "interruption_line",
+    "load",
+    "number_list",
+    "present",
+    "print_json",
+    "print_list",
+    "set_aside_certificate",
+    "warn",
+]
+
+
+class Interrupted(PalmbotsError):
+    """Ctrl-C in a command that has printed a line of its own."""
+
+
+@contextmanager
+def interruption_line(line: str) -> Iterator[None]:
+    """Print `line` as soon as Ctrl-C arrives: to close files and workers may take seconds.
+
+    Raises:
+        Interrupted: after Ctrl-C, when everything is closed.
+    """
+    printed = False
+
+    def print_line() -> None:
+        nonlocal printed
+        if not printed:
+            print(line, file=sys.stderr, flush=True)
+        printed = True
+
+    def handle(*_: object) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        print_line()
+        raise KeyboardInterrupt
+
+    is_main = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, handle) if is_main else None
+    try:
+        yield
+    except KeyboardInterrupt:
+        print_line()
+        raise Interrupted(line) from None
+    finally:
+        if is_main:
+            signal.signal(signal.SIGINT, before)
+
+
+def load(source: str, changes: list[str] | None) -> "Scene":
+    """The scene of a command, with the overrides of ``--set``."""
+    from palmbots.scene.overrides import parse_overrides
+    from palmbots.scene.scene import load_scene
+
+    return load_scene(source, parse_overrides(changes or []), called="--set", on_warning=warn)
+
+
+def check_output(out: Path | None) -> None:
+    """Check, before the work, that figures can be drawn and written to the folder `out`.
+
+    Raises:
+        PalmbotsError: `out` cannot be a folder, or matplotlib rejects ``MPLBACKEND``.
+    """
+    if out is None:
+        return
+    from palmbots._util.arguments import show
+    from palmbots._util.atomic_files import check_folder
+
+    check_folder(out)
+    try:
+        import matplotlib as _  # noqa: F401
+    except ValueError:
+        backend = os.environ.get("MPLBACKEND")
+        raise PalmbotsError(
+            f"MPLBACKEND: value is {show(backend)}; allowed: agg, or leave it unset"
+        ) from None
+
+
+def present(
+    result: Any,
+    report: Callable[[Any, list[Path]], None],
+    *,
+    as_json: bool,
+    figure: Callable[[Any, Path], None] | None = None,
+    out: Path | None = None,
+    file: str = "",
+) -> None:
+    """Save the figure of a result to `file` in the folder `out`, then print JSON or a report.
+
+    Args:
+        result: has a ``summary()``.
+        report: prints the result and the files that were written, for people.
+        as_json: print ``result.summary()`` instead.
+        figure: saves the figure to a path.
+        out: the folder; None: save nothing.
+        file: name of the figure in the folder.
+    """
+    written: list[Path] = []
+    if out is not None and figure is not None:
+        from palmbots._util.atomic_files import folder
+
+        written = [folder(out) / file]
+        figure(result, written[0])
+    if as_json:
+        print_json(result.summary())
+    else:
+        report(result, written)
+
+
+def print_json(table: Mapping[str, Any]) -> None:
+    """Print one JSON object on stdout."""
+    print(json.dumps(table, allow_nan=False))
+
+
+def print_list(kind: str, meanings: Mapping[str, str], *, as_json: bool) -> None:
+    """Print names with their meanings; as JSON ``{kind: [{name, meaning}, …]}``."""
+    if as_json:
+        rows = [{"name": name, "meaning": meaning} for name, meaning in meanings.items()]
+        print_json({kind: rows})
+    else:
+        from palmbots.cli.reports.lists_report import names_report
+
+        names_report(meanings)
+
+
+def warn(text: str) -> None:
+    """Print a warning on stderr."""
+    print(f"palmbots: warning: {text}", file=sys.stderr)
+
+
+def number_list(option: str, text: str) -> list[float]:
+    """The numbers of an option such as ``--values 0.1,0.2``."""
+    from palmbots._util.arguments import show
+
+    def number(part: str) -> float:
+        try:
+            return int(part)  # a key for whole numbers rejects 1.0
+        except ValueError:
+            return float(part)
+
+    try:
+        return [number(part) for part in text.split(",")]
+    except ValueError:
+        raise PalmbotsError(
+            f"{option}: value is {show(text)}; allowed: numbers separated by commas, as in 0.1,0.2"
+        ) from None
+
+
+def set_aside_certificate(path: Path) -> None:
+    """Rename an older certificate that could be mistaken for the result of this run."""
+    from palmbots._util.atomic_files import set_aside
+
+    kept = set_aside(path)
+    if kept is not None:
+        warn(f"nothing is proved; {path} is from an earlier run and was renamed to {kept}")

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots carry`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from palmbots.cli import mujoco_outputs
+from palmbots.cli._progress import progress
+from palmbots.cli._run import check_output, load, print_json, warn
+from palmbots.cli.options import (
+    DONE,
+    FAILED,
+    ControllerOption,
+    JsonOption,
+    PrecisionOption,
+    SceneArgument,
+    SeedOption,
+    SetOption,
+    output_option,
+)
+from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.simulation.result import Carry
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 10
+EXAMPLE = "palmbots carry paper --controller centralized --seed 3 --out out"
+_ANIMATIONS = ("gif", "mp4")
+
+
+def carry(
+    scene: SceneArgument = "paper",
+    controller: ControllerOption = "distributed",
+    world: Annotated[
+        str, typer.Option("--world", metavar="NAME", help="quasistatic or mujoco.")
+    ] = "quasistatic",
+    precision: PrecisionOption = "double",
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    out: Annotated[
+        Path | None, output_option("Write figures, animation and log to this folder.")
+    ] = None,
+    animation: Annotated[
+        str | None,
+        typer.Option("--animation", metavar="KIND", help="gif, mp4 or none [default: gif]."),
+    ] = None,
+    video: Annotated[
+        bool, typer.Option("--video", help="Write a 3-D video and a still of the MuJoCo world.")
+    ] = False,
+    view: Annotated[
+        bool, typer.Option("--view", help="Show the MuJoCo world in MuJoCo's viewer.")
+    ] = False,
+    accept_excess: Annotated[
+        bool,
+        typer.Option(
+            "--allow-drift-beyond-budget", help="Follow a curved path that will drop the object."
+        ),
+    ] = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Carry the object once and report the result.
+
+    Exit status 1: the object did not arrive.
+
+    Lists of what you can set: palmbots scenes, keys, objects, controllers.
+    """
+    from palmbots.cli.reports.carry_report import carry_report
+    from palmbots.control.dead_band import warnings_before
+    from palmbots.control.registry import resolve
+    from palmbots.simulation.single import carry as run_carry
+    from palmbots.stability.scene_limits import self_check
+
+    _check_options(animation, video, view, world, out)
+    chosen = load(scene, changes)
+    check_output(out)
+    video_file = mujoco_outputs.video_file(out) if video and out is not None else None
+    early_warnings = warnings_before(chosen, controller)
+    limits = () if resolve(controller).team == "none" else self_check(chosen)
+    for text in (*early_warnings, *limits):
+        warn(text)
+    is_curved = chosen.task.path.is_curved
+    budget = None
+    if world == "mujoco" and is_curved:
+        budget = mujoco_outputs.drift_budget(
+            chosen, controller, quiet=as_json, accept_excess=accept_excess
+        )
+    expected_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
+    with mujoco_outputs.viewer(view) as show, progress("carrying", as_json, expected_s) as report:
+        result = run_carry(
+            chosen,
+            controller,
+            world=world,
+            precision=precision,
+            seed=seed,
+            record=out is not None,
+            on_progress=report,
+            on_tick=show,
+        )
+    written: list[Path] = []
+    removed: list[Path] = []
+    if out is not None:
+        written = _write(result, out, animation or "gif", quiet=as_json)
+        if world == "mujoco" and is_curved:
+            written.append(mujoco_outputs.write_plan(result, out))
+        if video_file is not None:
+            written += mujoco_outputs.write_video(result, video_file, quiet=as_json)
+        removed = _remove_outdated(out, written)
+    if as_json:
+        forecast = None if budget is None else budget.summary()
+        print_json(result.summary() | {"drift_forecast": forecast})
+    else:
+        from palmbots.stability.drop_diagnosis import analyze_hint
+
+        dropped = result.outcome == "dropped"
+        hint = analyze_hint(chosen, controller, scene, changes) if dropped else None
+        late_warnings = [text for text in result.warnings if text not in early_warnings]
+        carry_report(result, scene, late_warnings, written, removed, hint)
+    return DONE if result.outcome == "delivered" else FAILED
+
+
+def _check_options(
+    animation: str | None, video: bool, view: bool, world: str, out: Path | None
+) -> None:
+    from palmbots._util.arguments import one_of
+
+    if animation is not None:
+        one_of("--animation", animation, (*_ANIMATIONS, "none"))
+        if out is None and animation != "none":
+            raise PalmbotsError(f"--animation {animation} needs --out DIR")
+    for option, is_given in (("--video", video), ("--view", view)):
+        if is_given and world != "mujoco":
+            raise PalmbotsError(f"{option} needs --world mujoco")
+    if video and out is None:
+        raise PalmbotsError("--video needs --out DIR")
+
+
+def _write(result: "Carry", out: Path, animation_kind: str, *, quiet: bool) -> list[Path]:
+    """Write the figures, the log and the animation of a carry; returns the files."""
+    from palmbots._util.atomic_files import folder
+    from palmbots.logs.mcap_writer import write_log
+    from palmbots.viz import animation, carry_figure, sequence_chart
+
+    target = folder(out)
+    written = [target / "carry.png", target / "carry.mcap"]
+    with progress("figure, log, animation", quiet) as report:
+        carry_figure.save(result, written[0])
+        if result.message_log:
+            written.append(target / "message_sequence.png")
+            sequence_chart.save(result, written[-1])
+        report(0.15)
+        write_log(result, written[1])
+        report(0.3)
+        if animation_kind != "none":
+            written.append(target / f"carry.{animation_kind}")
+            animation.save(
+                result,
+                written[-1],
+                on_progress=lambda done, total: report(0.3 + 0.7 * done / total),
+            )
+    return written
+
+
+def _remove_outdated(out: Path, written: list[Path]) -> list[Path]:
+    """Remove files of an earlier carry that could be mistaken for those of this one."""
+    from palmbots._util.atomic_files import remove
+
+    names = [
+        *(f"carry.{kind}" for kind in _ANIMATIONS),
+        *(mujoco_outputs.PLAN, mujoco_outputs.STILL, *mujoco_outputs.VIDEOS),
+        "message_sequence.png",
+    ]
+    outdated = [out / name for name in names if out / name not in written]
+    return [path for path in outdated if remove(path)]
+
+
+COMMAND = carry

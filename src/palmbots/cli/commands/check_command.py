@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots check`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import load, present
+from palmbots.cli.options import DONE, FAILED, JsonOption
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 50
+EXAMPLE = "palmbots check box.json"
+
+
+def check(
+    certificate: Annotated[
+        Path, typer.Argument(metavar="CERTIFICATE", help="JSON file of palmbots certify.")
+    ],
+    scene: Annotated[
+        str | None,
+        typer.Option("--scene", metavar="SCENE", help="Require that the box contains this scene."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Verify a certificate independently of the prover.
+
+    The checker shares no code with the prover and computes in exact arithmetic.
+
+    Exit status 1: the certificate does not prove its claim.
+    """
+    from palmbots.cli.reports.certificate_report import check_report
+    from palmbots.stability.certificates.checker.verify import check as verify
+
+    result = verify(certificate, None if scene is None else load(scene, None))
+    present(result, lambda found, _: check_report(found, certificate), as_json=as_json)
+    return DONE if result.valid else FAILED
+
+
+COMMAND = check

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots design`."""
+
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import typer
+
+from palmbots.cli._run import check_output, load, print_json, set_aside_certificate
+from palmbots.cli.options import (
+    DONE,
+    FormatOption,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    interval_option,
+    output_option,
+)
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 60
+EXAMPLE = "palmbots design --friction 0.3 0.4 --region palm --out out"
+
+Interval = tuple[float, float] | None
+
+
+def design(
+    scene: SceneArgument = "paper",
+    maximize: Annotated[
+        str,
+        typer.Option(
+            "--maximize",
+            metavar="NAME",
+            help="Tolerance to maximize: com, friction, slope, acceleration, region or angle.",
+        ),
+    ] = "com",
+    friction: Annotated[Interval, interval_option("--friction", "Friction coefficient")] = None,
+    common_friction: Annotated[
+        bool,
+        typer.Option(
+            "--common-friction/--independent-friction",
+            help="Give both palms the same coefficient, or each its own [default: its own].",
+            show_default=False,
+        ),
+    ] = False,
+    com_y_m: Annotated[Interval, interval_option("--com-y-m", "COM above the contacts")] = None,
+    slope_deg: Annotated[
+        Interval, interval_option("--slope-deg", "Slope of the floor, uphill > 0")
+    ] = None,
+    region: Annotated[
+        str,
+        typer.Option(
+            "--region",
+            metavar="implied|palm|LOW,HIGH",
+            help="Contact coordinates: what the scene implies, the whole palm, or an interval [m].",
+        ),
+    ] = "implied",
+    min_angle_difference_deg: Annotated[
+        float, typer.Option(help="Smallest difference of the two angles.")
+    ] = 5.0,
+    min_clearance_deg: Annotated[
+        float, typer.Option(help="Smallest clearance between outline and palms.")
+    ] = 0.25,
+    angle_range_deg: Annotated[
+        tuple[float, float], typer.Option(metavar="LOW HIGH", help="Limits of both angles.")
+    ] = (-5.0, 50.0),
+    resolution_deg: Annotated[
+        float | None,
+        typer.Option(help="Spacing of the angle grid [default: 0.1 for com, otherwise 0.5]."),
+    ] = None,
+    out: Annotated[
+        Path | None, output_option("Write design.png and design.json (certificate) there.")
+    ] = None,
+    file_format: FormatOption = "png",
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Find and certify the palm angles that tolerate most."""
+    from palmbots._util.arguments import one_of
+    from palmbots.cli.reports.certificate_report import design_report
+    from palmbots.stability.palm_angles import design as run_design
+
+    one_of("--format", file_format, ("png", "svg", "pdf"))
+    check_output(out)
+    result = run_design(
+        load(scene, changes),
+        maximize=cast("Any", maximize),
+        friction=friction,
+        common_friction=common_friction,
+        com_y_m=com_y_m,
+        slope_deg=slope_deg,
+        region_m=_region(region),
+        min_angle_difference_deg=min_angle_difference_deg,
+        min_clearance_deg=min_clearance_deg,
+        angle_range_deg=angle_range_deg,
+        resolution_deg=resolution_deg,
+    )
+    written: list[Path] = []
+    if out is not None:
+        from palmbots._util.atomic_files import folder
+        from palmbots.stability.figures.palm_angles_figure import save
+
+        target = folder(out)
+        written.append(target / f"design.{file_format}")
+        save(result, written[0])
+        if result.certificate.verdict == "holds":
+            written.append(target / "design.json")
+            result.certificate.save(written[1])
+        else:
+            set_aside_certificate(target / "design.json")
+    if as_json:
+        print_json(result.summary())
+    else:
+        design_report(result, scene, written)
+    return DONE
+
+
+def _region(text: str) -> Any:
+    """The argument ``region_m`` that an option text stands for."""
+    from palmbots._util.arguments import show
+    from palmbots.errors import PalmbotsError
+
+    if text in ("implied", "palm"):
+        return text
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        raise PalmbotsError(
+            f"--region: value is {show(text)}; allowed: implied, palm, or two numbers in m "
+            "separated by a comma, as in -0.05,0.05"
+        ) from None
+    return low, high
+
+
+COMMAND = design

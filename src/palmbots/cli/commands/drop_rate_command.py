@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots drop-rate`."""
+
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._progress import progress
+from palmbots.cli._run import load, present
+from palmbots.cli.options import (
+    DONE,
+    ControllerOption,
+    JsonOption,
+    SceneArgument,
+    SeedOption,
+    SetOption,
+)
+from palmbots.errors import PalmbotsError
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 90
+EXAMPLE = "palmbots drop-rate --set robot.noise_m_s=0.012 --relative-error-percent 20"
+
+
+def drop_rate(
+    scene: SceneArgument = "paper",
+    controller: ControllerOption = "distributed",
+    relative_error_percent: Annotated[
+        float,
+        typer.Option(
+            "--relative-error-percent",
+            help="Half-width of the 95 % interval, relative to the rate.",
+        ),
+    ] = 20.0,
+    effort: Annotated[int, typer.Option("--effort", help="Carries in each stage.")] = 1000,
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Estimate a drop rate, down to one in a billion.
+
+    The method is multilevel splitting; the estimate has a 95 % interval.
+    """
+    from palmbots.cli.reports.sweep_report import drop_rate_report
+    from palmbots.simulation.rare_events import estimate_drop_rate
+
+    if not 1 <= relative_error_percent <= 100:
+        raise PalmbotsError(
+            f"--relative-error-percent: value is {relative_error_percent:g}; allowed: 1 to 100"
+        )
+    with progress("splitting", as_json) as report:
+        result = estimate_drop_rate(
+            load(scene, changes),
+            controller,
+            seed=seed,
+            relative_half_width=relative_error_percent / 100,
+            effort=effort,
+            on_progress=report,
+        )
+    present(result, lambda found, _: drop_rate_report(found, scene), as_json=as_json)
+    return DONE
+
+
+COMMAND = drop_rate

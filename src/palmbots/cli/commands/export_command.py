@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import load, print_json
+from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
+from palmbots.errors import PalmbotsError
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 120
+EXAMPLE = "palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left"
+
+
+def export(
+    scene: SceneArgument = "paper",
+    mjcf: Annotated[
+        Path | None,
+        output_option("Write the scene as MJCF to this file.", "--mjcf", metavar="FILE"),
+    ] = None,
+    urdf: Annotated[
+        Path | None,
+        output_option("Write one robot as URDF to this file.", "--urdf", metavar="FILE"),
+    ] = None,
+    robot: Annotated[
+        str, typer.Option("--robot", metavar="SIDE", help="Robot for --urdf: left or right.")
+    ] = "left",
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Write the scene as MJCF, or one robot as URDF."""
+    from palmbots._util.arguments import one_of
+    from palmbots._util.atomic_files import write_whole
+    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.mujoco.mjcf import mjcf as scene_mjcf
+    from palmbots.mujoco.urdf import robot_urdf
+
+    one_of("--robot", robot, ("left", "right"))
+    if mjcf is None and urdf is None:
+        raise PalmbotsError("export needs --mjcf FILE, --urdf FILE or both")
+    if mjcf is not None and mjcf == urdf:
+        raise PalmbotsError(f"--urdf: value is {mjcf}, the file of --mjcf; allowed: another file")
+    chosen = load(scene, changes)
+    texts: dict[Path, str] = {}
+    if mjcf is not None:
+        texts[mjcf] = scene_mjcf(chosen)
+    if urdf is not None:
+        texts[urdf] = robot_urdf(chosen, "left" if robot == "left" else "right")
+    for path, text in texts.items():
+        write_whole(path, text)
+    if as_json:
+        files = {
+            kind: None if path is None else str(path)
+            for kind, path in {"mjcf": mjcf, "urdf": urdf}.items()
+        }
+        print_json(files | {"scene": chosen.model_dump()})
+    else:
+        print_written_files(report_console(), list(texts))
+    return DONE
+
+
+COMMAND = export

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command group `palmbots init`: files to start from."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import print_json
+from palmbots.cli.options import DONE, JsonOption
+from palmbots.errors import PalmbotsError
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 190
+EXAMPLE = "palmbots init scene my.toml"
+COMMAND = typer.Typer(help="Write a file to start from.")
+
+
+@COMMAND.callback()
+def _group() -> None:
+    """Makes `scene` a subcommand although it is the only one."""
+
+
+@COMMAND.command("scene", epilog=f"Example: {EXAMPLE}")
+def init_scene(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
+    as_json: JsonOption = False,
+) -> int:
+    """Write the default scene with the unit and meaning of every key.
+
+    An existing file is never overwritten.
+    """
+    from palmbots._util.atomic_files import write_new
+    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.scene.key_reference import default_scene_toml
+    from palmbots.scene.scene import Scene
+
+    if path.suffix != ".toml":
+        raise PalmbotsError(f"FILE: value is {path}; allowed: a name that ends in .toml")
+    write_new(path, default_scene_toml())
+    if as_json:
+        print_json({"file": str(path), "scene": Scene().model_dump()})
+    else:
+        print_written_files(report_console(), [path])
+    return DONE

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots objects`."""
+
+from palmbots.cli._run import print_list
+from palmbots.cli.options import DONE, JsonOption
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 160
+EXAMPLE = "palmbots objects"
+
+
+def objects(as_json: JsonOption = False) -> int:
+    """List the built-in objects.
+
+    Use one with --set object=NAME, or object = "NAME" in a scene file.
+    """
+    from palmbots.scene.key_reference import built_in_meanings
+
+    print_list("objects", built_in_meanings("objects"), as_json=as_json)
+    return DONE
+
+
+COMMAND = objects

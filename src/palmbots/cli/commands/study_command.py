@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots study`."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from palmbots.cli._progress import staged_progress
+from palmbots.cli._run import check_output, interruption_line, print_json, warn
+from palmbots.cli.options import DONE, JsonOption, output_option
+from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.studies.study_file import Plan
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 80
+EXAMPLE = "palmbots study centralized-vs-distributed --carries 100 --out out --plot"
+
+
+def study(
+    source: Annotated[
+        str, typer.Argument(metavar="FILE", help="TOML study file or built-in study name.")
+    ],
+    out: Annotated[
+        Path | None, output_option("Write the results to this folder [default: NAME.study].")
+    ] = None,
+    carries: Annotated[
+        int | None,
+        typer.Option("--carries", "-n", help="Carries per cell [default: as in the file]."),
+    ] = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", help="Worker threads [default: all cores].")
+    ] = None,
+    chunk_size: Annotated[
+        int | None, typer.Option("--chunk-size", help="Carries per chunk (approximate).")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Use the workers of a Dask scheduler."),
+    ] = None,
+    local_cluster: Annotated[
+        int | None,
+        typer.Option("--local-cluster", metavar="N", help="Start N local workers instead."),
+    ] = None,
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Write curves or maps to study.png in the folder.")
+    ] = False,
+    estimate_cost: Annotated[
+        bool,
+        typer.Option("--estimate-cost", help="Print carries, time and disk space; run nothing."),
+    ] = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Run a study: any scene keys × controllers × seeds.
+
+    Finished chunks are kept. You can stop a study at any time and rerun the
+    command to continue; the results are the same to the bit.
+    """
+    from palmbots.cli.reports.study_report import study_report
+    from palmbots.studies.study_file import load_plan
+    from palmbots.studies.study_runner import run_study
+
+    plan = load_plan(source, carries, on_warning=warn)
+    if scheduler is not None and local_cluster is not None:
+        raise PalmbotsError("--scheduler and --local-cluster exclude each other; give one of them")
+    if plot and not plan.keys:
+        raise PalmbotsError("--plot needs a study that varies at least one key")
+    if estimate_cost:
+        return _print_cost(plan, threads, chunk_size, as_json)
+    root = out if out is not None else Path(f"{plan.name}.study")
+    if plot:
+        check_output(root)
+    line = (
+        f"palmbots: interrupted; finished carries are kept in {root}; "
+        "run the same command again to continue"
+    )
+    with interruption_line(line), _quiet_asyncio(), staged_progress(as_json) as report:
+        result = run_study(
+            plan, root, threads=threads, chunk_size=chunk_size, scheduler=scheduler,
+            local_cluster=local_cluster, report=report, notify=warn,
+        )  # fmt: skip
+    written: list[Path] = []
+    if plot:
+        from palmbots.studies.study_figures import save
+
+        written = [root / "study.png"]
+        save(result, written[0])
+    if as_json:
+        print_json(result.summary())
+    else:
+        study_report(result, written)
+    return DONE
+
+
+@contextmanager
+def _quiet_asyncio() -> Iterator[None]:
+    """Suppress what asyncio reports when Ctrl-C cuts off a read or write of the store."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        logging.getLogger("asyncio").setLevel(logging.CRITICAL)
+        raise
+
+
+def _print_cost(plan: "Plan", threads: int | None, chunk_size: int | None, as_json: bool) -> int:
+    from palmbots.cli.reports.study_report import cost_report
+    from palmbots.studies.cost_estimate import estimate_cost
+    from palmbots.studies.points import design_points
+    from palmbots.studies.study_runner import layout_of, thread_count
+
+    number = thread_count(threads)
+    with staged_progress(as_json) as report:
+        points = design_points(plan, lambda fraction: report("checking scenes", fraction))
+        cost = estimate_cost(points, layout_of(points, chunk_size), number)
+    if as_json:
+        print_json(cost.summary() | {"study": plan.name, "scene": plan.base.model_dump()})
+    else:
+        cost_report(points, cost)
+    return DONE
+
+
+COMMAND = study

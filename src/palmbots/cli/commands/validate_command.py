@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots validate`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from palmbots.cli._progress import progress
+from palmbots.cli._run import check_output, load, present
+from palmbots.cli.options import (
+    DONE,
+    FAILED,
+    ControllerOption,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    output_option,
+)
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 110
+EXAMPLE = "palmbots validate --states 100 --carries 3 --out out"
+
+
+def validate(
+    scene: SceneArgument = "paper",
+    controller: ControllerOption = "distributed",
+    states: Annotated[
+        int | None, typer.Option("--states", help="Number of grid states to try [default: all].")
+    ] = None,
+    carries: Annotated[int, typer.Option("--carries", help="Number of paired carries.")] = 12,
+    changes: SetOption = None,
+    out: Annotated[Path | None, output_option("Write validation.png to this folder.")] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Compare the MuJoCo world with the quasistatic one.
+
+    Exit status 1: the worlds disagree.
+    """
+    from palmbots.cli.reports.mujoco_report import validation_report
+    from palmbots.mujoco.validation.validation import validate as run_validation
+
+    chosen = load(scene, changes)
+    check_output(out)
+    with progress("validating", as_json) as report:
+        result = run_validation(
+            chosen, controller=controller, states=states, carries=carries, on_progress=report
+        )
+    present(
+        result, validation_report, as_json=as_json, figure=_save, out=out, file="validation.png"
+    )
+    return DONE if result.holds else FAILED
+
+
+def _save(result: Any, path: Path) -> None:
+    from palmbots.mujoco.validation.agreement_figure import save
+
+    save(result, path)
+
+
+COMMAND = validate

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs one command: collects the commands, parses the arguments, and refuses bad input.
+
+Each command is a module of `palmbots.cli.commands` with three names: `COMMAND`, the function or the
+group of commands, `ORDER`, its place in ``palmbots --help``, and `EXAMPLE`. The file
+``drop_rate_command.py`` defines ``palmbots drop-rate``.
+
+Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
+command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
+with one line, and 130 after Ctrl-C.
+"""
+
+import contextlib
+import importlib
+import io
+import os
+import pkgutil
+import signal
+import sys
+from functools import cache
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from palmbots.cli import INTERRUPTION_LINE, commands
+from palmbots.cli._run import Interrupted
+from palmbots.cli.old_names import renamed_command, renamed_option
+from palmbots.cli.options import BAD_INPUT, DONE, FAILED, INTERRUPTED
+from palmbots.errors import PalmbotsError, one_line
+
+__all__ = ["BAD_INPUT", "DONE", "FAILED", "INTERRUPTED", "build_app", "main", "run"]
+
+_SUFFIX = "_command"
+# The base of all usage errors. Typer contains a copy of click under a private name.
+_UsageError: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
+_NUMBERS = {"int_parsing": "a whole number", "float_parsing": "a number"}
+
+
+def main() -> None:
+    """Run the command line and exit with its status."""
+    for stream in (sys.stdout, sys.stderr):  # an encoding without ° prints ? instead
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    try:
+        status = run(sys.argv[1:])
+        if status == INTERRUPTED:  # a second Ctrl-C must not disturb the exit
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if sys.stdout is not None:
+            sys.stdout.flush()  # here, so that a full disk is reported in one line
+    except OSError as error:
+        _discard_stdout()
+        status = FAILED if isinstance(error, BrokenPipeError) else _unwritable(error)
+    sys.exit(status)
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command; returns the exit status."""
+    try:
+        status = build_app()(args=arguments, prog_name="palmbots", standalone_mode=False)
+        if status == INTERRUPTED:  # Typer's answer to a KeyboardInterrupt; commands never return it
+            return _interrupted()
+        return status if isinstance(status, int) else DONE
+    except Interrupted:  # it has printed its line
+        return INTERRUPTED
+    except PalmbotsError as error:
+        return _refuse(str(error))
+    except _UsageError as error:
+        return _refuse(_usage_message(error))
+    except typer.Exit as stop:
+        return stop.exit_code
+    except (KeyboardInterrupt, typer.Abort):
+        return _interrupted()
+
+
+def _interrupted() -> int:
+    print(INTERRUPTION_LINE, file=sys.stderr)
+    return INTERRUPTED
+
+
+@cache
+def build_app() -> typer.Typer:
+    """The application with all commands."""
+    found = {
+        module.name.removesuffix(_SUFFIX).replace("_", "-"): importlib.import_module(
+            f"{commands.__name__}.{module.name}"
+        )
+        for module in pkgutil.iter_modules(commands.__path__)
+        if module.name.endswith(_SUFFIX)
+    }
+
+    class OrderedGroup(TyperGroup):
+        """Lists the commands by their `ORDER`."""
+
+        def list_commands(self, ctx: Any) -> list[str]:
+            return sorted(self.commands, key=lambda name: found[name].ORDER)
+
+        def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+            refusal = renamed_command(args[0])
+            if refusal is not None:
+                raise PalmbotsError(refusal)
+            return super().resolve_command(ctx, args)
+
+    app = typer.Typer(
+        name="palmbots",
+        cls=OrderedGroup,
+        help="Simulate two mobile robots that carry an object between two tilting palms.",
+        epilog="Shell completion: palmbots --install-completion",
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(invoke_without_command=True)(_root)
+    for name, module in found.items():
+        epilog = f"Example: {module.EXAMPLE}"
+        if isinstance(module.COMMAND, typer.Typer):
+            app.add_typer(module.COMMAND, name=name, epilog=epilog)
+        else:
+            app.command(name, epilog=epilog)(module.COMMAND)
+    return app
+
+
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        from palmbots._version import __version__
+
+        print(f"palmbots {__version__}")
+        raise typer.Exit()
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def _usage_message(error: Any) -> str:
+    """One line about arguments that cannot be parsed."""
+    context = getattr(error, "ctx", None)
+    where = f"{context.command_path}: " if context is not None else ""
+    see = f"; see {context.command_path} --help" if context is not None else ""
+    old = None
+    if context is not None and type(error).__name__ == "NoSuchOption":
+        old = renamed_option(context.info_name, error.option_name)
+    if old is not None:
+        return old
+    fault = _number_fault(error)
+    if fault is not None:
+        return f"{fault}{see}"
+    return f"{where}{error.format_message().rstrip('.')}{see}"
+
+
+def _number_fault(error: Any) -> str | None:
+    """ "KEY: value is V; allowed: …" for a text that is no number; None: it is another fault."""
+    from palmbots._util.arguments import show
+
+    faults = getattr(error.__cause__, "errors", list)()
+    parameter = getattr(error, "param", None)
+    if not faults or parameter is None or faults[0]["type"] not in _NUMBERS:
+        return None
+    allowed = _NUMBERS[faults[0]["type"]]
+    return f"{parameter.opts[0]}: value is {show(faults[0]['input'])}; allowed: {allowed}"
+
+
+def _discard_stdout() -> None:
+    """Discard pending output: the reader has closed the pipe, or the disk is full."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _unwritable(error: OSError) -> int:
+    name = f"{error.filename}: " if error.filename else ""
+    return _refuse(f"{name}the output cannot be written: {error.strerror or error}")
+
+
+def _refuse(message: str) -> int:
+    text = one_line(message)
+    print(text if text.startswith("palmbots") else f"palmbots: {text}", file=sys.stderr)
+    return BAD_INPUT

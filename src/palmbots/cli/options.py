@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exit statuses, and the arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+__all__ = [
+    "BAD_INPUT",
+    "DONE",
+    "FAILED",
+    "INTERRUPTED",
+    "ControllerOption",
+    "FormatOption",
+    "JsonOption",
+    "PrecisionOption",
+    "SceneArgument",
+    "SeedOption",
+    "SetOption",
+    "interval_option",
+    "output_option",
+]
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def _path(text: str) -> Path:
+    """Parser of an option that names a file or folder to write.
+
+    An empty name would mean the working directory. It usually results from an unset variable of the
+    shell, as in ``--out "$DIR"``.
+    """
+    if not text:
+        raise typer.BadParameter('value is ""; allowed: a name (. is the working directory)')
+    return Path(text)
+
+
+def output_option(help: str, *names: str, metavar: str = "DIR") -> Any:
+    """An option that names what to write; `names` defaults to ``--out``."""
+    return typer.Option(*(names or ("--out",)), parser=_path, metavar=metavar, help=help)
+
+
+def interval_option(name: str, meaning: str) -> Any:
+    """An option with the two ends of an interval."""
+    return typer.Option(name, metavar="LOW HIGH", help=f"{meaning} [default: as in the scene].")
+
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="Built-in scene (see palmbots scenes) or TOML file."),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a scene key (repeatable); list them: palmbots keys.",
+    ),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
+ControllerOption = Annotated[
+    str,
+    typer.Option(
+        "--controller",
+        "-c",
+        metavar="NAME",
+        help="Name (see palmbots controllers), module:Class or FILE.py:Class.",
+    ),
+]
+SeedOption = Annotated[int, typer.Option("--seed", help="Random seed.")]
+PrecisionOption = Annotated[
+    str, typer.Option("--precision", metavar="NAME", help="double or float.")
+]
+FormatOption = Annotated[
+    str, typer.Option("--format", metavar="NAME", help="Figure format: png, svg or pdf.")
+]

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The console of all reports: 80 columns in a pipe, no trailing blanks, common styles and texts."""
+
+import re
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, TextIO, cast
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+__all__ = [
+    "BAD",
+    "GOOD",
+    "QUIET",
+    "definitions",
+    "format_mm",
+    "indented",
+    "plain_table",
+    "print_written_files",
+    "report_console",
+    "signed",
+]
+
+GOOD, BAD, QUIET = "bold green", "bold red", "dim"
+_WIDTH = 80  # columns, in a pipe or a file; also the least in a terminal
+_TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)
+
+
+class _TrimmedStream:
+    """A text stream that removes blanks at the ends of lines, which tables are padded with."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(_TRAILING_BLANKS.sub(r"\1", text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def report_console() -> Console:
+    """A console on stdout.
+
+    It is 80 columns wide in a pipe and as wide as the window in a terminal, but not narrower than
+    80 columns: a terminal may break lines, but no table shortens numbers to fit. Markup is off,
+    because units are written in brackets.
+    """
+    console = Console(
+        highlight=False, markup=False, file=cast("TextIO", _TrimmedStream(sys.stdout))
+    )
+    console.width = max(console.width, _WIDTH) if console.is_terminal else _WIDTH
+    return console
+
+
+def plain_table(*heads: str, right: Sequence[str] = (), gap: int = 3) -> Table:
+    """A table without lines; columns in `right` are aligned to the right."""
+    table = Table(
+        box=None,
+        show_header=bool(heads),
+        header_style="bold",
+        pad_edge=False,
+        padding=(0, gap, 0, 0),
+    )
+    for head in heads:
+        table.add_column(Text(head), justify="right" if head in right else "left", overflow="fold")
+    return table
+
+
+def definitions(rows: Iterable[tuple[str, str]]) -> Table:
+    """Names with their meanings; long meanings continue on lines of their own."""
+    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column(no_wrap=True)
+    table.add_column(ratio=1)
+    for name, meaning in rows:
+        table.add_row(Text(name, style="bold"), Text(meaning))
+    return table
+
+
+def indented(text: str | Text, columns: int = 2) -> Padding:
+    """A text whose lines are all indented, also those that result from wrapping."""
+    return Padding(text if isinstance(text, Text) else Text(text), (0, 0, 0, columns))
+
+
+def print_written_files(console: Console, written: Sequence[Path]) -> None:
+    """Print the files that a command wrote, with their sizes."""
+    for path in written:
+        size = _size(path.stat().st_size)
+        console.print(f"wrote {path}  {size}", soft_wrap=True)
+
+
+def _size(n: int) -> str:
+    return f"{n / 1e6:.1f} MB" if n >= 1e6 else f"{n / 1e3:.0f} kB"
+
+
+def format_mm(metres: float) -> str:
+    """A length in mm; never "-0.0"."""
+    return f"{round(1e3 * metres, 1) + 0.0:.1f} mm"
+
+
+def signed(value: float) -> str:
+    """A number with its sign."""
+    return f"{value:+g}"

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Text of `palmbots modes`."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from palmbots._types import SIDES
+from palmbots.cli.reports.console import GOOD, QUIET, format_mm, report_console
+
+if TYPE_CHECKING:
+    from palmbots.mechanics.contact_points import Contact, Motions
+    from palmbots.mechanics.mode_analysis import ContactModes
+
+__all__ = ["modes_report"]
+
+_SYMBOLS = "ST: sticks, SL: slides left, SR: slides right"
+
+
+def modes_report(found: "ContactModes") -> None:
+    """Print the nine modes as a 3 × 3 table, and those that occur."""
+    console = report_console()
+    console.print(
+        f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
+        f"contacts {format_mm(found.p_left_m)}, {format_mm(found.p_right_m)}   "
+        f"object {found.object_deg:.2f}°"
+    )
+    if found.motions_closing is not None and found.motions_opening is not None:
+        _list_contacts(console, found.contacts, bool(found.held))
+        _outcomes(console, "closing", found.contacts, found.motions_closing)
+        _outcomes(console, "opening", found.contacts, found.motions_opening)
+        console.print(f"{_SYMBOLS}, BR: breaks contact", style=QUIET)
+        console.print("\nIf only the two contact vertices touched the palms:")
+    table = Table()
+    table.add_column("left ↓  right →")
+    for right in ("ST", "SL", "SR"):
+        table.add_column(right, justify="center")
+    for left in ("ST", "SL", "SR"):
+        row = [_verdict_mark(found, (left, right)) for right in ("ST", "SL", "SR")]
+        table.add_row(Text(left, style="bold"), *row)
+    console.print(table)
+    console.print(_SYMBOLS, style=QUIET)
+    for what, mode, wedged in (
+        ("closing", found.closing, all(found.wedged.values())),
+        ("opening", found.opening, False),
+    ):
+        if mode is not None:
+            console.print(
+                f"{what}: left [bold]{mode[0]}[/bold], right [bold]{mode[1]}[/bold]", markup=True
+            )
+        else:
+            held = any(m == ("ST", "ST") for m in found.feasible)
+            why = "jammed: no contact slides" if held or wedged else "the object is not held"
+            console.print(f"{what}: [bold red]none[/bold red] ({why})", markup=True)
+    for side in SIDES:
+        low, high = found.squeeze[side]
+        wedged = "   wedged: no squeeze force frees it" if found.wedged[side] else ""
+        console.print(f"squeeze force {side:5}  {_end(low)} … {_end(high)} of the weight{wedged}")
+    console.print(f"friction cone margin  {math.degrees(found.margin_rad):.2f}°")
+
+
+def _list_contacts(console: Console, contacts: "Sequence[Contact]", held: bool) -> None:
+    """Print more than two contacts: their places, and whether they hold the object."""
+    table = Table()
+    for head in ("contact", "kind"):
+        table.add_column(head)
+    for head in ("on the palm", "object x", "object y"):
+        table.add_column(head, justify="right")
+    for contact in contacts:
+        x, y = contact.point_m
+        table.add_row(
+            contact.side, contact.kind, format_mm(contact.place_m), format_mm(x), format_mm(y)
+        )
+    console.print(table)
+    answer = "[bold green]yes[/bold green]" if held else "[bold red]no[/bold red]"
+    console.print(f"held with all {len(contacts)} sticking: {answer}", markup=True)
+
+
+def _outcomes(
+    console: Console, what: str, contacts: "Sequence[Contact]", motions: "Sequence[Motions]"
+) -> None:
+    """Print the possible motions of several contacts, one combination per line, by palm."""
+    if not motions:
+        none = "[bold red]none[/bold red] (no motion is possible and in balance)"
+        console.print(f"{what}: {none}", markup=True)
+    for k, motion in enumerate(motions):
+        pairs = list(zip(contacts, motion, strict=True))
+        parts = []
+        for side in SIDES:
+            names = " ".join(name for contact, name in pairs if contact.side == side)
+            parts.append(f"{side} [bold]{names}[/bold]")
+        console.print(f"{what if k == 0 else '     or'}: {', '.join(parts)}", markup=True)
+
+
+def _verdict_mark(found: "ContactModes", mode: tuple[str, str]) -> Text:
+    if mode not in found.feasible:
+        return Text("–", style=QUIET)
+    happens = [
+        word
+        for word, one in (("closing", found.closing), ("opening", found.opening))
+        if one == mode
+    ]
+    return Text(", ".join(["balanced", *happens]), style=GOOD if happens else "")
+
+
+def _end(value: float) -> str:
+    return f"{value:+.3f}" if math.isfinite(value) else ("unbounded" if value > 0 else "-unbounded")

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The interface of controllers in Python, and the shipped distributed controller to step by hand.
+
+A controller decides once every control period from what one robot knows: the tactile sign of its
+contact, the oldest unread message, and whether its palm has reached the angle last commanded. Any
+class with such a ``step`` is a controller: ``pb.carry(controller=MyController)`` makes one for each
+robot. It runs in the same worlds and over the same radio as the shipped controllers, but slower.
+
+Two class attributes are optional: ``cases`` explains the letters that `StepOutput.case` may hold,
+and ``assisted_cases`` lists those in which a robot asks its partner for assistance. Corrections are
+recorded only while `StepOutput.case` holds a letter.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, cast, get_args
+
+import palmbots._core as _core
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+
+__all__ = [
+    "MESSAGE_KINDS",
+    "MOVES",
+    "PALMS",
+    "Controller",
+    "DistributedController",
+    "MessageKind",
+    "Move",
+    "Palm",
+    "StepInput",
+    "StepOutput",
+    "make_controller_pair",
+    "make_step",
+]
+
+MessageKind = Literal["TiltUp", "TiltDown", "Ack"]
+Palm = Literal["steep", "shallow"]
+Move = Literal["hold", "away", "closer"]
+
+# In the order of the core's numbers (control/messages.hpp). The core has further kinds of message,
+# which only the beacons of the resilient algorithm carry.
+PALMS = cast("tuple[Palm, ...]", tuple(_core.Palm.__members__))
+MOVES = cast("tuple[Move, ...]", tuple(_core.Move.__members__))
+MESSAGE_KINDS = cast(
+    "tuple[MessageKind | None, ...]",
+    (None, *sorted(get_args(MessageKind), key=lambda name: _core.MessageKind[name])),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class StepInput:
+    """What a robot knows at a tick."""
+
+    sign: Literal[-1, 0, 1]
+    """Tactile sign of the contact coordinate p; p > 0 is outward."""
+    message: MessageKind | None
+    """The oldest message that is not consumed yet."""
+    palm_at_target: bool
+    """The palm has reached the angle last commanded."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepOutput:
+    """What a robot does until the next tick."""
+
+    palm: Palm = "steep"
+    move: Move = "hold"
+    """Keep the nominal speed, or add the correction speed away from or towards the partner."""
+    send: MessageKind | None = None
+    consume: bool = False
+    """The message is used up; otherwise the next tick sees it again."""
+    case: str = " "
+    """The case that the robot is in, ``"a"`` to ``"d"`` as in Table 2, or a blank. While it is not
+    blank, the carry records a correction."""
+    waiting: bool = False
+    """The robot waits for a message; the time counts as ``waiting_s``."""
+
+
+class Controller(Protocol):
+    """One robot's controller."""
+
+    def step(self, seen: StepInput, /) -> StepOutput:
+        """Decide for one control period."""
+        ...
+
+
+class DistributedController:
+    """The shipped distributed algorithm (Table 2): the compiled code that carries run."""
+
+    def __init__(self) -> None:
+        self._core = _core.Distributed()
+
+    def step(self, seen: StepInput, /) -> StepOutput:
+        """Decide for one control period."""
+        palm, move, send, consume = self._core.step(
+            seen.sign, MESSAGE_KINDS.index(seen.message), seen.palm_at_target
+        )
+        return StepOutput(
+            palm=PALMS[palm],
+            move=MOVES[move],
+            send=MESSAGE_KINDS[send],
+            consume=consume,
+            case=self._core.name,
+            waiting=self._core.waits,
+        )
+
+
+Step = Callable[[int, int, bool], tuple[object, ...]]
+
+
+def make_controller_pair(maker: Callable[[], Controller]) -> tuple[Step, Step]:
+    """A new controller for each robot, as the step functions that the core calls.
+
+    Raises:
+        PalmbotsError: see `make_step`.
+    """
+    return make_step(maker), make_step(maker)
+
+
+def make_step(maker: Callable[[], Controller]) -> Step:
+    """The step of a new controller as the core calls it, in numbers.
+
+    Raises:
+        PalmbotsError: `maker` is no class of controllers. When the core calls the step, also: the
+            controller fails, or returns something that is not legal.
+    """
+    if not callable(maker):
+        if hasattr(maker, "step"):
+            name = type(maker).__name__
+            raise PalmbotsError(
+                f"controller: expected a class, got an instance of {name}; pass "
+                f"controller={name} so that each robot gets its own"
+            )
+        raise PalmbotsError(
+            f"controller: value is {_shown(maker)}; allowed: a name, or a class with a step"
+        )
+    try:
+        controller: Any = maker()
+    except PalmbotsError:
+        raise
+    except Exception as error:
+        called = getattr(maker, "__name__", type(maker).__name__)
+        raise PalmbotsError(
+            f"controller: {called}() failed: {type(error).__name__}: {error}"
+        ) from error
+    name = type(controller).__name__
+    if not callable(getattr(controller, "step", None)):
+        raise PalmbotsError(
+            f"controller: {name} has no step; needed: def step(self, seen: StepInput) -> StepOutput"
+        )
+
+    def step(sign: int, message: int, palm_at_target: bool) -> tuple[object, ...]:
+        seen = StepInput((-1, 0, 1)[sign + 1], MESSAGE_KINDS[message], palm_at_target)
+        try:
+            output: object = controller.step(seen)
+        except PalmbotsError:
+            raise
+        except Exception as error:
+            raise PalmbotsError(
+                f"controller: {name}.step failed: {type(error).__name__}: {error}"
+            ) from error
+        if not isinstance(output, StepOutput):
+            raise PalmbotsError(
+                f"controller: {name}.step returned {_shown(output)}; allowed: a StepOutput, as in "
+                'StepOutput(palm="shallow", move="away")'
+            )
+        return (
+            _index("palm", PALMS, output.palm),
+            _index("move", MOVES, output.move),
+            _index("send", MESSAGE_KINDS, output.send),
+            bool(output.consume),
+            _case(output.case),
+            bool(output.waiting),
+        )
+
+    return step
+
+
+def _shown(value: object) -> str:
+    return "None" if value is None else show(value)
+
+
+def _index(what: str, legal: tuple[str | None, ...], value: object) -> int:
+    if (isinstance(value, str) or value is None) and value in legal:
+        return legal.index(value)
+    raise PalmbotsError(
+        f"controller: {what} is {_shown(value)}; "
+        f"allowed: {', '.join(_shown(name) for name in legal)}"
+    )
+
+
+def _case(name: object) -> int:
+    if isinstance(name, str) and len(name) == 1 and name in " abcd":
+        return ord(name)
+    raise PalmbotsError(f'controller: case is {_shown(name)}; allowed: "a" to "d", or " "')

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers: the shipped ones, registered ones, and classes that a program passes.
+
+Every other module asks here which controllers exist and what distinguishes them. A controller is
+given by its name, as a class with a ``step`` (`palmbots.control.Controller`), or as the text
+``module:Class`` or ``FILE.py:Class``. `resolve` turns each of these into a `ControllerEntry`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
+
+from palmbots._util.arguments import one_of, show
+from palmbots._util.named_registry import Registry
+from palmbots.control.interface import Controller, make_controller_pair, make_step
+from palmbots.control.python_source import (
+    ControllerSource,
+    hash_of_reference,
+    load_class,
+    source_of,
+)
+from palmbots.control.resilient_timing import Bounds, bounds_of
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.scene import Scene
+
+__all__ = [
+    "ControllerEntry",
+    "ControllerLike",
+    "check",
+    "controller_names",
+    "describe",
+    "recover",
+    "refusal",
+    "register",
+    "resolve",
+    "shipped_names",
+    "unregister",
+]
+
+_TABLE_2 = {
+    "a": "own p > 0, partner assists (c)",
+    "b": "both p > 0",
+    "d": "own p < 0",
+}
+_TABLE_1 = {
+    "1": "p_L > 0",
+    "2": "p_R > 0",
+    "3": "p_L < 0",
+    "4": "p_R < 0",
+    "5": "both > 0",
+    "6": "both < 0",
+    "7": "p_L > 0, p_R < 0",
+    "8": "p_L < 0, p_R > 0",
+}
+
+
+@dataclass(frozen=True)
+class ControllerEntry:
+    """One controller, and what other parts of the package need to know of it."""
+
+    name: str
+    description: str
+    """One line for people."""
+    team: Literal["none", "station", "robots"] = "robots"
+    """Who decides: no program, one station for both robots, or each robot."""
+    uses_radio: bool = True
+    messages: tuple[str, ...] = ()
+    """The kinds of message that it sends."""
+    is_periodic: bool = False
+    """Robots repeat what they have to say at fixed intervals. A message is news only if it differs
+    from the one before, and a robot that hears nothing stops."""
+    timing_check: Callable[[Scene], Bounds] | None = None
+    """Computes the time bounds in a scene; raises `SceneError` where they cannot be kept."""
+    cases: Mapping[str, str] = field(default_factory=dict)
+    """What each case in the trace means."""
+    assisted_cases: tuple[str, ...] = ()
+    """Cases in which a robot asks its partner for assistance and may get no answer."""
+    maker: Callable[[], Controller] | None = None
+    """Makes the controller of one robot; None: the compiled core has this controller."""
+    source: ControllerSource | None = None
+    """Where the Python class is defined; None: the compiled core has this controller."""
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the compiled core has this controller. Only such a one runs in lockstep."""
+        return self.maker is None
+
+    def for_core(self) -> Any:
+        """The argument that the compiled core takes: a name, or a new step function per robot."""
+        return self.name if self.maker is None else make_controller_pair(self.maker)
+
+
+ControllerLike: TypeAlias = str | type[Controller] | Callable[[], Controller] | ControllerEntry
+"""A name, ``module:Class``, ``FILE.py:Class``, or a class (or another callable) that makes one."""
+
+_CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
+
+for _entry in (
+    ControllerEntry(
+        "none",
+        "both robots drive at their nominal speed and correct nothing",
+        team="none",
+        uses_radio=False,
+    ),
+    ControllerEntry(
+        "centralized",
+        "a station that hears both robots decides for them (Table 1 of the paper)",
+        team="station",
+        messages=("report", "command"),
+        cases=_TABLE_1,
+    ),
+    ControllerEntry(
+        "distributed",
+        "each robot decides and asks its partner by message (Table 2 of the paper)",
+        messages=("TiltUp", "TiltDown", "Ack"),
+        cases=_TABLE_2,
+        assisted_cases=("a", "b"),
+    ),
+    ControllerEntry(
+        "resilient",
+        "each robot decides; periodic beacons and leases tolerate lost messages and reboots",
+        messages=("beacon",),
+        is_periodic=True,
+        timing_check=bounds_of,
+        cases=_TABLE_2,
+    ),
+):
+    _CONTROLLERS.register(_entry.name, _entry)
+
+_SHIPPED = _CONTROLLERS.names()
+
+
+def shipped_names() -> tuple[str, ...]:
+    """The names of the controllers that the compiled core has."""
+    return _SHIPPED
+
+
+def controller_names() -> tuple[str, ...]:
+    """The names of all controllers, the shipped ones first."""
+    return _CONTROLLERS.names()
+
+
+def register(name: str, controller: ControllerLike) -> None:
+    """Make a controller usable by name, as in ``pb.compare(controllers=["distributed", "mine"])``.
+
+    Args:
+        name: the new name, without comma and colon.
+        controller: a class with a ``step``, ``module:Class`` or ``FILE.py:Class``.
+
+    Raises:
+        PalmbotsError: the name is taken, or this is no controller.
+    """
+    if not isinstance(name, str) or not name or not name.isprintable() or set(name) & set(":, "):
+        raise PalmbotsError(
+            f"controller: name is {show(name)}; allowed: a text without comma, colon and space"
+        )
+    _CONTROLLERS.register(name, _renamed(resolve(controller), name))
+
+
+def _renamed(entry: ControllerEntry, name: str) -> ControllerEntry:
+    if entry.maker is None:
+        raise PalmbotsError(f"controller: {entry.name} is shipped; allowed: a class with a step")
+    return _python_entry(entry.maker, name, entry.source)
+
+
+def unregister(name: str) -> None:
+    """Remove a registered controller; a shipped one stays."""
+    if name not in _SHIPPED:
+        _CONTROLLERS.unregister(name)
+
+
+def resolve(
+    controller: Any, *, called: str = "controller", folder: str | None = None
+) -> ControllerEntry:
+    """The entry of a controller.
+
+    Args:
+        controller: a `ControllerLike`.
+        called: how messages name the argument.
+        folder: where a relative ``FILE.py`` is looked up; None: the working directory.
+
+    Raises:
+        PalmbotsError: there is no such controller; the message says what is allowed.
+    """
+    if isinstance(controller, ControllerEntry):
+        return controller
+    if isinstance(controller, str):
+        if ":" in controller and controller not in _CONTROLLERS:
+            maker, source = load_class(controller, called, folder)
+            return _python_entry(maker, None, source)
+        one_of(called, controller, (*controller_names(), "module:Class", "FILE.py:Class"))
+        return _CONTROLLERS.get(controller)
+    return _python_entry(controller, None, None)
+
+
+def _python_entry(maker: Any, name: str | None, source: ControllerSource | None) -> ControllerEntry:
+    make_step(maker)  # refuses what makes no controller, before anything runs
+    called: str = name or getattr(maker, "__name__", type(maker).__name__)
+    lines = (getattr(maker, "__doc__", None) or "").strip().splitlines()
+    return ControllerEntry(
+        called,
+        lines[0] if lines else f"{called}, a controller in Python",
+        cases=dict(getattr(maker, "cases", {})),
+        assisted_cases=tuple(getattr(maker, "assisted_cases", ())),
+        maker=maker,
+        source=source or source_of(maker),
+    )
+
+
+def recover(
+    name: str, source: ControllerSource | None, folder: str | None = None
+) -> ControllerEntry:
+    """The controller of a carry that was logged, in the version that the log names.
+
+    Args:
+        name: its name in the log.
+        source: where the Python class was defined; None: the controller is a shipped one.
+        folder: where a relative ``FILE.py`` is looked up if the working directory has no such file.
+
+    Raises:
+        PalmbotsError: the class cannot be found, or its source has changed since.
+    """
+    if source is None:
+        return resolve(name)
+    if source.reference is None or source.sha256 is None:
+        raise PalmbotsError(
+            f"controller: the log has no file of the class {name}; pass controller={name}"
+        )
+    for place in (None, folder):
+        found = hash_of_reference(source.reference, place)
+        if found is not None:
+            break
+    else:
+        raise PalmbotsError(f"controller: {source.reference} is not found; pass controller={name}")
+    if found != source.sha256:
+        raise PalmbotsError(
+            f"controller: {source.reference} has changed since the log was written; pass "
+            f"controller={name} to run the present version"
+        )
+    maker, _ = load_class(source.reference, folder=place)
+    return _python_entry(maker, name, source)
+
+
+def describe(name: str) -> ControllerEntry:
+    """The entry of a name for reports and figures; a bare one for a name that is unknown here."""
+    if name in _CONTROLLERS:
+        return _CONTROLLERS.get(name)
+    return ControllerEntry(name, "a controller in Python")
+
+
+def check(controller: ControllerLike, scene: Scene) -> Bounds | None:
+    """The time bounds on which a controller relies in a scene; None: it relies on none.
+
+    Raises:
+        SceneError: the controller cannot keep its bounds in this scene; the message says why.
+    """
+    entry = resolve(controller)
+    return None if entry.timing_check is None else entry.timing_check(scene)
+
+
+def refusal(controller: ControllerLike, scene: Scene) -> str | None:
+    """Why a controller refuses a scene, in one line; None: it accepts the scene."""
+    try:
+        check(controller, scene)
+    except SceneError as error:
+        return str(error)
+    return None

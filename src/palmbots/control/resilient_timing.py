@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The time bounds of the resilient algorithm in a scene, and the refusal of a scene without any.
+
+The core computes them (`control/resilient_timing.hpp` has the derivation). This module names them
+and states in one line what to change in a scene that is refused.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import palmbots._core as _core
+from palmbots.errors import SceneError
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+
+__all__ = ["Bounds", "bounds_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The times and distances on which the resilient algorithm relies, in seconds and metres."""
+
+    beacon_s: float
+    """The beacon period."""
+    delay_s: float
+    """The radio's longest delay."""
+    shortest_lease_s: float
+    """The minimum with a perfect radio: two delays, two beacon periods, two ticks."""
+    lease_s: float
+    """A beacon that may be older than this counts as silence (Tm and Tc)."""
+    longest_lease_s: float
+    """With this lease the skew equals the room."""
+    losses: int
+    """How many beacons in a row may be lost before a robot stops."""
+    hold_s: float
+    """How long a palm stays up for a partner that fell silent, or after a boot (Tp and Tb)."""
+    alone_s: float
+    """The longest time for which one robot travels while the other stands, whatever the radio
+    does."""
+    skew_m: float
+    """The largest shift of a contact from that, and from starts one after the other, without
+    noise."""
+    room_m: float
+    """The distance from the zero zone to the end of the palm."""
+
+
+def bounds_of(scene: Scene) -> Bounds:
+    """The bounds of a scene.
+
+    Raises `SceneError`, one line, for a scene in which the algorithm cannot hold the object.
+    """
+    computed: dict[str, Any] = _core.resilient_timing(to_spec(scene, unrolled=True))
+    problem = computed.pop("problem")
+    bounds = Bounds(**computed)
+    if problem:
+        raise SceneError(_refusal(scene, bounds, problem))
+    return bounds
+
+
+def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
+    if problem == "beacon":
+        period = scene.control.period_s
+        return (
+            f"radio.beacon_s: {scene.radio.beacon_s:g} is shorter than control.period_s; allowed "
+            f"with controller resilient: a number in s, at least {period:g}"
+        )
+    need = (
+        f"radio delays of {b.delay_s:g} s and beacons every {b.beacon_s:g} s need at least "
+        f"{b.shortest_lease_s:g}"
+    )
+    room = (
+        f"with more, a robot alone could shift a contact by more than the {1e3 * b.room_m:.1f} mm "
+        f"from the zero zone to the end of its palm"
+    )
+    if b.shortest_lease_s > b.longest_lease_s:
+        return (
+            f"radio.lease_s: no value is possible with controller resilient: {need}, but at most "
+            f"{max(b.longest_lease_s, 0):g} is allowed: {room}; lower radio.latency_s, "
+            "radio.jitter_s, radio.beacon_s or robot.speed_m_s"
+        )
+    return (
+        f"radio.lease_s: {b.lease_s:g} is too {problem}; allowed with controller resilient: a "
+        f"number in s, from {b.shortest_lease_s:g} ({need}) to {b.longest_lease_s:g} ({room})"
+    )

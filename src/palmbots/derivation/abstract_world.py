@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pairs of compiled controllers in the abstract world of the derivation.
+
+Contacts are integers (cells); 0 is the nominal position. In a turn a robot receives its messages,
+senses the sign of its contact and decides, and its wheels move by one cell. If the two properties
+do not determine which contact slides, every possibility is followed. Robots take turns in any order
+in which neither is more than one turn ahead. A palm reaches a new angle two turns after the
+command. Messages arrive before the next turn of their receiver, in order, and none is lost: this is
+the radio that the paper assumes.
+
+A `System` gives its initial states and the successors of each state; states are hashable. The
+station of the centralized algorithm takes a turn for both robots at once.
+"""
+
+from collections.abc import Iterator
+from copy import copy
+from functools import cache
+from typing import Any, NamedTuple, Protocol
+
+import palmbots._core as _core
+from palmbots.derivation.contact_motion import Palm, Palms, sliders, up
+from palmbots.derivation.global_policy import Direction, Signs
+
+__all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
+
+
+_MOVES: tuple[Direction | None, ...] = (None, "away", "closer")
+_MESSAGES = ("", "TiltUp", "TiltDown", "Ack", "Closing", "Raised")
+_STEEP = 0
+_AHEAD = 1  # number of turns by which one robot may be ahead of the other
+_TURNING = 1  # number of turns after a command in which the palm is still turning
+
+
+class Motion(NamedTuple):
+    """A motion of one cell, closing or opening, and the state in which it happens."""
+
+    signs: Signs
+    palms: Palms
+    direction: Direction
+    fights: bool
+    """The wheels of the other robot drive in the opposite direction."""
+
+
+class Turn(NamedTuple):
+    """The observable part of a turn."""
+
+    robot: int | None
+    """The robot that takes the turn; None: both."""
+    p: tuple[int, int]
+    cases: tuple[str, str]
+    palms: Palms
+    motion: Motion | None
+    begins: bool
+    """The wheels did not move before this turn."""
+    said: str
+
+
+class State(NamedTuple):
+    """Contacts, palms as (commanded angle, turns until it is reached), wheels, controllers with the
+    messages in transit, and the number of turns by which the left robot is ahead."""
+
+    p: tuple[int, int]
+    palms: tuple[tuple[int, int], tuple[int, int]]
+    wheels: tuple[int, int]
+    minds: Any
+    lead: int
+
+    @property
+    def nominal(self) -> bool:
+        """Contacts at 0, palms steep, palms and wheels at rest."""
+        steep = ((_STEEP, 0), (_STEEP, 0))
+        return self.p == (0, 0) and self.palms == steep and self.wheels == (0, 0)
+
+
+class System(Protocol):
+    """Two robots and their controllers."""
+
+    def start(self, p: tuple[int, int]) -> State:
+        """Both robots travel and correct nothing; the contacts are as given."""
+        ...
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        """Every possible next turn, with the state after it."""
+        ...
+
+
+class _Machine:
+    """A compiled controller as a function from memory to memory."""
+
+    def __init__(self, first: Any) -> None:
+        self._robots = {first.memory: first}
+        self.first: bytes = first.memory
+        self.step = cache(self._step)
+
+    def _step(self, memory: bytes, *seen: Any) -> tuple[bytes, Any]:
+        robot = copy(self._robots[memory])
+        out = robot.step(*seen)
+        self._robots.setdefault(robot.memory, robot)
+        return robot.memory, out
+
+    def robot(self, memory: bytes) -> Any:
+        """The controller with this memory."""
+        return self._robots[memory]
+
+
+def _sign(p: int) -> int:
+    return (p > 0) - (p < 0)
+
+
+def _told(palm: tuple[int, int], command: int) -> tuple[int, int]:
+    """A palm after a turn with this command."""
+    return (command, _TURNING) if command != palm[0] else (command, max(0, palm[1] - 1))
+
+
+def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
+    def shown(angle: int, turning: int) -> Palm:
+        return "turning" if turning else "steep" if angle == _STEEP else "shallow"
+
+    return shown(*palms[0]), shown(*palms[1])
+
+
+def _both(pair: tuple[Any, Any], robot: int, value: Any) -> tuple[Any, Any]:
+    """The pair with one entry replaced."""
+    return (value, pair[1]) if robot == 0 else (pair[0], value)
+
+
+def _moved(p: tuple[int, int], motion: Motion | None) -> Iterator[tuple[int, int]]:
+    if motion is None:
+        yield p
+        return
+    for contact in sorted(sliders(motion.palms, motion.direction)):
+        yield _both(p, contact, p[contact] + up(motion.direction))
+
+
+class _Pair:
+    """The common part of the two decentralized algorithms."""
+
+    def start(self, p: tuple[int, int]) -> State:
+        return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self.begin(), 0)
+
+    def begin(self) -> Any:
+        raise NotImplementedError
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        raise NotImplementedError
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        """A step: the memory after it, the commanded palm and move, and the message sent."""
+        raise NotImplementedError
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        for robot in (0, 1):
+            lead = state.lead + (1, -1)[robot]
+            if abs(lead) > _AHEAD:
+                continue
+            sign, turned = _sign(state.p[robot]), state.palms[robot][1] == 0
+            minds, palm, move, said = self.hear(state.minds, robot, sign, turned)
+            palms = _both(state.palms, robot, _told(state.palms[robot], palm))
+            wheels = _both(state.wheels, robot, move)
+            direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
+            signs = (_sign(state.p[0]), _sign(state.p[1]))
+            motion = None
+            if direction is not None:
+                fights = other not in (None, direction)
+                motion = Motion(signs, _shown(palms), direction, fights)
+            begins = state.wheels[robot] == 0
+            turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
+            for p in _moved(state.p, motion):
+                yield turn, State(p, palms, wheels, minds, lead)
+
+
+class _Distributed(_Pair):
+    """Table 2. The memory consists of both controllers and their unread messages."""
+
+    def __init__(self) -> None:
+        self._robot = _Machine(_core.Distributed())
+
+    def begin(self) -> Any:
+        return (self._robot.first, self._robot.first), ((), ())
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        left, right = (self._robot.robot(memory).name for memory in minds[0])
+        return left, right
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        robots, inboxes = minds
+        inbox = inboxes[robot]
+        memory, (palm, move, send, read) = self._robot.step(
+            robots[robot], sign, inbox[0] if inbox else 0, turned
+        )
+        inboxes = _both(inboxes, robot, inbox[1:] if read else inbox)
+        if send:
+            inboxes = _both(inboxes, 1 - robot, (*inboxes[1 - robot], send))
+        return (_both(robots, robot, memory), inboxes), palm, move, _MESSAGES[send]
+
+
+class _Resilient(_Pair):
+    """The resilient algorithm, a beacon each turn.
+
+    It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
+    ready, age of its echo); for each how many turns ago it sent the newest beacon that the other
+    has heard; and what each said last. Ages are in turns of the robot whose clock counts them
+    (palmbots/control/beacon.hpp).
+    """
+
+    # As control/resilient_timing.hpp has it: 2 (delay + beacon) + 2 ticks, each of them 1, and one
+    # turn that the other robot may be ahead. Wheels stop at once.
+    lease = 7
+    hold = lease + 1 + 1
+    join = 1 + 1
+
+    def __init__(self) -> None:
+        self._robots = tuple(
+            _Machine(_core.Resilient(self.lease, self.hold, self.join, yields))
+            for yields in (True, False)
+        )
+
+    def begin(self) -> Any:
+        """The state after a boot with contacts at 0, once both robots travel steadily."""
+        never = self.lease + 1
+        minds: Any = (
+            (self._robots[0].first, self._robots[1].first),
+            (None, None),
+            (never, never),
+            (0, 0),
+        )
+        for _ in range(4 * self.hold):
+            for robot in (0, 1):
+                minds = self.hear(minds, robot, 0, True)[0]
+        return minds
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
+        return left, right
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        robots, mail, known, said = minds
+        known = _both(known, robot, min(known[robot] + 1, self.lease + 1))
+        letter, rests, ready, echo = mail[robot] or (0, False, False, self.lease)
+        if mail[robot] is not None:  # so the partner's newest beacon is known here from now on
+            known = _both(known, 1 - robot, 0)
+        age = min(echo + 1, self.lease + 1)
+        memory, (palm, move, says, rest, willing) = self._robots[robot].step(
+            robots[robot], sign, turned, letter, rests, ready, age
+        )
+        beacon = (says, rest, willing, known[1 - robot])
+        mail = _both(_both(mail, robot, None), 1 - robot, beacon)
+        news = _MESSAGES[says] if says != said[robot] else ""
+        after = _both(robots, robot, memory), mail, known, _both(said, robot, says)
+        return after, palm, move, news
+
+
+class _Centralized:
+    """Table 1, run by a station that exchanges messages with both robots."""
+
+    def __init__(self) -> None:
+        self._station = _Machine(_core.Centralized())
+
+    def start(self, p: tuple[int, int]) -> State:
+        return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self._station.first, 0)
+
+    def after(self, state: State) -> Iterator[tuple[Turn, State]]:
+        signs = (_sign(state.p[0]), _sign(state.p[1]))
+        reports = (
+            (sign, palm, turning == 0)
+            for sign, (palm, turning) in zip(signs, state.palms, strict=True)
+        )
+        memory, (left, move, right, _) = self._station.step(state.minds, *reports)
+        palms = _told(state.palms[0], left), _told(state.palms[1], right)
+        direction = _MOVES[move]
+        motion = None if direction is None else Motion(signs, _shown(palms), direction, False)
+        number = self._station.robot(memory).case_number
+        case = str(number) if number else " "
+        begins = state.wheels[0] == 0
+        turn = Turn(None, state.p, (case, case), _shown(palms), motion, begins, "")
+        for p in _moved(state.p, motion):
+            yield turn, State(p, palms, (move, move), memory, 0)
+
+
+_SYSTEMS: dict[str, Any] = {
+    "centralized": _Centralized,
+    "distributed": _Distributed,
+    "resilient": _Resilient,
+}
+
+CONTROLLERS = tuple(_SYSTEMS)
+"""The controllers of which there is an abstract system."""
+
+
+def system_of(controller: str) -> System:
+    """Two robots under one of `CONTROLLERS`."""
+    return _SYSTEMS[controller]()

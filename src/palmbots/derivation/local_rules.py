@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Derives rules for each robot from a global policy.
+
+1. *Split* each case at its moves, and follow the signs through each move.
+2. The *owner* of a move is the robot that senses its until-condition.
+3. *Guards*: a condition on a contact that the owner does not sense may be dropped if no tick in
+   that configuration of the palms can move that contact (`contact_motion`).
+4. *Merge*: seen from the owner, outward positive, a rule of the left and one of the right robot are
+   the same.
+5. *Messages*: turning a palm of the other robot becomes a request, a reply and a release; the robot
+   that receives a request serves it.
+6. *Conflicts*: signs at which a rule of each robot applies, and what orders the two.
+
+The result lists what cannot be derived: moves without effect or without end, guards that must stay,
+signs that no rule corrects, rules that only one robot has.
+
+Source: section 6 of the paper asks for this transformation, from section 2 to section 4.
+"""
+
+from dataclasses import dataclass, field
+from itertools import product
+
+from palmbots.derivation.contact_motion import Palms, improves, passed_through, sliders, why
+from palmbots.derivation.global_policy import NAMES, Direction, Move, Policy, Signs, Wiring
+from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program, table_2
+
+__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "signs_text"]
+
+SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
+_RELATION = {-1: "<", 0: "=", 1: ">"}
+_MARK = {-1: "−", 0: "0", 1: "+"}
+
+
+def signs_text(signs: Signs) -> str:
+    """A pair of signs in the notation of the docs: (+, −)."""
+    return f"({_MARK[signs[0]]}, {_MARK[signs[1]]})"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One move of a case: the signs at its start, during it and at its end."""
+
+    case: int
+    number: int
+    palms: Palms
+    move: Move
+    entry: frozenset[Signs]
+    during: frozenset[Signs]
+    ends: frozenset[Signs]
+    owners: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A condition of a step on a contact that its owner does not sense."""
+
+    case: int
+    step: int
+    owner: int
+    contact: int
+    sign: int
+    dropped: bool
+    reason: str
+
+    def __str__(self) -> str:
+        return f"p_{'LR'[self.contact]} {_RELATION[self.sign]} 0"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """The rule of one robot. Pairs are (own, partner's)."""
+
+    signs: tuple[int | None, int | None]
+    """The condition; None: any sign."""
+    palms: Palms
+    direction: Direction
+    until: tuple[tuple[int, str], ...]
+    """Conditions of which one suffices: the contact (0 own, 1 the partner's), and ≤ or ≥."""
+    asks: bool
+    """Another robot turns the palm that has to be tilted up."""
+
+    def holds(self, robot: int, signs: Signs) -> bool:
+        """Whether the rule of this robot applies at these signs (left, right)."""
+        seen = signs if robot == 0 else signs[::-1]
+        return all(want in (None, sign) for want, sign in zip(self.signs, seen, strict=True))
+
+    def program(self) -> Program:
+        """In the words of Table 2."""
+        names = ("p", "the partner's p")
+        wanted = zip(names, self.signs, strict=True)
+        when = ", ".join(f"{name} {_RELATION[s]} 0" for name, s in wanted if s is not None)
+        until = " or ".join(f"{names[whose]} {relation} 0" for whose, relation in self.until)
+        lines = (f"Move {self.direction} until {until}",)
+        if self.asks:
+            lines = (f"Send {REQUEST}", f"Wait for {DONE}", *lines, f"Send {RELEASE}")
+        elif "shallow" in self.palms:
+            lines = ("Tilt Up", *lines, "Tilt Down")
+        return Program(when, lines)
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Two rules that apply at the same time, one of each robot."""
+
+    rules: tuple[str, str]
+    signs: tuple[Signs, ...]
+    palms_clash: bool
+    moves_clash: bool
+    cases: tuple[int, ...]
+    """The cases of the policy for these signs."""
+    asking: int
+
+    @property
+    def order(self) -> str:
+        """How the messages alone order the two rules."""
+        if self.asking == 2:
+            return (
+                "requests cross: each waits for the other, and a case of its own must break the tie"
+            )
+        if self.asking == 1:
+            return "the server is one thread: it finishes its own correction first, or serves first"
+        return "no letter between them: nothing orders them, they run at once"
+
+
+@dataclass
+class Derivation:
+    """The result of a derivation."""
+
+    policy: Policy
+    wiring: Wiring
+    steps: list[Step] = field(default_factory=list)
+    guards: list[Guard] = field(default_factory=list)
+    joint: list[Step] = field(default_factory=list)
+    """Steps that need the sensors of both robots."""
+    rules: dict[str, Rule] = field(default_factory=dict)
+    """By name: the case of Table 2 with the same program, or a number."""
+    robots: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    """The robots that have each rule."""
+    sources: dict[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
+    """The steps (case, number) from which each rule follows."""
+    server: Program | None = None
+    conflicts: list[Conflict] = field(default_factory=list)
+    findings: list[str] = field(default_factory=list)
+    """Parts that cannot be derived, and errors of the policy."""
+    table_2: dict[str, Program] = field(default_factory=table_2)
+
+    @property
+    def programs(self) -> dict[str, Program]:
+        """All programs of a robot by name, the server included."""
+        programs = {name: rule.program() for name, rule in self.rules.items()}
+        return (
+            programs if self.server is None else {**programs, self._name(self.server): self.server}
+        )
+
+    @property
+    def is_table_2(self) -> bool:
+        """Whether these are (a), (c) and (d) of Table 2, equal for both robots."""
+        cases = {name: self.table_2[name] for name in "acd"}
+        return self.programs == cases and all(owners == (0, 1) for owners in self.robots.values())
+
+    def _name(self, program: Program) -> str:
+        for name, case in self.table_2.items():
+            if case == program:
+                return name
+        return "server"
+
+
+def derive(policy: Policy, wiring: Wiring | None = None) -> Derivation:
+    """Derive the rules of each robot from a policy and the wiring.
+
+    By default each robot senses its own contact and turns its own palm.
+    """
+    done = Derivation(policy, wiring or Wiring())
+    _split(done)
+    found: dict[Rule, dict[int, list[tuple[int, int]]]] = {}
+    for step in done.steps:
+        for owner, rule in _rules_of(done, step):
+            found.setdefault(rule, {}).setdefault(owner, []).append((step.case, step.number))
+    _name_rules(done, found)
+    if any(rule.asks for rule in done.rules.values()):
+        lines = ("Tilt Up", f"Send {DONE}", f"Wait for {RELEASE}", "Tilt Down")
+        done.server = Program(f"{_free_to_serve(done)}got {REQUEST}", lines)
+    _find_conflicts(done)
+    _find_gaps(done)
+    return done
+
+
+def _split(done: Derivation) -> None:
+    """Split the cases into steps, each with the signs during it."""
+    for number, case in enumerate(done.policy, 1):
+        palms: Palms = ("steep", "steep")
+        if case.tilt is not None:
+            palms = ("shallow", "steep") if case.tilt == 0 else ("steep", "shallow")
+        entry = frozenset({case.signs})
+        moved = False
+        for k, move in enumerate(case.moves, 1):
+            during, ends = passed_through(entry, palms, move)
+            owners = tuple(sorted({done.wiring.senses[u.contact] for u in move.until}))
+            done.steps.append(Step(number, k, palms, move, entry, during, ends, owners))
+            where = f"case {number}, move {k}"
+            if not during:
+                done.findings.append(f"{where} never moves: {move.end} holds when it begins")
+            elif not ends:
+                done.findings.append(f"{where} never ends: it does not bring about {move.end}")
+            astray = [s for s in sorted(during) if not improves(s, palms, move.direction)]
+            if astray:
+                at = ", ".join(map(signs_text, astray))
+                done.findings.append(f"{where} can move a contact away from 0, at {at}")
+            moved = moved or bool(during)
+            entry = ends
+        if not moved:
+            at = signs_text(case.signs)
+            done.findings.append(f"case {number} never moves anything: {at} stays for ever")
+
+
+def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
+    """The rules (owner, rule) of a step, one for each of its possible beginnings."""
+    begins = sorted(step.entry & step.during)
+    rules = []
+    movable = sliders(step.palms, step.move.direction)
+    joint = len(step.owners) > 1
+    for owner, signs in product(step.owners, begins):
+        guard: list[int | None] = list(signs)
+        for contact in (0, 1):
+            if done.wiring.senses[contact] == owner:
+                continue
+            dropped = contact not in movable and not joint
+            reason = why(step.palms, step.move.direction)
+            done.guards.append(
+                Guard(step.case, step.number, owner, contact, signs[contact], dropped, reason)
+            )
+            joint = joint or not dropped
+            guard[contact] = None
+        if joint or not step.ends:
+            continue
+        raised = step.palms.index("shallow") if "shallow" in step.palms else None
+        own = slice(None) if owner == 0 else slice(None, None, -1)
+        palms = step.palms[own]
+        rule = Rule(
+            (guard[owner], guard[1 - owner]),
+            (palms[0], palms[1]),
+            step.move.direction,
+            tuple((int(u.contact != owner), u.relation) for u in step.move.until),
+            raised is not None and done.wiring.turns[raised] != owner,
+        )
+        rules.append((owner, rule))
+    if joint:
+        done.joint.append(step)
+    return rules
+
+
+def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, int]]]]) -> None:
+    """Name the rules after the cases of Table 2 with the same program, and list their owners."""
+    for number, (rule, by_owner) in enumerate(found.items(), 1):
+        program = rule.program()
+        name = next((n for n, case in done.table_2.items() if case == program), str(number))
+        done.rules[name] = rule
+        done.robots[name] = tuple(sorted(by_owner))
+        done.sources[name] = tuple(sorted(s for steps in by_owner.values() for s in steps))
+        if len(by_owner) == 1 and done.wiring.alike:
+            (owner,) = by_owner
+            done.findings.append(
+                f"rule ({name}) is the {NAMES[owner]} robot's alone: the policy has no mirror "
+                "image of " + ", ".join(f"case {c}, move {k}" for c, k in done.sources[name])
+            )
+    done.rules = dict(sorted(done.rules.items()))
+
+
+def _free_to_serve(done: Derivation) -> str:
+    """The signs at which a robot serves: those at which no rule of its own makes it ask."""
+    asking = {rule.signs[0] for rule in done.rules.values() if rule.asks}
+    free = tuple(sign for sign in (-1, 0, 1) if sign not in asking and None not in asking)
+    texts = {(-1, 0): "p ≤ 0, ", (0, 1): "p ≥ 0, ", (0,): "p = 0, ", (-1, 0, 1): ""}
+    return texts.get(free, "not asking, ")
+
+
+def _find_conflicts(done: Derivation) -> None:
+    """Find every pair of rules that apply at the same signs."""
+    at: dict[tuple[str, str], list[Signs]] = {}
+    clash: dict[tuple[str, str], tuple[bool, bool]] = {}
+    for signs, (left, one), (right, two) in product(SIGNS, done.rules.items(), done.rules.items()):
+        if 0 not in done.robots[left] or 1 not in done.robots[right]:
+            continue
+        if one.holds(0, signs) and two.holds(1, signs):
+            pair = (left, right) if left <= right else (right, left)
+            at.setdefault(pair, []).append(signs)
+            clash[pair] = one.palms != two.palms[::-1], one.direction != two.direction
+    for pair, where in sorted(at.items()):
+        cases = tuple(n for n, case in enumerate(done.policy, 1) if case.signs in where)
+        asking = sum(done.rules[name].asks for name in pair)
+        done.conflicts.append(Conflict(pair, tuple(where), *clash[pair], cases, asking))
+
+
+def _find_gaps(done: Derivation) -> None:
+    """Find signs without a case or with several, and signs that no rule corrects."""
+    for signs in SIGNS:
+        cases = [n for n, case in enumerate(done.policy, 1) if case.signs == signs]
+        ruled = any(
+            rule.holds(robot, signs)
+            for name, rule in done.rules.items()
+            for robot in done.robots[name]
+        )
+        if len(cases) > 1:
+            done.findings.append(f"{signs_text(signs)} has several cases: {cases}")
+        if signs != (0, 0) and not cases:
+            cover = "the rules correct it" if ruled else "and no rule corrects it"
+            done.findings.append(f"{signs_text(signs)} has no case in the policy; {cover}")
+        elif signs != (0, 0) and not ruled:
+            done.findings.append(f"{signs_text(signs)} is corrected by no rule")

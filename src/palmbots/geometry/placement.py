@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Placement: from the rows of a trace to points of robots and object in the world frame.
+
+Frame: x forward (left robot → right robot), y up, metres, radians; the origin is halfway between
+the two pivots at the start of the carry, at their height. Left is index 0 and right is index 1.
+Palm angles are positive where the palm rises outward, contact coordinates where they lie outward.
+
+The animation and the solids of the log draw what this module places.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palmbots._core import Spec
+from palmbots.geometry.robot_dimensions import PIVOT_HEIGHT
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Placement",
+    "floor_level",
+    "place",
+    "placements",
+]
+
+Array = NDArray[np.float64]
+
+_OUTWARD = np.array([-1.0, 1.0])  # world x of "outward" for left and right
+
+
+@dataclass(frozen=True)
+class Placement:
+    """World positions for n rows of a trace; the last axis of every point is (x, y) in metres."""
+
+    pivot: Array  #: (n, 2 sides, 2) pivots of the palms
+    palm_inner: Array  #: (n, 2 sides, 2) inward end of each palm's surface
+    palm_outer: Array  #: (n, 2 sides, 2) outward end of each palm's surface
+    palm_turn: Array  #: (n, 2 sides) anticlockwise turn of each palm from level, radians
+    contact: Array  #: (n, 2 sides, 2) contact points on the palms: the feet of the contact vertices
+    outline: Array  #: (n, m, 2) corners of the object, in the order of `Spec.outline`
+    com: Array  #: (n, 2) centre of mass of the object
+    turn: Array  #: (n,) anticlockwise turn of the object, radians
+
+
+def place(
+    spec: Spec,
+    *,
+    separation: ArrayLike,
+    midpoint: ArrayLike,
+    palm: ArrayLike,
+    contact: ArrayLike,
+    turn: ArrayLike,
+    lift: ArrayLike = 0.0,
+) -> Placement:
+    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n) and
+    heights of the contact vertices above the palms (n, 2).
+
+    The object is placed at its left contact. The loop-closure constraint, which the world keeps,
+    then puts its right contact vertex on the right palm.
+    """
+    separation, midpoint = np.asarray(separation, float), np.asarray(midpoint, float)
+    angle, p, turn = np.asarray(palm, float), np.asarray(contact, float), np.asarray(turn, float)
+    half = np.array([side.length / 2 for side in spec.palms])
+    offset = np.array([side.offset for side in spec.palms])
+
+    along = np.stack([_OUTWARD * np.cos(angle), np.sin(angle)], axis=-1)  # u
+    normal = np.stack([-_OUTWARD * np.sin(angle), np.cos(angle)], axis=-1)  # n
+    pivot = np.zeros_like(along)
+    pivot[..., 0] = midpoint[:, None] + _OUTWARD * separation[:, None] / 2
+    foot = pivot + offset[:, None] * normal
+
+    touched = foot + p[..., None] * along
+    vertex = touched + np.broadcast_to(lift, p.shape)[..., None] * normal
+    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
+
+    def carried(points: ArrayLike) -> Array:
+        x, y = np.asarray(points, float).T
+        turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+        return turned + vertex[:, :1, :]
+
+    return Placement(
+        pivot=pivot,
+        palm_inner=foot - half[:, None] * along,
+        palm_outer=foot + half[:, None] * along,
+        palm_turn=_OUTWARD * angle,
+        contact=touched,
+        outline=carried([(x, y) for x, _, y in spec.outline]),
+        com=carried([(spec.com_left, spec.com_height)])[:, 0],
+        turn=turn,
+    )
+
+
+def placements(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer]) -> Placement:
+    """Positions at some rows of a carry's trace."""
+    chosen = trace.isel(time=rows)
+    return place(
+        spec,
+        separation=chosen["separation"],
+        midpoint=chosen["midpoint"],
+        palm=chosen["palm"].transpose("time", "side"),
+        contact=chosen["contact"].transpose("time", "side"),
+        turn=chosen["object"],
+        lift=chosen["vertex_height"].transpose("time", "side"),
+    )
+
+
+def floor_level(spec: Spec) -> float:
+    """World y of the floor to draw: low enough for the robots and for any object."""
+    lowest = min(y for _, _, y in spec.outline)
+    return min(-PIVOT_HEIGHT, lowest - 0.05)

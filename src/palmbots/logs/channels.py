@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The channels of a carry log, and the protobuf types of their messages.
+
+States: ``/left``, ``/right`` and ``/pair`` at every tick. The fields of their messages are the
+variables of the trace, so a world may add variables of its own. The attribute ``log_field`` of a
+variable is the name of its field, which contains the unit, such as ``contact_m``. A field
+``dynamics/force_n`` belongs to the channels ``/left/dynamics`` and ``/right/dynamics``. A variable
+without ``log_field`` is not logged. The log contains the list of its variables, so reading it needs
+no world.
+
+Events: ``/messages`` and ``/corrections``.
+
+Protobuf stores a double exactly. Every schema is in the log.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+
+from palmbots._types import SIDES
+from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "CorrectionEvent",
+    "MessageEvent",
+    "StateChannel",
+    "Variable",
+    "state_channels",
+    "variables_of",
+]
+
+_Field = descriptor_pb2.FieldDescriptorProto
+_STRING = _Field.TYPE_STRING
+_DOUBLE = _Field.TYPE_DOUBLE
+_TYPES = {"f": _DOUBLE, "i": _Field.TYPE_SINT64, "U": _STRING}  # by the kind of the NumPy type
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of the trace, as the log describes it."""
+
+    name: str
+    field: str
+    """Field of the message, with its unit; before a slash the channel, if it is not the main one.
+    """
+    by_side: bool
+    """One value for each robot; otherwise one for the pair."""
+    dtype: str
+    attrs: dict[str, str]
+
+    def __post_init__(self) -> None:
+        """Refuse a type that no field can hold."""
+        if np.dtype(self.dtype).kind not in _TYPES:
+            raise PalmbotsError(f"log: the trace variable {self.name} has type {self.dtype}")
+
+
+def variables_of(trace: "xr.Dataset") -> list[Variable]:
+    """The variables of a trace that are logged, its time included, in their order."""
+    variables = []
+    for name in ("time", *map(str, trace.data_vars)):
+        column = trace[name]
+        attrs = {str(key): str(value) for key, value in column.attrs.items()}
+        field = attrs.get("log_field")
+        if field is None:
+            continue
+        variables.append(Variable(name, field, "side" in column.dims, column.dtype.str, attrs))
+    return variables
+
+
+class StateChannel:
+    """The variables that share a message: those of one robot, or those of the pair."""
+
+    def __init__(self, topics: tuple[str, ...], name: str, variables: list[Variable]) -> None:
+        """`topics`: one for each robot, or one for the pair; `name`: of the message's type."""
+        self.topics = topics
+        self.variables = variables
+        self._fields = [variable.field.rpartition("/")[2] for variable in variables]
+        fields = {
+            field: _TYPES[np.dtype(variable.dtype).kind]
+            for field, variable in zip(self._fields, variables, strict=True)
+        }
+        if len(fields) < len(variables):
+            raise PalmbotsError(f"log: two trace variables share a field of {name}: {self._fields}")
+        self._message = _message_type(name, fields)
+
+    def messages(self, trace: "xr.Dataset") -> list[list[Any]]:
+        """The messages of each topic, one for each row of the trace."""
+        columns = [_values(trace, variable) for variable in self.variables]
+        return [
+            [
+                self._message(**dict(zip(self._fields, row, strict=True)))
+                for row in zip(*(column[k] for column in columns), strict=True)
+            ]
+            for k in range(len(self.topics))
+        ]
+
+    def columns(self, messages: dict[str, list[bytes]]) -> dict[str, np.ndarray]:
+        """The values of each variable, by its name, from the messages of each topic."""
+        states = [[self._message.FromString(m) for m in messages[topic]] for topic in self.topics]
+        columns = {}
+        for field, variable in zip(self._fields, self.variables, strict=True):
+            rows = [[getattr(state, field) for state in some] for some in states]
+            values = np.array(rows, dtype=variable.dtype)
+            columns[variable.name] = values.T if variable.by_side else values[0]
+        return columns
+
+
+def state_channels(variables: Iterable[Variable]) -> list[StateChannel]:
+    """The channels that hold these variables."""
+    groups: dict[tuple[bool, str], list[Variable]] = {}
+    for variable in variables:
+        key = (variable.by_side, variable.field.rpartition("/")[0])
+        groups.setdefault(key, []).append(variable)
+    channels = []
+    for (by_side, channel), group in groups.items():
+        names = SIDES if by_side else ("pair",)
+        topics = tuple(f"/{name}/{channel}" if channel else f"/{name}" for name in names)
+        kind = f"{'Robot' if by_side else 'Pair'}{channel.capitalize() or 'State'}"
+        channels.append(StateChannel(topics, kind, group))
+    return channels
+
+
+def _values(trace: "xr.Dataset", variable: Variable) -> list[list[Any]]:
+    """The values for each topic."""
+    column = trace[variable.name]
+    if variable.by_side:
+        return column.transpose("side", "time").to_numpy().tolist()
+    return [column.to_numpy().tolist()]
+
+
+def _message_type(name: str, fields: dict[str, Any]) -> Any:
+    """A protobuf message type with these fields, made at run time."""
+    file = descriptor_pb2.FileDescriptorProto(
+        name=f"palmbots/{name}.proto", package="palmbots", syntax="proto3"
+    )
+    message = file.message_type.add(name=name)
+    for number, (field, kind) in enumerate(fields.items(), start=1):
+        message.field.add(name=field, number=number, type=kind, label=_Field.LABEL_OPTIONAL)
+    pool = descriptor_pool.DescriptorPool()  # its own, so that no name clashes with other packages
+    pool.Add(file)
+    return message_factory.GetMessageClass(pool.FindMessageTypeByName(f"palmbots.{name}"))
+
+
+MessageEvent: Any = _message_type(
+    "MessageEvent",
+    {
+        "sent_s": _DOUBLE,
+        "received_s": _DOUBLE,
+        "sender": _STRING,
+        "receiver": _STRING,
+        "kind": _STRING,
+    },
+)
+"""A message between the robots; ``received_s`` is NaN if the message was lost."""
+
+CorrectionEvent: Any = _message_type(
+    "CorrectionEvent",
+    {
+        "label": _STRING,
+        "robot": _STRING,
+        "case": _STRING,
+        "assistant": _STRING,
+        "start_s": _DOUBLE,
+        "end_s": _DOUBLE,
+    },
+)
+"""A correction, logged at its start; ``assistant`` is empty if no robot assists."""

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the carry of a log again and compares every bit.
+
+The log of a Python controller contains the place and the hash of its source. The source is loaded
+only if its hash is still the same.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from palmbots._types import SIDES
+from palmbots._util.results import Result
+from palmbots.control.registry import ControllerLike, recover, resolve
+from palmbots.errors import PalmbotsError
+from palmbots.simulation.result import Carry
+from palmbots.simulation.single import carry
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from palmbots.logs.mcap_reader import Log
+
+__all__ = ["ReplayResult", "replay"]
+
+_FACTS = (
+    "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
+    "messages_lost", "waiting_s", "bump_count", "warnings", "corrections", "contact_events",
+    "message_log",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class ReplayResult(Result):
+    """The comparison of a log with a new run of its carry."""
+
+    identical: bool
+    """All samples, events and results and the trace hash are equal."""
+    samples: int
+    """Number of rows of the logged trace."""
+    trace_hash: str
+    """The trace hash of the new run."""
+    logged_hash: str
+    """The trace hash in the log."""
+    difference: str | None
+    """The first difference, in one line."""
+    log: Log
+
+    def headline(self) -> str:
+        """One line that states whether the carries are equal."""
+        verdict = "identical" if self.identical else "different"
+        return f"replay {verdict}: {self.log.controller}, seed {self.log.seed}"
+
+    def facts(self) -> dict[str, str]:
+        """The main figures."""
+        facts = {"samples": str(self.samples), "trace": self.trace_hash}
+        if self.difference is not None:
+            facts |= {"logged trace": self.logged_hash, "difference": self.difference}
+        return facts
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots replay --json`` prints."""
+        return {
+            "identical": self.identical,
+            "samples": self.samples,
+            "difference": self.difference,
+            "trace_hash": self.trace_hash,
+            "logged_hash": self.logged_hash,
+            "controller": self.log.controller,
+            "seed": self.log.seed,
+            "precision": self.log.precision,
+            "version": self.log.version,
+            "scene": self.log.scene.model_dump(),
+        }
+
+
+def replay(
+    path: str | os.PathLike[str], *, controller: ControllerLike | None = None
+) -> ReplayResult:
+    """Read a log, run its scene again with its controller and seed, and compare every bit.
+
+    Args:
+        path: the log.
+        controller: the controller to run; None: the one of the log. A Python controller is found
+            by the place of its source in the log, and the source must not have changed.
+
+    Raises:
+        PalmbotsError: the log cannot be read, its controller cannot be found or has changed, or
+            the scene or the world is refused.
+    """
+    from palmbots.logs.mcap_reader import read_log  # here, because it takes long to import
+
+    log = read_log(path)
+    folder = os.path.dirname(os.fspath(path))
+    try:
+        entry = (
+            recover(log.controller, log.controller_source, folder)
+            if controller is None
+            else resolve(controller)
+        )
+        again = carry(
+            log.scene,
+            controller=entry,
+            world=log.world,
+            precision=log.precision,
+            seed=log.seed,
+            record=True,
+        )
+    except PalmbotsError as error:
+        raise PalmbotsError(f"{path}: cannot be run again: {error}") from None
+    assert again.trace is not None
+    difference = first_difference(log.trace, again.trace) or _other_difference(log, again)
+    if difference is not None and _sha256(log) != _sha256(again):
+        difference += " (the source of the controller is not that of the log)"
+    if difference is not None and log.version != again.version:
+        difference += f" (logged by version {log.version}, run again by {again.version})"
+    return ReplayResult(
+        identical=difference is None,
+        samples=log.trace.sizes["time"],
+        trace_hash=again.trace_hash,
+        logged_hash=log.trace_hash,
+        difference=difference,
+        log=log,
+    )
+
+
+def _sha256(carry: Carry) -> str | None:
+    source = carry.controller_source
+    return None if source is None else source.sha256
+
+
+def first_difference(logged: xr.Dataset, again: xr.Dataset) -> str | None:
+    """The earliest sample whose bits differ between two traces, in one line, or None."""
+    rows = min(logged.sizes["time"], again.sizes["time"])
+    earliest: tuple[int, str, Any, Any] | None = None
+    for name in ("time", *map(str, logged.data_vars)):
+        one, other = ((t[name].transpose("time", ...).to_numpy()[:rows]) for t in (logged, again))
+        differs = _bits(one) != _bits(other)
+        if not differs.any():
+            continue
+        row, *side = np.argwhere(differs)[0].tolist()
+        if earliest is None or row < earliest[0]:
+            what = " ".join([name, *(SIDES[k] for k in side)])
+            earliest = (row, what, one[row, *side].item(), other[row, *side].item())
+    if earliest is not None:
+        row, what, before, now = earliest
+        when = float(logged["time"][row])
+        return f"sample {row} (t = {when:g} s): {what} was {before!r}, is {now!r}"
+    if logged.sizes["time"] != again.sizes["time"]:
+        return f"the log has {logged.sizes['time']} samples, the new run {again.sizes['time']}"
+    return None
+
+
+def _bits(values: np.ndarray) -> np.ndarray:
+    """Doubles as integers with the same bits: −0 differs from 0, and equal NaNs are equal."""
+    return values.view(np.uint64) if values.dtype == np.float64 else values
+
+
+def _other_difference(log: Log, again: Carry) -> str | None:
+    for name in _FACTS:
+        before, now = getattr(log, name), getattr(again, name)
+        if before != now:
+            if name in ("corrections", "contact_events", "message_log"):
+                pairs = enumerate(zip(before, now, strict=False), start=1)
+                first = next((k for k, (a, b) in pairs if a != b), min(len(before), len(now)) + 1)
+                return f"{name}: number {first} differs"
+            return f"{name} was {before!r}, is {now!r}"
+    if log.trace_hash != again.trace_hash:
+        return f"trace_hash was {log.trace_hash}, is {again.trace_hash}"
+    return None

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The three-dimensional part of a carry log: solids, poses of their frames, contact points.
+
+The 3D panel of Foxglove reads `foxglove.SceneUpdate` and `foxglove.FrameTransforms`
+(https://docs.foxglove.dev/docs/sdk/schemas). Rerun reads the frames but draws no SceneUpdate. It
+draws robot descriptions, so the same solids are also logged as URDF in a ROS 2 string, which both
+viewers read.
+"""
+
+import math
+import struct
+from collections.abc import Iterable
+
+from foxglove_schemas_protobuf.Color_pb2 import Color
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.Point3_pb2 import Point3
+from foxglove_schemas_protobuf.Pose_pb2 import Pose
+from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
+from google.protobuf.timestamp_pb2 import Timestamp
+
+from palmbots._types import SIDES
+from palmbots.geometry.placement import Placement
+from palmbots.logs.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector, poses
+from palmbots.viz.style import SLIDES, ZERO
+
+__all__ = ["contact_update", "ros_string", "scene_update", "transforms"]
+
+
+def transforms(place: Placement, row: int, nanoseconds: int) -> FrameTransforms:
+    """The poses of all frames at one instant."""
+    message = FrameTransforms()
+    for frame, (origin, turn) in poses(place, row).items():
+        added = message.transforms.add(parent_frame_id=WORLD, child_frame_id=frame)
+        added.timestamp.FromNanoseconds(nanoseconds)
+        added.translation.x, added.translation.y, added.translation.z = origin
+        added.rotation.CopyFrom(_about_y(turn))
+    return message
+
+
+def scene_update(parts: Iterable[Solid]) -> SceneUpdate:
+    """All solids: one entity for each frame, which moves with the frame and never expires."""
+    entities: dict[str, SceneEntity] = {}
+    for part in parts:
+        entity = entities.setdefault(
+            part.frame,
+            SceneEntity(
+                timestamp=Timestamp(), frame_id=part.frame, id=part.frame, frame_locked=True
+            ),
+        )
+        _add(entity, part)
+    return SceneUpdate(entities=entities.values())
+
+
+def contact_update(motion: tuple[int, int], nanoseconds: int) -> SceneUpdate:
+    """The contact points: green where they stick; yellow, with an arrow, where they slide."""
+    message = SceneUpdate()
+    for k, side in enumerate(SIDES):
+        colour = _colour(ZERO if motion[k] == 0 else SLIDES)
+        entity = message.entities.add(
+            frame_id=f"{side}_contact", id=f"{side}_contact", frame_locked=True
+        )
+        entity.timestamp.FromNanoseconds(nanoseconds)
+        ball = entity.spheres.add(color=colour, size=Vector3(x=0.012, y=0.012, z=0.012))
+        ball.pose.orientation.w = 1.0
+        if motion[k] != 0:
+            outward = (-1, 1)[k] * motion[k] > 0  # along the frame's x, or against it
+            turned = Quaternion(w=1.0) if outward else Quaternion(z=1.0)
+            entity.arrows.add(
+                pose=Pose(position=Vector3(), orientation=turned),
+                color=colour,
+                shaft_length=0.03,
+                shaft_diameter=0.006,
+                head_length=0.015,
+                head_diameter=0.014,
+            )
+    return message
+
+
+def ros_string(text: str) -> bytes:
+    """A ROS 2 `std_msgs/msg/String`: CDR, little-endian; the length includes the closing zero."""
+    data = text.encode() + b"\0"
+    return b"\x00\x01\x00\x00" + struct.pack("<I", len(data)) + data
+
+
+def _about_y(turn: float) -> Quaternion:
+    """A rotation in the (x, z) plane from x towards z, which is about −y."""
+    return Quaternion(y=-math.sin(turn / 2), w=math.cos(turn / 2))
+
+
+def _colour(text: str) -> Color:
+    red, green, blue = (int(text[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return Color(r=red, g=green, b=blue, a=1.0)
+
+
+def _pose(centre: Vector, turn: Quaternion) -> Pose:
+    return Pose(position=Vector3(x=centre[0], y=centre[1], z=centre[2]), orientation=turn)
+
+
+def _add(entity: SceneEntity, part: Solid) -> None:
+    shape, colour = part.shape, _colour(part.colour)
+    if isinstance(shape, Box):
+        size = Vector3(x=shape.size[0], y=shape.size[1], z=shape.size[2])
+        entity.cubes.add(pose=_pose(shape.centre, _about_y(shape.turn)), size=size, color=colour)
+    elif isinstance(shape, Cylinder):
+        half = math.sqrt(0.5)  # foxglove's cylinders stand along z: turn them about x
+        entity.cylinders.add(
+            pose=_pose(shape.centre, Quaternion(x=half, w=half)),
+            size=Vector3(x=2 * shape.radius, y=2 * shape.radius, z=shape.length),
+            bottom_scale=1.0,
+            top_scale=1.0,
+            color=colour,
+        )
+    elif isinstance(shape, Ball):
+        size = Vector3(x=2 * shape.radius, y=2 * shape.radius, z=2 * shape.radius)
+        entity.spheres.add(pose=_pose((0.0, 0.0, 0.0), Quaternion(w=1.0)), size=size, color=colour)
+    else:
+        entity.triangles.add(
+            pose=_pose((0.0, 0.0, 0.0), Quaternion(w=1.0)),
+            points=[Point3(x=x, y=y, z=z) for x, y, z in prism_triangles(shape)],
+            color=colour,
+        )
+
+
+def prism_triangles(prism: Prism) -> list[Vector]:
+    """Corners of the triangles of a prism, counter-clockwise seen from outside."""
+    half = prism.depth / 2
+    corners: list[Vector] = []
+    for a, b, c in triangulate(prism.outline):
+        near = [(x, -half, z) for x, z in (a, b, c)]  # seen from −y, x goes right and z up
+        far = [(x, half, z) for x, z in (c, b, a)]
+        corners += [*near, *far]
+    outline = prism.outline
+    for (ax, az), (bx, bz) in zip(outline, (*outline[1:], outline[0]), strict=True):
+        corners += [(ax, -half, az), (ax, half, az), (bx, half, bz)]
+        corners += [(ax, -half, az), (bx, half, bz), (bx, -half, bz)]
+    return corners
+
+
+def triangulate(
+    outline: tuple[tuple[float, float], ...],
+) -> list[tuple[tuple[float, float], tuple[float, float], tuple[float, float]]]:
+    """Triangulate a simple counter-clockwise polygon by ear clipping."""
+
+    def area(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    left = list(outline)
+    triangles = []
+    while len(left) > 3:
+        for k in range(len(left)):
+            a, b, c = left[k - 1], left[k], left[(k + 1) % len(left)]
+            others = (p for p in left if p not in (a, b, c))
+            if area(a, b, c) > 0 and not any(
+                area(a, b, p) >= 0 and area(b, c, p) >= 0 and area(c, a, p) >= 0 for p in others
+            ):
+                triangles.append((a, b, c))
+                break
+        else:  # only ears without area are left; one of them is removed
+            k = min(
+                range(len(left)),
+                key=lambda i: abs(area(left[i - 1], left[i], left[(i + 1) % len(left)])),
+            )
+        del left[k]
+    triangles.append((left[0], left[1], left[2]))
+    return triangles

@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The nine contact modes: which balance, which are consistent with a motion, and which occurs.
+
+`modes` evaluates one state of a scene. `modes_batch` evaluates arrays of states and broadcasts its
+arguments like a NumPy ufunc. `feasible_modes` does the same, faster, for feasibility alone. The
+core has the mechanics. Source: paper, section 3.1. `contact_points` treats states in which more
+than the two contact vertices touch the palms.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+import palmbots._core as _core
+from palmbots._types import SIDES, FloatArray, Overrides
+from palmbots._util.results import Result
+from palmbots._util.text import plural
+from palmbots.mechanics._state_arguments import with_state_arguments
+from palmbots.mechanics.array_arguments import columns_of
+from palmbots.mechanics.contact_points import Contact, Motions, touching
+from palmbots.mechanics.state import palm_state
+from palmbots.scene.scene import Scene, SceneLike
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "CONTACT_MODES",
+    "ContactModes",
+    "ContactModesBatch",
+    "Mode",
+    "feasible_modes",
+    "modes",
+    "modes_batch",
+]
+
+Mode: TypeAlias = tuple[str, str]
+ModeBits: TypeAlias = NDArray[np.uint16]
+
+# ST sticks, SL slides to the left, SR to the right: up is SL on the left palm and SR on the right.
+_LEFT = ("ST", "SL", "SR")
+_RIGHT = ("ST", "SR", "SL")
+_UP = (_LEFT[1], _RIGHT[1])
+_DOWN = (_LEFT[2], _RIGHT[2])
+
+CONTACT_MODES: tuple[Mode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
+"""The nine modes (left, right), in the order of the arrays in `States`."""
+
+_CONSISTENT_CLOSING = tuple(m for m in CONTACT_MODES if m[0] == _UP[0] or m[1] == _UP[1])
+_CONSISTENT_OPENING = tuple(m for m in CONTACT_MODES if m[0] == _DOWN[0] or m[1] == _DOWN[1])
+
+
+@dataclass(frozen=True, repr=False)
+class ContactModesBatch(Result):
+    """The statics of many states; every array has the shape the arguments broadcast to."""
+
+    squeeze: NDArray[np.float64]
+    """I_L and I_R in units of the weight, shape (…, side, end): ends are low and high, infinite
+    where unbounded; low > high: no squeeze lets that contact carry its load."""
+    feasible: NDArray[np.bool_]
+    """Which modes balance, shape (…, 9) in the order of `CONTACT_MODES`."""
+    closing: NDArray[np.int8]
+    """Index into `CONTACT_MODES` of the mode that occurs when the palms are driven together; -1:
+    the object is not held, -2: no contact slides (jammed)."""
+    opening: NDArray[np.int8]
+    """The same when they are driven apart."""
+
+    def headline(self) -> str:
+        """One line with the number of states."""
+        return f"contact modes of {plural(self.closing.size, 'state')}, shape {self.closing.shape}"
+
+    def facts(self) -> dict[str, str]:
+        """How many states are held."""
+        held = int(np.count_nonzero(self.feasible[..., 0]))
+        jammed = int(np.count_nonzero(self.closing == -2))
+        return {"held (ST, ST)": str(held), "jammed when closing": str(jammed)}
+
+    def summary(self) -> dict[str, Any]:
+        """The arrays as nested lists; null where a squeeze is unbounded."""
+        squeeze = self.squeeze.astype(object)
+        squeeze[~np.isfinite(self.squeeze)] = None
+        return {
+            "squeeze": squeeze.tolist(),
+            "feasible": self.feasible.tolist(),
+            "closing": self.closing.tolist(),
+            "opening": self.opening.tolist(),
+        }
+
+    def to_xarray(self) -> xr.Dataset:
+        """The arrays as a dataset; the dimensions of the states are ``dim_0``, ``dim_1``, …"""
+        import xarray as xr
+
+        states = tuple(f"dim_{k}" for k in range(self.closing.ndim))
+        names = [f"{left}-{right}" for left, right in CONTACT_MODES]
+        return xr.Dataset(
+            {
+                "squeeze": ((*states, "side", "end"), self.squeeze),
+                "feasible": ((*states, "mode"), self.feasible),
+                "closing": (states, self.closing),
+                "opening": (states, self.opening),
+            },
+            coords={"side": list(SIDES), "end": ["low", "high"], "mode": names},
+        )
+
+
+@with_state_arguments
+def modes_batch(
+    *,
+    width: FloatArray,
+    com_x: FloatArray,
+    com_y: FloatArray,
+    theta_left: FloatArray,
+    theta_right: FloatArray,
+    p_left: FloatArray,
+    p_right: FloatArray,
+    friction_left: FloatArray,
+    friction_right: FloatArray,
+    offset_left: FloatArray = 0.0,
+    offset_right: FloatArray = 0.0,
+    slope: FloatArray = 0.0,
+) -> ContactModesBatch:
+    """The statics of states given as numbers or arrays, which broadcast against each other.
+
+    {state arguments}
+    """
+    pairs = (
+        (offset_left, offset_right),
+        (friction_left, friction_right),
+        (theta_left, theta_right),
+        (p_left, p_right),
+    )
+    shape, n, columns = columns_of(width, com_x, com_y, slope, pairs)
+    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, n)
+    ends = np.stack([left_low, left_high, right_low, right_high], axis=-1)
+    return ContactModesBatch(
+        squeeze=ends.reshape(*shape, 2, 2),
+        feasible=(bits[:, np.newaxis] >> np.arange(9) & 1).astype(bool).reshape(*shape, 9),
+        closing=closing.reshape(shape),
+        opening=opening.reshape(shape),
+    )
+
+
+@with_state_arguments
+def feasible_modes(
+    *,
+    width: FloatArray,
+    com_x: FloatArray,
+    com_y: FloatArray,
+    theta_left: FloatArray,
+    theta_right: FloatArray,
+    p_left: FloatArray,
+    p_right: FloatArray,
+    friction_left: FloatArray,
+    friction_right: FloatArray,
+    offset_left: FloatArray = 0.0,
+    offset_right: FloatArray = 0.0,
+    slope: FloatArray = 0.0,
+) -> ModeBits:
+    """The modes that balance, as bits: bit k is set where ``CONTACT_MODES[k]`` balances.
+
+    Faster than `modes_batch`, in particular where only the contact coordinates are arrays. The
+    result has the shape that the arguments broadcast to. 0 means that nothing holds the object, or
+    that it does not reach from one contact to the other.
+
+    {state arguments}
+    """
+    pairs = (
+        (offset_left, offset_right),
+        (friction_left, friction_right),
+        (theta_left, theta_right),
+        (p_left, p_right),
+    )
+    shape, n, columns = columns_of(width, com_x, com_y, slope, pairs)
+    return _core.feasible_modes(columns, n).reshape(shape)
+
+
+@dataclass(frozen=True, repr=False)
+class ContactModes(Result):
+    """One state. Modes are pairs (left, right) of ST, SL (to the left), SR (to the right)."""
+
+    scene: Scene
+    p_left_m: float
+    p_right_m: float
+    theta_left_deg: float
+    theta_right_deg: float
+    object_deg: float
+    feasible: tuple[Mode, ...]
+    """The modes in quasistatic balance."""
+    consistent_closing: tuple[Mode, ...]
+    consistent_opening: tuple[Mode, ...]
+    closing: Mode | None
+    """The mode that occurs when the palms are driven together; None: not held, or jammed."""
+    opening: Mode | None
+    wedged: dict[str, bool]
+    """Contacts that no squeeze frees: their friction cone contains the line to the other one."""
+    squeeze: dict[str, tuple[float, float]]
+    """I_L and I_R in units of the weight; infinite where unbounded."""
+    margin_rad: float
+    """The angle by which both friction cones may shrink with the object still held; negative: the
+    angle by which they would have to grow."""
+    contacts: tuple[Contact, ...]
+    """Every point at which the palms touch the object. All fields above assume that only the two
+    contact vertices touch; with more contacts, the fields below hold instead."""
+    held: bool | None = None
+    """With more than two contacts: whether all sticking balances."""
+    motions_closing: tuple[Motions, ...] | None = None
+    """With more than two contacts: what may happen when the palms are driven together, for each
+    contact ST, SL, SR or BR (it leaves the palm). There may be none, or several."""
+    motions_opening: tuple[Motions, ...] | None = None
+    """The same when they are driven apart."""
+
+    def headline(self) -> str:
+        """One line with the state."""
+        return (
+            f"contact modes: palms {self.theta_left_deg:g}°, {self.theta_right_deg:g}°, contacts "
+            f"{1e3 * self.p_left_m:g} mm, {1e3 * self.p_right_m:g} mm"
+        )
+
+    def facts(self) -> dict[str, str]:
+        """What balances and what occurs."""
+        facts = {
+            "feasible": " ".join("-".join(mode) for mode in self.feasible) or "none",
+            "closing": "-".join(self.closing) if self.closing else "none",
+            "opening": "-".join(self.opening) if self.opening else "none",
+            "margin": f"{math.degrees(self.margin_rad):.2f}°",
+        }
+        if self.held is not None:
+            facts["contacts"] = f"{len(self.contacts)}, {'held' if self.held else 'not held'}"
+        return facts
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots modes --json`` prints."""
+        table = {
+            "feasible": [list(m) for m in self.feasible],
+            "consistent_closing": [list(m) for m in self.consistent_closing],
+            "consistent_opening": [list(m) for m in self.consistent_opening],
+            "closing": list(self.closing) if self.closing else None,
+            "opening": list(self.opening) if self.opening else None,
+            "wedged": self.wedged,
+            "squeeze": {
+                side: [end if math.isfinite(end) else None for end in ends]
+                for side, ends in self.squeeze.items()
+            },
+            "margin_rad": self.margin_rad,
+            "object_deg": self.object_deg,
+            "p_left_m": self.p_left_m,
+            "p_right_m": self.p_right_m,
+            "theta_left_deg": self.theta_left_deg,
+            "theta_right_deg": self.theta_right_deg,
+            "contacts": [contact.summary() for contact in self.contacts],
+            "scene": self.scene.model_dump(),
+        }
+        if self.motions_closing is not None and self.motions_opening is not None:
+            table["held"] = self.held
+            table["motions_closing"] = [list(m) for m in self.motions_closing]
+            table["motions_opening"] = [list(m) for m in self.motions_opening]
+        return table
+
+
+def modes(
+    scene: SceneLike = "paper",
+    *,
+    p_left_m: float = 0.0,
+    p_right_m: float = 0.0,
+    theta_left_deg: float | None = None,
+    theta_right_deg: float | None = None,
+    overrides: Overrides = None,
+) -> ContactModes:
+    """The contact modes of one state of a scene.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        p_left_m: contact coordinate, outward from the foot of the pivot.
+        p_right_m: the same on the right.
+        theta_left_deg: palm angle; None: the scene's steep angle.
+        theta_right_deg: the same on the right.
+        overrides: scene keys to set.
+
+    Raises:
+        SceneError: the scene cannot be read or is invalid.
+        PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, the
+            object cannot span the two contacts, or a palm would lie inside it.
+    """
+    state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
+    touched = touching(state)
+    spec = state.spec
+    numbers = [
+        spec.width,
+        spec.com_left,
+        spec.com_right,
+        spec.com_height,
+        spec.slope,
+        spec.palms[0].offset,
+        spec.palms[1].offset,
+        spec.palms[0].friction,
+        spec.palms[1].friction,
+        *state.theta_rad,
+        *state.p_m,
+    ]
+    columns = [np.array([value]) for value in numbers]
+    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, 1)
+    friction_angles = [math.atan(palm.friction) for palm in spec.palms]
+    squeeze = {
+        "left": (float(left_low[0]), float(left_high[0])),
+        "right": (float(right_low[0]), float(right_high[0])),
+    }
+    return ContactModes(
+        scene=state.scene,
+        p_left_m=state.p_m[0],
+        p_right_m=state.p_m[1],
+        theta_left_deg=state.theta_deg[0],
+        theta_right_deg=state.theta_deg[1],
+        object_deg=math.degrees(state.object_rad),
+        feasible=tuple(m for bit, m in enumerate(CONTACT_MODES) if int(bits[0]) >> bit & 1),
+        consistent_closing=_CONSISTENT_CLOSING,
+        consistent_opening=_CONSISTENT_OPENING,
+        closing=CONTACT_MODES[closing[0]] if closing[0] >= 0 else None,
+        opening=CONTACT_MODES[opening[0]] if opening[0] >= 0 else None,
+        wedged={side: math.isinf(ends[1]) for side, ends in squeeze.items()},
+        squeeze=squeeze,
+        margin_rad=_core.margin(numbers, *friction_angles),
+        contacts=touched.contacts,
+        held=touched.held if touched.several else None,
+        motions_closing=touched.closing() if touched.several else None,
+        motions_opening=touched.opening() if touched.several else None,
+    )

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One state of a scene: palm angles and contact coordinates, checked against the scene.
+
+Users give degrees and metres; the default angle is the scene's steep one. The object's angle
+follows from the positions of its two contact vertices.
+"""
+
+import math
+from dataclasses import dataclass
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Overrides
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import to_spec
+
+__all__ = ["PalmState", "palm_state", "placed"]
+
+
+@dataclass(frozen=True)
+class PalmState:
+    """Left is index 0, right index 1."""
+
+    scene: Scene
+    spec: _core.Spec
+    p_m: tuple[float, float]
+    theta_deg: tuple[float, float]
+    object_rad: float
+
+    @property
+    def theta_rad(self) -> tuple[float, float]:
+        """The palm angles in radians."""
+        return math.radians(self.theta_deg[0]), math.radians(self.theta_deg[1])
+
+
+def palm_state(
+    scene: SceneLike,
+    p_left_m: float,
+    p_right_m: float,
+    theta_left_deg: float | None,
+    theta_right_deg: float | None,
+    overrides: Overrides = None,
+) -> PalmState:
+    """The state with these contacts and angles; arguments and errors as in `palmbots.modes`."""
+    chosen = load_scene(scene, overrides)
+    degrees = [
+        float(chosen.palm_of(side).steep_deg if angle is None else angle)
+        for side, angle in zip(SIDES, (theta_left_deg, theta_right_deg), strict=True)
+    ]
+    contacts = float(p_left_m), float(p_right_m)
+    return placed(chosen, to_spec(chosen), contacts, (degrees[0], degrees[1]))
+
+
+def placed(
+    scene: Scene, spec: _core.Spec, p: tuple[float, float], degrees: tuple[float, float]
+) -> PalmState:
+    """The same, for a scene that is converted to a spec already."""
+    for i, side in enumerate(SIDES):
+        half = 0.5 * spec.palms[i].length
+        if not -half <= p[i] <= half:
+            raise PalmbotsError(
+                f"p_{side}_m: value is {show(p[i])}; allowed: on the palm, {-half:g} to {half:g} m"
+            )
+        if not -80 <= degrees[i] <= 80:
+            raise PalmbotsError(
+                f"theta_{side}_deg: value is {show(degrees[i])}; allowed: -80 to 80 degrees"
+            )
+    angles = [math.radians(d) for d in degrees]
+    height = [
+        p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)
+    ]
+    rise = (height[1] - height[0]) / spec.width
+    if not abs(rise) < 1:
+        raise PalmbotsError(
+            "p_left_m, p_right_m: the contacts differ in height by more than the object is wide "
+            f"({abs(rise) * spec.width:.3g} m); allowed: less than {spec.width:g} m"
+        )
+    return PalmState(scene, spec, p, degrees, math.asin(rise))

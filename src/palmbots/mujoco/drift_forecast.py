@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Forecasts the lateral drift of the object on a curved path, before the carry.
+
+The quasistatic world simulates the unrolled path for several seeds: which contact slides how far,
+when and at which palm angles. The lateral slip of a sliding contact follows from statics
+(`slip_statics`), at the yaw misalignment β of the palms at that point of the path. Both together
+give the drift of each contact, up to one calibrated factor: in MuJoCo, corrections slide contacts
+`_CALIBRATION` times as far as in the quasistatic world (benchmarks/bench_curves.py).
+
+The budget is half of a palm's width; at that drift the object tips over the side of the palm. Lips
+stop the drift instead. The object stands at the angle β between them, so over half of a palm's
+length l it needs l tan β more clearance, of both sides together, or it jams.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots._util.text import millimetres as _mm
+from palmbots.control.registry import ControllerLike, resolve
+from palmbots.errors import SceneError
+from palmbots.mujoco.curved_world import Line, line_of, world_of
+from palmbots.mujoco.slip_statics import Pair, slip
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+
+__all__ = ["SEEDS", "Budget", "Forecast", "contact_compliance", "forecast", "lip_clearance"]
+
+SEEDS = 16
+_CALIBRATION = (
+    1.25  # measured: 1.09, 1.26, 1.26 and 1.20 on circles of 4, 2, 1 and 0.7 m, 12 seeds each
+)
+_NEAR = 0.8  # fraction of the budget above which there is a warning
+_BETAS = np.linspace(0.0, 1.0, 5)  # fractions of the largest misalignment of the path
+_OFFSETS = np.linspace(-1.0, 1.0, 5)  # fractions of half the palm's width
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The allowed and the expected lateral drift of an object on a path [m]."""
+
+    budget_m: float
+    """Half of the width of the narrower palm, at which the object tips; with lips, their clearance.
+    """
+    mean_m: float
+    """The largest absolute drift of a carry, averaged over the seeds."""
+    most_m: float
+    """The same for the worst seed."""
+    seeds: int
+    askew_deg: float
+    """The largest β of the path."""
+    lips: bool
+    lip_room_m: float
+    """The smallest clearance at which lips do not jam."""
+
+    @property
+    def verdict(self) -> str:
+        """``kept``, ``near`` the budget for some seeds, or ``beyond`` it."""
+        if self.lips:
+            return "kept"
+        if self.mean_m > self.budget_m:
+            return "beyond"
+        return "near" if self.most_m > _NEAR * self.budget_m else "kept"
+
+    def summary(self) -> dict[str, Any]:
+        """What ``--json`` prints."""
+        return asdict(self) | {"verdict": self.verdict}
+
+    def text(self) -> str:
+        """The forecast in one line."""
+        limit = "the lips allow" if self.lips else "the object tips at"
+        return (
+            f"lateral drift, forecast over {self.seeds} seeds: mean {_mm(self.mean_m)}, "
+            f"at most {_mm(self.most_m)}; {limit} {_mm(self.budget_m)} (palms misaligned by up to "
+            f"{self.askew_deg:.1f}°)"
+        )
+
+    def refusal(self) -> str:
+        """The error message for a path beyond the budget."""
+        return (
+            f"task.path: the object would drift {_mm(self.mean_m)} sideways and tip at "
+            f"{_mm(self.budget_m)}; allowed: larger radii, a shorter path, wider palms, lips "
+            f"(palm.lip_height_m=0.03 palm.lip_clearance_m={self._clearance():g}), or "
+            "--allow-drift-beyond-budget"
+        )
+
+    def _clearance(self) -> float:
+        """A clearance for lips, with a margin."""
+        return math.ceil(1e3 * (1.25 * self.lip_room_m + 2e-3)) / 1e3
+
+
+def lip_clearance(scene: Scene, line: Line | None = None) -> float:
+    """The smallest clearance [m] of lips on the path: a quarter of a palm's length × tan β."""
+    beta = _max_misalignment(line or line_of(scene))
+    return max(scene.palm_of(side).length_m for side in SIDES) / 4 * math.tan(beta)
+
+
+def _max_misalignment(line: Line) -> float:
+    """The largest β of a path [rad]."""
+    step = line.curve.step
+    reach = max(1, round(line.spread / step))
+    straight = np.full(reach, line.curve.heading[0])
+    after = np.full(reach, line.curve.heading[-1])
+    heading = np.concatenate((straight, line.curve.heading, after))
+    return float(np.abs(heading[reach:] - heading[:-reach]).max() / 2)
+
+
+def contact_compliance(scene: Scene) -> float:
+    """Compression of a contact in MuJoCo under its share of the weight [m].
+
+    It depends on the masses of object and palms, so it is measured at rest, with the object level
+    on all its contacts.
+    """
+    return max(1e-6, -0.5 * sum(world_of(scene, measures=False).lifts))
+
+
+class Forecast:
+    """Forecasts the drift of the carries of one scene.
+
+    Raises:
+        SceneError: lips would jam, or the path is not possible for this pair.
+    """
+
+    def __init__(self, scene: Scene, controller: ControllerLike = "distributed") -> None:
+        self.scene, self.controller = scene, resolve(controller)
+        self.line = line_of(scene)
+        self.askew = _max_misalignment(self.line)
+        self._spec = to_spec(scene, unrolled=True)
+        palms = [scene.palm_of(side) for side in SIDES]
+        self.lips = all(palm.lip_height_m > 0 for palm in palms)
+        self.lip_room = lip_clearance(scene, self.line)
+        for side, palm in zip(SIDES, palms, strict=True):
+            if palm.lip_height_m > 0 and palm.lip_clearance_m < self.lip_room:
+                raise SceneError(
+                    f"palm.lip_clearance_m: {palm.lip_clearance_m:g} ({side}) is too tight: the "
+                    f"object stands askew by {math.degrees(self.askew):.1f} degrees and would jam; "
+                    f"allowed: at least {math.ceil(1e4 * self.lip_room) / 1e4:g} on this path"
+                )
+        self.half = min(palm.width_m for palm in palms) / 2
+        self.budget = min(palm.lip_clearance_m for palm in palms) if self.lips else self.half
+
+    def seed(self, seed: int) -> NDArray[np.float64]:
+        """The drift (ticks, sides) [m] of the carry of one seed, to the left seen towards +x."""
+        run: Any = _core.run(self._spec, self.controller.for_core(), seed, "double", True)
+        trace = run.trace
+        slides = np.diff(trace["contact_m"], axis=0)
+        angles = trace["palm_rad"][:-1]
+        misalignment = self._misalignment_at(trace["midpoint_m"][:-1])
+        rates = self._rates
+        shallow = np.array([palm.shallow for palm in self._spec.palms])
+        steep = np.array([palm.steep for palm in self._spec.palms])
+        up = np.clip((angles - shallow) / (steep - shallow), 0, 1)
+        drift = np.zeros_like(trace["contact_m"])
+        at = [0.0, 0.0]
+        for tick in np.flatnonzero(np.abs(slides).max(axis=1) > 0).tolist():
+            beta = float(misalignment[tick])
+            sense = 1.0 if beta >= 0 else -1.0
+            for k in (0, 1):
+                step = float(slides[tick, k])
+                if step == 0.0:
+                    continue
+                offset = sense * 0.5 * (at[0] + at[1])
+                rate = rates.at(up[tick].tolist(), step > 0, abs(beta), offset)
+                at[k] += _CALIBRATION * sense * rate * abs(step)
+            drift[tick + 1 :] = at
+        return drift
+
+    def _misalignment_at(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """β at these positions of the middle of the pair; > 0: the centre of the curve is at +y."""
+        curve, half = self.line.curve, self.line.spread / 2
+        s = self.line.start + self.line.sense * distances
+        grid = curve.step * np.arange(len(curve.heading))
+        ahead, behind = (np.interp(s + out * half, grid, curve.heading) for out in (1, -1))
+        return self.line.sense * (ahead - behind) / 2
+
+    @cached_property
+    def _rates(self) -> _Rates:
+        spec = self._spec
+        whole = spec.com_left + spec.com_right
+        pair = Pair(
+            friction=(spec.palms[0].friction, spec.palms[1].friction),
+            load=(spec.com_right / whole, spec.com_left / whole),
+            apart=spec.width,
+            half=min(0.98 * self.half, 0.49 * self.scene.object.depth_m),
+            com_height=spec.com_height,
+            give=contact_compliance(self.scene),
+        )
+        return _Rates(pair, [(p.shallow, p.steep) for p in spec.palms], self.askew)
+
+
+class _Rates:
+    """Lateral slip for each metre of sliding, interpolated between computed states."""
+
+    def __init__(self, pair: Pair, angles: Sequence[tuple[float, float]], askew: float) -> None:
+        self._askew, self._half = max(askew, 1e-6), pair.half
+        left, right, closing, betas, offsets = np.meshgrid(
+            *angles, [False, True], self._askew * _BETAS, pair.half * _OFFSETS, indexing="ij"
+        )
+        self._table = slip(pair, (left, right), betas, closing, offsets).rate
+        self._table[:, :, :, 0] = 0.0  # on a straight path nothing pushes the object to one side
+
+    def at(self, up: Sequence[float], closing: bool, beta: float, offset: float) -> float:
+        """The rate, towards the centre; `up`: palm angles from shallow (0) to steep (1)."""
+        table = self._table
+        b = min(beta / self._askew, 1.0) * (len(_BETAS) - 1)
+        a = (min(max(offset / self._half, -1.0), 1.0) + 1) / 2 * (len(_OFFSETS) - 1)
+        i, j = min(int(b), len(_BETAS) - 2), min(int(a), len(_OFFSETS) - 2)
+        fb, fa = b - i, a - j
+        rate = 0.0
+        for left, right in product((0, 1), repeat=2):
+            share = (up[0] if left else 1 - up[0]) * (up[1] if right else 1 - up[1])
+            if share == 0.0:
+                continue
+            t = table[left, right, int(closing)]
+            rate += share * (
+                (1 - fb) * ((1 - fa) * t[i, j] + fa * t[i, j + 1])
+                + fb * ((1 - fa) * t[i + 1, j] + fa * t[i + 1, j + 1])
+            )
+        return float(rate)
+
+
+def forecast(
+    scene: Scene,
+    controller: ControllerLike = "distributed",
+    *,
+    seeds: int = SEEDS,
+    on_progress: Callable[[float], None] | None = None,
+) -> Budget:
+    """Forecast the drift on the path of a scene, over the seeds 0, 1, …
+
+    Raises:
+        SceneError: lips would jam, or the path is not possible for this pair.
+    """
+    known = Forecast(scene, controller)
+    most: list[float] = []
+    for seed in range(seeds):
+        most.append(float(np.abs(known.seed(seed)).max()))
+        if on_progress is not None:
+            on_progress((seed + 1) / seeds)
+    return Budget(
+        budget_m=known.budget,
+        mean_m=float(np.mean(most)),
+        most_m=max(most),
+        seeds=seeds,
+        askew_deg=math.degrees(known.askew),
+        lips=known.lips,
+        lip_room_m=known.lip_room,
+    )

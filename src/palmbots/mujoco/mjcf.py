@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The MJCF model of a scene: two wheeled robots with arm and palm, the object, the floor.
+
+Frame: x forward (left robot to right one), y to the left of it, z up, metres, radians, kilogrammes;
+the floor is z = 0 and x = 0 is halfway between the pivots. A slope tilts gravity, not the floor.
+Each robot is a free body with two driven wheels and a caster, an arm with a shoulder joint that is
+held, and a palm with a wrist joint. A wrist angle is 0 at the steep palm angle and > 0 outward, on
+both sides. The initial state of the model is the start of the carry.
+
+Contacts are explicit pairs of simple shapes, so every contact is a point that MuJoCo computes
+exactly: the object touches palms with small balls, two on each of its edges, and palms touch the
+object with two balls at each end. The visible shapes touch nothing.
+"""
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots._util.xml_attributes import numbers, rgba
+from palmbots.geometry.extrusion import gyration, triangles
+from palmbots.geometry.placement import floor_level
+from palmbots.geometry.polygon import turn
+from palmbots.mujoco.robot_mjcf import TIP, add_robot
+from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+from palmbots.viz.style import OBJECT, QUIET
+
+__all__ = ["Layout", "layout", "mjcf", "steps_per_tick"]
+
+_SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
+_G = 9.80665  # m/s²
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Positions and angles at the start [m], [rad]."""
+
+    spec: _core.Spec
+    height: float
+    """Height of the pivots above the floor."""
+    pivots: tuple[float, float]
+    """Positions of the pivots along x."""
+    vertex: tuple[float, float]
+    """The left contact vertex (x, z)."""
+    turn: float
+    """Angle of the object, anticlockwise as seen from the side."""
+
+
+def layout(scene: Scene) -> Layout:
+    """The start of the quasistatic world: palms steep, contacts as in the scene."""
+    spec = to_spec(scene, unrolled=True)
+    world = _core.World(spec)
+    half = world.separation / 2
+    palm, p = spec.palms[0], spec.start[0]
+    sin, cos = math.sin(palm.steep), math.cos(palm.steep)
+    height = -floor_level(spec)
+    x = -half - p * cos + palm.offset * sin
+    z = height + p * sin + palm.offset * cos
+    dx, dy = world.contact_vector
+    return Layout(spec, height, (-half, half), (x, z), math.atan2(dy, dx))
+
+
+def steps_per_tick(scene: Scene) -> int:
+    """Number of integration steps in a control period, none longer than the step of the scene."""
+    return max(1, math.ceil(scene.control.period_s / scene.mujoco.step_s - 1e-9))
+
+
+def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
+    """The scene as the text of an MJCF file, which MuJoCo's viewer opens."""
+    at = layout(scene)
+    root = ET.Element("mujoco", model="palmbots")
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    slope = math.atan(at.spec.slope)
+    ET.SubElement(
+        root,
+        "option",
+        timestep=numbers(scene.control.period_s / steps_per_tick(scene)),
+        gravity=numbers(-_G * math.sin(slope), 0.0, -_G * math.cos(slope)),
+        cone=engine.cone,
+        impratio=numbers(engine.impratio),
+        integrator=engine.integrator,
+        solver=engine.solver,
+        noslip_iterations=str(engine.noslip),
+    )
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
+    ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.25 0.25 0.25")
+    ET.SubElement(visual, "quality", offsamples="4", shadowsize="1024")
+    ET.SubElement(visual, "map", znear="0.01", force="0.02")
+    ET.SubElement(visual, "scale", contactwidth="0.03", contactheight="0.01", forcewidth="0.02")
+    _default(root)
+    assets = ET.SubElement(root, "asset")
+    ET.SubElement(
+        assets, "texture", name="grid", type="2d", builtin="checker", width="256", height="256",
+        rgb1="0.90 0.90 0.90", rgb2="0.84 0.84 0.84",
+    )  # fmt: skip
+    ET.SubElement(
+        assets, "texture", type="skybox", builtin="gradient", width="64", height="64",
+        rgb1="1 1 1", rgb2="0.86 0.91 0.95",
+    )  # fmt: skip
+    ET.SubElement(
+        assets, "material", name="floor", texture="grid", texrepeat="10 10", texuniform="true"
+    )
+    outline = [(x, y) for x, _, y in at.spec.outline]
+    _mesh(assets, outline, scene.object.depth_m)
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(
+        world,
+        "light",
+        pos="0 -1 3",
+        dir="0.2 0.4 -1",
+        directional="true",
+        castshadow="true",
+        diffuse="0.45 0.45 0.45",
+        specular="0 0 0",
+    )
+    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", material="floor")
+    ridges = _ridges(world, scene)
+    actuators = ET.Element("actuator")
+    for k, side in enumerate(SIDES):
+        add_robot(world, actuators, scene, side, at.pivots[k], at.height)
+    balls, slabs = _object(world, scene, at, outline)
+    contact = ET.SubElement(root, "contact")
+    _floor_pairs(contact, scene, ["floor", *ridges])
+    lips: dict[Side, tuple[str, ...]] = {
+        side: tuple(f"{side}_lip_{end}" for end in ("port", "starboard"))
+        for side in SIDES
+        if scene.palm_of(side).lip_height_m > 0
+    }
+    _palm_pairs(contact, at, balls, slabs, lips, engine.palm)
+    root.append(actuators)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _default(root: ET.Element) -> None:
+    """Defaults: shapes touch nothing and have no mass; bodies state their own inertia."""
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", contype="0", conaffinity="0", mass="0")
+    touching = ET.SubElement(default, "default", {"class": "touch"})
+    ET.SubElement(touching, "geom", group="3", rgba=rgba("#009E73", 0.6))
+
+
+def _ridges(world: ET.Element, scene: Scene) -> list[str]:
+    """The ridges across the floor: the tops of cylinders that lie in it."""
+    sense = 1.0 if scene.task.direction == "forward" else -1.0
+    names = []
+    for k, ridge in enumerate(scene.mujoco.ridges):
+        high = ridge.height_m
+        radius = (ridge.length_m**2 / 4 + high**2) / (2 * high)
+        names.append(f"ridge_{k + 1}")
+        ET.SubElement(
+            world, "geom", name=names[-1], type="capsule", size=numbers(radius, 0.4),
+            pos=numbers(sense * ridge.at_m, 0.0, high - radius), rgba=rgba(QUIET),
+            euler=numbers(math.pi / 2, 0.0, 0.0),
+        )  # fmt: skip
+    return names
+
+
+def _mesh(assets: ET.Element, outline: list[tuple[float, float]], depth: float) -> None:
+    """The visible object: two ends and the sides."""
+    count = len(outline)
+    points = [(x, y, z) for y in (-depth / 2, depth / 2) for x, z in outline]
+    near = triangles(outline)
+    faces = [*near, *((c + count, b + count, a + count) for a, b, c in near)]
+    for k in range(count):
+        n = (k + 1) % count
+        faces += [(k, k + count, n), (n, k + count, n + count)]
+    ET.SubElement(
+        assets, "mesh", name="object", inertia="shell", smoothnormal="false",
+        vertex=numbers(*(c for p in points for c in p)),
+        face=" ".join(str(i) for f in faces for i in f),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Ball:
+    name: str
+    along: float  # x in the object's frame
+    height: float
+
+
+@dataclass(frozen=True)
+class _Slab:
+    name: str
+    low: float  # x of its two ends in the object's frame
+    high: float
+    height: float  # of its lower end
+
+
+def _object(
+    world: ET.Element, scene: Scene, at: Layout, outline: list[tuple[float, float]]
+) -> tuple[list[_Ball], list[_Slab]]:
+    """The object, its frame at the left contact vertex; returns its contact shapes."""
+    thing = scene.object
+    body = ET.SubElement(
+        world, "body", name="object", pos=numbers(at.vertex[0], 0.0, at.vertex[1]),
+        euler=numbers(0.0, -at.turn, 0.0),
+    )  # fmt: skip
+    ET.SubElement(body, "freejoint", name="object")
+    r2, m = gyration(outline, thing.depth_m), thing.mass_kg
+    ET.SubElement(
+        body, "inertial", pos=numbers(at.spec.com_left, 0.0, at.spec.com_height), mass=numbers(m),
+        fullinertia=numbers(m * r2.xx, m * r2.yy, m * r2.zz, 0.0, -m * r2.xz, 0.0),
+    )  # fmt: skip
+    ET.SubElement(body, "geom", name="object", type="mesh", mesh="object", rgba=rgba(OBJECT))
+    ET.SubElement(
+        body, "camera", name="side", mode="trackcom", pos="0.0 -1.0 0.15", xyaxes="1 0 0 0 0.15 1"
+    )
+    widest = max(scene.palm_of(side).width_m for side in SIDES)
+    across = 0.49 * min(thing.depth_m, widest)
+    reach = max(scene.palm_of(side).length_m for side in SIDES)
+    balls, slabs = [], []
+    count = len(outline)
+    for k, (x, z) in enumerate(outline):
+        before, after = outline[k - 1], outline[(k + 1) % count]
+        if z > reach / 2 or turn(before, (x, z), after) <= 0:
+            continue
+        for end, y in (("near", -across), ("far", across)):
+            balls.append(_Ball(f"vertex_{k}_{end}", x, z))
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=balls[-1].name, type="sphere",
+                size=numbers(TIP), pos=numbers(x, y, z),
+            )  # fmt: skip
+    for k, ((ax, az), (bx, bz)) in enumerate(zip(outline, (*outline[1:], outline[0]), strict=True)):
+        long = math.hypot(bx - ax, bz - az)
+        if (
+            bx - ax < 0.01 * long or min(az, bz) > reach / 2
+        ):  # the edge does not face down, or is too high
+            continue
+        inx, inz = -(bz - az) / long * _SLAB / 2, (bx - ax) / long * _SLAB / 2
+        slabs.append(_Slab(f"edge_{k}", ax, bx, min(az, bz)))
+        ET.SubElement(
+            body, "geom", {"class": "touch"}, name=slabs[-1].name, type="box",
+            size=numbers(long / 2, thing.depth_m / 2, _SLAB / 2),
+            pos=numbers((ax + bx) / 2 + inx, 0.0, (az + bz) / 2 + inz),
+            euler=numbers(0.0, -math.atan2(bz - az, bx - ax), 0.0),
+        )  # fmt: skip
+    return balls, slabs
+
+
+def _pair(
+    parent: ET.Element, one: str, other: str, condim: int, friction: float, contact: Contact
+) -> None:
+    ET.SubElement(
+        parent, "pair", geom1=one, geom2=other, condim=str(condim),
+        friction=numbers(friction, friction, 0.005, 0.0001, 0.0001),
+        solref=numbers(*contact.solref), solimp=numbers(*contact.solimp),
+    )  # fmt: skip
+
+
+def _floor_pairs(parent: ET.Element, scene: Scene, floors: list[str]) -> None:
+    for side in SIDES:
+        for floor in floors:
+            for wheel in ("port", "starboard"):
+                _pair(parent, floor, f"{side}_{wheel}", 3, scene.mujoco.floor_friction, FLOOR)
+            _pair(parent, floor, f"{side}_caster", 1, 0.0, FLOOR)
+
+
+def _palm_pairs(
+    parent: ET.Element,
+    at: Layout,
+    balls: list[_Ball],
+    slabs: list[_Slab],
+    lips: dict[Side, tuple[str, ...]],
+    contact: Contact,
+) -> None:
+    """The contact pairs of object and palms."""
+    for k, side in enumerate(SIDES):
+        palm = at.spec.palms[k]
+        foot = 0.0 if k == 0 else at.spec.width
+        for ball in balls:
+            if abs(ball.along - foot) < palm.length:
+                _pair(parent, f"{side}_palm", ball.name, 3, palm.friction, contact)
+        for slab in slabs:
+            if slab.low - palm.length < foot < slab.high + palm.length:
+                for end in ("inner", "outer"):
+                    for y in ("near", "far"):
+                        _pair(parent, slab.name, f"{side}_{end}_{y}", 3, palm.friction, contact)
+                for lip in lips.get(side, ()):
+                    _pair(parent, slab.name, lip, 3, palm.friction, contact)

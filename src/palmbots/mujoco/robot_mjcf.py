@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The MJCF model of one robot: body on two wheels and a caster, arm, palm, and their motors.
+
+Outward is away from the partner. The wheels are outward of the middle of the body and the caster is
+inward, below the load. The sizes are those of `geometry`. Bodies state their mass and inertia.
+"""
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+
+from palmbots._types import Side
+from palmbots._util.xml_attributes import numbers, rgba
+from palmbots.geometry.robot_dimensions import (
+    ARM_HALF_SPACING,
+    BODY_GAP,
+    BODY_SIZE,
+    CASTER_RADIUS,
+    GROUND_CLEARANCE,
+    PALM_THICKNESS,
+    SHOULDER_INSET,
+    WHEEL_INSET,
+    WHEEL_WIDTH,
+)
+from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
+from palmbots.scene.scene import Scene
+from palmbots.viz.style import HUE, INK, PALE, QUIET
+
+__all__ = [
+    "LIP",
+    "TIP",
+    "Chassis",
+    "add_robot",
+    "axle_out",
+    "box_inertia",
+    "chassis",
+    "wheel_inertia",
+    "wheel_kg",
+    "wheel_radius",
+    "wheel_servo",
+]
+
+LIP = 0.004  # m, thickness of the lips along the sides of a palm
+TIP = 1e-4  # m, radius of the contact balls: almost a point
+_WHEEL_KG = 0.05
+_AXLE = 0.2  # m, outward of the pivot, if the scene does not state it; assumed
+
+
+@dataclass(frozen=True)
+class Chassis:
+    """Positions relative to the middle of the body on the floor [m]; x outward, z up."""
+
+    axle: float
+    caster: float
+    track: float
+    com: tuple[float, float]
+    shoulder: tuple[float, float]
+    pivot: tuple[float, float]
+    """The wrist, where the palm turns."""
+
+    @property
+    def arm(self) -> tuple[float, float]:
+        """From shoulder to wrist."""
+        return self.pivot[0] - self.shoulder[0], self.pivot[1] - self.shoulder[1]
+
+
+def axle_out(scene: Scene) -> float:
+    """Distance of the wheels outward of the pivot [m]."""
+    if scene.mujoco.axle_m is not None:
+        return scene.mujoco.axle_m
+    return 0.0 if scene.task.path.is_curved else _AXLE
+
+
+def chassis(height: float, axle: float = _AXLE) -> Chassis:
+    """The positions on a robot whose pivot is `height` above the floor [m].
+
+    The wheels are `axle` outward of the pivot [m], the caster is on the other side of the COM.
+    """
+    low, middle = GROUND_CLEARANCE, BODY_GAP + BODY_SIZE / 2
+    return Chassis(
+        axle=0.05 if axle == _AXLE else axle - middle,
+        caster=-0.07 if axle > middle + 0.02 else 0.07,
+        track=BODY_SIZE + 2 * WHEEL_INSET,
+        com=(0.02, low + 0.06),
+        shoulder=(SHOULDER_INSET - BODY_SIZE / 2, low + BODY_SIZE - SHOULDER_INSET),
+        pivot=(-BODY_GAP - BODY_SIZE / 2, height),
+    )
+
+
+def wheel_servo(scene: Scene) -> Servo:
+    """Gains of the motor of one wheel, for half of the robot."""
+    keys = scene.mujoco
+    carried = keys.body_kg + keys.arm_kg + keys.palm_kg + 0.5 * scene.object.mass_kg
+    inertia = 0.5 * carried * keys.wheel_radius_m**2 + WHEEL.armature
+    return Servo(WHEEL.kp * inertia, WHEEL.kv * inertia, WHEEL.armature)
+
+
+def box_inertia(mass: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The diagonal of the inertia matrix of a box [kg m²]."""
+    return (
+        mass * (y * y + z * z) / 12,
+        mass * (x * x + z * z) / 12,
+        mass * (x * x + y * y) / 12,
+    )
+
+
+def add_robot(
+    world: ET.Element, actuators: ET.Element, scene: Scene, side: Side, pivot: float, height: float
+) -> None:
+    """Add the robot of one side whose pivot is at x = `pivot` [m], `height` [m] above the floor."""
+    out = -1.0 if side == "left" else 1.0
+    keys, frame = scene.mujoco, chassis(height, axle_out(scene))
+    body = ET.SubElement(
+        world, "body", name=f"{side}_body", pos=numbers(pivot - out * frame.pivot[0], 0.0, 0.0)
+    )
+    ET.SubElement(body, "freejoint", name=f"{side}_body")
+    ET.SubElement(
+        body, "inertial", pos=numbers(out * frame.com[0], 0.0, frame.com[1]),
+        mass=numbers(keys.body_kg - 2 * wheel_kg(scene)),
+        diaginertia=numbers(*box_inertia(keys.body_kg, BODY_SIZE, BODY_SIZE, BODY_SIZE)),
+    )  # fmt: skip
+    ET.SubElement(
+        body, "geom", name=f"{side}_body", type="box", size=numbers(*(3 * [BODY_SIZE / 2])),
+        pos=numbers(0.0, 0.0, GROUND_CLEARANCE + BODY_SIZE / 2), rgba=rgba(PALE[side]),
+    )  # fmt: skip
+    ET.SubElement(
+        body, "geom", name=f"{side}_caster", type="sphere", size=numbers(CASTER_RADIUS),
+        pos=numbers(out * frame.caster, 0.0, CASTER_RADIUS), rgba=rgba(QUIET),
+    )  # fmt: skip
+    _wheels(body, actuators, scene, side, out * frame.axle, frame.track)
+    arm = _arm(body, actuators, scene, side, out, frame)
+    _palm(arm, actuators, scene, side, out, frame)
+
+
+def _wheels(
+    body: ET.Element, actuators: ET.Element, scene: Scene, side: Side, axle: float, track: float
+) -> None:
+    """Two wheels: discs that touch the floor with a ball, in one point."""
+    servo, mass = wheel_servo(scene), wheel_kg(scene)
+    for name, across in (("port", track / 2), ("starboard", -track / 2)):
+        radius = wheel_radius(scene, name)
+        wheel = ET.SubElement(
+            body, "body", name=f"{side}_{name}", pos=numbers(axle, across, radius)
+        )
+        ET.SubElement(
+            wheel, "joint", name=f"{side}_{name}", type="hinge", axis="0 1 0",
+            armature=numbers(servo.armature),
+        )  # fmt: skip
+        ET.SubElement(
+            wheel, "inertial", pos="0 0 0", mass=numbers(mass),
+            diaginertia=numbers(*wheel_inertia(mass, radius)),
+        )  # fmt: skip
+        ET.SubElement(
+            wheel, "geom", type="cylinder", size=numbers(radius, WHEEL_WIDTH / 2),
+            euler=numbers(math.pi / 2, 0.0, 0.0), rgba=rgba(INK),
+        )  # fmt: skip
+        ET.SubElement(  # a mark that makes the rotation visible
+            wheel, "geom", type="box", size=numbers(radius * 0.8, WHEEL_WIDTH / 2 + 0.001, 0.003),
+            rgba=rgba(QUIET),
+        )  # fmt: skip
+        ET.SubElement(
+            wheel, "geom", {"class": "touch"}, name=f"{side}_{name}", type="sphere",
+            size=numbers(radius),
+        )  # fmt: skip
+        if abs(axle) > BODY_SIZE / 2 + radius:  # the wheel is beside the body: a fork holds it
+            inner = math.copysign(BODY_SIZE / 2, axle)
+            ET.SubElement(
+                body, "geom", type="box", rgba=rgba(QUIET),
+                size=numbers(abs(axle - inner) / 2 + 0.008, 0.004, 0.008),
+                pos=numbers((axle + inner) / 2, across - math.copysign(0.016, across), radius),
+            )  # fmt: skip
+        _drive(actuators, f"{side}_{name}", servo)
+
+
+def _arm(
+    body: ET.Element, actuators: ET.Element, scene: Scene, side: Side, out: float, frame: Chassis
+) -> ET.Element:
+    x, z = frame.arm
+    mass = scene.mujoco.arm_kg
+    arm = ET.SubElement(
+        body,
+        "body",
+        name=f"{side}_arm",
+        pos=numbers(out * frame.shoulder[0], 0.0, frame.shoulder[1]),
+    )
+    ET.SubElement(
+        arm, "joint", name=f"{side}_shoulder", type="hinge", axis=numbers(0.0, -out, 0.0),
+        armature=numbers(SHOULDER.armature),
+    )  # fmt: skip
+    lean, long = math.atan2(z, out * x), math.hypot(x, z)
+    ET.SubElement(
+        arm, "inertial", pos=numbers(out * x / 2, 0.0, z / 2), mass=numbers(mass),
+        euler=numbers(0.0, -lean, 0.0), diaginertia=numbers(*box_inertia(mass, long, ARM, ARM)),
+    )  # fmt: skip
+    for across in (-ARM_HALF_SPACING, ARM_HALF_SPACING):
+        ET.SubElement(
+            arm, "geom", type="capsule", size=numbers(ARM / 2), rgba=rgba(QUIET),
+            fromto=numbers(0.0, across, 0.0, out * x, across, z),
+        )  # fmt: skip
+    ET.SubElement(
+        actuators, "position", name=f"{side}_shoulder", joint=f"{side}_shoulder",
+        kp=numbers(SHOULDER.kp), kv=numbers(SHOULDER.kv),
+    )  # fmt: skip
+    return arm
+
+
+def _palm(
+    arm: ET.Element, actuators: ET.Element, scene: Scene, side: Side, out: float, frame: Chassis
+) -> None:
+    """The plate; the model has it at its steep angle, at which the wrist angle is 0."""
+    palm, mass = scene.palm_of(side), scene.mujoco.palm_kg
+    steep = math.radians(palm.steep_deg)
+    body = ET.SubElement(
+        arm, "body", name=f"{side}_palm", pos=numbers(out * frame.arm[0], 0.0, frame.arm[1]),
+        euler=numbers(0.0, -out * steep, 0.0),
+    )  # fmt: skip
+    ET.SubElement(
+        body, "joint", name=f"{side}_wrist", type="hinge", axis=numbers(0.0, -out, 0.0),
+        armature=numbers(WRIST.armature),
+    )  # fmt: skip
+    half, wide, offset = palm.length_m / 2, palm.width_m / 2, palm.pivot_offset_m
+    middle = (0.0, 0.0, offset - PALM_THICKNESS / 2)
+    ET.SubElement(
+        body, "inertial", pos=numbers(*middle), mass=numbers(mass),
+        diaginertia=numbers(*box_inertia(mass, 2 * half, 2 * wide, PALM_THICKNESS)),
+    )  # fmt: skip
+    ET.SubElement(
+        body, "geom", name=f"{side}_plate", type="box", rgba=rgba(HUE[side]),
+        size=numbers(half, wide, PALM_THICKNESS / 2), pos=numbers(*middle),
+    )  # fmt: skip
+    # The contact plate is thicker, so that no shape can pass through it, and lies lower by the
+    # radius of a ball, so that a vertex is on the surface of the palm when its ball touches.
+    deep = 0.02
+    ET.SubElement(
+        body, "geom", {"class": "touch"}, name=f"{side}_palm", type="box",
+        rgba=rgba(HUE[side], 0.0), size=numbers(half, wide, deep / 2),
+        pos=numbers(0.0, 0.0, offset - TIP - deep / 2),
+    )  # fmt: skip
+    for end, x in (("inner", -out * half), ("outer", out * half)):
+        for name, y in (("near", -0.98 * wide), ("far", 0.98 * wide)):
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=f"{side}_{end}_{name}", type="sphere",
+                size=numbers(TIP), pos=numbers(x, y, offset - TIP),
+            )  # fmt: skip
+    if palm.lip_height_m > 0:
+        high = palm.lip_height_m / 2
+        for name, y in (("starboard", -wide - LIP / 2), ("port", wide + LIP / 2)):
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=f"{side}_lip_{name}", type="box",
+                size=numbers(half, LIP / 2, high), pos=numbers(0.0, y, offset + high),
+                rgba=rgba(HUE[side], 0.5), group="1",
+            )  # fmt: skip
+    ET.SubElement(body, "site", name=f"{side}_pivot", size="0.004", rgba=rgba(INK), group="1")
+    _drive(actuators, f"{side}_wrist", WRIST)
+
+
+def _drive(actuators: ET.Element, joint: str, servo: Servo) -> None:
+    """A motor that follows a speed command and holds its integral: two actuators, one command."""
+    ET.SubElement(
+        actuators, "general", name=f"{joint}_angle", joint=joint, dyntype="integrator",
+        gainprm=numbers(servo.kp), biastype="affine", biasprm=numbers(0.0, -servo.kp, 0.0),
+    )  # fmt: skip
+    ET.SubElement(actuators, "velocity", name=f"{joint}_speed", joint=joint, kv=numbers(servo.kv))
+
+
+def wheel_kg(scene: Scene) -> float:
+    """Mass of one wheel, a part of the mass of the body."""
+    return min(_WHEEL_KG, 0.1 * scene.mujoco.body_kg)
+
+
+def wheel_radius(scene: Scene, name: str) -> float:
+    """Radius of the left (``port``) or right (``starboard``) wheel of a robot [m]."""
+    error = 0.5 * scene.mujoco.wheel_radius_mismatch * (1 if name == "port" else -1)
+    return scene.mujoco.wheel_radius_m * (1 + error)
+
+
+def wheel_inertia(mass: float, radius: float) -> tuple[float, float, float]:
+    """The inertia of a disc with its axle along y [kg m²]."""
+    across = mass * (3 * radius**2 + WHEEL_WIDTH**2) / 12
+    return across, mass * radius**2 / 2, across

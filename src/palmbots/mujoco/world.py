@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene in MuJoCo: it commands the motors and observes contacts, palms and robots.
+
+Frame: that of `mjcf`. An observation belongs to one instant, one integration step before the end of
+the tick. A contact coordinate is the position of a vertex of the object along its palm, from the
+foot of the pivot, outward [m]. The tactile sensor reports where contact forces act (`switches`).
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots.errors import PalmbotsError
+from palmbots.mujoco.contact_events import ContactEventTracker, Kind
+from palmbots.mujoco.edge_contacts import STAYS, edges_of, fit_edges
+from palmbots.mujoco.engine import mujoco
+from palmbots.mujoco.mjcf import layout, mjcf, steps_per_tick
+from palmbots.mujoco.palm_contacts import PalmContacts, PalmLoads, Point
+from palmbots.mujoco.robot_mjcf import axle_out, chassis
+from palmbots.mujoco.settings import DEFAULT, Engine
+from palmbots.mujoco.switches import Switches
+from palmbots.mujoco.trace_columns import Measured
+from palmbots.scene.scene import Scene
+
+__all__ = ["SLACK", "MujocoWorld"]
+
+SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
+_SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
+_HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading
+_STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
+_LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
+_TURNED = math.radians(60)  # an object turned further has tipped over
+_OUT = (-1.0, 1.0)
+
+
+class MujocoWorld:
+    """A scene in MuJoCo, at rest at its start. `model` and `data` are MuJoCo's own."""
+
+    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
+        """`measures`: keep `measured` up to date, which takes time."""
+        self._measures = measures
+        self._mj = mujoco()
+        self.scene = scene
+        self.layout = layout(scene)
+        self.model: Any = self._mj.MjModel.from_xml_string(mjcf(scene, engine))
+        self.data: Any = self._mj.MjData(self.model)
+        self.steps = steps_per_tick(scene)
+        self._ticks, self.time_s = 0, 0.0
+        self._period = scene.control.period_s
+        self._track = chassis(self.layout.height, axle_out(scene)).track
+        self._radius = scene.mujoco.wheel_radius_m
+        left, right = self.layout.spec.palms
+        self._steep = (left.steep, right.steep)
+        self._set = list(self._steep)  # commanded wrist angles [rad]
+        self._find()
+        self._unloaded_s = [0.0, 0.0]
+        self.motion = (0, 0)  # contacts in the last tick: −1 slides inward, 0 sticks, 1 outward
+        self._events = ContactEventTracker()
+        self._switches = [Switches(scene.mujoco) for _ in SIDES]
+        self._loads = (0.0, 0.0)
+        self.measured = Measured(*(11 * [(0.0, 0.0)]))
+        self._settle()
+        self._origin = self._midpoint()
+        self._p = self._contacts()
+        self._x = self._distances()
+        self.lateral_peak = self.lateral
+
+    # --- moving ---------------------------------------------------------------------------------
+
+    def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
+        """Simulate one control period: wheels at `speeds` [m/s, towards +x], wrists turning at a
+        constant rate to `angles` [rad]."""
+        self._fit()
+        ctrl = self.data.ctrl
+        for k in (0, 1):
+            steer = -0.5 * self._track * self._turning(k, speeds[k])
+            port, starboard = self._wheels[k]
+            ctrl[port] = (speeds[k] + steer) / self._radius
+            ctrl[starboard] = (speeds[k] - steer) / self._radius
+            ctrl[self._wrists[k]] = (angles[k] - self._set[k]) / self._period
+            self._set[k] = angles[k]
+        before = self.data.time
+        self._mj.mj_step(self.model, self.data, nstep=self.steps)
+        self._ticks += 1
+        self.time_s = self._ticks * self._period
+        if self.data.time < before:  # MuJoCo resets itself when the simulation diverges
+            raise PalmbotsError(
+                f"mujoco: the simulation became unstable at {self.time_s:.2f} s; allowed: a "
+                f"smaller mujoco.step_s than {self.scene.mujoco.step_s:g}, or masses of robots "
+                "and object that differ less"
+            )
+
+    # --- observing ------------------------------------------------------------------------------
+
+    def sight(self, first: bool = False) -> _core.WorldObservation:
+        """Observe the present instant; motions are those since the last call."""
+        p, before = self._contacts(), self._p
+        touched, pressed, loads = self._feel(p)
+        force = loads.force
+        x, last = self._distances(), self._x
+        self._p, self._x = p, x
+        if first:
+            self._loads = force
+        end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
+        threshold = _STICKS * self._period
+        left, right = (
+            0 if abs(now - then) < threshold else (1 if now > then else -1)
+            for now, then in zip(p, before, strict=True)
+        )
+        if self._measures:
+            speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
+            yaw = (self._yaw(0), self._yaw(1))
+            self.measured = Measured(
+                force, loads.friction, speed, self._wheel_slips(speed), self._pitches(), yaw,
+                self.lateral, *self._places(),
+            )  # fmt: skip
+        self.motion = (left, right)
+        lateral, peak = self.lateral, self.lateral_peak
+        self.lateral_peak = (max(peak[0], lateral[0], key=abs), max(peak[1], lateral[1], key=abs))
+        vertices = self._vertices()
+        return _core.WorldObservation(
+            contacts=p,
+            lift=self._lifts(),
+            touched=touched,
+            pressed=pressed,
+            palms=self._palms(),
+            wrists=self.wrists(),
+            separation=self._separation(x),
+            midpoint=0.5 * (x[0] + x[1]) - self._origin,
+            rise=vertices[1][2] - vertices[0][2],
+            motion=self.motion,
+            reason=end,
+        )
+
+    def state(self) -> np.ndarray:
+        """MuJoCo's complete state, for `restore` and for videos."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        state = np.empty(self._mj.mj_stateSize(self.model, kind))
+        self._mj.mj_getState(self.model, self.data, state, kind)
+        return state
+
+    def restore(self, state: np.ndarray) -> None:
+        """Return to a state in which the motors held the palms at their steep angles."""
+        kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._mj.mj_setState(self.model, self.data, state, kind)
+        self._mj.mj_forward(self.model, self.data)
+        self._set = list(self._steep)
+
+    @property
+    def wrists_set(self) -> tuple[float, float]:
+        """The commanded palm angles [rad]."""
+        return self._set[0], self._set[1]
+
+    @property
+    def contacts(self) -> tuple[float, float]:
+        """The contact coordinates p [m]."""
+        return self._contacts()
+
+    @property
+    def lifts(self) -> tuple[float, float]:
+        """Heights of the middles of the contact edges above their palms [m]; < 0: the contact is
+        compressed."""
+        return self._lifts()
+
+    def contact_events(self, until_s: float) -> list[tuple[int, Kind, float, float]]:
+        """Further contacts until a time: palm, kind (``flush``, ``tip``), start and end [s]."""
+        return self._events.rows(until_s)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the start."""
+        threshold = self.scene.mujoco.switch_force_n
+        return [
+            f"the {side} palm carries {load:.2g} N at the start, less than "
+            f"mujoco.switch_force_n = {threshold:g}: its switches stay open and report 0"
+            for side, load in zip(SIDES, self._loads, strict=True)
+            if load < threshold
+        ]
+
+    @property
+    def advance(self) -> float:
+        """Advance of the midpoint of the pivots since the start, towards +x [m]."""
+        return self._midpoint() - self._origin
+
+    def wrists(self) -> tuple[float, float]:
+        """The palm angles as the wrists measure them [rad]."""
+        q = self.data.qpos
+        return (
+            float(q[self._wrist_at[0]]) + self._steep[0],
+            float(q[self._wrist_at[1]]) + self._steep[1],
+        )
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _find(self) -> None:
+        """Look up the indices of actuators, joints and bodies in MuJoCo's arrays."""
+        m = self.model
+        self._wheels = [
+            tuple(
+                [m.actuator(f"{side}_{wheel}_{part}").id for part in ("angle", "speed")]
+                for wheel in ("port", "starboard")
+            )
+            for side in SIDES
+        ]
+        self._wrists = [
+            [m.actuator(f"{side}_wrist_{part}").id for part in ("angle", "speed")] for side in SIDES
+        ]
+        self._wrist_at = [int(m.joint(f"{side}_wrist").qposadr[0]) for side in SIDES]
+        self._wheel_at = [
+            [int(m.joint(f"{side}_{wheel}").dofadr[0]) for wheel in ("port", "starboard")]
+            for side in SIDES
+        ]
+        self._shoulder_at = [int(m.joint(f"{side}_shoulder").qposadr[0]) for side in SIDES]
+        self._shoulders = [m.actuator(f"{side}_shoulder").id for side in SIDES]
+        bodies = {name: m.body(name).id for s in SIDES for name in (f"{s}_palm", f"{s}_body")}
+        object_body = m.body("object").id
+        d = self.data
+        # Views into MuJoCo's arrays, which change with every step.
+        self._palm_pos = [d.xpos[bodies[f"{s}_palm"]] for s in SIDES]
+        self._palm_mat = [d.xmat[bodies[f"{s}_palm"]] for s in SIDES]
+        self._body_mat = [d.xmat[bodies[f"{s}_body"]] for s in SIDES]
+        self._object_pos, self._object_mat = d.xpos[object_body], d.xmat[object_body]
+        spec = self.layout.spec
+        self._offset = [palm.offset for palm in spec.palms]
+        self._half = [palm.length / 2 for palm in spec.palms]
+        self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
+        self._edges = edges_of(m, self.scene)
+        self._width = spec.width
+        self._palm_contacts = PalmContacts(m, self.layout)
+
+    def _fit(self) -> None:
+        """Move the contact edges to their overlap with the palms, if they have shifted."""
+        if any(
+            abs(y) > 2 * STAYS * half
+            for y, half in zip(self.lateral, self._half_width, strict=True)
+        ):
+            fit_edges(self.model, self.data, self._edges)
+
+    def _settle(self) -> None:
+        """Let the motors take up the weights, and adjust the shoulders to hold them level."""
+        ticks = max(1, round(_SETTLE_S / self._period))
+        for tick in range(ticks):
+            self.move((0.0, 0.0), self._steep)
+            if 3 * tick < 2 * ticks:
+                for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
+                    self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
+        # MuJoCo's own clock runs on: `move` detects a divergence by a step back of that clock.
+        self._ticks, self.time_s = 0, 0.0
+
+    def _turning(self, k: int, speed: float) -> float:
+        """The turning rate with which a robot steers to its heading, anticlockwise seen from
+        above [rad/s]."""
+        return -_HEADING * self._yaw(k)
+
+    def _distances(self) -> tuple[float, float]:
+        """Positions of the pivots along the path, towards +x at the start [m]; here their x."""
+        return float(self._palm_pos[0][0]), float(self._palm_pos[1][0])
+
+    def _separation(self, distances: tuple[float, float]) -> float:
+        return distances[1] - distances[0]
+
+    def _midpoint(self) -> float:
+        return 0.5 * sum(self._distances())
+
+    def _vertices(self) -> tuple[Point, Point]:
+        """The middles of the two contact edges (x, y, z)."""
+        x, y, z = self._object_pos.tolist()
+        ax, _, _, ay, _, _, az, _, _ = self._object_mat.tolist()
+        w = self._width
+        return (x, y, z), (x + w * ax, y + w * ay, z + w * az)
+
+    def _in_palm_frame(self, k: int, point: Point) -> Point:
+        """A point in the frame of a palm: outward along it, lateral to its left, above it."""
+        pos, mat = self._palm_pos[k].tolist(), self._palm_mat[k].tolist()
+        dx, dz = point[0] - pos[0], point[2] - pos[2]
+        along = dx * mat[0] + dz * mat[6]
+        above = dx * mat[2] + dz * mat[8] - self._offset[k]
+        return _OUT[k] * along, point[1] - pos[1], above
+
+    def _contacts(self) -> tuple[float, float]:
+        left, right = self._vertices()
+        return self._in_palm_frame(0, left)[0], self._in_palm_frame(1, right)[0]
+
+    def _lifts(self) -> tuple[float, float]:
+        left, right = self._vertices()
+        return self._in_palm_frame(0, left)[2], self._in_palm_frame(1, right)[2]
+
+    @property
+    def lateral(self) -> tuple[float, float]:
+        """Lateral position of the middle of each contact edge on its palm, to the left seen
+        towards +x [m]; no sensor measures it."""
+        left, right = self._vertices()
+        return self._in_palm_frame(0, left)[1], self._in_palm_frame(1, right)[1]
+
+    def _palms(self) -> tuple[float, float]:
+        left, right = self._palm_mat
+        return (
+            -math.atan2(float(left[6]), float(left[0])),
+            math.atan2(float(right[6]), float(right[0])),
+        )
+
+    def _pitches(self) -> tuple[float, float]:
+        left, right = self._body_mat
+        return -math.asin(float(left[6])), math.asin(float(right[6]))
+
+    def _yaw(self, k: int) -> float:
+        mat = self._body_mat[k]
+        return math.atan2(float(mat[3]), float(mat[0]))
+
+    def _places(self) -> list[tuple[float, float]]:
+        """Pivots and contact edges seen from above: x, y, x, y."""
+        one, two = (pos.tolist() for pos in self._palm_pos)
+        left, right = self._vertices()
+        return [(a[i], b[i]) for a, b in ((one, two), (left, right)) for i in (0, 1)]
+
+    def _wheel_slips(self, speed: tuple[float, float]) -> tuple[float, float]:
+        v = self.data.qvel
+        left, right = (
+            self._radius * 0.5 * (float(v[at[0]]) + float(v[at[1]])) - speed[k]
+            for k, at in enumerate(self._wheel_at)
+        )
+        return left, right
+
+    def _feel(
+        self, p: tuple[float, float]
+    ) -> tuple[tuple[float, float], tuple[bool, bool], PalmLoads]:
+        """Where each palm is pressed, whether a switch is closed, and the loads."""
+        loads = self._palm_contacts.loads(
+            self.data, self._in_palm_frame, self._palm_mat, with_friction=self._measures
+        )
+        self._events.update(
+            self.time_s,
+            [(w.side, w.kind(self._palm_mat[w.side], self._object_mat)) for w in loads.further],
+        )
+        for switches, sums in zip(self._switches, loads.sums, strict=True):
+            switches.update(self.time_s, sums)
+        one, other = self._switches
+        pressed = one.place if one.closed else p[0], other.place if other.closed else p[1]
+        return pressed, (one.closed, other.closed), loads
+
+    def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
+        """Why the object is no longer held; empty if it is held. `loaded`: each palm carries some
+        of its weight."""
+        if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
+            return "off-palm"
+        if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
+            return "off-palm"
+        if float(self._object_mat[8]) < math.cos(_TURNED):
+            return "tipping"
+        for k in (0, 1):
+            self._unloaded_s[k] = 0.0 if loaded[k] else self._unloaded_s[k] + self._period
+        return "lifting" if max(self._unloaded_s) > _LET_GO_S else ""

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The section `faults` of a scene: what fails in robots, sensors and the station."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BeforeValidator, model_validator
+
+from palmbots._types import Side
+from palmbots.scene.fields import Fraction, Lasting, Moment, field_error, from_list, whole
+from palmbots.scene.section import Section
+
+__all__ = ["Fault", "Faults"]
+
+Few = Annotated[int, BeforeValidator(whole(0, 8))]
+
+
+class Fault(Section):
+    """A temporary fault."""
+
+    kind: Literal["reboot", "freeze", "stuck", "intermittent", "station-down"]
+    """reboot: a robot is off and boots. freeze: its controller does not step. stuck: its sensor
+    reads `stuck_at`. intermittent: each reading is random with `probability`. station-down: the
+    station neither receives nor sends."""
+    robot: Side | None = None
+    """The robot that has the fault; not for station-down."""
+    at_s: Moment
+    duration_s: Lasting
+    stuck_at: Literal["-", "0", "+"] | None = None
+    """The reading of a stuck sensor."""
+    probability: Fraction | None = None
+    """Probability that a reading of an intermittent sensor is random."""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        wanted = {
+            "stuck": {"robot", "stuck_at"},
+            "intermittent": {"robot", "probability"},
+            "station-down": set(),
+        }
+        needs = wanted.get(self.kind, {"robot"})
+        given = {
+            name for name in ("robot", "stuck_at", "probability") if getattr(self, name) is not None
+        }
+        if given != needs:
+            names = ", ".join(sorted(needs)) or "none of robot, stuck_at and probability"
+            raise field_error(
+                self.model_dump(),
+                "has the wrong keys",
+                f"with kind {self.kind}, besides at_s and duration_s: {names}",
+            )
+        return self
+
+
+FaultScript = Annotated[
+    tuple[Fault, ...],
+    BeforeValidator(
+        from_list("a list of at most 32 tables {kind, robot, at_s, duration_s}", 0, 32)
+    ),
+]
+
+
+class Faults(Section):
+    """[faults] Faults of robots, sensors and the station."""
+
+    script: FaultScript = ()
+    """Faults that happen in every carry: a list of tables {kind, robot, at_s, duration_s, stuck_at,
+    probability}."""
+    random_reboots: Few = 0
+    """Number of random reboots in every carry, each of either robot at any time."""
+    reboot_s: Lasting = 0.5
+    """Duration of a random reboot."""

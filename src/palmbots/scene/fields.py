@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Types of scene keys: numbers with a unit and limits, lists, and the faults of both.
+
+Validation is strict: a number is an int or a float (also of NumPy), never a bool or a string. The
+limits are wide enough for any robot of this kind. They catch lengths in millimetres, angles in the
+wrong unit, NaN, infinity and negative lengths.
+
+Numbers become plain floats, so that equal scenes print alike.
+"""
+
+import math
+import numbers
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+from palmbots._util.arguments import show
+
+__all__ = [
+    "Angle",
+    "Duration",
+    "Extent",
+    "Fraction",
+    "Friction",
+    "Index",
+    "Lasting",
+    "Mass",
+    "Moment",
+    "Place",
+    "Range",
+    "Shift",
+    "Size",
+    "Switch",
+    "field_error",
+    "from_list",
+    "whole",
+]
+
+
+def field_error(value: object, problem: str, allowed: str, key: str = "") -> PydanticCustomError:
+    """The error that a validator raises: "`key`: `value` `problem`; allowed: `allowed`".
+
+    `key` is relative to the model or field that is validated; empty means the model itself.
+    """
+    context: dict[str, Any] = {
+        "key": key,
+        "value": show(value),
+        "problem": problem,
+        "allowed": allowed,
+    }
+    return PydanticCustomError("scene", "{value} {problem}; allowed: {allowed}", context)
+
+
+@dataclass(frozen=True)
+class Range:
+    """The numbers that a key may have: from `least` to `most`, or between `above` and `below`."""
+
+    unit: str = ""
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    below: float | None = None
+
+    @property
+    def allowed(self) -> str:
+        """The limits in words."""
+        words = [f"a number in {self.unit}" if self.unit else "a number"]
+        if self.least is not None and self.most is not None:
+            words.append(f"from {self.least:g} to {self.most:g}")
+        else:
+            limits = {
+                "more than": self.above,
+                "at least": self.least,
+                "at most": self.most,
+                "less than": self.below,
+            }
+            given = [f"{word} {at:g}" for word, at in limits.items() if at is not None]
+            words.append(" and ".join(given))
+        return ", ".join(words)
+
+    def __call__(self, value: object) -> float:
+        """The value as a float, if it is a number within the limits."""
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise field_error(value, f"is {_kind(value)}, not a number", self.allowed)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise field_error(value, "is not finite", self.allowed)
+        low = (self.above is not None and number <= self.above) or (
+            self.least is not None and number < self.least
+        )
+        high = (self.below is not None and number >= self.below) or (
+            self.most is not None and number > self.most
+        )
+        if low or high:
+            raise field_error(value, "is too small" if low else "is too large", self.allowed)
+        return number + 0.0  # −0.0 becomes 0.0: it would show in the bits of a mirrored scene
+
+
+def whole(least: int, most: int | None = None) -> Callable[[object], int]:
+    """A validator for whole numbers from `least` to `most`."""
+    allowed = f"a whole number, at least {least}"
+    if most is not None:
+        allowed = f"a whole number, from {least} to {most}"
+
+    def check(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+            raise field_error(value, f"is {_kind(value)}, not a whole number", allowed)
+        number = int(value)
+        if number < least or (most is not None and number > most):
+            raise field_error(value, "is too small" if number < least else "is too large", allowed)
+        return number
+
+    return check
+
+
+def _switch(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise field_error(value, f"is {_kind(value)}, not a boolean", "true or false")
+    return value
+
+
+def _kind(value: object) -> str:
+    """The kind of a value, in the terms of TOML."""
+    words: dict[type, str] = {
+        bool: "a boolean",
+        str: "a string",
+        int: "a whole number",
+        float: "a number",
+        list: "a list",
+        tuple: "a list",
+        dict: "a table",
+    }
+    return words.get(type(value), f"of type {type(value).__name__}")
+
+
+def from_list(allowed: str, least: int = 0, most: int | None = None) -> Callable[[object], Any]:
+    """A validator that turns a list (or tuple) of `least` to `most` items into a tuple."""
+
+    def check(value: object) -> Any:
+        if not isinstance(value, list | tuple):
+            raise field_error(value, f"is {_kind(value)}, not a list", allowed)
+        if len(value) < least or (most is not None and len(value) > most):
+            raise field_error(value, f"has {len(value)} item{'s' * (len(value) != 1)}", allowed)
+        return tuple(value)
+
+    return check
+
+
+Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
+Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
+Switch = Annotated[bool, BeforeValidator(_switch)]
+Index = Annotated[int, BeforeValidator(whole(0))]
+
+Size = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10))]
+Extent = Annotated[float, BeforeValidator(Range("m", least=0, most=10))]
+Place = Annotated[float, BeforeValidator(Range("m", least=-10, most=10))]
+Shift = Annotated[float, BeforeValidator(Range("m", least=-1, most=1))]
+Mass = Annotated[float, BeforeValidator(Range("kg", least=0.001, most=1000))]
+Friction = Annotated[float, BeforeValidator(Range(least=0.001, most=100))]
+Moment = Annotated[float, BeforeValidator(Range("s", least=0, most=1_000_000))]
+Lasting = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=1_000_000))]
+Duration = Annotated[float, BeforeValidator(Range("s", least=0.001, most=1_000_000))]

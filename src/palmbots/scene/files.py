@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Built-in scenes and TOML files. Every fault raises `SceneError` with one line."""
+
+import difflib
+import os
+import re
+import tomllib
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from palmbots.errors import SceneError
+
+__all__ = ["built_in_scenes", "read_scene", "read_table"]
+
+_LARGEST = 1 << 20  # bytes; a device may be endless
+
+
+def built_in_scenes() -> list[str]:
+    """The names of the scenes of the package, sorted."""
+    folder = resources.files("palmbots.scene") / "data" / "scenes"
+    return sorted(
+        f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")
+    )
+
+
+def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
+    """The name of a scene in messages, and its table.
+
+    A built-in scene takes precedence over a file of the same name; "./paper" is always a file.
+    """
+    name = os.fspath(source)
+    names = built_in_scenes()
+    if not name:
+        raise SceneError(f'scene: value is ""; allowed: {", ".join(names)}, or a TOML file')
+    if name in names:
+        file = resources.files("palmbots.scene") / "data" / "scenes" / f"{name}.toml"
+        return name, tomllib.loads(file.read_text("utf-8"))
+    return name, read_table(name, "a scene file", names)
+
+
+def read_table(name: str, what: str, built_in: Sequence[str] = ()) -> dict[str, Any]:
+    """The table in the TOML file `name`; `what` is what a message calls such a file.
+
+    Raises `SceneError`. If the file is missing, its message lists the built-in names.
+    """
+    return _table(name, _text(name, _bytes(name, what, built_in), what))
+
+
+def _bytes(name: str, what: str, built_in: Sequence[str]) -> bytes:
+    try:
+        with open(Path(name), "rb") as stream:
+            data = stream.read(_LARGEST + 1)
+    except FileNotFoundError:
+        near = difflib.get_close_matches(name, built_in, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        known = f"; {hint}built-in scenes: {', '.join(built_in)}" if built_in else ""
+        kind = "scene or file" if built_in else "file"
+        raise SceneError(f"{name}: no such {kind}{known}") from None
+    except IsADirectoryError:
+        raise SceneError(f"{name}: is a folder; allowed: {what} in TOML") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise SceneError(f"{name}: cannot be read: {reason}") from None
+    if len(data) > _LARGEST:
+        raise SceneError(f"{name}: is larger than 1 MiB; allowed: {what} in TOML")
+    return data
+
+
+def _text(name: str, data: bytes, what: str) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(
+            f"{name}: line {line} is not UTF-8 (byte 0x{data[error.start]:02x}); "
+            f"allowed: {what} in TOML, which is UTF-8"
+        ) from None
+
+
+def _table(name: str, text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        what, _, place = str(error).rpartition(" (at ")
+        at = re.match(r"line \d+, column \d+", place)
+        where = at[0] if at else f"line {text.count(chr(10)) + 1}, end of the file"
+        raise SceneError(f"{name}: {where}: not valid TOML: {what or error}") from None
+    except (ValueError, RecursionError) as error:  # ValueError: an integer too long for Python
+        reason = "lists nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise SceneError(f"{name}: not valid TOML: {reason}") from None

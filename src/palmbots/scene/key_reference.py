@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lists for people: the scene keys with unit and meaning, the built-in scenes and objects.
+
+The source of a key's meaning is the docstring below its field, of its unit the field's `Range`, and
+of a scene's or object's meaning the comment at the top of its file. ``palmbots keys``, ``palmbots
+init scene`` and the key table of the docs use these lists.
+"""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from pydantic import BaseModel, BeforeValidator
+
+from palmbots._util.toml_writer import toml_value
+from palmbots.scene.fields import Range
+from palmbots.scene.scene import Scene
+
+__all__ = ["SceneKey", "built_in_meanings", "default_scene_toml", "scene_keys"]
+
+_LINE_WIDTH = 78
+_SIDES = ("left", "right")  # palm.left.… and robot.left.… have the keys of palm.… and robot.…
+
+
+@dataclass(frozen=True)
+class SceneKey:
+    """One key of a scene."""
+
+    name: str
+    """Dotted, such as ``palm.friction``."""
+    default: Any
+    """None: not set."""
+    unit: str
+    """Empty: the key has none, or its name or meaning states it."""
+    meaning: str
+
+    @property
+    def default_text(self) -> str:
+        """The default as in a TOML file; empty: not set."""
+        return "" if self.default is None else toml_value(self.default)
+
+
+@cache
+def scene_keys() -> tuple[SceneKey, ...]:
+    """All keys in the order of the sections."""
+    scene = Scene()
+    return tuple(
+        key
+        for section in Scene.model_fields
+        for key in _section_keys(type(getattr(scene, section)), section)
+    )
+
+
+def _section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
+    meanings = field_meanings(model)
+    for name, field in model.model_fields.items():
+        if name in _SIDES and section in ("palm", "robot"):
+            continue
+        default = field.get_default(call_default_factory=True)
+        if isinstance(default, BaseModel):
+            yield from _section_keys(type(default), f"{section}.{name}")
+        else:
+            unit = _unit(field.metadata) or _unit(getattr(field.annotation, "__args__", ()))
+            yield SceneKey(f"{section}.{name}", default, unit, meanings.get(name, ""))
+
+
+def _unit(annotations: Any) -> str:
+    """The unit of the `Range` in the annotations of a field."""
+    for annotation in annotations:
+        if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, Range):
+            return annotation.func.unit
+        unit = _unit(getattr(annotation, "__metadata__", ()))
+        if unit:
+            return unit
+    return ""
+
+
+def field_meanings(model: type[BaseModel]) -> dict[str, str]:
+    """The docstrings below the fields of a model, by field."""
+    found: dict[str, str] = {}
+    for owner in reversed(model.__mro__):
+        if not issubclass(owner, BaseModel) or owner is BaseModel:
+            continue
+        body = ast.parse(textwrap.dedent(inspect.getsource(owner))).body[0]
+        assert isinstance(body, ast.ClassDef)
+        for field, text in zip(body.body, body.body[1:], strict=False):
+            if (
+                isinstance(field, ast.AnnAssign)
+                and isinstance(field.target, ast.Name)
+                and isinstance(text, ast.Expr)
+                and isinstance(text.value, ast.Constant)
+            ):
+                found[field.target.id] = " ".join(str(text.value.value).split())
+    return found
+
+
+def built_in_meanings(kind: str) -> dict[str, str]:
+    """The first sentence of each built-in file, by name; `kind` is ``scenes`` or ``objects``."""
+    folder = resources.files("palmbots.scene") / "data" / kind
+    files = {f.name.removesuffix(".toml"): f for f in folder.iterdir() if f.name.endswith(".toml")}
+    return {name: _first_sentence(files[name].read_text("utf-8")) for name in sorted(files)}
+
+
+def _first_sentence(text: str) -> str:
+    """The first sentence of the comment at the top of a file."""
+    comment = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        comment.append(line.lstrip("# "))
+    sentence = " ".join(comment).split(". ")[0]
+    return sentence if sentence.endswith(".") else f"{sentence}."
+
+
+def default_scene_toml() -> str:
+    """The default scene as TOML, with the meaning and unit of each key as a comment."""
+    lines = [
+        "# A scene for palmbots with the default of every key. A key that you remove",
+        "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
+        "# robot.right.KEY override one side. Run it: palmbots carry FILE",
+    ]
+    section = ""
+    for key in scene_keys():
+        table, _, name = key.name.rpartition(".")
+        if table != section:
+            section = table
+            lines += ["", f"[{table}]"]
+        unit = f" [{key.unit}]" if key.unit else ""
+        text = f"{key.meaning}{unit}".strip()
+        lines += textwrap.wrap(text, _LINE_WIDTH, initial_indent="# ", subsequent_indent="# ")
+        lines.append(f"{name} = {key.default_text}" if key.default_text else f"# {name} =")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Overrides of scene keys: ``--set radio.loss=0.1``.
+
+A key is dotted, and a value is written as in TOML. Shells remove quotes. A text that is not a TOML
+value and does not begin like a list, table or quoted string is therefore a string; validation
+refuses it for a key that needs a number.
+"""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots._util.arguments import show
+from palmbots.errors import SceneError
+from palmbots.scene.renamed_keys import new_key
+
+__all__ = ["merged", "parse_override", "parse_overrides", "without_superseded"]
+
+_FORM = (
+    "KEY=VALUE with a dotted key and a TOML value, "
+    'as in radio.loss=0.1 or task.direction="backward"'
+)
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """The dotted key and the value of one ``KEY=VALUE``.
+
+    Raises `SceneError` where there is no key, no value, or a value that TOML cannot read.
+    """
+    key, equals, written = text.partition("=")
+    key, written = key.strip(), written.strip()
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise SceneError(f"--set {text}: is not of the form KEY=VALUE; allowed: {_FORM}")
+    if not written:
+        raise SceneError(f"--set {text}: the value is missing; allowed: {_FORM}")
+    return key, _value(written, text)
+
+
+def parse_overrides(texts: Iterable[str]) -> dict[str, Any]:
+    """Many of them, as `load_scene` takes them.
+
+    Raises `SceneError` where a key is given twice.
+    """
+    overrides: dict[str, Any] = {}
+    given: set[str] = set()
+    for text in texts:
+        key, value = parse_override(text)
+        for name in _leaves(key, value):
+            if name in given:
+                raise SceneError(f"--set {name}: is given twice; allowed: each key once")
+            given.add(name)
+        if key in overrides and isinstance(value, Mapping):  # two tables with different keys
+            value = merged(overrides[key], value, f"{key}.", "--set")
+        overrides[key] = value
+    return overrides
+
+
+def _leaves(key: str, value: Any) -> list[str]:
+    """The dotted keys that an override sets: more than one where the value is a table."""
+    key = ".".join(part.strip() for part in key.split("."))
+    if not isinstance(value, Mapping):
+        return [key]
+    return [leaf for inner, item in value.items() for leaf in _leaves(f"{key}.{inner}", item)]
+
+
+def merged(
+    data: Mapping[str, Any],
+    overrides: Mapping[str, Any],
+    inside: str = "",
+    called: str = "overrides:",
+) -> dict[str, Any]:
+    """`data` with overrides: {"palm.left.friction": 0.4} or nested tables.
+
+    Tables are merged, None removes a key, and other values replace the old ones; the arguments are
+    not changed. Raises `SceneError` where an override needs a table but finds another value. The
+    scene checks later whether the keys exist. `inside` is the dotted key of `data`, with a dot;
+    `called` is what a message calls the overrides.
+    """
+    result = dict(data)
+    for key, value in overrides.items():
+        if not isinstance(key, str):
+            raise SceneError(f"{called} {inside}{show(key)} is not a key; allowed: a dotted key")
+        first, dot, rest = key.partition(".")
+        if dot:
+            value = {rest: value}
+        if value is None:
+            if (renamed := new_key(f"{inside}{first}")) is not None:
+                raise SceneError(f"{called} {inside}{first}: renamed to {renamed}")
+            result.pop(first, None)
+        elif isinstance(value, Mapping):
+            table = result.get(first, {})
+            if not isinstance(table, Mapping):
+                raise SceneError(
+                    f"{called} {inside}{key}: {inside}{first} is {show(table)}, which holds no "
+                    "keys; allowed: a key inside a table"
+                )
+            result[first] = merged(table, value, f"{inside}{first}.", called)
+        else:
+            result[first] = value
+    return result
+
+
+# An override of the first key makes the other keys of its table obsolete in the scene below it.
+_SUPERSEDES = {
+    "object": {"vertices_m": ("contacts", "com_m", "mass_kg")},
+    "palm": {"friction": ("friction_angle_deg",), "friction_angle_deg": ("friction",)},
+}
+_SUPERSEDES |= {f"palm.{side}": _SUPERSEDES["palm"] for side in SIDES}
+
+
+def without_superseded(
+    data: Mapping[str, Any], overrides: Mapping[str, Any], called: str
+) -> dict[str, Any]:
+    """`data` without the keys that are obsolete once `overrides` are set.
+
+    The centre of mass of an earlier outline is not that of a new one, and a friction coefficient
+    and a friction angle exclude each other.
+    """
+    given = merged({}, overrides, called=called)
+    obsolete: dict[str, Any] = {}
+    for table, rules in _SUPERSEDES.items():
+        keys = _table_at(given, table)
+        for key, others in rules.items():
+            if key in keys:
+                obsolete |= {f"{table}.{other}": None for other in others if other not in keys}
+    return merged(data, obsolete) if obsolete else dict(data)
+
+
+def _table_at(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """The table at a dotted key; empty where there is none."""
+    value: Any = data
+    for part in key.split("."):
+        value = value.get(part) if isinstance(value, Mapping) else None
+    return value if isinstance(value, Mapping) else {}
+
+
+def _value(written: str, text: str) -> Any:
+    try:
+        table = tomllib.loads(f"value = {written}")
+    except (ValueError, RecursionError) as error:  # ValueError: integers too long for Python too
+        if written[0] not in "[{\"'":
+            return written
+        reason = "is nested too deeply" if isinstance(error, RecursionError) else "is not TOML"
+        raise SceneError(f"--set {text}: the value {reason}; allowed: {_FORM}") from None
+    if len(table) != 1:  # a line break in the value begins a second key
+        raise SceneError(f"--set {text}: is more than one line; allowed: {_FORM}")
+    return table["value"]

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One carry, many carries, a sweep, rare events; the worlds and the results.
+
+`palmbots` exports the functions that run carries; this room exports the types of their results, and
+what registers a world.
+"""
+
+from palmbots.simulation.batch import run_batch as run_batch
+from palmbots.simulation.batch import run_seeds as run_seeds
+from palmbots.simulation.prepare import Prepared as Prepared
+from palmbots.simulation.rare_events import DropRate as DropRate
+from palmbots.simulation.result import Carry as Carry
+from palmbots.simulation.result import ContactEvent as ContactEvent
+from palmbots.simulation.result import Correction as Correction
+from palmbots.simulation.result import LinkStatistics as LinkStatistics
+from palmbots.simulation.result import Message as Message
+from palmbots.simulation.sweep import Comparison as Comparison
+from palmbots.simulation.sweep import Refusal as Refusal
+from palmbots.simulation.sweep import Row as Row
+from palmbots.simulation.worlds import WorldEntry as WorldEntry
+from palmbots.simulation.worlds import WorldRun as WorldRun
+from palmbots.simulation.worlds import register_world as register_world
+from palmbots.simulation.worlds import unregister_world as unregister_world
+from palmbots.simulation.worlds import world_names as world_names
+
+__all__ = [
+    "Carry",
+    "Comparison",
+    "ContactEvent",
+    "Correction",
+    "DropRate",
+    "LinkStatistics",
+    "Message",
+    "Prepared",
+    "Refusal",
+    "Row",
+    "WorldEntry",
+    "WorldRun",
+    "register_world",
+    "run_batch",
+    "run_seeds",
+    "unregister_world",
+    "world_names",
+]

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many carries of specs and seeds, as columns of results.
+
+The shipped controllers run in lockstep, in a compiled module without Python in the loop. The module
+exists for any x86-64 processor and for levels 3 and 4, which run two and four times as many lanes.
+All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
+seed and precision, for any number of threads. A Python controller runs one carry after the other.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import palmbots._core as _core
+from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
+from palmbots.errors import PalmbotsError
+
+__all__ = [
+    "DELIVERED",
+    "DROPPED",
+    "OUTCOMES",
+    "REASONS",
+    "STALLED",
+    "Columns",
+    "available_cores",
+    "batch_modules",
+    "check_built",
+    "run_batch",
+    "run_seeds",
+]
+
+# Entries of the column `outcome`; 0: not carried.
+DELIVERED, DROPPED, STALLED = 1, 2, 3
+OUTCOMES = ("", "delivered", "dropped", "stalled")
+REASONS = (None, "off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting")
+"""The drop reasons in the order of the column `reason` (`mechanics/holding_conditions.hpp`)."""
+
+Columns = dict[str, NDArray[Any]]
+"""One entry per carry: finished, outcome, reason (an index of `REASONS`), time_s, distance_m,
+corrections, messages, messages_lost; with one column each for left and right: contact_rms_m,
+contact_peak_m, waiting_s, waits_since_s."""
+
+Watch = Callable[[int], None]
+
+
+def available_cores() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def batch_modules() -> list[str]:
+    """Names of the compiled modules that this processor can run, the one with most lanes first."""
+    return [f"_batch_v{level}" for level in (4, 3) if _core.supports_x86_level(level)] + ["_batch"]
+
+
+@cache
+def _module() -> Any:
+    try:
+        return importlib.import_module(f"palmbots.{batch_modules()[0]}")
+    except ModuleNotFoundError:
+        raise PalmbotsError("the lockstep modules are not built; run: make build") from None
+
+
+def check_built() -> None:
+    """Raise `PalmbotsError` where they are not built, as after `make carry` alone."""
+    _module()
+
+
+def run_batch(
+    specs: Sequence[_core.Spec] | bytes,
+    spec_index: ArrayLike,
+    seeds: ArrayLike,
+    controller: ControllerLike,
+    precision: str = "double",
+    *,
+    threads: int = 1,
+    watch: Watch | None = None,
+) -> Columns:
+    """Run the carries of ``specs[spec_index[i]]`` with ``seeds[i]``, for every i.
+
+    Args:
+        specs: `palmbots.scene.spec.to_spec` makes them. With a shipped controller also the bytes of
+            all of them, one after the other (`Spec.to_bytes`).
+        spec_index: one index into `specs` per carry.
+        seeds: one seed per carry.
+        controller: a name, ``module:Class``, ``FILE.py:Class`` or a class.
+        precision: ``double`` or ``float``.
+        threads: worker threads; results do not depend on it. A Python controller uses one.
+        watch: called now and then with the number of finished carries.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C, with the columns so far as its argument; `finished` marks the
+            valid rows.
+    """
+    entry = resolve(controller)
+    index = np.ascontiguousarray(spec_index, np.uint32)
+    seeds = np.ascontiguousarray(seeds, np.uint64)
+    if not entry.is_compiled:
+        if isinstance(specs, bytes):
+            raise PalmbotsError(f"controller: {entry.name} is in Python and needs specs, not bytes")
+        return _run_singly(specs, index, seeds, entry, precision, watch)
+    table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
+    run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
+    interrupted = run.pop("interrupted")
+    run["finished"] = run["finished"].astype(bool)
+    if interrupted:
+        raise KeyboardInterrupt(run)
+    return run
+
+
+def run_seeds(
+    spec: _core.Spec,
+    controller: ControllerLike,
+    first: int,
+    n: int,
+    precision: str = "double",
+    *,
+    threads: int = 1,
+    watch: Watch | None = None,
+) -> Columns:
+    """Run one spec with seeds first … first + n − 1; otherwise as `run_batch`."""
+    seeds = np.arange(n, dtype=np.uint64) + np.uint64(first)
+    index = np.zeros(n, np.uint32)
+    return run_batch([spec], index, seeds, controller, precision, threads=threads, watch=watch)
+
+
+def _run_singly(
+    specs: Sequence[_core.Spec],
+    index: NDArray[np.uint32],
+    seeds: NDArray[np.uint64],
+    controller: ControllerEntry,
+    precision: str,
+    watch: Watch | None,
+) -> Columns:
+    """The columns of a Python controller, from single carries."""
+    n = len(seeds)
+    columns: Columns = {
+        "finished": np.zeros(n, bool),
+        "outcome": np.zeros(n, np.uint8),
+        "reason": np.zeros(n, np.uint8),
+        "time_s": np.zeros(n),
+        "distance_m": np.zeros(n),
+        "contact_rms_m": np.zeros((n, 2)),
+        "contact_peak_m": np.zeros((n, 2)),
+        "waiting_s": np.zeros((n, 2)),
+        "waits_since_s": np.zeros((n, 2)),
+        "corrections": np.zeros(n, np.uint32),
+        "messages": np.zeros(n, np.uint32),
+        "messages_lost": np.zeros(n, np.uint32),
+    }
+    try:
+        for i, (which, seed) in enumerate(zip(index.tolist(), seeds.tolist(), strict=True)):
+            if watch is not None:
+                watch(i)
+            core = controller.for_core()
+            run: Any = _core.run(specs[which], core, seed, precision, False)
+            columns["outcome"][i] = OUTCOMES.index(run.outcome)
+            columns["reason"][i] = REASONS.index(run.reason)
+            for name in ("time_s", "distance_m", "contact_rms_m", "contact_peak_m", "waiting_s"):
+                columns[name][i] = getattr(run, name)
+            columns["waits_since_s"][i] = [since for since, *_ in run.hanging]
+            columns["corrections"][i] = run.correction_count
+            columns["messages"][i] = run.messages
+            columns["messages_lost"][i] = run.messages_lost
+            columns["finished"][i] = True
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(columns) from None
+    return columns

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The result of a carry: outcome, corrections, messages, warnings, trace."""
+
+import string
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from palmbots._types import SIDES
+from palmbots._util.arguments import one_of
+from palmbots._util.results import FIGURES, Result
+from palmbots._version import __version__
+from palmbots.control.python_source import ControllerSource
+from palmbots.control.registry import ControllerEntry
+from palmbots.control.resilient_timing import Bounds
+from palmbots.scene.scene import Scene
+from palmbots.simulation.prepare import Prepared
+from palmbots.simulation.trace import trace_dataset
+from palmbots.simulation.warnings import warnings_after
+from palmbots.simulation.worlds import WorldRun
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Carry",
+    "ContactEvent",
+    "Correction",
+    "LinkStatistics",
+    "Message",
+    "make_carry",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """One corrective action. An assisting (c) belongs to the correction that it assists."""
+
+    label: str
+    """A, B, … Z, AA, … in order of their start."""
+    robot: Literal["left", "right", "both"]
+    """Whose contact is corrected."""
+    case: str
+    """``a``, ``b``, ``d`` of Table 2, or ``1`` to ``8`` of Table 1."""
+    assistant: Literal["left", "right"] | None
+    """The robot that assisted; None also where a robot asked and got no answer."""
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEvent:
+    """A time during which the object rested on more, or on something else, than its two contact
+    vertices."""
+
+    robot: Literal["left", "right"]
+    """The robot whose palm had the further contact."""
+    kind: Literal["flush", "tip"]
+    """``flush``: an edge or a further vertex lay on the palm; ``tip``: the palm's tip met an
+    edge."""
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message between robots."""
+
+    sent_s: float
+    received_s: float | None
+    """When the receiver can read it; None if it was lost, or arrived damaged."""
+    sender: Literal["left", "right"]
+    receiver: Literal["left", "right"]
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinkStatistics:
+    """Counts of the messages on one link, in one direction."""
+
+    sent: int
+    delivered: int
+    """All that were not lost, and the duplicates; the last ones may still be in transit."""
+    lost: int
+    duplicated: int
+    expired: int
+    """Received by the resilient algorithm, but older than the lease."""
+    rejected: int
+    """Arrived damaged; or ignored by the resilient algorithm as a duplicate or out of order."""
+
+
+@dataclass(frozen=True, repr=False)
+class Carry(Result):
+    """A finished carry. Dictionaries have the keys ``left`` and ``right``."""
+
+    scene: Scene
+    controller: str
+    world: str
+    precision: str
+    seed: int
+    version: str
+    outcome: Literal["delivered", "dropped", "stalled"]
+    reason: str | None
+    """Why the object was dropped, from a fixed list; None if it was not dropped."""
+    time_s: float
+    distance_m: float
+    contact_rms_m: dict[str, float]
+    contact_peak_m: dict[str, float]
+    """The largest absolute contact coordinate."""
+    corrections: tuple[Correction, ...]
+    """The first 512; `correction_count` is the number of all."""
+    correction_count: int
+    contact_events: tuple[ContactEvent, ...]
+    """When the object rested on more, or on something else, than its two contact vertices."""
+    messages: int
+    """Messages sent, reports and commands of a station included."""
+    messages_lost: int
+    links: dict[str, LinkStatistics]
+    """By direction, as in ``left_to_right`` or ``station_to_left``; only links that were used."""
+    bounds: Bounds | None
+    """The time bounds on which the controller relies; None: it relies on none."""
+    waiting_s: dict[str, float]
+    """How long each robot waited for a message, at its nominal speed."""
+    bump_count: int
+    warnings: tuple[str, ...]
+    trace_hash: str
+    """Equal hashes mean equal traces, to the last bit."""
+    trace: "xr.Dataset | None"
+    """Every tick (None with ``record=False``); the last entry is the end."""
+    message_log: tuple[Message, ...]
+    mujoco_record: Any = None
+    """What the world ``mujoco`` alone keeps, for videos (None with ``record=False``)."""
+    lateral_peak_m: dict[str, float] | None = None
+    """The largest lateral contact coordinate: how far the middle of each contact edge moved across
+    its palm, to the left seen from the left robot to the right one (None in a planar world)."""
+    controller_source: ControllerSource | None = None
+    """Where a Python controller is defined; None: the controller is a shipped one."""
+    controller_entry: ControllerEntry | None = field(default=None, compare=False)
+    """The controller itself; None: this carry was read from a log."""
+
+    def headline(self) -> str:
+        """One line that states the outcome."""
+        way = f"{self.distance_m:.2f} of {self.scene.task.distance_m:.2f} m in {self.time_s:.1f} s"
+        reason = "" if self.reason is None else f" ({self.reason})"
+        place = self.precision if self.world == "quasistatic" else self.world
+        return f"{self.outcome}{reason}: {way}, {self.controller}, seed {self.seed}, {place}"
+
+    def facts(self) -> dict[str, str]:
+        """The main figures."""
+        lost = f", {self.messages_lost} lost" if self.messages_lost else ""
+        facts = {
+            "contact rms": _both_mm(self.contact_rms_m),
+            "contact peak": _both_mm(self.contact_peak_m),
+            "corrections": str(self.correction_count),
+            "messages": f"{self.messages}{lost}",
+            "trace": self.trace_hash,
+        }
+        if self.bump_count:
+            facts["bumps"] = str(self.bump_count)
+        if self.warnings:
+            more = len(self.warnings) - 1
+            facts["warning"] = self.warnings[0] + (f" (and {more} more)" if more else "")
+        return facts
+
+    def plot(self, figure: str = "carry", **options: Any) -> Any:
+        """Draw the carry: ``carry`` (its panels over time) or ``message_sequence``.
+
+        Returns:
+            The `matplotlib.figure.Figure`; save it with its ``savefig``.
+
+        Raises:
+            PalmbotsError: the carry has no trace, or there is no such figure.
+        """
+        one_of("figure", figure, ("carry", "message_sequence"))
+        return FIGURES.get(figure)(self, **options)
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots carry --json`` prints."""
+        return {
+            "outcome": self.outcome,
+            "reason": self.reason,
+            "rest_angle_deg": self.scene.object.rest_angle_deg,
+            "time_s": self.time_s,
+            "distance_m": self.distance_m,
+            "contact_rms_m": self.contact_rms_m,
+            "contact_peak_m": self.contact_peak_m,
+            "corrections": [
+                {field: getattr(c, field) for field in Correction.__slots__}
+                for c in self.corrections
+            ],
+            "correction_count": self.correction_count,
+            "contact_events": [
+                {field: getattr(t, field) for field in ContactEvent.__slots__}
+                for t in self.contact_events
+            ],
+            "messages": self.messages,
+            "messages_lost": self.messages_lost,
+            "links": {name: asdict(counts) for name, counts in self.links.items()},
+            "bounds": None if self.bounds is None else asdict(self.bounds),
+            "waiting_s": self.waiting_s,
+            "bump_count": self.bump_count,
+            "warnings": list(self.warnings),
+            "trace_hash": self.trace_hash,
+            "lateral_peak_m": self.lateral_peak_m,
+            "controller": self.controller,
+            "controller_source": None
+            if self.controller_source is None
+            else asdict(self.controller_source),
+            "world": self.world,
+            "precision": self.precision,
+            "seed": self.seed,
+            "version": self.version,
+            "scene": self.scene.model_dump(),
+        }
+
+
+def make_carry(
+    prepared: Prepared, seed: int, run: WorldRun, *, record: bool, precision: str = "double"
+) -> Carry:
+    """The result of a carry that a world has run, with its trace if `record`."""
+    measured, entry = run.measured, prepared.controller
+    events = measured.contact_events if run.contact_events is None else run.contact_events
+    return Carry(
+        scene=prepared.scene,
+        controller=entry.name,
+        world=prepared.world.name,
+        precision=precision,
+        seed=seed,
+        version=__version__,
+        outcome=measured.outcome,
+        reason=measured.reason,
+        time_s=measured.time_s,
+        distance_m=measured.distance_m,
+        contact_rms_m=_by_side(measured.contact_rms_m),
+        contact_peak_m=_by_side(measured.contact_peak_m),
+        corrections=_corrections(measured.corrections),
+        correction_count=measured.correction_count,
+        contact_events=tuple(
+            ContactEvent(SIDES[side], kind, start, end) for side, kind, start, end in events
+        ),
+        messages=measured.messages,
+        messages_lost=measured.messages_lost,
+        links=_links(measured.links, entry),
+        bounds=prepared.timing,
+        waiting_s=_by_side(measured.waiting_s),
+        bump_count=measured.bumps,
+        warnings=(
+            *prepared.warnings,
+            *run.warnings,
+            *warnings_after(measured, prepared.scene, entry),
+        ),
+        trace_hash=measured.trace_hash,
+        trace=trace_dataset(measured.trace, run.trace) if record else None,
+        message_log=tuple(
+            Message(sent, None if np.isnan(got) else got, SIDES[sender], SIDES[receiver], kind)
+            for sent, got, sender, receiver, kind in measured.message_log
+        ),
+        mujoco_record=run.recording,
+        lateral_peak_m=None if run.lateral_peak_m is None else _by_side(run.lateral_peak_m),
+        controller_source=entry.source,
+        controller_entry=entry,
+    )
+
+
+def _both_mm(metres: dict[str, float]) -> str:
+    return ", ".join(f"{side} {1e3 * metres[side]:.1f} mm" for side in SIDES)
+
+
+def _by_side(pair: tuple[float, float]) -> dict[str, float]:
+    return dict(zip(SIDES, pair, strict=True))
+
+
+def _label(index: int) -> str:
+    """A … Z, AA, AB, …: the labels of Figure 8."""
+    text = ""
+    index += 1
+    while index > 0:
+        index, digit = divmod(index - 1, 26)
+        text = string.ascii_uppercase[digit] + text
+    return text
+
+
+def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
+    robots = ("left", "right", "both")
+    return tuple(
+        Correction(
+            label=_label(i),
+            robot=robots[robot],
+            case=case,
+            assistant=None if assistant < 0 else SIDES[assistant],
+            start_s=start,
+            end_s=end,
+        )
+        for i, (robot, case, assistant, start, end) in enumerate(rows)
+    )
+
+
+def _links(rows: list[Any], controller: ControllerEntry) -> dict[str, LinkStatistics]:
+    """The links that were used, by name."""
+    partners = ("station", "station") if controller.team == "station" else ("right", "left")
+    names = [f"{side}_to_{to}" for side, to in zip(SIDES, partners, strict=True)]
+    names += [f"station_to_{side}" for side in SIDES]
+    return {
+        name: LinkStatistics(sent, sent - lost + copies, lost, copies, expired, rejected)
+        for name, (sent, lost, copies, expired, rejected) in zip(names, rows, strict=True)
+        if sent
+    }

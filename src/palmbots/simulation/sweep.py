@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Controllers compared over a swept scene key, with the same seeds (section 5.3 of the paper)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palmbots._types import Interval, Overrides
+from palmbots._util.arguments import one_of, seed_of, show, whole_number
+from palmbots._util.confidence import Z95, wilson
+from palmbots._util.optional_imports import require
+from palmbots._util.results import Result
+from palmbots._util.text import plural
+from palmbots.control.registry import ControllerLike, resolve, shipped_names
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.variations import with_values
+from palmbots.simulation.batch import DELIVERED, DROPPED, available_cores, run_seeds
+from palmbots.simulation.prepare import Prepared, prepare
+from palmbots.simulation.worlds import PRECISIONS
+from palmbots.wire import PACKET_SIZE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Comparison", "Refusal", "Row", "compare"]
+
+DEFAULT_SWEEP = "radio.latency_s"
+DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One controller at one value of the swept key. Intervals are 95 %; with a single carry those
+    of means are NaN."""
+
+    controller: str
+    key: str
+    value: float
+    n: int
+    """Number of carries."""
+    drop_rate: float
+    interval: Interval
+    """Wilson's interval of the drop rate."""
+    stall_rate: float
+    stall_interval: Interval
+    """Wilson's interval of the stall rate."""
+    rms_m: float
+    """Root mean square of both contact coordinates; of a dropped carry until the drop."""
+    rms_interval_m: Interval
+    messages_per_m: float
+    """Messages sent by all robots and the station."""
+    messages_interval_per_m: Interval
+    bytes_per_s: float
+    """The same as packets of 28 bytes; the data rate of a radio limits it."""
+    corrections: float
+    """Mean number of corrections per carry."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A controller that refuses the scene at one value of the swept key, and why."""
+
+    controller: str
+    value: float
+    reason: str
+
+
+_UNITS = {
+    "drop_rate": "1",
+    "stall_rate": "1",
+    "rms_m": "m",
+    "messages_per_m": "1/m",
+    "bytes_per_s": "B/s",
+    "corrections": "1",
+}
+_INTERVALS = {
+    "interval": "drop_rate_interval",
+    "stall_interval": "stall_rate_interval",
+    "rms_interval_m": "rms_interval_m",
+    "messages_interval_per_m": "messages_interval_per_m",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """Rows for every controller and value, with the same seeds throughout."""
+
+    scene: Scene
+    key: str
+    seed: int
+    rows: tuple[Row, ...]
+    refusals: tuple[Refusal, ...] = ()
+    """Controllers have no row where they refuse the scene."""
+
+    figure = "sweep"
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """The refusals as lines, ``KEY = VALUE: REASON``."""
+        return tuple(f"{self.key} = {r.value:g}: {r.reason}" for r in self.refusals)
+
+    def headline(self) -> str:
+        """One line that states what was compared."""
+        carries = plural(self.rows[0].n, "carry") if self.rows else "no carry"
+        values = plural(len({row.value for row in self.rows}), "value")
+        return f"{self.key}: {values}, {carries} each, seeds from {self.seed}"
+
+    def facts(self) -> dict[str, str]:
+        """The range of the drop rate of each controller."""
+        facts = {}
+        for name in dict.fromkeys(row.controller for row in self.rows):
+            rates = [100 * row.drop_rate for row in self.rows if row.controller == name]
+            facts[name] = f"drops {min(rates):.1f} to {max(rates):.1f} % of carries"
+        if self.refusals:
+            facts["refused"] = plural(len(self.refusals), "value")
+        return facts
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots compare --json`` prints."""
+        return {
+            "rows": [
+                {f.name: _plain(getattr(row, f.name)) for f in fields(row)} for row in self.rows
+            ],
+            "refused": list(self.refused),
+            "key": self.key,
+            "seed": self.seed,
+            "scene": self.scene.model_dump(),
+        }
+
+    def to_xarray(self) -> xr.Dataset:
+        """The rows over the dimensions ``controller`` and ``value``; NaN where one was refused.
+
+        Intervals have the further dimension ``end``, with the entries ``low`` and ``high``.
+        """
+        import xarray as xr
+
+        carries = self.rows[0].n if self.rows else 0
+        cells = [(r.controller, r.value) for r in (*self.rows, *self.refusals)]
+        controllers = list(dict.fromkeys(name for name, _ in cells))
+        values = sorted({value for _, value in cells})
+        shape = (len(controllers), len(values))
+        found = {(row.controller, row.value): row for row in self.rows}
+        dims = ("controller", "value")
+
+        def column(field: str, *more: int) -> NDArray[np.float64]:
+            array = np.full((*shape, *more), np.nan)
+            for (name, value), row in found.items():
+                array[controllers.index(name), values.index(value)] = getattr(row, field)
+            return array
+
+        variables: dict[str, Any] = {
+            name: (dims, column(name), {"units": unit}) for name, unit in _UNITS.items()
+        }
+        variables |= {
+            name: ((*dims, "end"), column(field, 2)) for field, name in _INTERVALS.items()
+        }
+        return xr.Dataset(
+            variables,
+            coords={"controller": controllers, "value": values, "end": ["low", "high"]},
+            attrs={"key": self.key, "seed": self.seed, "carries": carries},
+        )
+
+    def to_dataframe(self) -> Any:
+        """One line per row as a `pandas.DataFrame`, interval ends in columns of their own.
+
+        Raises:
+            PalmbotsError: pandas is not installed.
+        """
+        frame: Any = require("pandas", "study").DataFrame
+        lines = []
+        for row in self.rows:
+            line: dict[str, Any] = {}
+            for f in fields(row):
+                entry = getattr(row, f.name)
+                if f.name in _INTERVALS:
+                    line[f"{f.name}_low"], line[f"{f.name}_high"] = entry
+                else:
+                    line[f.name] = entry
+            lines.append(line)
+        return frame(lines)
+
+
+def _plain(entry: Any) -> Any:
+    """An entry of a row as JSON has it; NaN becomes null."""
+    if isinstance(entry, tuple):
+        return [_plain(end) for end in entry]
+    return None if isinstance(entry, float) and math.isnan(entry) else entry
+
+
+def compare(
+    scene: SceneLike = "paper",
+    *,
+    key: str = DEFAULT_SWEEP,
+    values: Sequence[float] | None = None,
+    controllers: Sequence[ControllerLike] | None = None,
+    carries: int = 200,
+    seed: int = 0,
+    precision: str = "double",
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Comparison:
+    """Run every controller at every value of a numeric scene key, with the same seeds.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``object.com_m[0]``.
+        values: its values; None: eight radio latencies.
+        controllers: which ones, as in `palmbots.carry`; None: all shipped ones. One in Python runs
+            about 1000 times slower, so lower `carries` with it.
+        carries: carries per controller and value; the seeds are seed, seed + 1, …
+        seed: the first seed.
+        precision: ``double`` or ``float``.
+        overrides: further scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: a scene cannot be read or is invalid.
+        PalmbotsError: another argument is not allowed.
+    """
+    entries = [resolve(c) for c in (shipped_names() if controllers is None else controllers)]
+    _each_once("controllers", [entry.name for entry in entries])
+    one_of("precision", precision, PRECISIONS)
+    carries = whole_number("carries", carries, 1, 10**8)
+    seed = seed_of(seed)
+    if not isinstance(key, str):
+        raise SceneError(f"sweep: {show(key)} is not a key; allowed: a dotted key")
+    if values is None:
+        if key != DEFAULT_SWEEP:
+            raise PalmbotsError(f"values: none given; allowed: numbers for {key}")
+        values = DEFAULT_VALUES
+    base = load_scene(scene, overrides)
+    scenes = [with_values(base, [key], [value], called="sweep:") for value in values]
+    _each_once("values", values)
+    rows, refusals = [], []
+    cells = [(e, v, s) for e in entries for v, s in zip(values, scenes, strict=True)]
+    for i, (entry, value, at) in enumerate(cells):
+
+        def report(fraction: float, i: int = i) -> None:
+            if on_progress is not None:
+                on_progress((i + fraction) / len(cells))
+
+        try:
+            prepared = prepare(at, entry)
+        except SceneError as error:
+            refusals.append(Refusal(entry.name, value, str(error)))
+        else:
+            rows.append(_cell(prepared, key, value, carries, seed, precision, report))
+        report(1.0)
+    return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows), refusals=tuple(refusals))
+
+
+def _each_once(what: str, given: Sequence[object]) -> None:
+    """Raise `PalmbotsError` for an empty list, or for an entry that is given twice."""
+    if len(given) == 0:
+        raise PalmbotsError(f"{what}: none given; allowed: at least one")
+    for i, one in enumerate(given):
+        if one in given[:i]:
+            raise PalmbotsError(f"{what}: {show(one)} is given twice; allowed: each one once")
+
+
+def _cell(
+    prepared: Prepared,
+    key: str,
+    value: float,
+    n: int,
+    seed: int,
+    precision: str,
+    report: Callable[[float], None],
+) -> Row:
+    run = run_seeds(
+        prepared.spec,
+        prepared.controller,
+        seed,
+        n,
+        precision,
+        threads=available_cores(),
+        watch=lambda finished: report(finished / n),
+    )
+    dropped = int(np.count_nonzero(run["outcome"] == DROPPED))
+    delivered = int(np.count_nonzero(run["outcome"] == DELIVERED))
+    square, low, high = _ratio(np.mean(run["contact_rms_m"] ** 2, axis=1), np.ones(n))
+    sent = run["messages"].astype(float)
+    messages, *messages_interval = _ratio(sent, run["distance_m"])
+    return Row(
+        controller=prepared.controller.name,
+        key=key,
+        value=value,
+        n=n,
+        drop_rate=dropped / n,
+        interval=wilson(dropped, n),
+        stall_rate=(n - dropped - delivered) / n,
+        stall_interval=wilson(n - dropped - delivered, n),
+        rms_m=math.sqrt(square),
+        rms_interval_m=(math.sqrt(low), math.sqrt(high)),
+        messages_per_m=messages,
+        messages_interval_per_m=(messages_interval[0], messages_interval[1]),
+        bytes_per_s=PACKET_SIZE * _ratio(sent, run["time_s"])[0],
+        corrections=float(np.mean(run["corrections"])),
+    )
+
+
+def _ratio(of: NDArray[Any], to: NDArray[Any]) -> tuple[float, float, float]:
+    """The ratio of two sums over carries and its 95 % interval, from the scatter of the carries.
+
+    The low end is not below 0. A single carry gives the ratio alone, with an interval of NaN.
+    """
+    total = float(np.sum(to))
+    if total <= 0:  # no carry advanced
+        return 0.0, 0.0, 0.0
+    n, ratio = len(of), float(np.sum(of)) / total
+    if n == 1:  # no scatter is known
+        return ratio, math.nan, math.nan
+    half = Z95 * float(np.std(of - ratio * to, ddof=1)) * math.sqrt(n) / total
+    return ratio, max(ratio - half, 0.0), ratio + half

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The trace of a carry: which variables it has, and their arrays as a labelled dataset.
+
+Every variable has the attributes ``units``, ``long_name`` and ``log_field``, its name in carry
+logs, so that a log writer needs no list of its own.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from palmbots._types import SIDES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["VARIABLES", "trace_dataset"]
+
+
+def _attrs(units: str, long_name: str, log_field: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name, "log_field": log_field}
+
+
+# The field in logs is also the name in the core.
+VARIABLES = {
+    "contact": _attrs("m", "contact coordinate p, outward from the pivot", "contact_m"),
+    "vertex_height": _attrs("m", "height of the contact vertex above its palm", "vertex_height_m"),
+    "palm": _attrs("rad", "palm angle", "palm_rad"),
+    "speed": _attrs("m/s", "speed over the following tick", "speed_m_s"),
+    "commanded": _attrs("m/s", "commanded speed", "commanded_m_s"),
+    "separation": _attrs("m", "separation of the pivots", "separation_m"),
+    "midpoint": _attrs("m", "advance of the midpoint of the pivots", "midpoint_m"),
+    "object": _attrs("rad", "angle of the object", "object_rad"),
+    "sign": _attrs("1", "tactile sign", "sign"),
+    "case": _attrs("1", "case of the controller, blank for none", "case"),
+    "motion": _attrs("1", "contact slides down (-1), sticks (0), slides up (+1)", "motion"),
+}
+"""Attributes of the variables that every world records."""
+
+
+def trace_dataset(
+    trace: Mapping[str, np.ndarray],
+    more: Mapping[str, tuple[np.ndarray, Mapping[str, str]]] | None = None,
+) -> "xr.Dataset":
+    """The arrays of a trace, named as the core names them, as a labelled dataset.
+
+    Args:
+        trace: the arrays of the core.
+        more: variables (values, attributes) that a world adds, or that replace those of the core.
+    """
+    variables: dict[str, Any] = {}
+    for name, attrs in VARIABLES.items():
+        values = trace[attrs["log_field"]]
+        if name == "case":
+            values = values.view("S1").astype("U1")
+        dims = ("time", "side") if values.ndim == 2 else ("time",)
+        variables[name] = (dims, values, dict(attrs))
+    for name, (values, attrs) in (more or {}).items():
+        variables[name] = (("time", "side"), values, dict(attrs))
+    time = ("time", trace["time_s"], _attrs("s", "time", "time_s"))
+    import xarray as xr  # here, because importing it takes longer than a carry
+
+    return xr.Dataset(variables, coords={"time": time, "side": list(SIDES)})

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Warnings at the end of a carry, from what the core measured."""
+
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots.control.registry import ControllerEntry
+from palmbots.scene.scene import Scene
+
+__all__ = ["warnings_after"]
+
+_PATIENCE_S = 2.0  # how long an answer may take, besides the delay of the radio
+
+
+def warnings_after(measured: Any, scene: Scene, controller: ControllerEntry) -> tuple[str, ...]:
+    """The warnings of a finished carry."""
+    lines = _standing(measured) if controller.is_periodic else _waiting(measured, scene)
+    lines += [
+        f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
+        for side, cycles in zip(SIDES, measured.limit_cycle, strict=True)
+        if cycles
+    ]
+    if measured.correction_count > len(measured.corrections):
+        lines.append(f"{measured.correction_count} corrections; only the first are listed")
+    if measured.contact_event_count > len(measured.contact_events):
+        lines.append(f"{measured.contact_event_count} contact events; only the first are listed")
+    return tuple(lines)
+
+
+def _standing(measured: Any) -> list[str]:
+    """Robots that stand at the end of a carry that timed out."""
+    if measured.outcome != "stalled":
+        return []
+    return [
+        f"the {side} robot stands: it hears nothing fresh from its partner, or waits for p = 0"
+        for side, stands in zip(SIDES, measured.stopped, strict=True)
+        if stands
+    ]
+
+
+def _waiting(measured: Any, scene: Scene) -> list[str]:
+    """Robots that still wait at the end of a carry with lost messages; they would wait forever."""
+    damaged = any(rejected for *_, rejected in measured.links)
+    if measured.messages_lost == 0 and not damaged:
+        return []
+    longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
+    names = {"": "a message", "Ack": "an Ack", "TiltDown": "a TiltDown"}
+    return [
+        f"{side} has waited since {since:.1f} s for {names[kind]} that does not arrive "
+        f"(a message {'was lost' if measured.messages_lost else 'arrived damaged'})"
+        for side, (since, duration, kind) in zip(SIDES, measured.hanging, strict=True)
+        if duration > longest
+    ]

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tolerance and clearance of every pair of palm angles of a grid.
+
+The core evaluates each pair exactly, so the best pair is the best of the whole grid. A pair is
+admissible if its tolerance is positive, which means that properties 0, 1 and 2 hold with either
+palm shallow, if the outline clears the palms, and if the two angles differ by a given minimum.
+Source: MECHANICS sections 3 and 5; paper, section 5.1.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palmbots._types import Interval
+from palmbots._util.arguments import show, two_numbers
+from palmbots.errors import PalmbotsError
+from palmbots.stability.problem import StabilityProblem
+from palmbots.stability.reaction_region import Reaction
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["QUANTITIES", "AngleGrid", "GridLimits", "Quantity", "Uncertainty", "evaluate"]
+
+Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"]
+
+QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
+    # number in the core, largest tolerance, unit, scale and name in figures and reports
+    "com": (0, math.inf, "m", 1e3, "COM along the object [± mm]"),
+    "friction": (1, 2.0, "", 1.0, "friction [±]"),
+    "slope": (2, 1.0, "tangent", 1.0, "slope [± tangent]"),
+    "acceleration": (2, 1.0, "g", 1.0, "acceleration [± g]"),
+    "region": (3, math.inf, "m", 1e3, "contact coordinate [± mm]"),
+    "angle": (4, math.radians(30), "rad", 180 / math.pi, "palm angle [± °]"),
+}
+
+_LARGEST_TOLERANCE = 10.0
+_ROUNDING_DEG = 1e-9
+
+Grid = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GridLimits:
+    """The grid of angles and the conditions that a pair must meet.
+
+    Raises:
+        PalmbotsError: a value is out of range.
+    """
+
+    range_deg: Interval
+    resolution_deg: float
+    min_difference_deg: float
+    min_clearance_deg: float
+
+    def __post_init__(self) -> None:
+        low, high = two_numbers("angle_range_deg", self.range_deg)
+        if not (math.isfinite(self.resolution_deg) and 0.01 <= self.resolution_deg <= 10):
+            raise PalmbotsError(
+                f"resolution_deg: value is {show(self.resolution_deg)}; allowed: 0.01 to 10 degrees"
+            )
+        if not -45 <= low < high <= 75:
+            raise PalmbotsError(
+                f"angle_range_deg: value is {show([low, high])}; allowed: two numbers, the lower "
+                "one first, from -45 to 75"
+            )
+        if not 0 < self.min_difference_deg <= high - low:
+            raise PalmbotsError(
+                f"min_angle_difference_deg: value is {show(self.min_difference_deg)}; allowed: "
+                f"more than 0, up to {high - low:g}"
+            )
+        if not 0 <= self.min_clearance_deg <= 90:
+            raise PalmbotsError(
+                f"min_clearance_deg: value is {show(self.min_clearance_deg)}; allowed: 0 to 90"
+            )
+
+    def angles_deg(self) -> Grid:
+        """The angles of the grid: multiples of the resolution within the range."""
+        low, high = self.range_deg
+        step = self.resolution_deg
+        steps = np.arange(math.ceil(low / step), math.floor(high / step) + 1)
+        return np.round(steps * step, 6).astype(np.float64)
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Intervals over which the properties have to hold at every pair of angles."""
+
+    friction: tuple[Interval, Interval]
+    """Of the left and of the right palm."""
+    common_friction: bool
+    com_y: Interval | None
+    slope: Interval | None
+    """Specific force towards −x, as `StabilityProblem.slope`."""
+
+
+@dataclass(frozen=True)
+class AngleGrid:
+    """Results over all pairs; axis 0 is the shallow angle, axis 1 the steep one."""
+
+    degrees: Grid
+    tolerance: Grid
+    """In the unit of the quantity; negative: a property fails at the scene's own values."""
+    clearance_deg: Grid
+    admissible: NDArray[np.bool_]
+    reach_m: Grid | None
+    """Region half-width at each pair; None: the region does not depend on the angles."""
+
+    @property
+    def difference_deg(self) -> Grid:
+        """Steep minus shallow angle."""
+        return self.degrees[np.newaxis, :] - self.degrees[:, np.newaxis]
+
+    def best(self) -> tuple[int, int]:
+        """Row and column of the admissible pair with the largest tolerance.
+
+        Ties go to the pair with the smallest difference, since its palms turn fastest.
+        """
+        tolerance = np.where(self.admissible, self.tolerance, -np.inf)
+        ties = np.argwhere(tolerance >= tolerance.max() * (1 - 1e-9))
+        difference = self.difference_deg
+        row, column = min(ties, key=lambda rc: (difference[rc[0], rc[1]], self.degrees[rc[0]]))
+        return int(row), int(column)
+
+    def tolerance_at(self, shallow_deg: float, steep_deg: float) -> float | None:
+        """The tolerance of one pair; None: not on the grid, or the pair fails or touches."""
+        places = [
+            np.flatnonzero(np.abs(self.degrees - angle) < _ROUNDING_DEG)
+            for angle in (shallow_deg, steep_deg)
+        ]
+        if any(len(place) == 0 for place in places):
+            return None
+        row, column = (int(place[0]) for place in places)
+        value = float(self.tolerance[row, column])
+        return value if value >= 0 and self.clearance_deg[row, column] >= 0 else None
+
+    def refusal(self, limits: GridLimits) -> str:
+        """Why no pair is admissible."""
+        holds = self.tolerance > 0
+        if not holds.any():
+            return (
+                "the properties hold at no pair; allow less uncertainty, a smaller region or more "
+                "friction"
+            )
+        apart = holds & (self.difference_deg >= limits.min_difference_deg - _ROUNDING_DEG)
+        if not apart.any():
+            most = float(self.difference_deg[holds].max())
+            return (
+                f"where the properties hold, the angles differ by at most {most:g}°; "
+                "lower min_angle_difference_deg"
+            )
+        clear = float(np.nanmax(np.where(apart, self.clearance_deg, -np.inf)))
+        return (
+            f"where the properties hold, the clearance is at most {clear:.2f}°, less than "
+            f"{limits.min_clearance_deg:g}°; lower min_clearance_deg, put feet under the object or "
+            "choose a smaller region"
+        )
+
+    def dataset(self, quantity: Quantity, limits: GridLimits) -> "xr.Dataset":
+        """The grid as a labelled dataset."""
+        import xarray as xr  # here: its import takes longer than a carry
+
+        about = {"units": QUANTITIES[quantity][2], "long_name": f"tolerance of {quantity}"}
+        axes = ("shallow", "steep")
+        coordinates = {name: (name, self.degrees, {"units": "degrees"}) for name in axes}
+        return xr.Dataset(
+            {
+                "tolerance": (axes, self.tolerance, about),
+                "clearance": (axes, self.clearance_deg, {"units": "degrees"}),
+                "allowed": (axes, self.admissible),
+            },
+            coords=coordinates,
+            attrs={
+                "min_clearance_deg": limits.min_clearance_deg,
+                "min_angle_difference_deg": limits.min_difference_deg,
+            },
+        )
+
+
+def evaluate(
+    problem: StabilityProblem,
+    quantity: Quantity,
+    limits: GridLimits,
+    uncertainty: Uncertainty,
+    implied: Reaction | None,
+) -> AngleGrid:
+    """Evaluate all pairs of the grid.
+
+    Args:
+        problem: the scene's problem; its own angles do not matter.
+        quantity: whose error is tolerated.
+        limits: the grid and the conditions.
+        uncertainty: intervals over which the properties have to hold.
+        implied: the region that the scene implies at every pair; None: the problem's region.
+
+    Raises:
+        PalmbotsError: no pair is admissible.
+    """
+    degrees = limits.angles_deg()
+    radians = np.radians(degrees)
+    reach = None if implied is None else np.minimum(implied.reach_m, min(problem.half_length))
+    envelope = problem.envelope(
+        com_y=uncertainty.com_y,
+        friction=uncertainty.friction,
+        common=uncertainty.common_friction,
+        slope=uncertainty.slope,
+    )
+    number, most, *_ = QUANTITIES[quantity]
+    if quantity == "region":
+        most = min(problem.half_length)
+    tolerance, clearance = envelope.map(
+        radians,
+        radians,
+        (problem.com[0], problem.com[0]),
+        number,
+        min(most, _LARGEST_TOLERANCE),
+        np.empty((0, 0)) if reach is None else np.ascontiguousarray(reach),
+    )
+    clearance_deg = np.degrees(clearance)
+    difference = degrees[np.newaxis, :] - degrees[:, np.newaxis]
+    admissible = (
+        (tolerance > 0)
+        & (clearance_deg >= limits.min_clearance_deg)
+        & (difference >= limits.min_difference_deg - _ROUNDING_DEG)
+    )
+    grid = AngleGrid(degrees, tolerance, clearance_deg, admissible, reach)
+    if not admissible.any():
+        raise PalmbotsError(f"no pair of angles qualifies: {grid.refusal(limits)}")
+    return grid

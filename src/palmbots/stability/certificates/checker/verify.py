@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Verification of certificates with exact rational numbers, independent of the prover.
+
+The conditions that have to hold at the corners of a box, and why the corners suffice, are in
+`property_conditions` for the properties and in `clearance_conditions` for the clearance. Where the
+corners of the whole box do not suffice, the certificate states at which value of which quantity to
+bisect it. The checker follows these bisections and trusts nothing else in the file: it reads the
+box again, compares it with the scene that the certificate states, and lists the obligations itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from os import PathLike
+from typing import Any
+
+from palmbots._util.arguments import show
+from palmbots._util.results import Result
+from palmbots.errors import SceneError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.stability.certificates.checker.box_text import box_facts, scene_text
+from palmbots.stability.certificates.checker.certificate_file import number, read_certificate
+from palmbots.stability.certificates.checker.claimed_box import ClaimedBox, read_box
+from palmbots.stability.certificates.checker.clearance_conditions import (
+    prove_clear,
+    prove_touching,
+)
+from palmbots.stability.certificates.checker.enclosures import Ends
+from palmbots.stability.certificates.checker.property_conditions import (
+    Box,
+    CheckFailed,
+    ObjectParams,
+    corners,
+    prove_property,
+    refute_property,
+)
+from palmbots.stability.certificates.checker.required_obligations import (
+    Obligation,
+    required_obligations,
+)
+from palmbots.stability.certificates.checker.scene_comparison import (
+    has_outline_of,
+    values_outside,
+)
+
+__all__ = ["CheckResult", "check"]
+
+
+@dataclass(frozen=True, repr=False)
+class CheckResult(Result):
+    """The result of a check."""
+
+    valid: bool
+    claim: str
+    reason: str
+    """The first fault of a certificate that is not valid; empty: there is none."""
+    box: dict[str, Any] = field(default_factory=dict)
+    """The box, as in the file; empty where it cannot be read."""
+    scene: dict[str, Any] = field(default_factory=dict)
+    """The scene that the certificate states."""
+    box_text: dict[str, str] = field(default_factory=dict)
+    """The box with units, by quantity, and the keys of the scene."""
+    outside: tuple[str, ...] = ()
+    """Values of that scene that lie outside of the box, so that the certificate says nothing about
+    the scene itself."""
+
+    def headline(self) -> str:
+        """Whether the certificate is valid, and its claim."""
+        if self.valid:
+            return f"VALID certificate: {self.claim}"
+        return f"INVALID certificate: {self.reason}"
+
+    def facts(self) -> dict[str, str]:
+        """The box and the scene."""
+        return self.box_text
+
+    def summary(self) -> dict[str, Any]:
+        """The object that ``palmbots check --json`` prints."""
+        return {
+            "valid": self.valid,
+            "claim": self.claim,
+            "reason": self.reason,
+            "box": self.box,
+            "outside": list(self.outside),
+            "scene": self.scene,
+        }
+
+
+def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> CheckResult:
+    """Verify a certificate file.
+
+    Args:
+        certificate: the file.
+        scene: a scene with which to compare the box, in any form that `load_scene` reads. The
+            certificate is valid only if the box has the scene's outline and contains its values.
+            None: the box is compared with the scene that the certificate states; its values may lie
+            outside of the box (`CheckResult.outside`), but the outline must be the same.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: the file cannot be read, is not a certificate or has another format.
+    """
+    data = read_certificate(certificate)
+    given = None if scene is None else load_scene(scene)
+    verdict, claims = data.get("verdict"), data.get("claims")
+    if not isinstance(claims, list) or not all(isinstance(c, str) for c in claims):
+        return CheckResult(False, "", "claims is not a list of names")
+    one_of_them = "at least one of " if verdict == "fails" and len(claims) > 1 else ""
+    result = CheckResult(False, f"{verdict}: {one_of_them}{', '.join(claims)}", "")
+    try:
+        box = read_box(data["box"])
+        result = replace(result, box=data["box"], box_text=box_facts(box))
+        own = _stated_scene(data)
+        result = replace(
+            result,
+            scene=data["scene"],
+            box_text=result.box_text | {"scene": scene_text(own)},
+            outside=values_outside(box, own),
+        )
+        _require_scene(box, own, given)
+        if verdict == "holds":
+            _check_holds(box, data)
+        elif verdict == "fails":
+            _check_fails(box, data)
+        else:
+            raise CheckFailed("the verdict is neither 'holds' nor 'fails'")
+    except CheckFailed as error:
+        return replace(result, reason=str(error))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        return replace(result, reason=f"is incomplete or malformed: {error!r}")
+    return replace(result, valid=True)
+
+
+def _stated_scene(data: dict[str, Any]) -> Scene:
+    if not isinstance(data["scene"], dict):
+        raise CheckFailed("scene is not a table")
+    try:
+        return load_scene(data["scene"])
+    except SceneError as error:
+        raise CheckFailed(str(error)) from None
+
+
+def _require_scene(box: ClaimedBox, stated: Scene, given: Scene | None) -> None:
+    """The outline must be that of the stated scene; a given scene must be in the box."""
+    if not has_outline_of(box, stated):
+        raise CheckFailed("the outline of the box is not the object of the certificate's scene")
+    if given is None:
+        return
+    if not has_outline_of(box, given):
+        raise CheckFailed("the certificate is about another object than the scene's")
+    outside = values_outside(box, given)
+    if outside:
+        raise CheckFailed(f"the scene is not in the box: {'; '.join(outside)}")
+
+
+def _follow(tree: Any, box: Box, prove: Callable[[Box], None]) -> None:
+    """Follow the bisections of a proof down to boxes whose corners suffice."""
+    pending = [(tree, box)]
+    while pending:
+        node, part = pending.pop()
+        if node == "corners":
+            prove(part)
+            continue
+        if not (isinstance(node, list) and len(node) == 4 and isinstance(node[0], str)):
+            raise CheckFailed("a proof is neither 'corners' nor [quantity, value, below, above]")
+        low, high = part.halves(node[0], number(node[1]))
+        pending += [(node[3], high), (node[2], low)]
+
+
+def _check_holds(box: ClaimedBox, certificate: dict[str, Any]) -> None:
+    for name, obligation in required_obligations(box, certificate["claims"]).items():
+        whole = Box(
+            obligation.angles, box.friction, box.width, obligation.contacts, box.common_friction
+        )
+
+        def prove(part: Box, obligation: Obligation = obligation) -> None:
+            if obligation.claim == "clearance":
+                prove_clear(obligation.side, part, box.params, box.outline)
+            else:
+                at = list(corners(part, box.params))
+                prove_property(obligation.number, obligation.side, at)
+
+        try:
+            _follow(certificate["proof"][name], whole, prove)
+        except KeyError:
+            raise CheckFailed(f"the proof of {name!r} is missing") from None
+        except CheckFailed as error:
+            raise CheckFailed(f"{name}: {error}") from None
+
+
+def _check_fails(box: ClaimedBox, certificate: dict[str, Any]) -> None:
+    """Require that a claim certainly fails at one point of the box."""
+    witness = certificate["witness"]
+    obligations = required_obligations(box, certificate["claims"])
+    if witness["claim"] not in obligations:
+        raise CheckFailed(f"{show(witness['claim'])} is not claimed")
+    obligation = obligations[witness["claim"]]
+
+    def both(key: str, within: tuple[Ends, Ends]) -> tuple[Ends, Ends]:
+        left, right = (number(witness[key][side]) for side in ("left", "right"))
+        return _inside(left, within[0]), _inside(right, within[1])
+
+    angles = both("angle_deg", obligation.angles)
+    contacts = both("contacts_m", obligation.contacts)
+    offset = both("offset_m", box.params.offset)
+    w = _inside(number(witness["width_m"]), box.width)
+    if obligation.claim == "clearance":
+        unused = (Fraction(0), Fraction(0))
+        point = Box(angles, (unused, unused), w, contacts, False)
+        half_length = both("half_length_m", box.outline.half_length)
+        edge = witness["edge"]
+        if type(edge) is not int or not 0 <= edge < len(box.outline.outline):
+            raise CheckFailed(f"{show(edge)} is not an edge of the outline")
+        prove_touching(
+            obligation.side,
+            edge,
+            point,
+            replace(box.params, offset=offset),
+            replace(box.outline, half_length=half_length),
+        )
+        return
+    mu = both("friction", box.friction)
+    if box.common_friction and mu[0] != mu[1]:
+        raise CheckFailed("the witness is not a point of the box")
+    x, y = (number(value) for value in witness["com_m"])
+    if (x, y) not in box.params.com:
+        raise CheckFailed("the witness is not a point of the box")
+    slope = _inside(number(witness["slope"]), box.params.slope)
+    params = ObjectParams(((x, y),), slope, offset)
+    point = Box(angles, mu, w, contacts, False)
+    refute_property(
+        obligation.number, obligation.side, witness["fails"], list(corners(point, params))
+    )
+
+
+def _inside(value: Fraction, ends: Ends) -> Ends:
+    if not ends[0] <= value <= ends[1]:
+        raise CheckFailed("the witness is not a point of the box")
+    return value, value

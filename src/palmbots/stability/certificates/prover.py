@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Certificates: proofs that the properties hold everywhere in a box of uncertainty, or fail in it.
+
+The prover uses ball arithmetic (Arb, through python-flint), which includes rounding and
+trigonometry. The claims consist of obligations (`obligations`). Each is proved at the corners of
+its part of the box: properties 0, 1 and 2 in `property_proof`, and the clearance of the outline
+from palms of finite length in `clearance_proof`. Where the corners do not suffice, the part is
+bisected along the quantity with the largest effect, and each half is proved. The file contains the
+scene, the box, the claims and the bisections, and nothing else. `palmbots.check` verifies it with
+exact rational numbers and separate code. Source: MECHANICS section 3, "Vertex certificate".
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, Literal
+
+from palmbots._types import Overrides
+from palmbots._util.arguments import one_of, show
+from palmbots._util.atomic_files import write_whole
+from palmbots._util.results import Result
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import refuse_curved
+from palmbots.stability.certificates.box_from_scene import INTERVALS, box_of
+from palmbots.stability.certificates.obligations import (
+    CLAIMS,
+    Obligation,
+    Subbox,
+    bisect,
+    obligations,
+)
+from palmbots.stability.certificates.parameter_box import Box, text
+
+__all__ = ["Certificate", "certify", "prove"]
+
+_FORMAT = "palmbots certificate 3"
+_MAX_BOXES = 20_000
+_BITS = 128
+
+Verdict = Literal["holds", "fails", "undecided"]
+Claims = Sequence[str] | None
+
+
+@dataclass(frozen=True, repr=False)
+class Certificate(Result):
+    """The result of a proof; `data` is the content of the file."""
+
+    verdict: Verdict
+    data: dict[str, Any]
+    parts: int
+    """Number of boxes whose corners were evaluated."""
+    undecided: str = ""
+    """The first obligation that was neither proved nor refuted."""
+
+    def headline(self) -> str:
+        """The verdict and the claims."""
+        claims = self.data["claims"]
+        one_of_them = "at least one of " if self.verdict == "fails" and len(claims) > 1 else ""
+        return f"certificate: {self.verdict}: {one_of_them}{', '.join(claims)}"
+
+    def facts(self) -> dict[str, str]:
+        """The number of boxes, and the reason where the claims do not hold."""
+        facts = {"boxes": str(self.parts)}
+        if self.verdict == "fails":
+            facts["fails at"] = self.data["witness"]["claim"]
+        if self.undecided:
+            facts["undecided"] = self.undecided
+        return facts
+
+    def summary(self) -> dict[str, Any]:
+        """The object that ``palmbots certify --json`` prints."""
+        return self.data | {"parts": self.parts}
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the certificate, the whole file or nothing."""
+        write_whole(path, json.dumps(self.data, indent=1) + "\n")
+
+
+def prove(
+    box: Box, claims: Claims = None, *, scene: Scene, max_boxes: int = _MAX_BOXES
+) -> Certificate:
+    """Prove or refute the claims for a whole box.
+
+    Args:
+        box: the box of uncertainty.
+        claims: some of `CLAIMS`; None: all.
+        scene: the scene of the box, which the certificate states.
+        max_boxes: number of boxes after which the claims count as undecided.
+
+    Raises:
+        PalmbotsError: there is no claim, or an unknown one.
+    """
+    names = CLAIMS if claims is None else claims
+    if isinstance(names, str) or not names:
+        raise PalmbotsError(f"claims: value is {show(names)}; allowed: some of {list(CLAIMS)}")
+    for name in names:
+        one_of("claims", name, CLAIMS)
+    from flint import ctx  # here and in `_method`: its import is slow
+
+    with ctx.workprec(_BITS):
+        return _prove(box, tuple(names), scene, max_boxes)
+
+
+def _method(obligation: Obligation) -> Any:
+    """The module that proves an obligation."""
+    from palmbots.stability.certificates import clearance_proof, property_proof
+
+    return clearance_proof if obligation.claim == "clearance" else property_proof
+
+
+def _halves(box: Box, obligation: Obligation, part: Subbox) -> Any:
+    if obligation.claim != "clearance":
+        return bisect(box, part)
+    # Where palms of any length are clear, the contact coordinate does not matter.
+    contacts = not _method(obligation).endless(box, obligation, part)
+    return bisect(box, part, obligation.side, contacts=contacts)
+
+
+def _prove(box: Box, claims: tuple[str, ...], scene: Scene, max_boxes: int) -> Certificate:
+    head = {
+        "format": _FORMAT,
+        "claims": list(claims),
+        "scene": scene.model_dump(),
+        "box": box.as_dict(),
+    }
+
+    def fails(witness: dict[str, Any], parts: int) -> Certificate:
+        return Certificate("fails", head | {"verdict": "fails", "witness": witness}, parts)
+
+    parts = 0
+    proof: dict[str, Any] = {}
+    required = list(obligations(box, claims))
+    for obligation in required:
+        witness = _method(obligation).refuted(box, obligation, obligation.part)
+        if witness is not None:
+            return fails(witness, parts)
+    for obligation in required:
+        root: list[Any] = [None]
+        pending: list[tuple[Subbox, list[Any], int]] = [(obligation.part, root, 0)]
+        while pending:
+            part, node, index = pending.pop()
+            parts += 1
+            if _method(obligation).proved(box, obligation, part):
+                node[index] = "corners"
+                continue
+            halves = _halves(box, obligation, part)
+            is_last = halves is None or parts > max_boxes
+            # The witness may lie inside the box, and a palm may touch between its corners.
+            if is_last or obligation.claim == "clearance":
+                witness = _method(obligation).refuted(box, obligation, part)
+                if witness is not None:
+                    return fails(witness, parts)
+            if halves is None or is_last:
+                return Certificate(
+                    "undecided", head | {"verdict": "undecided"}, parts, obligation.name
+                )
+            name, at, low, high = halves
+            child: list[Any] = [name, text(at), None, None]
+            node[index] = child
+            pending += [(high, child, 3), (low, child, 2)]
+        proof[obligation.name] = root[0]
+    return Certificate("holds", head | {"verdict": "holds", "proof": proof}, parts)
+
+
+def certify(
+    scene: SceneLike = "paper",
+    *,
+    claims: Claims = None,
+    max_boxes: int = _MAX_BOXES,
+    common_friction: bool = False,
+    overrides: Overrides = None,
+    **intervals: Any,
+) -> Certificate:
+    """Prove that the properties hold everywhere in a box of uncertainty, or that they do not.
+
+    Args:
+        scene: a built-in name, a file, a table or a `Scene`.
+        claims: what to prove, some of `CLAIMS`; None: all.
+        max_boxes: number of boxes after which the claims count as undecided.
+        common_friction: True: both palms have the same coefficient, which may be any of the
+            interval; False: each palm has its own.
+        overrides: scene keys to set.
+        intervals: (low, high) of ``com_x_m``, ``com_y_m``, ``friction``, ``friction_right`` (where
+            it differs), ``shallow_deg``, ``steep_deg``, ``width_m``, ``length_m``, ``offset_m``,
+            ``slope_deg`` (uphill in the direction of travel > 0, from -45 to 45) or ``region_m``
+            (contact coordinates); or ``com_polygon_m``, a list of points, instead of ``com_x_m``
+            and ``com_y_m``. Quantities without an interval are exactly as in the scene.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: an interval or a claim is unknown, or an interval is out of range.
+    """
+    for name in intervals:
+        one_of("certify", name, INTERVALS)
+    chosen = load_scene(scene, overrides)
+    refuse_curved(chosen)
+    box = box_of(chosen, common_friction=common_friction, **intervals)
+    return prove(box, claims, scene=chosen, max_boxes=max_boxes)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Diagnosis after a drop: the properties that fail even under the best conditions of a scene.
+
+The best conditions are the nominal angles, friction and COM, with contacts that never leave the
+zero zone of the sensor. A property that fails there also fails on the whole palm, so
+`palmbots analyze` reports the reason.
+"""
+
+import shlex
+from collections.abc import Sequence
+
+from palmbots._types import SIDES
+from palmbots.control.dead_band import zero_zone_edges_m
+from palmbots.control.registry import describe
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
+from palmbots.stability.problem import Pair, permitted, stability_problem
+
+__all__ = ["analyze_hint", "missing_properties"]
+
+
+def missing_properties(scene: Scene, controller: str) -> tuple[int, ...]:
+    """The properties (0, 1, 2) that fail with contacts in the zero zone.
+
+    The controller ``none`` turns no palm, so for it only one condition counts, reported as 0: two
+    steep palms hold the object. Empty for a scene to which planar mechanics do not apply, such as
+    one with a curved path.
+    """
+    try:
+        problem = stability_problem(scene, _zero_zone(scene))
+    except PalmbotsError:
+        return ()
+    angles, numbers = problem.angles, (0, 1, 2)
+    if describe(controller).team == "none":
+        (_, left), (_, right) = angles
+        angles, numbers = ((left, left), (right, right)), (0,)
+    envelope, x = problem.envelope(), problem.com[0]
+
+    def holds(number: int) -> bool:
+        ends = (permitted(envelope, number, shallow, angles) for shallow in SIDES)
+        return all(low <= x <= high for low, high in ends)
+
+    return tuple(number for number in numbers if not holds(number))
+
+
+def analyze_hint(
+    scene: Scene, controller: str, source: str, changes: Sequence[str] | None
+) -> str | None:
+    """One line with the command that reports the reason; None: no property is missing.
+
+    Args:
+        scene: the scene of the carry.
+        controller: its controller.
+        source: the scene's name on the command line.
+        changes: the values of ``--set``.
+    """
+    missing = missing_properties(scene, controller)
+    if not missing:
+        return None
+    words = ["palmbots", "analyze", source]
+    try:
+        stability_problem(scene)
+    except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
+        words += ["--region-m", *map(str, _zero_zone(scene))]
+    for change in changes or ():
+        words += ["--set", change]
+    if describe(controller).team == "none":
+        fault = "two steep palms do not hold the object"
+    elif len(missing) == 1:
+        fault = f"property {missing[0]} does not hold"
+    else:
+        listed = " and ".join([", ".join(map(str, missing[:-1])), str(missing[-1])])
+        fault = f"properties {listed} do not hold"
+    return f"{fault}, even with contacts inside the zero zone; run: {shlex.join(words)}"
+
+
+def _zero_zone(scene: Scene) -> Pair:
+    """The zone in which the sensors read 0, as far as both palms reach [m]."""
+    half = 0.5 * min(scene.palm_of(side).length_m for side in SIDES)
+    low, high = zero_zone_edges_m(scene)
+    return -min(max(-low, 0.0), half), min(max(high, 0.0), half)

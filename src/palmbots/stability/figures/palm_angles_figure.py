@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The trade-off of a design: tolerance over both palm angles.
+
+All texts stand in the legend above the map, so that none covers another or a contour. The colour
+bar carries the contour lines.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from palmbots.stability.angle_grid import QUANTITIES
+from palmbots.stability.palm_angles import PAPER_DEG, Design
+from palmbots.viz.save_figure import save_figure
+from palmbots.viz.style import INK, QUIET, styled
+
+__all__ = ["palm_angles", "save"]
+
+_PAPER = "#D55E00"
+_BARRED = {"facecolor": "#F0F0F0", "edgecolor": QUIET, "hatch": "////", "linewidth": 0.0}
+_BEST = {"marker": "*", "ms": 13, "mfc": "white", "mec": INK, "mew": 0.9}
+_PAPER_LOOK = {"marker": "o", "ms": 6, "mfc": _PAPER, "mec": "white", "mew": 0.9}
+_LEVELS = 5
+_MARGIN_DEG = 2.0
+
+
+def palm_angles(result: Design) -> Figure:
+    """Tolerance over shallow and steep angle; pairs that do not qualify are hatched."""
+    *_, scale, name = QUANTITIES[result.quantity]
+    grid = result.map
+    shallow, steep = grid["shallow"].to_numpy(), grid["steep"].to_numpy()
+    tolerance = scale * np.where(grid["tolerance"] > 0, grid["tolerance"], np.nan)
+    allowed = grid["allowed"].to_numpy()
+    shown = np.where(allowed, tolerance, np.nan)
+    with styled(), rc_context({"hatch.color": QUIET, "hatch.linewidth": 0.5}):
+        figure = Figure(figsize=(5.2, 5.0), layout="constrained")
+        axes = figure.subplots()
+        axes.grid(visible=False)
+        shades = axes.pcolormesh(
+            steep, shallow, shown, cmap="cividis", vmin=0, shading="nearest", rasterized=True
+        )
+        bar = figure.colorbar(shades, ax=axes, pad=0.02)
+        bar.set_label(f"tolerance of {name}")
+        barred = np.isfinite(tolerance) & ~allowed
+        if barred.any():
+            axes.contourf(
+                steep,
+                shallow,
+                barred.astype(float),
+                levels=[0.5, 1.5],
+                colors=_BARRED["facecolor"],
+                hatches=[_BARRED["hatch"]],
+            )
+        lines = axes.contour(steep, shallow, shown, _LEVELS, colors="white", linewidths=0.6)
+        bar.add_lines(lines)
+        bar.set_ticks([level for level in lines.levels if 0 <= level <= np.nanmax(shown)])
+        axes.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST)
+        axes.plot(PAPER_DEG[1], PAPER_DEG[0], ls="", zorder=5, **_PAPER_LOOK)
+        rows, columns = allowed.any(axis=1), allowed.any(axis=0)
+        axes.set(
+            xlabel="steep palm angle [°]",
+            ylabel="shallow palm angle [°]",
+            xlim=(
+                min(steep[columns][0], PAPER_DEG[1]) - _MARGIN_DEG,
+                steep[columns][-1] + _MARGIN_DEG,
+            ),
+            ylim=(
+                min(shallow[rows][0], PAPER_DEG[0]) - _MARGIN_DEG,
+                shallow[rows][-1] + _MARGIN_DEG,
+            ),
+        )
+        _draw_legend(figure, result)
+        return figure
+
+
+def _draw_legend(figure: Figure, result: Design) -> None:
+    """What the two marks and the hatched and blank areas mean."""
+    grid = result.map
+    clearance = grid.attrs["min_clearance_deg"]
+    difference = grid.attrs["min_angle_difference_deg"]
+    best = (
+        f"best pair, {result.shallow_deg:g}° and {result.steep_deg:g}°: "
+        f"{result.tolerance_text(result.tolerance)}, clearance {result.clearance_deg:.2f}°"
+    )
+    paper = "the pair fails"
+    if result.paper_tolerance is not None:
+        paper = result.tolerance_text(result.paper_tolerance)
+    handles = [
+        Line2D([], [], ls="", label=best, **_BEST),
+        Line2D([], [], ls="", label=f"paper, 5° and 15°: {paper}", **_PAPER_LOOK),
+        Patch(
+            **_BARRED,
+            label=f"clearance below {clearance:g}° or angles less than {difference:g}° apart",
+        ),
+        Patch(facecolor="white", edgecolor=QUIET, linewidth=0.6, label="a property fails"),
+    ]
+    figure.legend(handles=handles, loc="outside upper left", ncols=1, fontsize=8)
+
+
+def save(result: Design, path: str | os.PathLike[str]) -> None:
+    """Write the figure as PNG, SVG or PDF, by the suffix of the path."""
+    save_figure(path, palm_angles(result))

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The stability problem of a scene: its numbers, regions of contacts and palm angles.
+
+A *pose* is a pair of palm angles with the region of contacts for which a property has to hold
+there. Properties 1 and 2 have one pose for each palm that may be the shallow one. Property 0 has
+many, since a turning palm passes through all angles between shallow and steep.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots._util.arguments import show, two_numbers
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+from palmbots.stability.linear_conditions import Form, forms
+
+__all__ = ["TURN_STEPS", "Pair", "Pose", "StabilityProblem", "stability_problem"]
+
+Pair = tuple[float, float]
+
+TURN_STEPS = 8
+"""Number of angles at which a turning palm is evaluated, as in the core."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Palm angles (left, right) [rad], and the smallest and largest height difference z [m]."""
+
+    angles: Pair
+    rise: Pair
+
+
+@dataclass(frozen=True)
+class StabilityProblem:
+    """The input of the analysis, in SI units and radians; pairs are (left, right)."""
+
+    spec: _core.Spec
+    width: float
+    com: Pair
+    friction: Pair
+    slope: float
+    offset: Pair
+    half_length: Pair
+    angles: tuple[Pair, Pair]
+    """(shallow, steep) of the left and of the right palm."""
+    contacts: tuple[Pair, Pair]
+    """The contact coordinates (low, high) for which the properties have to hold."""
+    beyond: float = 0.0
+    """How far a correction continues past p = 0."""
+
+    def palms(self, shallow: Side) -> Pair:
+        """The palm angles with one palm shallow and the other one steep."""
+        left, right = self.angles
+        return (left[0], right[1]) if shallow == "left" else (left[1], right[0])
+
+    def region(self, number: int, shallow: Side) -> tuple[Pair, Pair]:
+        """The contacts for which a property has to hold; for property 0 all contacts."""
+        left, right = self.contacts
+        ends = [left, right]
+        side = SIDES.index(shallow)
+        if number == 1:
+            ends[side] = (ends[side][0], min(ends[side][1], self.beyond))
+        if number == 2:
+            ends[1 - side] = (max(ends[1 - side][0], -self.beyond), ends[1 - side][1])
+        return ends[0], ends[1]
+
+    def rise(self, number: int, shallow: Side, angles: Pair) -> Pair:
+        """The extreme height differences over a property's region; for property 0 over all."""
+        return _core.rise_over(
+            number, SIDES.index(shallow), self.contacts, self.beyond, angles, self.offset
+        )
+
+    def pose(self, number: int, shallow: Side) -> Pose:
+        """The pose of property 1 or 2."""
+        angles = self.palms(shallow)
+        return Pose(angles, self.rise(number, shallow, angles))
+
+    def poses(self, number: int, shallow: Side) -> Iterator[Pose]:
+        """All poses of a property; for property 0, `shallow` is the palm that turns."""
+        if number:
+            yield self.pose(number, shallow)
+            return
+        (left_shallow, left_steep), (right_shallow, right_steep) = self.angles
+        for alike in ((left_steep, right_steep), (left_shallow, right_shallow)):
+            yield Pose(alike, self.rise(0, shallow, alike))
+        low, high = self.angles[SIDES.index(shallow)]
+        for step in range(TURN_STEPS):
+            turning = low + (high - low) * step / TURN_STEPS
+            angles = (turning, right_steep) if shallow == "left" else (left_steep, turning)
+            ends = [self.rise(n, shallow, angles) for n in (1, 2)]
+            yield Pose(angles, (min(e[0] for e in ends), max(e[1] for e in ends)))
+
+    def forms(self, number: int, shallow: Side, angles: Pair, **changed: Any) -> list[Form]:
+        """The conditions of a property at these angles, with some numbers replaced."""
+        given: dict[str, Any] = {
+            "friction": self.friction,
+            "com": self.com,
+            "slope": self.slope,
+        }
+        return forms(number, shallow, width=self.width, angles=angles, **(given | changed))
+
+    def envelope(
+        self,
+        *,
+        com_y: Pair | None = None,
+        friction: tuple[Pair, Pair] | None = None,
+        common: bool = False,
+        slope: Pair | None = None,
+        contacts: tuple[Pair, Pair] | None = None,
+    ) -> _core.OperatingEnvelope:
+        """The core's box of conditions: this problem, with the intervals that are given."""
+        left, right = self.friction
+        return _core.OperatingEnvelope(
+            self.spec,
+            com_y or (self.com[1], self.com[1]),
+            friction or ((left, left), (right, right)),
+            common,
+            slope or (self.slope, self.slope),
+            contacts or self.contacts,
+            self.beyond,
+        )
+
+    def with_(self, **changed: Any) -> "StabilityProblem":
+        """A copy with some numbers replaced."""
+        return replace(self, **changed)
+
+
+def permitted(
+    envelope: _core.OperatingEnvelope, number: int, shallow: Side, angles: tuple[Pair, Pair]
+) -> Pair:
+    """The c_x for which a property holds everywhere in an envelope; low > high: none."""
+    if number == 0:
+        return envelope.com_x_held(angles)
+    return envelope.com_x_of(number, SIDES.index(shallow), angles)
+
+
+def stability_problem(
+    scene: Scene, region_m: Pair | None = None, beyond_m: float = 0.0
+) -> StabilityProblem:
+    """The stability problem of a scene.
+
+    Args:
+        scene: the scene.
+        region_m: contact coordinates (low, high) for which the properties have to hold, on either
+            palm; None: the whole palm.
+        beyond_m: how far a correction continues past p = 0.
+
+    Raises:
+        PalmbotsError: the region is not on the palms or does not contain 0, or the object cannot
+            span it.
+    """
+    spec = to_spec(scene)
+    half = (0.5 * spec.palms[0].length, 0.5 * spec.palms[1].length)
+    if region_m is not None:
+        region_m = two_numbers("region_m", region_m)
+    contacts = (region_m, region_m) if region_m else ((-half[0], half[0]), (-half[1], half[1]))
+    if region_m:
+        low, high = region_m
+        most = min(half)
+        if not (-most <= low <= 0 <= high <= most):
+            raise PalmbotsError(
+                f"region_m: value is {show(list(region_m))}; allowed: two numbers in m, the first "
+                f"from {-most:g} to 0, the second from 0 to {most:g}"
+            )
+    palms = spec.palms
+    problem = StabilityProblem(
+        spec=spec,
+        width=spec.width,
+        com=(spec.com_left, spec.com_height),
+        friction=(palms[0].friction, palms[1].friction),
+        slope=spec.slope,
+        offset=(palms[0].offset, palms[1].offset),
+        half_length=half,
+        angles=((palms[0].shallow, palms[0].steep), (palms[1].shallow, palms[1].steep)),
+        contacts=contacts,
+        beyond=beyond_m,
+    )
+    for angles in ((problem.angles[0][1], problem.angles[1][1]), problem.palms("left")):
+        low, high = problem.rise(0, "left", angles)
+        if not (math.isfinite(low) and max(-low, high) < spec.width):
+            raise PalmbotsError(
+                f"palm.length_m: contacts at opposite ends of the palms differ in height by "
+                f"{max(-low, high):.3g} m, more than the width of the object; allowed: less than "
+                f"{spec.width:g} m (shorter palms, shallower angles, or a smaller region)"
+            )
+    return problem

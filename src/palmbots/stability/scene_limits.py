@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a scene's own numbers exceed what properties 1 and 2 allow.
+
+Three quantities of a scene are compared with the ranges of the analysis: the acceleration of the
+robots, the slope of the floor, and the angle through which a palm turns in one control period: a
+palm that is stopped one period late is off by that angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from palmbots._types import SIDES, Interval, Overrides
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.stability.margins import angle_error, slope_range
+from palmbots.stability.problem import StabilityProblem, stability_problem
+
+__all__ = ["G", "largest_acceleration", "limit_warnings", "self_check"]
+
+G = 9.80665
+"""Standard gravity [m/s²]."""
+
+
+def self_check(
+    scene: SceneLike = "paper", *, region_m: Interval | None = None, overrides: Overrides = None
+) -> tuple[str, ...]:
+    """Warnings about numbers of a scene that exceed what properties 1 and 2 allow.
+
+    Args:
+        scene: a built-in name, a file, a table or a `Scene`.
+        region_m: contact coordinates for which the properties have to hold; None: the whole palms.
+        overrides: scene keys to set.
+
+    Returns:
+        One sentence for each quantity; none for a scene to which the analysis does not apply, such
+        as one with a curved path.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+    """
+    chosen = load_scene(scene, overrides)
+    try:
+        problem = stability_problem(chosen, region_m)
+    except PalmbotsError:
+        return ()
+    return limit_warnings(chosen, problem, slope_range(problem), angle_error(problem))
+
+
+def limit_warnings(
+    scene: Scene, problem: StabilityProblem, slope: Interval | None, angle: float | None
+) -> tuple[str, ...]:
+    """The same, from the allowed slopes (tangents, uphill in travel > 0) and angle error [rad]."""
+    return tuple(_warnings(scene, problem, slope, angle))
+
+
+def largest_acceleration(problem: StabilityProblem, slope: Interval) -> float:
+    """The largest acceleration, in either direction, at which both properties hold [m/s²]."""
+    here = problem.slope * problem.spec.direction
+    return G * min(here - slope[0], slope[1] - here)
+
+
+def _warnings(
+    scene: Scene, problem: StabilityProblem, slope: Interval | None, angle: float | None
+) -> Iterator[str]:
+    where = _region_text(problem)
+    if slope is None:
+        level = slope_range(problem.with_(slope=0.0))
+        if scene.task.slope_deg and level is not None:
+            low, high = (math.degrees(math.atan(end)) for end in level)
+            yield (
+                f"task.slope_deg is {scene.task.slope_deg:g}, but properties 1 and 2 hold only "
+                f"from {low:.2f} to {high:.2f}° {where}"
+            )
+    elif scene.task.inertia:
+        limit = largest_acceleration(problem, slope)
+        value = max(scene.robot_of(side).acceleration_m_s2 for side in SIDES)
+        if value > limit:
+            yield (
+                f"robot.acceleration_m_s2 is {value:g}, but properties 1 and 2 hold only up to "
+                f"{limit:.2f} m/s² {where}"
+            )
+    step_deg = scene.control.period_s * max(scene.palm_of(side).rate_deg_s for side in SIDES)
+    if angle is not None and step_deg > math.degrees(angle):
+        yield (
+            f"palm.rate_deg_s turns a palm by {step_deg:.2g}° in one control period, but "
+            f"properties 1 and 2 allow an angle error of only ±{math.degrees(angle):.2g}° {where}"
+        )
+
+
+def _region_text(problem: StabilityProblem) -> str:
+    whole = tuple((-half, half) for half in problem.half_length)
+    if problem.contacts == whole:
+        return "for contacts anywhere on the palms"
+    low, high = problem.contacts[0]
+    return f"for contacts from {1e3 * low:.1f} to {1e3 * high:.1f} mm"

@@ -1,0 +1,305 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run a study: begin or continue it, carry what is due, and return the result."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import math
+import os
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from palmbots._util.arguments import whole_number
+from palmbots._util.confidence import wilson
+from palmbots._util.optional_imports import require
+from palmbots._util.results import FIGURES, Result
+from palmbots._util.text import plural
+from palmbots.errors import PalmbotsError
+from palmbots.simulation.batch import available_cores, check_built
+from palmbots.studies.chunking import ChunkGrid, make_layout
+from palmbots.studies.local_runner import run_locally
+from palmbots.studies.points import Points, design_points
+from palmbots.studies.schedule import StudySchedule
+from palmbots.studies.sobol import sobol_indices
+from palmbots.studies.statistics import Values, pooled_counts
+from palmbots.studies.store import open_store
+from palmbots.studies.study_file import Plan, StudyLike, load_plan
+from palmbots.studies.study_reader import open_study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["StudyResult", "layout_of", "run_study", "study", "thread_count"]
+
+FIGURES.register("study", "palmbots.studies.study_figures:draw")
+
+_MAX_REPAIRS = 3
+Report = Callable[[str, float], None]
+"""Called with the present step of a study and the completed fraction of it."""
+PathLike = str | os.PathLike[str]
+OnProgress = Callable[[float], None] | None
+
+
+@dataclass(frozen=True, repr=False)
+class StudyResult(Result):
+    """A finished study."""
+
+    figure = "study"
+
+    points: Points
+    output: Path
+    """The folder of the study."""
+    results: Path
+    """The Zarr store in it."""
+    values: Values
+    """The statistics of the cells [points, controllers], and the ends of their intervals."""
+    carries: int
+    resumed: int
+    """Carries that an earlier run had completed."""
+    drops: int
+    stalls: int
+    hash: str
+    """Two studies with equal hashes have equal results, bit for bit."""
+    seconds: float
+    lost_workers: tuple[str, ...] = ()
+    """Addresses of the workers that died during the study; others carried their chunks."""
+
+    def dataset(self) -> xr.Dataset:
+        """The results; arrays are read from the disk when they are used."""
+        return open_study(self.results, verify=False)
+
+    def headline(self) -> str:
+        """Name of the study, number of carries and drop rate."""
+        return f"study {self.points.plan.name}: {plural(self.carries, 'carry')}, {self._rate()}"
+
+    def facts(self) -> dict[str, str]:
+        """The main numbers of the study."""
+        plan = self.points.plan
+        facts = {
+            "controllers": ", ".join(plan.controller_names),
+            "varied": ", ".join(plan.keys) or "nothing",
+            "points": str(len(self.points.values)),
+            "stalled": f"{100 * self.stalls / self.carries:.3g} %" if self.carries else "–",
+            "folder": str(self.output),
+            "hash": self.hash,
+        }
+        if self.lost_workers:
+            facts["lost workers"] = ", ".join(self.lost_workers)
+        return facts
+
+    def _rate(self) -> str:
+        if not self.carries:
+            return "nothing was carried"
+        low, high = wilson(self.drops, self.carries)
+        return (
+            f"{100 * self.drops / self.carries:.3g} % dropped "
+            f"(95 % interval {100 * low:.3g} to {100 * high:.3g} %)"
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots study --json`` prints."""
+        n = self.carries
+        points, names = self.points, self.points.plan.controller_names
+        return {
+            "carries": n,
+            "drop_rate": self.drops / n if n else None,
+            "interval": list(wilson(self.drops, n)) if n else None,
+            "stall_rate": self.stalls / n if n else None,
+            "output": str(self.output),
+            "hash": self.hash,
+            "identity": points.identity,
+            "resumed": self.resumed,
+            "lost_workers": list(self.lost_workers),
+            "seconds": round(self.seconds, 3),
+            "cells": _cells(points, self.values),
+            "sensitivity": [asdict(i) for i in sobol_indices(points, self.values)],
+            "refused": [
+                _place(points, i) | {"controller": names[c], "why": reason}
+                for (i, c), reason in points.rejected_cells.items()
+            ],
+            "study": points.plan.name,
+            "scene": points.plan.base.model_dump(),
+        }
+
+
+def _place(points: Points, i: int) -> dict[str, Any]:
+    return {"at": dict(zip(points.plan.keys, points.values[i], strict=True))}
+
+
+def _cells(points: Points, values: Values) -> list[dict[str, Any]]:
+    """One row for each cell; unknown numbers are null."""
+
+    def plain(number: Any) -> float | None:
+        return None if math.isnan(number) else float(number)
+
+    rows = []
+    for i in range(len(points.values)):
+        for c, controller in enumerate(points.plan.controller_names):
+            row: dict[str, Any] = _place(points, i) | {"controller": controller}
+            for name, (numbers, ends) in values.items():
+                row[name] = plain(numbers[i, c])
+                if ends is not None:
+                    row[f"{name}_interval"] = [plain(end) for end in ends[i, c]]
+            row["carries"] = int(row["carries"])
+            rows.append(row)
+    return rows
+
+
+def thread_count(threads: int | None) -> int:
+    """The number of threads; by default one for each processor."""
+    return available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
+
+
+def layout_of(points: Points, chunk_size: int | None) -> ChunkGrid:
+    """How a study is divided into chunks."""
+    if chunk_size is not None:
+        chunk_size = whole_number("chunk_size", chunk_size, 1, 10_000_000)
+    study = points.plan.study
+    stop = study.stop.block if study.stop else None
+    return make_layout(
+        points.shape, len(points.plan.controllers), study.seeds.count, stop, chunk_size
+    )
+
+
+def run_study(
+    plan: Plan,
+    out: PathLike | None = None,
+    *,
+    threads: int | None = None,
+    chunk_size: int | None = None,
+    scheduler: str | None = None,
+    local_cluster: int | None = None,
+    order: Callable[[Iterable[int]], Iterable[int]] = list,
+    report: Report = lambda _step, _fraction: None,
+    notify: Callable[[str], None] = lambda _line: None,
+) -> StudyResult:
+    """Run a study, or the rest of it.
+
+    Args:
+        plan: what to study.
+        out: the folder of the study; default NAME.study in the working directory.
+        threads: number of threads; by default one for each processor.
+        chunk_size: carries per chunk (approximate).
+        scheduler: address of a Dask scheduler whose workers carry.
+        local_cluster: number of local worker processes to start instead.
+        order: may permute the chunks.
+        report: called with the present step and the completed fraction of it.
+        notify: called with a line about each Dask worker that was lost.
+
+    Raises:
+        PalmbotsError: the folder cannot be used (see `palmbots.studies.store.open_store`), or a
+            worker failed.
+        KeyboardInterrupt: Ctrl-C. Completed chunks are kept.
+    """
+    require("zarr", "study")
+    is_distributed = scheduler is not None or local_cluster is not None
+    if scheduler is not None and local_cluster is not None:
+        raise PalmbotsError("study: pass either scheduler or local_cluster, not both")
+    if is_distributed:
+        require("distributed", "cluster")
+    if any(controller.is_compiled for controller in plan.controllers):
+        check_built()
+    count = thread_count(threads)
+    began = time.monotonic()
+    points = design_points(plan, lambda fraction: report("checking scenes", fraction))
+    layout = layout_of(points, chunk_size)
+    root = Path(out) if out is not None else Path(f"{plan.name}.study")
+
+    def on_progress(completed: int, expected: int) -> None:
+        report("carrying", completed / expected if expected else 1.0)
+
+    with contextlib.ExitStack() as stack:
+        run: Callable[..., None] = functools.partial(run_locally, threads=count)
+        cluster = None
+        if is_distributed:
+            from palmbots.studies.dask_runner import connect
+
+            makers = {c.name: c.maker for c in plan.controllers if c.maker is not None}
+            cluster = stack.enter_context(connect(scheduler, local_cluster, makers, notify))
+            run = cluster.run
+        # Last: nothing is written before it is known that the study can run.
+        store = stack.enter_context(
+            open_store(root, points, layout, is_chosen=chunk_size is not None)
+        )
+        resumed = 0
+        for repair in range(_MAX_REPAIRS):
+            schedule = StudySchedule(store, order)
+            run(schedule, on_progress=on_progress)
+            resumed = schedule.resumed if repair == 0 else resumed
+            results_hash = schedule.verify(lambda fraction: report("reading back", fraction))
+            if results_hash is not None:
+                break
+        else:
+            raise PalmbotsError(
+                f"{root}: the results read back differ from those written; check the disk"
+            )
+        values = schedule.finish(results_hash)
+    carries, drops, stalls = pooled_counts(schedule.sums)
+    return StudyResult(
+        points=points,
+        output=root,
+        results=store.results,
+        values=values,
+        carries=carries,
+        resumed=resumed,
+        drops=drops,
+        stalls=stalls,
+        hash=results_hash,
+        seconds=time.monotonic() - began,
+        lost_workers=cluster.lost_workers if cluster is not None else (),
+    )
+
+
+def study(
+    source: StudyLike,
+    out: PathLike | None = None,
+    *,
+    carries: int | None = None,
+    threads: int | None = None,
+    chunk_size: int | None = None,
+    scheduler: str | None = None,
+    local_cluster: int | None = None,
+    on_progress: OnProgress = None,
+) -> xr.Dataset:
+    """Run a study, or the rest of it, and open its results.
+
+    Args:
+        source: the name of a study that comes with the package, a TOML file, or a table.
+        out: the folder of the study; default NAME.study in the working directory. An unfinished
+            study there is continued.
+        carries: carries per cell, in place of ``seeds.count``.
+        threads: number of threads; by default one for each processor. Results do not depend on it.
+        chunk_size: carries per chunk (approximate). Results do not depend on it.
+        scheduler: address of a Dask scheduler whose workers carry.
+        local_cluster: number of local worker processes to start instead.
+        on_progress: called with the completed fraction of the carries.
+
+    Returns:
+        A dataset whose arrays are read when they are used: every carry over the dimensions of the
+        design, ``controller``, ``seed`` (and ``side``), and statistics of the cells with intervals.
+        A grid has one dimension for each key, any other design the dimension ``point``.
+        ``attrs["hash"]`` is the hash of all results.
+
+    Raises:
+        SceneError: the study or one of its scenes is invalid.
+        PalmbotsError: the folder cannot be used, or a package is missing.
+    """
+
+    def report(step: str, fraction: float) -> None:
+        if on_progress is not None and step == "carrying":
+            on_progress(fraction)
+
+    result = run_study(
+        load_plan(source, carries),
+        out,
+        threads=threads,
+        chunk_size=chunk_size,
+        scheduler=scheduler,
+        local_cluster=local_cluster,
+        report=report,
+    )
+    return result.dataset()

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures and animations of results.
+
+Every figure is a function that takes a result and returns a `matplotlib.figure.Figure`. `FIGURES`
+holds them by name, and ``result.plot()`` draws the figure that its class names. A program adds a
+figure with ``FIGURES.register("mine", function)``. Importing this room does not import matplotlib.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from palmbots._util.results import FIGURES
+
+if TYPE_CHECKING:
+    from palmbots.viz.animation import save as save_animation
+    from palmbots.viz.carry_figure import draw as draw_carry
+    from palmbots.viz.save_figure import save_figure as write_figure
+    from palmbots.viz.sequence_chart import draw as draw_message_sequence
+    from palmbots.viz.side_view_figure import draw as draw_side_view
+    from palmbots.viz.sweep_figure import draw as draw_sweep
+    from palmbots.viz.timeline_figure import draw as draw_timeline
+    from palmbots.viz.video_files import video_formats
+
+__all__ = [
+    "FIGURES",
+    "draw_carry",
+    "draw_message_sequence",
+    "draw_side_view",
+    "draw_sweep",
+    "draw_timeline",
+    "save_animation",
+    "video_formats",
+    "write_figure",
+]
+
+_LAZY = {
+    "draw_carry": "carry_figure:draw",
+    "draw_message_sequence": "sequence_chart:draw",
+    "draw_side_view": "side_view_figure:draw",
+    "draw_sweep": "sweep_figure:draw",
+    "draw_timeline": "timeline_figure:draw",
+    "save_animation": "animation:save",
+    "video_formats": "video_files:video_formats",
+    "write_figure": "save_figure:save_figure",
+}
+
+for _name, _function in _LAZY.items():
+    if _name.startswith("draw_"):
+        FIGURES.register(_name.removeprefix("draw_"), f"palmbots.viz.{_function}")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LAZY:
+        raise AttributeError(f"module 'palmbots.viz' has no attribute {name!r}")
+    module, _, function = _LAZY[name].partition(":")
+    return getattr(importlib.import_module(f"palmbots.viz.{module}"), function)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

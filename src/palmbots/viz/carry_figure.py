@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws Figure 8 of the paper for any carry: contacts, sensors, palms and speeds over time.
+
+The top panel is the timeline: a bar for each correction with its label and case (left robot above,
+right robot below, hatched where a robot only assists), and between the two rows each message from
+the moment it is sent to the moment it arrives. The panels below show the effect. Each correction is
+shaded there in the colour and hatch of its robot; in panels for both robots it is shaded in the
+half of its robot (left above, right below). Source: paper, section 5.2.
+"""
+
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from palmbots._types import SIDES, Side
+from palmbots.errors import PalmbotsError
+from palmbots.scene.spec import to_spec
+from palmbots.viz.save_figure import save_figure
+from palmbots.viz.style import (
+    DROP,
+    HATCH,
+    HUE,
+    INK,
+    LINE,
+    QUIET,
+    ZERO,
+    controller_title,
+    styled,
+)
+from palmbots.viz.timeline import draw_timeline, message_key
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from palmbots._core import Spec
+    from palmbots.simulation.result import Carry
+
+__all__ = ["TimeWindow", "draw", "figure_title", "save", "time_window"]
+
+_HEIGHTS = {  # inches of each panel
+    "timeline": 1.25,
+    "left": 1.1,
+    "left sensor": 0.3,
+    "right": 1.1,
+    "right sensor": 0.3,
+    "lateral": 0.9,
+    "palms": 0.85,
+    "separation": 0.8,
+    "speeds": 1.2,
+}
+
+
+@dataclass(frozen=True)
+class TimeWindow:
+    """The part of a carry that a figure shows, and how wide it is drawn."""
+
+    start: float  # s
+    end: float  # s
+    rows: np.ndarray  # of the trace
+    width_in: float  # inches of the time axis
+
+
+@dataclass(frozen=True)
+class _View:
+    """What the panels have in common."""
+
+    carry: "Carry"
+    spec: "Spec"
+    trace: "xr.Dataset"
+    start: float  # s
+    end: float  # s
+    width_in: float  # inches of the time axis
+
+    def series(self, name: str, side: str | None = None) -> np.ndarray:
+        data = self.trace[name] if side is None else self.trace[name].sel(side=side)
+        return data.to_numpy()
+
+    @property
+    def time(self) -> np.ndarray:
+        return self.trace["time"].to_numpy()
+
+
+def time_window(carry: "Carry", window: tuple[float, float] | None) -> TimeWindow:
+    """The part between two times in seconds; None: all of it.
+
+    Raises:
+        PalmbotsError: the carry has no trace, or the window is empty.
+    """
+    if carry.trace is None:
+        raise PalmbotsError("figure: this carry has no trace; run it with record=True")
+    times = carry.trace["time"].to_numpy()
+    last = float(times[-1])
+    # The axis of a carry that ended in its first tick is one control period long.
+    start, end = window or (0.0, max(last, carry.scene.control.period_s))
+    if not (math.isfinite(start) and math.isfinite(end) and start < end):
+        raise PalmbotsError(f"figure: window is {window}; allowed: (from_s, to_s) with from < to")
+    rows = np.flatnonzero((times >= start) & (times <= end))
+    if rows.size == 0:
+        raise PalmbotsError(f"figure: window {window} lies outside the carry, 0 to {last:g} s")
+    shown = sum(1 for c in carry.corrections if c.end_s >= start and c.start_s <= end)
+    width = min(max(6.3, 0.28 * (end - start), 0.27 * shown), 12.0)
+    return TimeWindow(start, end, rows, width)
+
+
+def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+    """Draw a carry, or the part of it between two times in seconds.
+
+    Raises:
+        PalmbotsError: the carry has no trace, or the window is empty.
+    """
+    shown = time_window(carry, window)
+    assert carry.trace is not None
+    view = _View(
+        carry,
+        to_spec(carry.scene, unrolled=True),
+        carry.trace.isel(time=shown.rows),
+        shown.start,
+        shown.end,
+        shown.width_in,
+    )
+    with styled():
+        left, right, top, bottom, gap = 0.95, 0.2, 0.72, 0.45, 0.09
+        heights = dict(_HEIGHTS)
+        if not carry.scene.task.path.is_curved:
+            del heights["lateral"]
+        height = top + bottom + sum(heights.values()) + gap * (len(heights) - 1)
+        figure = Figure(figsize=(left + view.width_in + right, height))
+        panels: dict[str, Axes] = {}
+        level = height - top
+        for name, panel_height in heights.items():
+            box = (
+                left / figure.get_figwidth(),
+                (level - panel_height) / height,
+                view.width_in / figure.get_figwidth(),
+                panel_height / height,
+            )
+            panels[name] = figure.add_axes(box, sharex=panels.get("timeline"))
+            level -= panel_height + gap
+        panels["timeline"].set_xlim(view.start, view.end)
+
+        draw_timeline(panels["timeline"], carry, view.start, view.end, view.width_in)
+        reach = _contact_reach(view)
+        for side in SIDES:
+            _draw_contact(panels[side], view, side, reach)
+            _draw_sensor(panels[f"{side} sensor"], view, side)
+        if "lateral" in panels:
+            _draw_lateral(panels["lateral"], view)
+        _draw_palms(panels["palms"], view)
+        _draw_separation(panels["separation"], view)
+        _draw_speeds(panels["speeds"], view)
+
+        for name, panel in panels.items():
+            _shade(panel, view, name.split()[0])
+            panel.tick_params(axis="y", length=2)
+            panel.tick_params(
+                axis="x", length=2 if name == "speeds" else 0, labelbottom=name == "speeds"
+            )
+            panel.yaxis.set_label_coords(-0.58 / view.width_in, 0.5)
+            _mark_end(panel, view)
+        panels["speeds"].set_xlabel("time (s)")
+        _draw_head(figure, view, left, height)
+    return figure
+
+
+def save(
+    carry: "Carry", path: str | os.PathLike[str], window: tuple[float, float] | None = None
+) -> None:
+    """Write the figure to `path` as PNG, SVG or PDF, by its suffix.
+
+    Raises:
+        PalmbotsError: the suffix is not allowed, the path cannot be written, or as `draw`.
+    """
+    save_figure(path, draw(carry, window))
+
+
+def figure_title(carry: "Carry") -> str:
+    """Controller, outcome, duration and distance in one line."""
+    ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
+    title = controller_title(carry.controller)
+    return f"{title}: {ending} after {carry.time_s:.2f} s and {carry.distance_m:.2f} m"
+
+
+def _draw_head(figure: Figure, view: _View, left_in: float, height_in: float) -> None:
+    """Two lines of title, and the legend."""
+    carry = view.carry
+    rms, peak = carry.contact_rms_m, carry.contact_peak_m
+    facts = [
+        f"{carry.correction_count} corrections",
+        f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",
+        f"peak {peak['left'] * 1e3:.1f}, {peak['right'] * 1e3:.1f} mm",
+        f"seed {carry.seed}",
+    ]
+    x = left_in / figure.get_figwidth()
+    figure.text(x, 1 - 0.08 / height_in, figure_title(carry), va="top", weight="bold", size=9)
+    figure.text(x, 1 - 0.25 / height_in, "  ·  ".join(facts), va="top", size=7.5)
+    entries = [
+        *(Line2D([], [], color=HUE[s], ls=LINE[s], label=f"{s} robot") for s in SIDES),
+        Patch(fc=ZERO, alpha=0.25, label="zero zone"),
+        *message_key(carry),
+    ]
+    crowded = len(entries) > 7  # the resilient algorithm has more kinds of messages
+    figure.legend(
+        handles=entries,
+        loc="upper left",
+        bbox_to_anchor=(x, 1 - 0.4 / height_in),
+        ncols=len(entries),
+        borderaxespad=0,
+        handlelength=1.5 if crowded else 2.2,
+        columnspacing=0.8 if crowded else 1.2,
+        handletextpad=0.5,
+    )
+
+
+def _contact_reach(view: _View) -> float:
+    """Half the height of both contact panels in mm; equal, so that left and right compare."""
+    edges = [
+        abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)
+    ]
+    longest = max(palm.length for palm in view.spec.palms) / 2
+    reach = max(1.25 * np.abs(view.series("contact")).max(), 1.2 * max(edges, default=0.0), 1e-3)
+    return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
+
+
+def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
+    """Contact coordinate in mm, with the zero zones, and the ends of the palm if they are near."""
+    half = view.spec.palms[SIDES.index(side)].length / 2 * 1e3
+    for sign, low, high in view.spec.zones:
+        if sign == 0:
+            panel.axhspan(low * 1e3, high * 1e3, color=ZERO, alpha=0.13, lw=0)
+    panel.axhline(0, color=QUIET, lw=0.5)
+    panel.plot(view.time, view.series("contact", side) * 1e3, color=HUE[side], ls=LINE[side])
+    if reach > half:
+        for end in (-half, half):
+            panel.axhline(end, color=DROP, lw=0.9)
+        note = f"ends of the palm, ±{half:.0f} mm"
+        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
+        panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **place)
+    panel.set_ylim(-reach, reach)
+    panel.set_ylabel(f"{side}\ncontact (mm)")
+
+
+def _draw_sensor(panel: Axes, view: _View, side: Side) -> None:
+    """The sign of the sensor as a filled step, which is readable without colour."""
+    sign = view.series("sign", side)
+    panel.fill_between(view.time, sign, step="post", color=HUE[side], alpha=0.45, lw=0)
+    panel.step(view.time, sign, where="post", color=HUE[side], lw=0.8)
+    panel.set_ylim(-1.35, 1.35)
+    panel.set_yticks([-1, 0, 1], ["−", "0", "+"])
+    panel.grid(False)
+    panel.set_ylabel("sensor", size=7)
+
+
+def _draw_lateral(panel: Axes, view: _View) -> None:
+    """Lateral contact coordinate in mm; at the lines the object tips or meets a lip."""
+    scene = view.carry.scene
+    palm = min((scene.palm_of(side) for side in SIDES), key=lambda p: p.width_m)
+    edge = 1e3 * (palm.lip_clearance_m if palm.lip_height_m > 0 else palm.width_m / 2)
+    reach = 0.0
+    for side in SIDES:
+        across = view.series("lateral", side) * 1e3
+        panel.plot(view.time, across, color=HUE[side], ls=LINE[side])
+        reach = max(reach, np.abs(across).max())
+    panel.axhline(0, color=QUIET, lw=0.5)
+    reach = max(1.15 * reach, 1.0)
+    if reach > 0.3 * edge:
+        reach = max(reach, 1.2 * edge)
+        for end in (-edge, edge):
+            panel.axhline(end, color=DROP, lw=0.9)
+        what = "lips" if palm.lip_height_m > 0 else "sides of the palm"
+        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
+        note = f"{what}, ±{edge:.0f} mm"
+        panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
+    panel.set_ylim(-reach, reach)
+    panel.set_ylabel("across\npalm (mm)")
+
+
+def _draw_palms(panel: Axes, view: _View) -> None:
+    """Both palm angles in degrees."""
+    for side in SIDES:
+        panel.plot(view.time, np.degrees(view.series("palm", side)), color=HUE[side], ls=LINE[side])
+    angles = sorted(
+        {round(math.degrees(a), 6) for p in view.spec.palms for a in (p.shallow, p.steep)}
+    )
+    room = 0.25 * (angles[-1] - angles[0])
+    panel.set_ylim(angles[0] - room, angles[-1] + room)
+    panel.set_yticks(angles)
+    panel.set_ylabel("palm\nangle (°)")
+
+
+def _draw_separation(panel: Axes, view: _View) -> None:
+    """Distance between the pivots in mm."""
+    d = view.series("separation") * 1e3
+    panel.plot(view.time, d, color=INK, lw=1.0)
+    room = max(0.08 * (d.max() - d.min()), 0.5)
+    panel.set_ylim(d.min() - room, d.max() + room)
+    panel.locator_params(axis="y", nbins=4)
+    panel.set_ylabel("separation\n(mm)")
+
+
+def _draw_speeds(panel: Axes, view: _View) -> None:
+    """Commanded speeds, and thin behind them the actual ones, in cm/s."""
+    highest, lowest = -math.inf, math.inf
+    for side in SIDES:
+        actual = view.series("speed", side) * 100
+        panel.step(view.time, actual, where="post", color=HUE[side], lw=0.5, alpha=0.45)
+        highest, lowest = max(highest, actual.max()), min(lowest, actual.min())
+    for side in SIDES:
+        wanted = view.series("commanded", side) * 100
+        panel.step(view.time, wanted, where="post", color=HUE[side], ls=LINE[side], lw=1.4)
+        highest, lowest = max(highest, wanted.max()), min(lowest, wanted.min())
+    room = max(0.06 * (highest - lowest), 0.1)
+    panel.set_ylim(lowest - room, highest + room)
+    panel.set_ylabel("speed (cm/s)\nthick: commanded")
+
+
+def _shade(panel: Axes, view: _View, name: str) -> None:
+    """Shade each correction: in the panels of its robot, and in its half of the common panels.
+
+    As in the top panel, the left robot's half is the upper one.
+    """
+    if name == "timeline":
+        return
+    halves = {"left": (0.5, 1.0), "right": (0.0, 0.5), "both": (0.0, 1.0)}
+    for c in view.carry.corrections:
+        if c.end_s < view.start or c.start_s > view.end:
+            continue
+        low, high = halves[c.robot]
+        if name in SIDES:
+            if c.robot not in (name, "both"):
+                continue
+            low, high = 0.0, 1.0
+        span = (c.start_s, c.end_s, low, high)
+        panel.axvspan(*span, fc=HUE[c.robot], alpha=0.12, lw=0, zorder=0)
+        if name not in SIDES:
+            hatch = HATCH[c.robot]
+            panel.axvspan(*span, fc="none", ec=HUE[c.robot], hatch=hatch, alpha=0.2, lw=0, zorder=0)
+
+
+def _mark_end(panel: Axes, view: _View) -> None:
+    """A line where the carry failed, if the window contains that time."""
+    if view.carry.outcome == "delivered" or not view.start <= view.carry.time_s <= view.end:
+        return
+    panel.axvline(view.carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)

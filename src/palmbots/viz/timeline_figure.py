@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws the timeline of a carry alone: its corrections and messages over time."""
+
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from palmbots.viz.carry_figure import figure_title, time_window
+from palmbots.viz.style import styled
+from palmbots.viz.timeline import draw_timeline, message_key
+
+if TYPE_CHECKING:
+    from palmbots.simulation.result import Carry
+
+__all__ = ["draw"]
+
+_HEIGHT_IN = 2.4
+
+
+def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+    """Draw corrections and messages, or those between two times in seconds.
+
+    Raises:
+        PalmbotsError: the carry has no trace, or the window is empty.
+    """
+    shown = time_window(carry, window)
+    start, end = shown.start, shown.end
+    with styled():
+        figure = Figure(figsize=(shown.width_in + 1.1, _HEIGHT_IN), layout="constrained")
+        axes = figure.subplots()
+        axes.set_xlim(start, end)
+        draw_timeline(axes, carry, start, end, shown.width_in)
+        axes.set_xlabel("time (s)")
+        axes.set_title(figure_title(carry), loc="left", weight="bold")
+        handles = message_key(carry)
+        if handles:
+            figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    return figure

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input of any command: exit status 2, nothing on stdout, one line with what is allowed."""
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+from commands import Run, assert_refused
+from palmbots.cli.main import build_app
+
+BAD: list[tuple[list[str], list[str]]] = [
+        (["carry", "nowhere.toml"], ["nowhere.toml", "paper"]),
+        (["carry", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
+        (["modes", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
+        (["compare", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
+        (["carry", "--set", "radio.loss=nan"], ["radio.loss", "allowed"]),
+        (["carry", "--set", "radio.loss"], ["radio.loss"]),
+        (["carry", "--set", "palm.length_m=-1"], ["palm.length_m", "allowed"]),
+        (["carry", "--controller", "magic"], ["controller", "distributed"]),
+        (["carry", "--world", "moon"], ["world", "quasistatic"]),
+        (["carry", "--precision", "half"], ["precision", "float"]),
+        (["carry", "--seed", "-1"], ["seed", "allowed"]),
+        (["carry", "--seed", "x"], ["--seed"]),
+        (["carry", "--animation", "avi"], ["--animation", "gif"]),
+        (["carry", "--animation", "mp4"], ["--animation mp4 needs --out DIR"]),
+        (["carry", "--animation", "gif"], ["--animation gif needs --out DIR"]),
+        (["carry", "--frobnicate"], ["--frobnicate", "--help"]),
+        (["frobnicate"], ["frobnicate", "--help"]),
+        (["modes", "--p-left-m", "0.2"], ["p_left_m", "allowed"]),
+        (["modes", "--theta-left-deg", "95"], ["theta_left_deg", "allowed"]),
+        (["modes", "--p-left-m", "nan"], ["p_left_m", "allowed"]),
+        (["compare", "--sweep", "robot.noise_m_s"], ["--values"]),
+        (["compare", "--values", "1,b"], ["--values", "1,b"]),
+        (["compare", "--carries", "0"], ["carries", "allowed"]),
+        (["compare", "--seed", "-1"], ["seed", "allowed"]),
+        (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
+        (["compare", "--controllers", "none, none"], ["controllers", "none", "twice"]),
+        (["compare", "--values", "0.1,0.10"], ["values", "0.1", "twice"]),
+        (["compare", "--sweep", "object.vertices_m", "--values", "1"], ["object.vertices_m"]),
+        (["replay", "nothing.mcap"], ["nothing.mcap"]),
+        (["replay", "/dev/null"], ["/dev/null"]),
+    (["carry", "--seed", "1.5"], ['--seed: value is "1.5"; allowed: a whole number']),
+    (["carry", "--seed", ""], ['--seed: value is ""; allowed: a whole number']),
+    (["modes", "--p-left-m", "1cm"], ['--p-left-m: value is "1cm"; allowed: a number']),
+    (["certify", "--friction", "0.1", "x"], ['--friction: value is "x"; allowed: a number']),
+    (["certify", "--friction", "0.1"], ["--friction", "requires 2 arguments"]),
+    (["carry", "--view"], ["--view needs --world mujoco"]),
+    (["carry", "--video"], ["--video needs --world mujoco"]),
+    (["carry", "--world", "mujoco", "--video"], ["--video needs --out DIR"]),
+    (["analyze", "--p-left-m", "0.1"], ["need --figures DIR"]),
+    (["analyze", "--format", "gif"], ["--format", "png, svg, pdf"]),
+    (["design", "--region", "0.1;0.2"], ["--region", "implied, palm"]),
+    (["design", "--maximize", "speed"], ["maximize", "com"]),
+    (["export"], ["export needs --mjcf FILE, --urdf FILE or both"]),
+    (["export", "--mjcf", "a", "--urdf", "a"], ["--urdf", "another file"]),
+    (["export", "--urdf", "a", "--robot", "top"], ["--robot", "left, right"]),
+    (["drop-rate", "--relative-error-percent", "0"], ["--relative-error-percent", "1 to 100"]),
+    (["derive", "--policy", "x"], ["--policy", "table-1"]),
+    (["derive", "--controllers", "x"], ["--controllers", "distributed"]),
+    (["check", "nothing.json"], ["nothing.json"]),
+    (["study", "nothing"], ["nothing", "no such study or file"]),
+    (["study", "centralized-vs-distributed", "--scheduler", "a", "--local-cluster", "2"],
+     ["--scheduler and --local-cluster exclude each other"]),
+    (["keys", "nonsense"], ["nonsense", "matches no key"]),
+    (["init", "scene"], ["FILE"]),
+    (["init", "pair", "x.toml"], ["pair", "--help"]),
+    (["init"], ["init", "--help"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "words"), BAD, ids=lambda x: " ".join(x)[:40])
+def test_bad_input_is_one_line_and_exit_status_2(
+    arguments: list[str],
+    words: list[str],
+    here: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert_refused(here(*arguments), *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_command_refuses_an_unknown_option(here: Run) -> None:
+    group: Any = get_command(build_app())
+    for command in group.commands:
+        assert_refused(here(command, "--frobnicate"), command, "--frobnicate", "--help")
+
+
+def _outputs() -> list[tuple[str, str]]:
+    """Every option of every command that names a file or a folder to write."""
+    group: Any = get_command(build_app())
+    return [
+        (name, option)
+        for name, command in group.commands.items()
+        for parameter in command.params
+        if parameter.metavar in ("DIR", "FILE") and parameter.param_type_name == "option"
+        for option in parameter.opts
+    ]
+
+
+def test_outputs_are_found() -> None:
+    known = {("carry", "--out"), ("certify", "-o"), ("analyze", "--figures"), ("export", "--urdf")}
+    assert known <= set(_outputs())
+
+
+@pytest.mark.parametrize(("command", "option"), _outputs())
+def test_empty_output_name_is_refused(
+    command: str, option: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``--out "$DIR"`` with DIR unset must not mean the working directory."""
+    monkeypatch.chdir(tmp_path)
+    argument = ["study.toml"] if command == "study" else []
+    assert_refused(here(command, *argument, option, ""), option, 'value is ""; allowed: a name')
+    assert list(tmp_path.iterdir()) == []
+
+
+# Command with an output, and the function that does the work.
+WORK = {
+    ("carry", "--out"): ("palmbots.simulation.single", "carry"),
+    ("compare", "--out"): ("palmbots.simulation.sweep", "compare"),
+    ("design", "--out"): ("palmbots.stability.palm_angles", "design"),
+    ("analyze", "--figures"): ("palmbots.stability.analysis", "analyze"),
+    ("validate", "--out"): ("palmbots.mujoco.validation.validation", "validate"),
+    ("speed-limits", "--out"): ("palmbots.mujoco.validation.speed_limits", "speed_limits"),
+}
+
+
+def forbid_work(command: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(*_: object, **__: object) -> None:
+        pytest.fail("worked before the output was checked")
+
+    module, function = WORK[command]
+    monkeypatch.setattr(importlib.import_module(module), function, work)
+
+
+@pytest.mark.parametrize("command", WORK, ids=" ".join)
+def test_impossible_folder_is_refused_before_the_work(
+    command: tuple[str, str], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A misspelt --out must not cost hours of carries."""
+    forbid_work(command, monkeypatch)
+    taken = tmp_path / "file"
+    taken.write_text("mine")
+    assert_refused(here(*command, str(taken)), "file", "cannot be used as a folder")
+    assert taken.read_text() == "mine"
+
+
+@pytest.mark.parametrize("command", WORK, ids=" ".join)
+def test_unknown_matplotlib_backend_is_refused_before_the_work(
+    command: tuple[str, str], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``MPLBACKEND=nonsense`` makes the import of matplotlib fail."""
+    forbid_work(command, monkeypatch)
+    monkeypatch.setenv("MPLBACKEND", "nonsense")
+    for name in [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]:
+        monkeypatch.delitem(sys.modules, name)
+    line = 'palmbots: MPLBACKEND: value is "nonsense"; allowed: agg, or leave it unset\n'
+    assert_refused(here(*command, str(tmp_path)), line)
+
+
+def test_scene_passed_as_study_is_named(here: Run, tmp_path: Path) -> None:
+    scene = tmp_path / "crate.toml"
+    scene.write_text("[object]\nmass_kg = 1.2\n")
+    assert_refused(here("study", str(scene)), "crate.toml", "looks like a scene", "scene = ")
+
+
+def test_unwritable_folder_is_refused(here: Run, tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    assert_refused(here("carry", "--out", str(blocked)), "file")
+    assert blocked.read_text() == "not a folder"

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a user finds from the shell: scenes, objects, keys, controllers, a scene to start from."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from commands import Run, assert_refused
+from palmbots.scene.error_messages import dotted_keys
+from palmbots.scene.key_reference import scene_keys
+from palmbots.scene.scene import Scene, load_scene
+
+ROOT = Path(__file__).parent.parent.parent
+DATA = ROOT / "src" / "palmbots" / "scene" / "data"
+
+
+@pytest.mark.parametrize("kind", ["scenes", "objects"])
+def test_list_has_every_built_in_file_with_a_meaning(kind: str, here: Run) -> None:
+    rows = json.loads(here(kind, "--json").stdout)[kind]
+    assert [row["name"] for row in rows] == sorted(f.stem for f in (DATA / kind).glob("*.toml"))
+    assert all(len(row["meaning"]) > 10 for row in rows)
+    text = here(kind).stdout
+    for row in rows:
+        assert row["name"] in text
+        assert row["meaning"].split()[0] in text
+
+
+def test_keys_lists_every_key_once(here: Run) -> None:
+    rows = json.loads(here("keys", "--json").stdout)["keys"]
+    one_side = tuple(f"{s}.{side}." for s in ("palm", "robot") for side in ("left", "right"))
+    wanted = {key for key in dotted_keys(Scene) if not key.startswith(one_side)}
+    assert len(rows) == len({row["name"] for row in rows})
+    assert {row["name"] for row in rows} == wanted
+    units = {row["name"]: row["unit"] for row in rows}
+    assert (units["robot.speed_m_s"], units["task.timeout_s"]) == ("m/s", "s")
+    assert units["radio.loss"] == ""
+
+
+def test_keys_prints_defaults_that_a_scene_accepts(here: Run) -> None:
+    shown = here("keys").stdout.splitlines()
+    for key in scene_keys():
+        if key.default is None:
+            assert any(line.startswith(f"{key.name}  (not set)") for line in shown)
+        elif key.name != "object.vertices_m":  # unless given, the keys below follow from it
+            assert load_scene("paper", {key.name: key.default}) == Scene()
+
+
+def test_keys_takes_a_part_or_a_pattern(here: Run) -> None:
+    def names(*words: str) -> list[str]:
+        return [row["name"] for row in json.loads(here("keys", *words, "--json").stdout)["keys"]]
+
+    assert names("latency") == ["radio.latency_s"]
+    assert names("start.*_m") == ["start.left_m", "start.right_m"]
+    assert names("NOISE") == ["robot.noise_m_s", "robot.noise_tau_s"]
+    assert_refused(here("keys", "nonsense"), "nonsense", "matches no key", "radio")
+
+
+def test_controllers_lists_those_of_the_help(here: Run) -> None:
+    rows = json.loads(here("controllers", "--json").stdout)["controllers"]
+    names = [row["name"] for row in rows]
+    assert names[:4] == ["none", "centralized", "distributed", "resilient"]
+    for name in names[:4]:
+        assert name in here("controllers").stdout
+
+
+def test_init_scene_writes_the_default_scene(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = here("init", "scene", "my.toml")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "wrote my.toml" in result.stdout
+    text = Path("my.toml").read_text()
+    assert load_scene("my.toml") == Scene()
+    given = {f"{s}.{key}" for s, table in tomllib.loads(text).items() for key in table}
+    assert {
+        k.name for k in scene_keys() if k.default is not None and k.name.count(".") == 1
+    } <= given
+    assert max(map(len, text.splitlines())) <= 80
+    for key in scene_keys():
+        assert key.meaning.split(" ")[0] in text
+
+
+def test_keys_that_are_not_set_are_shown_as_comments(here: Run, tmp_path: Path) -> None:
+    here("init", "scene", str(tmp_path / "my.toml"))
+    lines = (tmp_path / "my.toml").read_text().splitlines()
+    for key in scene_keys():
+        if key.default is None:
+            assert f"# {key.name.rpartition('.')[2]} =" in lines
+
+
+def test_init_scene_never_overwrites(here: Run, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("[task]\n")
+    assert_refused(here("init", "scene", str(path)), "mine.toml", "never overwritten")
+    assert path.read_text() == "[task]\n"
+    (tmp_path / "link.toml").symlink_to(tmp_path / "nowhere.toml")
+    assert_refused(here("init", "scene", str(tmp_path / "link.toml")), "never overwritten")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["link.toml", "mine.toml"]
+
+
+def test_init_scene_that_cannot_be_written_leaves_nothing(here: Run, tmp_path: Path) -> None:
+    assert_refused(here("init", "scene", str(tmp_path / "none" / "a.toml")), "cannot be written")
+    assert_refused(here("init", "scene", str(tmp_path / "a.txt")), ".toml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_shell_completion_knows_the_commands() -> None:
+    words = {"COMP_WORDS": "palmbots dr", "COMP_CWORD": "1", "_PALMBOTS_COMPLETE": "complete_bash"}
+    result = subprocess.run(
+        [sys.executable, "-m", "palmbots"],
+        env=os.environ | words, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert result.stdout.split() == ["drop-rate"]
+
+
+def test_help_states_where_the_lists_are(here: Run) -> None:
+    assert "--install-completion" in here("--help").stdout
+    text = " ".join(here("carry", "--help").stdout.split())
+    for command in ("palmbots scenes", "palmbots keys", "palmbots controllers"):
+        assert command in text

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C: every command prints one line, promptly, and exits with 130."""
+
+import importlib
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+import palmbots._core as core
+from commands import Run
+from palmbots.cli.main import build_app
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+from palmbots.viz.side_view import Stage
+
+LINE = "palmbots: interrupted (no partial files were written)\n"
+
+# Where each command spends its time: module, function, further arguments.
+WORK: dict[str, tuple[str, str, list[str]]] = {
+    "carry": ("palmbots.simulation.single", "carry", []),
+    "modes": ("palmbots.mechanics.mode_analysis", "modes", []),
+    "analyze": ("palmbots.stability.analysis", "analyze", []),
+    "certify": ("palmbots.stability.certificates.prover", "certify", []),
+    "check": ("palmbots.stability.certificates.checker.verify", "check", ["x.json"]),
+    "design": ("palmbots.stability.palm_angles", "design", []),
+    "compare": ("palmbots.simulation.sweep", "compare", []),
+    "drop-rate": ("palmbots.simulation.rare_events", "estimate_drop_rate", []),
+    "speed-limits": ("palmbots.mujoco.validation.speed_limits", "speed_limits", []),
+    "validate": ("palmbots.mujoco.validation.validation", "validate", []),
+    "export": ("palmbots.mujoco.mjcf", "mjcf", ["--mjcf", "x.xml"]),
+    "replay": ("palmbots.logs.replaying", "replay", ["x.mcap"]),
+    "derive": ("palmbots.derivation.local_rules", "derive", []),
+    "scenes": ("palmbots.scene.key_reference", "built_in_meanings", []),
+    "objects": ("palmbots.scene.key_reference", "built_in_meanings", []),
+    "keys": ("palmbots.scene.key_reference", "scene_keys", []),
+    "controllers": ("palmbots.cli.commands.controllers_command", "print_list", []),
+    "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
+}
+
+
+def interrupted(*_: object, **__: object) -> None:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("command", WORK)
+def test_interrupted_command_prints_one_line(
+    command: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    module, function, words = WORK[command]
+    monkeypatch.setattr(importlib.import_module(module), function, interrupted)
+    result = here(command, *words)
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_command_is_interrupted_here() -> None:
+    group: Any = get_command(build_app())
+    assert set(WORK) | {"study"} == set(group.commands)
+
+
+def test_interrupted_study_states_what_is_kept(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        importlib.import_module("palmbots.studies.study_runner"), "run_study", interrupted
+    )
+    result = here("study", "centralized-vs-distributed", "--out", str(tmp_path / "s"))
+    assert result.returncode == 130
+    assert result.stderr == (
+        f"palmbots: interrupted; finished carries are kept in {tmp_path / 's'}; "
+        "run the same command again to continue\n"
+    )
+
+
+def test_interrupted_while_writing_leaves_whole_files_only(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the middle of the animation, which is written last."""
+    draw, calls = Stage.frame, iter(range(20))
+
+    def frame(*arguments: Any, **options: Any) -> Any:
+        if next(calls, None) is None:
+            raise KeyboardInterrupt
+        return draw(*arguments, **options)
+
+    monkeypatch.setattr(Stage, "frame", frame)
+    out = tmp_path / "out"
+    result = here("carry", "--set", "task.distance_m=0.3", "--out", str(out))
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
+    assert {p.name for p in out.iterdir()} == {"carry.png", "carry.mcap", "message_sequence.png"}
+    assert here("replay", str(out / "carry.mcap")).returncode == 0
+
+
+# A process that gets Ctrl-C while it imports the module given as the first argument.
+IMPORTING = """
+import importlib.abc, os, runpy, signal, sys
+
+class Interrupt(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == sys.argv[1]:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupt())
+from palmbots.__main__ import main
+sys.argv[0] = "palmbots"
+interrupt, sys.argv[1:] = sys.argv[1], sys.argv[2:]
+sys.meta_path[0].find_spec = lambda name, path, target=None: (
+    os.kill(os.getpid(), signal.SIGINT) if name == interrupt else None
+)
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    "module",
+    ["typer", "palmbots.cli.commands", "palmbots.scene.scene", "pydantic", "numpy", "rich.table"],
+)
+def test_interrupted_during_imports_prints_one_line(module: str) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", IMPORTING, module, "modes"],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
+
+
+def test_importing_the_package_imports_nothing_slow() -> None:
+    """What is imported before `main` runs cannot be interrupted in one line."""
+    slow = "{'numpy', 'pydantic', 'typer', 'rich'}"
+    code = f"import sys, palmbots.__main__; assert not {slow} & set(sys.modules), sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("threads", [None, 1, 2])
+def test_multilevel_splitting_hears_signals(threads: int | None) -> None:
+    """The compiled core works for minutes here; the signal arrives within a second."""
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    spec = to_spec(Scene())
+    before = signal.signal(signal.SIGALRM, stop)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(KeyboardInterrupt):
+            if threads is None:
+                core.choose_levels(spec, "distributed", 0, 100_000, 0.4)
+            else:
+                core.replicates(spec, "distributed", 0, 100_000, [0.3, 0.4, 0.5], 0, 4, threads)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

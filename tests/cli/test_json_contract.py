@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``--json``: one object on stdout and nothing else, with the keys of the public interface."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+from commands import Run
+from palmbots.cli.main import build_app
+
+SHORT = ("--set", "task.distance_m=0.2")
+SIDES = {"left", "right"}
+
+# Command, arguments, exit status, keys. A key "a.b" is b in the table a; "a[].b" in each row of a.
+CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
+    (
+        "carry",
+        ("--seed", "3"),
+        0,
+        {
+            "outcome", "reason", "time_s", "distance_m", "contact_rms_m.left",
+            "contact_rms_m.right", "contact_peak_m.left", "contact_peak_m.right",
+            "corrections[].label", "corrections[].robot", "corrections[].case",
+            "corrections[].assistant", "corrections[].start_s", "corrections[].end_s", "messages",
+            "waiting_s.left", "waiting_s.right", "warnings", "trace_hash", "scene",
+        },
+    ),
+    (
+        "modes",
+        ("--theta-left-deg", "5"),
+        0,
+        {
+            "feasible", "consistent_closing", "consistent_opening", "closing", "opening", "wedged",
+            "squeeze.left", "squeeze.right", "margin_rad", "scene",
+        },
+    ),
+    (
+        "analyze",
+        (),
+        0,
+        {
+            *(
+                f"properties.{number}.{side}.{key}"
+                for number in "120"
+                for side in ("left", "right")
+                for key in ("holds", "margins.travel_m", "margins.angle_rad", "binding")
+            ),
+            "bands", "com_x_m", "friction", "max_slope_deg", "max_acceleration_m_s2", "scene",
+        },
+    ),
+    (
+        "design",
+        ("--resolution-deg", "2"),
+        0,
+        {
+            "shallow_deg", "steep_deg", "tolerance", "friction", "friction_floor", "reaction_s",
+            "certificate", "scene",
+        },
+    ),
+    ("certify", (), 0, {"verdict", "claims", "box", "parts"}),
+    (
+        "drop-rate",
+        ("--set", "robot.noise_m_s=0.03", "--effort", "20", "--relative-error-percent", "100"),
+        0,
+        {"drop_rate", "interval", "levels", "replicates", "controller", "seed", "scene"},
+    ),
+    (
+        "compare",
+        ("--values", "0,0.2", "-n", "2", *SHORT),
+        0,
+        {
+            "rows[].controller", "rows[].key", "rows[].value", "rows[].n", "rows[].drop_rate",
+            "rows[].interval", "rows[].rms_m", "scene",
+        },
+    ),
+    (
+        "study",
+        ("STUDY", "--out", "DIR"),
+        0,
+        {"carries", "drop_rate", "interval", "output", "hash", "cells[].at", "scene"},
+    ),
+    ("check", ("CERTIFICATE",), 0, {"valid", "claim"}),
+    ("replay", ("LOG",), 0, {"identical"}),
+    ("export", ("--mjcf", "MJCF"), 0, {"mjcf", "urdf", "scene"}),
+    ("derive", ("--controllers", "none"), 0, {"rules", "conflicts", "is_table_2"}),
+    ("scenes", (), 0, {"scenes[].name", "scenes[].meaning"}),
+    ("objects", (), 0, {"objects[].name", "objects[].meaning"}),
+    ("controllers", (), 0, {"controllers[].name", "controllers[].meaning"}),
+    ("keys", (), 0, {"keys[].name", "keys[].meaning", "keys[].default", "keys[].unit"}),
+    ("init", ("scene", "SCENE"), 0, {"file", "scene"}),
+]  # fmt: skip
+
+
+# These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits).
+ELSEWHERE = {"validate", "speed-limits"}
+
+
+def has(table: Any, key: str) -> bool:
+    name, _, rest = key.partition(".")
+    if name.endswith("[]"):
+        rows = table.get(name[:-2])
+        return bool(rows) and all(has(row, rest) for row in rows)
+    if not isinstance(table, Mapping) or name not in table:
+        return False
+    return not rest or has(table[name], rest)
+
+
+@pytest.fixture
+def files(here: Run, tmp_path: Path) -> dict[str, str]:
+    """Files that commands read and write, by the word in the contract."""
+    names = {
+        "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
+        "MJCF": "scene.xml", "SCENE": "scene.toml",
+    }  # fmt: skip
+    return {word: str(tmp_path / name) for word, name in names.items()}
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments", "status", "keys"), CONTRACT, ids=[row[0] for row in CONTRACT]
+)
+def test_json_has_the_keys_of_the_contract(
+    command: str,
+    arguments: tuple[str, ...],
+    status: int,
+    keys: set[str],
+    here: Run,
+    files: dict[str, str],
+) -> None:
+    if "STUDY" in arguments:
+        Path(files["STUDY"]).write_text(
+            'controllers = ["none"]\n[set]\n"task.distance_m" = 0.2\n[vary]\n'
+            '"robot.noise_m_s" = [0.02]\n[seeds]\ncount = 2\n'
+        )
+    if "CERTIFICATE" in arguments:
+        here("certify", "-o", files["CERTIFICATE"])
+    if "LOG" in arguments:
+        here("carry", *SHORT, "--animation", "none", "--out", str(Path(files["LOG"]).parent))
+    result = here(command, *(files.get(word, word) for word in arguments), "--json")
+    assert result.returncode == status, result
+    assert result.stdout.count("\n") == 1
+    table = json.loads(result.stdout)
+    assert {key for key in keys if not has(table, key)} == set()
+
+
+def test_every_command_is_in_the_contract() -> None:
+    group: Any = get_command(build_app())
+    assert {row[0] for row in CONTRACT} | ELSEWHERE == set(group.commands)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Progress in a log file: one line a minute, with an estimate of the time left."""
+
+import importlib
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from commands import Run
+from palmbots.cli._progress import LineProgress, progress, staged_progress
+from palmbots.errors import PalmbotsError
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 1000.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def test_one_line_a_minute() -> None:
+    stream, clock = io.StringIO(), Clock()
+    lines = LineProgress(stream, clock)
+    for second in range(301):
+        clock.now_s = 1000.0 + second
+        lines.report("carrying", second / 600)
+    assert stream.getvalue().splitlines() == [
+        "palmbots: carrying: 10 % after 1:00 min, about 9:00 min left",
+        "palmbots: carrying: 20 % after 2:00 min, about 8:00 min left",
+        "palmbots: carrying: 30 % after 3:00 min, about 7:00 min left",
+        "palmbots: carrying: 40 % after 4:00 min, about 6:00 min left",
+        "palmbots: carrying: 50 % after 5:00 min, about 5:00 min left",
+    ]
+
+
+def test_time_left_counts_from_the_start_of_the_stage() -> None:
+    stream, clock = io.StringIO(), Clock()
+    lines = LineProgress(stream, clock)
+    clock.now_s += 50
+    lines.report("checking scenes", 1.0)
+    lines.report("carrying", 0.0)
+    clock.now_s += 100
+    lines.report("carrying", 0.25)
+    clock.now_s += 7200
+    lines.report("carrying", 0.5)
+    assert stream.getvalue().splitlines() == [
+        "palmbots: carrying: 25 % after 1:40 min, about 5:00 min left",
+        "palmbots: carrying: 50 % after 2:01 h, about 2:01 h left",
+    ]
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_short_work_prints_nothing(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    with progress("carrying", quiet, simulated_s=3.0) as report:
+        for k in range(100):
+            report(k / 100)
+    with staged_progress(quiet) as report_stage:
+        report_stage("carrying", 0.5)
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err) == ("", "")
+
+
+def test_study_prints_a_line_about_each_lost_worker(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runner = importlib.import_module("palmbots.studies.study_runner")
+
+    def run_study(*_: object, notify: Callable[[str], None], **__: object) -> None:
+        notify("the worker tcp://10.0.0.1:1 was lost")
+        notify("the worker tcp://10.0.0.2:1 was lost")
+        raise PalmbotsError("stop here")
+
+    monkeypatch.setattr(runner, "run_study", run_study)
+    result = here("study", "centralized-vs-distributed", "--out", str(tmp_path / "s"))
+    assert result.stderr.splitlines() == [
+        "palmbots: warning: the worker tcp://10.0.0.1:1 was lost",
+        "palmbots: warning: the worker tcp://10.0.0.2:1 was lost",
+        "palmbots: stop here",
+    ]

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""stdout: 80 columns, no trailing blanks, no shortened numbers, full disks, other encodings."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from commands import Run
+from palmbots.cli.reports.console import plain_table, report_console
+from shell import palmbots
+
+DONE, BAD_INPUT = 0, 2
+SHORT = ("--set", "task.distance_m=0.1")
+
+# All reports, also with long keys, warnings and several contacts.
+REPORTS = [
+    ("carry",),
+    ("carry", "-c", "resilient", "--set", "radio.loss=0.2"),
+    ("carry", "--set", "robot.left.bias_m_s=0.05", "-c", "none"),
+    ("carry", "--set", "task.timeout_s=3"),
+    ("modes", "--theta-left-deg", "5"),
+    ("modes", "--theta-left-deg", "0"),
+    ("analyze",),
+    ("analyze", "--set", "palm.shallow_deg=4", "--set", "palm.friction=2"),
+    ("analyze", "--set", "palm.friction=0.05"),
+    ("certify",),
+    ("certify", "--friction", "0.1", "0.9"),
+    ("design", "--resolution-deg", "2"),
+    ("compare", "-n", "2", *SHORT),
+    ("compare", "--sweep", "robot.left.acceleration_m_s2", "--values", "0.5,0.50000000001",
+     "-n", "1", *SHORT),
+    ("study", "STUDY", "--out", "results"),
+    ("study", "centralized-vs-distributed", "--estimate-cost"),
+    ("drop-rate", "--set", "robot.noise_m_s=0.03", "--effort", "20",
+     "--relative-error-percent", "100"),
+    ("derive", "--counterexamples"),
+    ("scenes",),
+    ("objects",),
+    ("keys",),
+    ("controllers",),
+    ("init", "scene", "my.toml"),
+]  # fmt: skip
+
+STUDY = """
+controllers = ["centralized", "distributed", "resilient"]
+[set]
+"task.distance_m" = 0.2
+[vary]
+"robot.left.acceleration_m_s2" = [0.5, 0.50000000001]
+"tactile.zero_half_width_m" = [0.005, 0.006]
+"radio.latency_s" = [0.1, 0.5]
+[seeds]
+count = 20
+[stop]
+block = 5
+drop_rate = 0.2
+"""
+
+
+@pytest.mark.parametrize("arguments", REPORTS, ids=lambda words: " ".join(words)[:40])
+def test_report_fits_80_columns_without_trailing_blanks(
+    arguments: tuple[str, ...], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("COLUMNS", raising=False)
+    (tmp_path / "study.toml").write_text(STUDY)
+    result = here(*("study.toml" if word == "STUDY" else word for word in arguments))
+    assert result.stdout
+    for line in result.stdout.splitlines():
+        is_command = "run: palmbots" in line or "palmbots analyze" in line  # to be copied whole
+        assert len(line) <= 80 or is_command, line
+        assert line == line.rstrip(), line
+    assert "…" not in re.sub(r" … ", "", result.stdout)
+
+
+def test_numbers_are_not_shortened_in_a_narrow_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    long = ("--sweep", "robot.left.acceleration_m_s2", "--values", "0.5,0.50000000001")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "30")
+    text = palmbots("compare", *long, "-n", "1", "--controllers", "none").stdout
+    plain = re.sub("\x1b[^m]*m", "", text)
+    assert "…" not in plain
+    assert re.search(r"\n +0\.50000000001 +0\.0 \(0\.0–79\.3\) +26\.4 +0 +0\n", plain)
+
+
+@pytest.mark.parametrize("option", [(), ("--json",)])
+def test_full_disk_under_stdout_is_reported_in_one_line(option: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(
+            [sys.executable, "-m", "palmbots", "modes", *option],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert result.returncode == BAD_INPUT
+    assert result.stderr == "palmbots: the output cannot be written: No space left on device\n"
+
+
+def test_encoding_without_a_character_prints_a_question_mark(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    result = palmbots("modes")
+    assert (result.returncode, result.stderr) == (DONE, "")
+    assert "palms 15?, 15?" in result.stdout
+
+
+def test_units_in_brackets_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """Rich takes text in brackets for markup, unless markup is off."""
+    table = plain_table("speed [m/s]", "rms [mm]")
+    table.add_row("0.1 [m/s]", "2 [mm]")
+    console = report_console()
+    console.print(table)
+    console.print("largest [m/s²]")
+    assert [line.split() for line in capsys.readouterr().out.splitlines()] == [
+        ["speed", "[m/s]", "rms", "[mm]"],
+        ["0.1", "[m/s]", "2", "[mm]"],
+        ["largest", "[m/s²]"],
+    ]

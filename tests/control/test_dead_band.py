@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dead-band law: a zero zone narrower than the overrun of a contact causes endless corrections.
+
+The scenes here have no noise, only a contact that starts off its zone.
+"""
+
+import math
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots.control.dead_band import overrun_m, warnings_before, zero_zone_m
+from palmbots.geometry.placement import placements
+from palmbots.scene.palm_overlap import overlap_m
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+
+STARTS = [(0.02, 0.0), (-0.02, 0.0), (0.02, 0.02), (-0.02, -0.02), (0.02, -0.02), (-0.02, 0.02)]
+
+
+def quiet(zone_m: float, start: tuple[float, float] = (0, 0), latency_s: float = 0.05) -> Scene:
+    """A noise-free scene with a zero zone of this width."""
+    return load_scene(
+        "paper",
+        {
+            "robot.noise_m_s": 0.0,
+            "tactile.zero_half_width_m": zone_m / 2,
+            "start.left_m": start[0],
+            "start.right_m": start[1],
+            "radio.latency_s": latency_s,
+        },
+    )
+
+
+def late(carry: pb.simulation.Carry) -> int:
+    """Corrections in the second half of the carry."""
+    return sum(c.start_s > carry.time_s / 2 for c in carry.corrections)
+
+
+def cycles(carry: pb.simulation.Carry) -> bool:
+    return any("limit cycle" in warning for warning in carry.warnings)
+
+
+def warned_before(carry: pb.simulation.Carry) -> bool:
+    return any("zero zone" in warning for warning in carry.warnings)
+
+
+def test_overrun_is_that_of_the_simulated_wheels() -> None:
+    """One period until the sign is seen, then braking with 0.5 m/s² from 3 cm/s, one step per
+    period."""
+    speeds = [0.03, 0.025, 0.02, 0.015, 0.01, 0.005]
+    along_palm = 1 / math.cos(math.radians(15))
+    expected = 0.01 * sum(speeds) * along_palm
+    assert overrun_m(quiet(0.01), "distributed") == pytest.approx(expected, rel=1e-12)
+    # Both robots at half the speed; up and down the radio takes 5 periods each, and one to see it.
+    way = 2 * (0.015 * 11 * 0.01 + 0.01 * (0.01 + 0.005))
+    assert overrun_m(quiet(0.01), "centralized") == pytest.approx(way * along_palm, rel=1e-12)
+    assert overrun_m(quiet(0.01), "none") == 0
+
+
+def test_latency_matters_only_with_a_station() -> None:
+    slow, fast = quiet(0.01, latency_s=0.3), quiet(0.01, latency_s=0.01)
+    assert overrun_m(slow, "distributed") == overrun_m(fast, "distributed")
+    assert overrun_m(slow, "centralized") > 5 * overrun_m(fast, "centralized")
+
+
+def test_zero_zone_from_the_tactile_zones() -> None:
+    assert zero_zone_m(Scene()) == 0.01
+    minus = {"sign": "-", "from_m": -0.075, "to_m": -0.004}
+    zero = {"sign": "0", "from_m": -0.002, "to_m": 0.006}
+    plus = {"sign": "+", "from_m": 0.003, "to_m": 0.075}
+
+    def width(*zones: dict[str, object]) -> float:
+        return zero_zone_m(load_scene("paper", {"tactile.zones": list(zones)}))
+
+    assert width(minus, zero, plus) == pytest.approx(0.010)  # zero wins over plus
+    assert width(plus, minus) == pytest.approx(0.007)  # no switch between them
+    assert width(minus, zero) == math.inf
+    assert width() == math.inf
+
+
+def test_paper_scene_gives_no_warning() -> None:
+    for controller in ("none", "centralized", "distributed"):
+        assert warnings_before(Scene(), controller) == ()
+        assert pb.carry("paper", controller, record=False).warnings == ()
+
+
+def test_sensor_without_reading_at_a_palm_end_gives_a_warning() -> None:
+    """A half-width given in mm; a zone up to exactly the palm's end; switches on one side only."""
+
+    def told(keys: dict[str, Any], controller: str = "distributed") -> list[str]:
+        scene = pb.load_scene("paper", keys)
+        return [line.split(":")[0] for line in warnings_before(scene, controller)]
+
+    both = [f"the {side} palm never reads - or +" for side in ("left", "right")]
+    assert told({"tactile.zero_half_width_m": 5}) == both
+    assert told({"tactile.zero_half_width_m": 0.075}) == both
+    assert told({"tactile.zero_half_width_m": 0.0749}) == []
+    assert told({"tactile.zero_half_width_m": 5}, "none") == []
+    assert told({"tactile.zero_half_width_m": 0.06, "palm.left.length_m": 0.1}) == both[:1]
+    only: dict[str, Any] = {"tactile.zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}
+    assert told(only) == [f"the {side} palm never reads -" for side in ("left", "right")]
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize(
+    ("controller", "latency_s", "share"),
+    [
+        # Distributed: strokes of unequal length sooner or later end in any zone of some width.
+        ("distributed", 0.05, 0.0),
+        ("distributed", 0.3, 0.0),
+        ("centralized", 0.0, 0.1),
+        ("centralized", 0.05, 0.1),
+        ("centralized", 0.1, 0.3),
+    ],
+)
+def test_corrections_with_a_narrow_zone_never_end(
+    controller: str, latency_s: float, share: float, start: tuple[float, float]
+) -> None:
+    zone = share * overrun_m(quiet(0), controller)
+    carry = pb.carry(quiet(zone, start, latency_s), controller, record=False)
+    assert carry.outcome == "delivered"
+    assert late(carry) >= 5
+    assert warned_before(carry)
+    assert cycles(carry)
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("latency_s", [0.0, 0.05, 0.1, 0.3])
+@pytest.mark.parametrize("controller", ["distributed", "centralized"])
+def test_corrections_with_a_wide_zone_end(
+    controller: str, latency_s: float, start: tuple[float, float]
+) -> None:
+    zone = 1.2 * overrun_m(quiet(0, latency_s=latency_s), controller)
+    carry = pb.carry(quiet(zone, start, latency_s), controller, record=False)
+    assert carry.outcome == "delivered"
+    assert 1 <= len(carry.corrections) <= 4
+    assert late(carry) == 0
+    assert carry.warnings == ()
+
+
+def test_latency_makes_the_centralized_algorithm_cycle() -> None:
+    """With a zone of 5 mm both algorithms settle at 50 ms; at 150 ms only the distributed one
+    does."""
+    for latency_s, controller, content in [
+        (0.05, "distributed", True),
+        (0.15, "distributed", True),
+        (0.05, "centralized", True),
+        (0.15, "centralized", False),
+    ]:
+        carry = pb.carry(quiet(0.005, (0.02, 0.0), latency_s), controller, record=False)
+        assert (late(carry) == 0) is content
+        assert cycles(carry) is not content
+        assert warned_before(carry) is not content
+
+
+def test_noise_is_not_mistaken_for_a_cycle() -> None:
+    for controller in ("centralized", "distributed"):
+        for seed in range(100):
+            assert not cycles(pb.carry("paper", controller, seed=seed, record=False))
+
+
+def test_overlapping_palms_give_a_warning() -> None:
+    """Under an object of 50 mm, palms of 150 mm overlap in every world."""
+    narrow = {
+        "object.vertices_m": [[0, 0], [0.05, 0], [0.05, 0.1], [0, 0.1]],
+        "object.com_m": [0.025, 0.04],
+    }
+    result = "the palms overlap by 94.9 mm"  # 150 mm cos 15 degrees less 50 mm
+    for world in ("quasistatic", "mujoco"):
+        carry = pb.carry(
+            controller="none", world=world, overrides=narrow | {"task.distance_m": 0.01}
+        )
+        assert any(result in warning for warning in carry.warnings)
+    # Where the inner ends are, from the trace itself: at p = 20 mm each palm reaches 20 mm further.
+    for length, start in ((0.05, 0.0), (0.05, 0.02), (0.052, 0.0), (0.03, 0.014)):
+        keys = {"palm.length_m": length, "start.left_m": start, "robot.noise_m_s": 0}
+        scene = load_scene("paper", narrow | keys | {"task.distance_m": 0.01})
+        trace = pb.carry(scene, "none").trace
+        assert trace is not None
+        placed = placements(to_spec(scene), trace, slice(0, 1))
+        past = placed.palm_inner[0, 0, 0] - placed.palm_inner[0, 1, 0]
+        assert overlap_m(scene) == pytest.approx(past, abs=1e-12)
+        assert bool(warnings_before(scene, "none")) == (past > 0)

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The resilient controller's step as code for a microcontroller: every branch is tested, and its
+cost is measured.
+
+`python tests/control/test_resilient_cost.py` prints the numbers that docs/theory/protocols.md
+states.
+"""
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+from cxx import ROOT, STANDARD
+
+CORE = ROOT / "tests" / "cpp" / "control"
+# What the compiler works out: the table spread out, and names.
+AT_COMPILE_TIME = (
+    "spread",
+    "fits",
+    "hears",
+    "may<",
+    "Key::of",
+    "::stay(",
+    "::run(",
+    "consumes",
+    "name_of",
+)
+
+
+def compiled(source: str, folder: Path, *flags: str) -> Path:
+    program = folder / source.removesuffix(".cpp")
+    command = ["g++", *STANDARD, *flags, "-o", program.name, str(CORE / source)]
+    subprocess.run(command, check=True, cwd=folder, timeout=300)
+    return program
+
+
+def test_every_branch_of_the_step_is_taken(tmp_path: Path) -> None:
+    """Measured by gcov, for all functions that run after compilation, in the controller and in its
+    receiver of beacons."""
+    program = compiled("resilient_test.cpp", tmp_path, "-O0", "--coverage", "-fno-exceptions")
+    subprocess.run([program], check=True, timeout=300)
+    run = subprocess.run(
+        ["gcov", "--json-format", "--stdout", "--branch-probabilities",
+         *(path.name for path in tmp_path.glob("*.gcda"))],
+        check=True, capture_output=True, cwd=tmp_path, timeout=60,
+    ).stdout  # fmt: skip
+    branches = 0
+    files = [f for line in run.splitlines() for f in json.loads(line)["files"]]
+    for header in ("resilient.hpp", "lease_state.hpp", "beacon.hpp"):
+        (lines,) = [f["lines"] for f in files if f["file"].endswith(f"palmbots/control/{header}")]
+        for line in lines:
+            if any(name in line.get("function_name", "") for name in AT_COMPILE_TIME):
+                continue
+            assert line["count"] > 0, f"{header}:{line['line_number']} never runs"
+            for branch in line["branches"]:
+                branches += 1
+                assert branch["count"] > 0, f"{header}:{line['line_number']}: a branch is not taken"
+    assert branches > 40
+
+
+def measured(folder: Path) -> dict[str, int]:
+    """Bytes of code and tables, and instructions of a step: the median and the maximum of 1000
+    random steps, on this processor at -Os, counted by callgrind."""
+    program = compiled("resilient_cost.cpp", folder, "-Os", "-g")
+    listing = ["nm", "-S", "-C", str(program)]
+    symbols = subprocess.run(listing, check=True, capture_output=True, text=True).stdout
+
+    def size(name: str) -> int:
+        result = re.search(rf"^\S+ (\S+) \S {re.escape(name)}", symbols, re.MULTILINE)
+        assert result is not None, name
+        return int(result[1], 16)
+
+    subprocess.run(
+        ["valgrind", "--quiet", "--tool=callgrind", "--compress-strings=no", "--compress-pos=no",
+         "--callgrind-out-file=steps", "--dump-after=resilient_step*", str(program), "1000"],
+        check=True, cwd=folder, capture_output=True, timeout=300,
+    )  # fmt: skip
+    counts = sorted(instructions(path) for path in folder.glob("steps.*"))
+    assert len(counts) == 1000
+    return {
+        "code_bytes": size("resilient_step("),
+        "table_bytes": size("palmbots::Resilient::lookup") + size("palmbots::Resilient::outputs"),
+        "median_instructions": counts[500],
+        "worst_instructions": counts[-1],
+    }
+
+
+def instructions(dump: Path) -> int:
+    """Instructions of the step itself, which calls no function."""
+    total, inside = 0, False
+    for line in dump.read_text().splitlines():
+        if line.startswith("fn="):
+            inside = "resilient_step" in line
+        elif inside and re.fullmatch(r"\d+ \d+", line):
+            total += int(line.split()[1])
+    return total
+
+
+def test_step_has_a_small_bounded_cost(tmp_path: Path) -> None:
+    result = measured(tmp_path)
+    assert result["code_bytes"] < 1024
+    assert result["table_bytes"] < 4096
+    # No loops: the worst step costs little more than any other.
+    assert 50 < result["median_instructions"] <= result["worst_instructions"] < 250
+
+
+if __name__ == "__main__":
+    import sys
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as where:
+        print(json.dumps(measured(Path(where))))
+    sys.exit(0)

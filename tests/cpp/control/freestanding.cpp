@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a robot and a station run, as firmware would call it: functions without a system below.
+// Compiled by tests/cpp/test_programs.py, never run.
+#include "palmbots/control.hpp"
+#include "palmbots/wire.hpp"
+
+palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
+                                         palmbots::Distributed::Input in);
+
+palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
+                                         palmbots::Distributed::Input in) {
+  return robot.step(in);
+}
+
+palmbots::Centralized::Output station_step(palmbots::Centralized& station,
+                                           const palmbots::Centralized::Report (&reports)[2]);
+
+palmbots::Centralized::Output station_step(palmbots::Centralized& station,
+                                           const palmbots::Centralized::Report (&reports)[2]) {
+  return station.step(reports);
+}
+
+palmbots::Resilient::Output resilient_step(palmbots::Resilient& robot,
+                                           const palmbots::Resilient::Input& in);
+
+palmbots::Resilient::Output resilient_step(palmbots::Resilient& robot,
+                                           const palmbots::Resilient::Input& in) {
+  return robot.step(in);
+}
+
+bool hear(palmbots::BeaconReceiver& receiver, const palmbots::Beacon& beacon);
+
+bool hear(palmbots::BeaconReceiver& receiver, const palmbots::Beacon& beacon) {
+  return receiver.accept(beacon);
+}
+
+bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to,
+                palmbots::wire::PacketKind kind, std::uint8_t payload,
+                palmbots::wire::Bytes& bytes);
+
+bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to,
+                palmbots::wire::PacketKind kind, std::uint8_t payload,
+                palmbots::wire::Bytes& bytes) {
+  return end.send(to, kind, payload, bytes);
+}
+
+palmbots::wire::Decoded radio_receive(palmbots::wire::Endpoint& end, const std::uint8_t* bytes,
+                                      std::size_t size);
+
+palmbots::wire::Decoded radio_receive(palmbots::wire::Endpoint& end, const std::uint8_t* bytes,
+                                      std::size_t size) {
+  return end.receive({bytes, size});
+}
+
+palmbots::Distributed::Output commanded_step(const palmbots::ExternalController& robot);
+
+palmbots::Distributed::Output commanded_step(const palmbots::ExternalController& robot) {
+  return robot.step({});
+}
+
+palmbots::ResilientTiming timing(const palmbots::ResilientTimingInputs& inputs);
+
+palmbots::ResilientTiming timing(const palmbots::ResilientTimingInputs& inputs) {
+  return palmbots::ResilientTiming::of(inputs);
+}
+
+bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decoded& received);
+
+bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decoded& received) {
+  return palmbots::wire::hear(receiver, received);
+}

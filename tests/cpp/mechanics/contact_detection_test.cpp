@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contacts and outcomes over many states, in both precisions, and the most contacts there can be.
+#include "palmbots/mechanics/contact_detection.hpp"
+
+#include "palmbots/sim/carry.hpp"
+#include "support/check.hpp"
+#include "support/paper_spec.hpp"
+
+namespace {
+
+using namespace palmbots;
+
+struct Counted {
+  std::size_t contacts = 0;
+  std::size_t outcomes = 0;
+  std::size_t sunk = 0;
+};
+
+// The paper's box at every pair of some angles and some coordinates; level palms make it lie flush.
+template <class Real>
+Counted over_many_states() {
+  const Model<Real> model = model_of<Real>(paper_spec());
+  Counted counted{};
+  for (int a = -1; a <= 4; ++a) {
+    for (int b = -1; b <= 4; ++b) {
+      for (int p = -3; p <= 3; ++p) {
+        const Configuration<Real> configuration{
+            Real(0),
+            {PalmAngle<Real>::at(Real(0.1) * Real(a)), PalmAngle<Real>::at(Real(0.1) * Real(b))},
+            {Real(0.025) * Real(p), Real(0)}};
+        const ContactSet<Real> found = detect_contacts(model, configuration);
+        CHECK(found.count >= 2 && found.count <= 4);
+        const Real near = contact_tolerance<Real> * model.object.width;
+        if (found.sunk[left] > near || found.sunk[right] > near) {
+          ++counted.sunk;
+          continue;
+        }
+        Supports<Real> supports{};
+        Velocities<Real> closing{};
+        for (std::size_t i = 0; i < found.count; ++i) {
+          const Support<Real>& s = found.points[i].support;
+          supports.at[supports.count] = s;
+          closing[supports.count++] = {-outward<Real>(s.side), Real(0)};
+        }
+        counted.contacts += supports.count;
+        each_outcome(supports, closing, Real(0), [&](const Motions& motions) {
+          ++counted.outcomes;
+          bool slides = false;
+          for (std::size_t i = 0; i < supports.count; ++i) slides |= motions[i] != Motion::stick;
+          CHECK(slides);  // closing cannot leave all contacts where they are
+        });
+      }
+    }
+  }
+  return counted;
+}
+
+// Eight legs on level ground: closing makes those of either palm slide, and all those alike.
+template <class Real>
+void most_contacts() {
+  Supports<Real> supports{};
+  Velocities<Real> closing{};
+  for (std::size_t i = 0; i < max_supports; ++i) {
+    const std::size_t side = i % 2;
+    const Real x = outward<Real>(side) * Real(0.03125) * Real(static_cast<int>(i / 2 + 1));
+    supports.at[i] = {side, x, Real(-0.0625), Real(0), Real(1), Real(0.5)};
+    closing[i] = {-outward<Real>(side), Real(0)};
+  }
+  supports.count = max_supports;
+  CHECK(balances(supports, Motions{}, Real(0)));
+  CHECK(!balances(supports, Motions{}, Real(0.75)));
+  std::size_t outcomes = 0;
+  each_outcome(supports, closing, Real(0), [&](const Motions& motions) {
+    ++outcomes;
+    for (std::size_t i = 2; i < max_supports; ++i) CHECK(motions[i] == motions[i % 2]);
+  });
+  CHECK(outcomes == 3);
+}
+
+}  // namespace
+
+int main() {
+  const Counted doubles = over_many_states<double>();
+  const Counted floats = over_many_states<float>();
+  CHECK(doubles.sunk > 0 && doubles.contacts > 200 && doubles.outcomes > 50);
+  CHECK(doubles.sunk == floats.sunk && doubles.contacts == floats.contacts);
+  most_contacts<double>();
+  most_contacts<float>();
+}

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wheels: limits of acceleration and speed, calibration error, noise with its closed forms.
+// Wrist: the way to an angle at a finite rate, and an exact end. Both together: the push of their
+// acceleration.
+#include "palmbots/robot/actuators.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "palmbots/base/philox.hpp"
+#include "palmbots/sim/build.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "support/check.hpp"
+
+using palmbots::draw;
+using palmbots::Palm;
+using palmbots::Stream;
+using palmbots::unit_noise;
+using palmbots::Wheels;
+using palmbots::Wrist;
+
+namespace {
+
+template <class Real>
+void test_acceleration_and_speed_limit() {
+  Wheels<Real> wheels{Real(0.005), Real(0.1), Real(0), Real(0), Real(0)};
+  Real before = Real(0);
+  int ticks = 0;
+  while (wheels.speed != Real(0.06)) {
+    const Real now = wheels.step(Real(0.06), Real(0));
+    CHECK(now == wheels.speed && now > before && now <= Real(0.06));
+    CHECK(now - before <= Real(0.005) * (1 + 8 * std::numeric_limits<Real>::epsilon()));
+    before = now;
+    ++ticks;
+  }
+  CHECK(ticks == 12 || ticks == 13);  // 0.06 / 0.005, one more where the sum is rounded down
+  for (int i = 0; i < 100; ++i) wheels.step(wheels.within_limit(Real(9)), Real(0));
+  CHECK(wheels.speed == Real(0.1));
+  for (int i = 0; i < 39; ++i) wheels.step(wheels.within_limit(Real(-9)), Real(0));
+  CHECK(wheels.speed > Real(-0.1));
+  for (int i = 0; i < 3; ++i) wheels.step(wheels.within_limit(Real(-9)), Real(0));
+  CHECK(wheels.speed == Real(-0.1));
+}
+
+// The calibration error is no part of the limits: it is what the robot does not know.
+void test_bias() {
+  Wheels<double> wheels{1.0, 0.2, 0.013, 0.0, 0.0};
+  CHECK(wheels.step(0.06, 0) == 0.06 + 0.013);
+  CHECK(wheels.step(0.2, 0) == 0.2 + 0.013);
+  CHECK(wheels.step(wheels.within_limit(9.0), 0) == 0.2 + 0.013);
+}
+
+// dn = −n dt/τ + σ √(2/τ) dW sampled every T: stationary spread σ, correlation e^(−kT/τ) at lag k.
+void test_noise_against_closed_forms() {
+  constexpr double sigma = 0.01;
+  constexpr double memory = 0.9;
+  Wheels<double> wheels{1.0, 1.0, 0.0, memory, sigma * std::sqrt(1 - memory * memory)};
+  constexpr int n = 400000;
+  std::vector<double> x;
+  x.reserve(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto w = draw(11, i, Stream::noise);
+    x.push_back(wheels.step(0, unit_noise<double>(w[0])));
+  }
+  const auto moment = [&](std::size_t lag) {
+    double sum = 0;
+    for (std::size_t i = lag; i < x.size(); ++i) sum += x[i] * x[i - lag];
+    return sum / double(x.size() - lag) / (sigma * sigma);
+  };
+  // The variance of the estimate of the variance is 2 (1 + m²) / (1 − m²) / n: five of them.
+  const double margin = 5 * std::sqrt(2 * (1 + memory * memory) / (1 - memory * memory) / n);
+  for (const std::size_t lag : {0UL, 1UL, 5UL, 20UL}) {
+    CHECK(std::abs(moment(lag) - std::pow(memory, double(lag))) < margin);
+  }
+}
+
+// From one angle to the other in ⌈way / gain⌉ ticks, each of them `gain` but the last, and there.
+template <class Real>
+void test_wrist() {
+  const Real degree = palmbots::radians_per_degree<Real>;
+  for (const Real rate : {Real(10), Real(50), Real(70), Real(333), Real(2000)}) {
+    const Wrist<Real> wrist{Real(15) * degree, Real(5) * degree, rate * degree * Real(0.01)};
+    for (const Palm to : {Palm::shallow, Palm::steep}) {
+      Real angle = wrist.target(to == Palm::shallow ? Palm::steep : Palm::shallow);
+      const Real sense = to == Palm::shallow ? Real(-1) : Real(1);
+      int ticks = 0;
+      while (angle != wrist.target(to)) {
+        const Real next = wrist.step(angle, wrist.target(to));
+        const Real turn = sense * (next - angle);
+        CHECK(turn > 0);
+        CHECK(turn <= wrist.gain * Real(1.002));  // the last one may be longer by rounding
+        angle = next;
+        ++ticks;
+        CHECK(ticks < 1000);
+      }
+      CHECK(ticks == int(std::ceil(double(Real(10) / (rate * Real(0.01))) - 1e-5)));
+      CHECK(wrist.step(angle, wrist.target(to)) == angle);
+    }
+  }
+}
+
+// Called back on the way, it turns round at once.
+void test_wrist_turns_round() {
+  const Wrist<double> wrist{0.3, 0.1, 0.05};
+  const double a = wrist.step(0.3, wrist.target(Palm::shallow));
+  const double b = wrist.step(a, wrist.target(Palm::shallow));
+  CHECK(std::abs(b - 0.2) < 1e-15);
+  CHECK(std::abs(wrist.step(b, wrist.target(Palm::steep)) - 0.25) < 1e-15);
+}
+
+using palmbots::actuate;
+using palmbots::Actuation;
+using palmbots::left;
+using palmbots::PalmAngle;
+using palmbots::right;
+using palmbots::Robots;
+using palmbots::robots_of;
+using palmbots::Spec;
+
+// Two robots that stand, without noise.
+template <class Real>
+Robots<Real> standing(double period, double lag) {
+  Spec spec;
+  spec.period = period;
+  spec.inertia_lag = lag;
+  for (auto& robot : spec.robots) robot.noise = 0;
+  for (auto& palm : spec.palms) palm.rate = 1;
+  return robots_of<Real>(spec, 0);
+}
+
+template <class Real>
+Real push_of(Robots<Real>& robots) {
+  const palmbots::PerSide<PalmAngle<Real>> palms{PalmAngle<Real>::at(0), PalmAngle<Real>::at(0)};
+  return actuate(robots, palms, {Real(0), Real(0)}).push;
+}
+
+// While one robot accelerates with a, the pair does with a/2: a lag that starts from nothing has
+// come to 1 − e^(−t/τ) of that, whatever the period, and fades likewise when the robot drives
+// evenly.
+template <class Real>
+void test_push_of_a_steady_acceleration() {
+  constexpr double whole = 0.5 / 2 / palmbots::standard_gravity;
+  const double exact = 64 * double(std::numeric_limits<Real>::epsilon());
+  for (const double period : {0.02, 0.01, 0.0025}) {
+    Robots<Real> robots = standing<Real>(period, 0.05);
+    robots.goal_speed[left] = Real(0.2);
+    const int rising = int(std::lround(0.2 / 0.5 / period));
+    double push = 0;
+    for (int k = 1; k <= rising; ++k) {
+      push = double(push_of(robots));
+      CHECK(std::abs(push / whole + std::expm1(-k * period / 0.05)) < exact / period);
+    }
+    // A last rest of acceleration, by rounding.
+    if (robots.wheels[left].speed != Real(0.2)) push = double(push_of(robots));
+    for (int k = 1; k <= int(0.2 / period); ++k) {
+      const double fading = double(push_of(robots));
+      CHECK(std::abs(fading / push - std::exp(-k * period / 0.05)) < exact / period);
+    }
+    // In the end it is gone altogether: only so a symmetric object stays symmetric.
+    for (int k = 0; k < int(0.6 / period); ++k) push = double(push_of(robots));
+    CHECK(push == 0);
+  }
+}
+
+// Without a lag the acceleration of each period counts as it is.
+void test_push_without_lag() {
+  Robots<double> robots = standing<double>(0.01, 0.0);
+  robots.goal_speed[right] = -0.2;
+  for (int k = 0; k < 39; ++k) {
+    CHECK(std::abs(push_of(robots) * 2 * palmbots::standard_gravity + 0.5) < 1e-12);
+  }
+  push_of(robots);
+  push_of(robots);
+  CHECK(push_of(robots) == 0);
+}
+
+// Noise of speed σ makes pushes whose spread does not grow without end as periods get shorter, as
+// that of plain differences does: by the closed form of two first-order lags in a row.
+void test_push_of_noise() {
+  constexpr double sigma = 0.04;
+  for (const double period : {0.01, 0.0025}) {
+    Spec spec;
+    spec.period = period;
+    spec.robots[0].noise = sigma;
+    spec.robots[1].noise = 0;
+    for (auto& palm : spec.palms) palm.rate = 1;
+    Robots<double> robots = robots_of<double>(spec, 3);
+    const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
+                                                     PalmAngle<double>::at(0)};
+    constexpr int n = 400000;
+    double sum = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const auto w = draw(5, i, Stream::noise);
+      const double push = actuate(robots, palms, {unit_noise<double>(w[0]), 0.0}).push;
+      if (i >= 1000) sum += push * push;
+    }
+    // y' = p y + (1 − p) (v' − v) / T of a v with memory m has the variance
+    // σ² (1 − p)² / T² × 2 (1 − m) / ((1 + p) (1 − p m)): as T → 0, σ² / (τ (τ + τ_noise)).
+    const double m = std::exp(-period / 0.5);
+    const double p = std::exp(-period / 0.05);
+    const double exact =
+        sigma * (1 - p) / period * std::sqrt(2 * (1 - m) / ((1 + p) * (1 - p * m)));
+    const double limit = sigma / std::sqrt(0.05 * (0.05 + 0.5));
+    CHECK(std::abs(exact / limit - 1) < 0.06);
+    const double found = std::sqrt(sum / (n - 1000)) * 2 * palmbots::standard_gravity;
+    CHECK(std::abs(found / exact - 1) < 0.03);
+  }
+}
+
+}  // namespace
+
+int main() {
+  test_push_of_a_steady_acceleration<double>();
+  test_push_of_a_steady_acceleration<float>();
+  test_push_without_lag();
+  test_push_of_noise();
+  test_acceleration_and_speed_limit<double>();
+  test_acceleration_and_speed_limit<float>();
+  test_bias();
+  test_noise_against_closed_forms();
+  test_wrist<double>();
+  test_wrist<float>();
+  test_wrist_turns_round();
+}

@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: Apache-2.0
+// Controllers and radio wired together: mirror symmetry, the order of a tick, and what a lost
+// packet does where a station decides.
+#include "palmbots/sim/centralized_team.hpp"
+#include "palmbots/sim/resilient_team.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "palmbots/sim/distributed_team.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "support/check.hpp"
+
+using namespace palmbots;
+
+namespace {
+
+constexpr auto ignore = [](const SentMessage&) {};
+
+RobotObservation sensed_of(const Words& words, int lane) {
+  return {static_cast<Sign>(static_cast<int>(words[static_cast<std::size_t>(lane)] % 3) - 1),
+          (words[static_cast<std::size_t>(lane) + 1] & 3) == 0};
+}
+
+bool same(Command a, Command b) { return a.palm == b.palm && a.move == b.move; }
+
+// The same readings on exchanged sides, with the other robot leading: the same commands on
+// exchanged sides, and the same messages between exchanged robots.
+template <class Team>
+void test_mirror(Team forward, Team backward, std::uint64_t seed) {
+  std::vector<SentMessage> there;
+  std::vector<SentMessage> back;
+  for (std::uint32_t tick = 0; tick < 4000; ++tick) {
+    // Signs that last a while, so that corrections get somewhere.
+    const Words words = draw(seed, tick / 16, Stream::tactile, 7);
+    const Words palm_at_target = draw(seed, tick, Stream::tactile, 8);
+    PerSide<RobotObservation> seen{sensed_of(words, 0), sensed_of(words, 2)};
+    for (const std::size_t side : {left, right})
+      seen[side].palm_at_target = (palm_at_target[side] & 3) == 0;
+    const auto a = forward.step(tick, seen, [&](const SentMessage& p) { there.push_back(p); });
+    const auto b = backward.step(tick, {seen[right], seen[left]},
+                                 [&](const SentMessage& p) { back.push_back(p); });
+    CHECK(same(a[left], b[right]) && same(a[right], b[left]));
+    CHECK(forward.waits(left) == backward.waits(right));
+    CHECK(forward.waits(right) == backward.waits(left));
+  }
+  CHECK(forward.link_totals.sent == backward.link_totals.sent && forward.link_totals.sent > 100);
+  CHECK(forward.link_totals.lost == backward.link_totals.lost);
+  CHECK(there.size() == back.size());
+  std::uint32_t lost = 0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    const SentMessage& p = there[i];
+    lost += p.received == 0 ? 1 : 0;
+    // Letters of one tick are posted left first on both sides of the mirror.
+    bool found = false;
+    for (std::size_t k = i > 0 ? i - 1 : 0; k < there.size() && k <= i + 1; ++k) {
+      const SentMessage& q = back[k];
+      found = found || (q.sent == p.sent && q.received == p.received && q.kind == p.kind &&
+                        q.sender == p.receiver && q.receiver == p.sender);
+    }
+    CHECK(found);
+  }
+  if (!there.empty()) CHECK(lost == forward.link_totals.lost);
+}
+
+void test_mirror_of_both_teams() {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    for (const Channel& channel : {Channel::of(0.05, 0, 0, 0.01), Channel::of(0.02, 0.06, 0, 0.01),
+                                   Channel::of(0.02, 0.06, 0.01, 0.01)}) {
+      const bool hangs = channel.loss_words > 0;  // the distributed algorithm after a loss
+      if (!hangs) {
+        test_mirror(DistributedTeam<Distributed>({}, channel, seed, right),
+                    DistributedTeam<Distributed>({}, channel, seed, left), seed);
+      }
+      test_mirror(CentralizedTeam(channel, seed, right), CentralizedTeam(channel, seed, left),
+                  seed);
+    }
+  }
+}
+
+// A robot that records what it is given.
+struct Probe {
+  std::vector<MessageKind>* got;
+  MessageKind say;
+  Distributed::Output step(Distributed::Input in) {
+    got->push_back(in.message);
+    return {{Palm::steep, Move::hold}, say, in.message == MessageKind::ack};
+  }
+  Distributed::StateOutput now() const { return Distributed::outputs[0]; }
+};
+
+// A message is there ⌈latency⌉ ticks after it was sent, oldest first, and stays until it is read.
+void test_letters_wait_to_be_read() {
+  std::vector<MessageKind> left_got;
+  std::vector<MessageKind> right_got;
+  DistributedTeam<Probe> team(
+      {Probe{&left_got, MessageKind::tilt_up}, Probe{&right_got, MessageKind::ack}},
+      Channel::of(0.03, 0, 0, 0.01), 0, right);
+  for (std::uint32_t tick = 0; tick < 10; ++tick) team.step(tick, {}, ignore);
+  for (std::size_t tick = 0; tick < 10; ++tick) {
+    CHECK(left_got[tick] == (tick < 3 ? MessageKind::none : MessageKind::ack));  // read one by one
+    CHECK(right_got[tick] == (tick < 3 ? MessageKind::none : MessageKind::tilt_up));  // never read
+  }
+  CHECK(team.link_totals.sent == 20 && team.link_totals.lost == 0);
+}
+
+// Ticks until the station's answer to a positive left contact reaches the right robot.
+int ticks_to_answer(Channel channel, std::uint64_t seed) {
+  CentralizedTeam team(channel, seed, right);
+  for (std::uint32_t tick = 0; tick < 40; ++tick) {
+    team.step(tick, {{{Sign::zero, true}, {Sign::zero, true}}}, ignore);
+  }
+  for (std::uint32_t tick = 40; tick < 4000; ++tick) {
+    const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
+    CHECK(out[left].palm == Palm::steep);  // case 1 tilts the right palm
+    if (out[right].palm == Palm::shallow) return static_cast<int>(tick) - 40;
+  }
+  return -1;
+}
+
+void test_station_needs_two_latencies_and_loss_only_delays() {
+  CHECK(ticks_to_answer(Channel::of(0, 0, 0, 0.01), 0) == 2);
+  CHECK(ticks_to_answer(Channel::of(0.05, 0, 0, 0.01), 0) == 10);
+  CHECK(ticks_to_answer(Channel::of(0.20, 0, 0, 0.01), 0) == 40);
+  int slowest = 0;
+  double sum = 0;
+  constexpr int n = 2000;
+  for (std::uint64_t seed = 0; seed < n; ++seed) {
+    const int ticks = ticks_to_answer(Channel::of(0.05, 0, 0.5, 0.01), seed);
+    CHECK(ticks >= 10);
+    if (ticks > slowest) slowest = ticks;
+    sum += ticks;
+  }
+  // Each of the two links delays by a geometric number of ticks, of mean loss / (1 − loss) = 1 and
+  // variance 2.
+  const double mean = sum / n - 10;
+  CHECK(mean > 2 - 5 * 0.045 && mean < 2 + 5 * 0.045);
+  CHECK(slowest < 45);
+  CHECK(ticks_to_answer(Channel::of(0.05, 0, 1, 0.01), 0) == -1);
+}
+
+// With everything lost the station is silent and the robots keep palms and speed.
+void test_nothing_heard_nothing_done() {
+  CentralizedTeam team(Channel::of(0.05, 0, 1, 0.01), 0, right);
+  for (std::uint32_t tick = 0; tick < 100; ++tick) {
+    const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::negative, true}}}, ignore);
+    for (const std::size_t side : {left, right}) {
+      CHECK(same(out[side], {Palm::steep, Move::hold}));
+    }
+    CHECK(team.name(left) == ' ');
+  }
+  CHECK(team.link_totals.sent == 200 && team.link_totals.lost == 200);
+}
+
+// A robot that counts its steps since it was made, and asks all the time.
+struct Counter {
+  std::uint32_t steps = 0;
+  std::uint32_t heard = 0;
+  bool asks = false;
+  Distributed::Output step(Distributed::Input in) {
+    ++steps;
+    heard += in.message != MessageKind::none ? 1 : 0;
+    const auto move = static_cast<Move>(1 + (steps - 1) % 2);  // so that commands tell the step
+    return {{Palm::shallow, move}, asks ? MessageKind::tilt_up : MessageKind::none, true};
+  }
+  Distributed::StateOutput now() const {
+    Distributed::StateOutput doing = Distributed::outputs[0];
+    doing.name = static_cast<char>('0' + heard);
+    return doing;
+  }
+};
+
+Faults fault_of(FaultKind kind, std::uint32_t side, double at, double lasts) {
+  Spec spec{};
+  spec.period = 0.01;
+  spec.watchdog = 0.04;
+  spec.faults[0] = {kind, side, at, lasts, 0, 0};
+  spec.fault_count = 1;
+  return Faults::of(spec, 0);
+}
+
+// Off for ticks 10 to 14: it rests with the palm as told, hears nothing of what comes meanwhile,
+// and begins anew in tick 15, with what comes then.
+void test_a_robot_that_reboots_has_forgotten() {
+  DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, Channel::of(0.03, 0, 0, 0.01), 0,
+                                right, fault_of(FaultKind::reboot, left, 0.1, 0.05));
+  for (std::uint32_t tick = 0; tick < 20; ++tick) {
+    const auto out = team.step(tick, {}, ignore);
+    const bool off = tick >= 10 && tick < 15;
+    CHECK(out[left].stop == off && !out[right].stop);
+    CHECK(out[left].palm == Palm::shallow);
+    const std::uint32_t step = tick < 10 ? tick : tick - 15;  // of the same life, from 0
+    if (!off) CHECK(out[left].move == static_cast<Move>(1 + step % 2));
+    if (off) CHECK(out[left].move == Move::hold);
+    // One message a tick from tick 3 on; those of ticks 10 to 14 came to nobody.
+    const std::uint32_t heard = tick < 10 ? (tick < 3 ? 0 : tick - 2) : (off ? 7 : tick - 14);
+    CHECK(team.name(left) == static_cast<char>('0' + heard));
+  }
+}
+
+// Frozen for ticks 10 to 13 it goes on as told before; then the watchdog makes it rest and reboot.
+void test_a_frozen_robot_goes_on_until_the_watchdog_bites() {
+  DistributedTeam<Counter> team({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
+                                fault_of(FaultKind::freeze, right, 0.1, 0.08));
+  for (std::uint32_t tick = 0; tick < 25; ++tick) {
+    const auto out = team.step(tick, {}, ignore);
+    CHECK(out[right].stop == (tick >= 14 && tick < 18));
+    if (tick >= 9 && tick < 14) CHECK(out[right].move == Move::closer);  // of the tenth step
+    if (tick == 18) CHECK(out[right].move == Move::away);                // of the first
+  }
+  // One that ends before that has only stood still.
+  DistributedTeam<Counter> brief({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
+                                 fault_of(FaultKind::freeze, right, 0.1, 0.03));
+  for (std::uint32_t tick = 0; tick < 25; ++tick) {
+    const auto out = brief.step(tick, {}, ignore);
+    const std::uint32_t step = tick < 10 ? tick : (tick < 13 ? 9 : tick - 3);
+    CHECK(!out[right].stop && out[right].move == static_cast<Move>(1 + step % 2));
+  }
+}
+
+// Case 1: the right palm is up. The right robot, off for ticks 60 to 69, then does nothing until
+// the next command has come; a command that came while it was off is gone.
+void test_a_robot_of_the_station_that_reboots() {
+  CentralizedTeam team(Channel::of(0.05, 0, 0, 0.01), 0, right,
+                       fault_of(FaultKind::reboot, right, 0.6, 0.1));
+  std::uint32_t before = 0;
+  for (std::uint32_t tick = 0; tick < 90; ++tick) {
+    const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
+    const bool off = tick >= 60 && tick < 70;
+    CHECK(out[right].stop == off && !out[left].stop);
+    if (tick >= 12 && tick < 70) CHECK(out[right].palm == Palm::shallow);
+    if (off) CHECK(out[right].move == Move::hold);
+    // Commands come every tick; that of tick 70 too.
+    if (tick >= 70) CHECK(out[right].palm == Palm::shallow && out[right].move == Move::away);
+    const std::uint32_t reports = team.link_totals.links[right].sent;
+    CHECK(reports == before + (off ? 0 : 1));
+    before = reports;
+  }
+  // One that hears nothing afterwards drives on, palm steep.
+  Channel dead = Channel::of(0.05, 0, 0, 0.01);
+  dead.outages[0] = {2, 60, 1000};
+  dead.outage_count = 1;
+  CentralizedTeam alone(dead, 0, right, fault_of(FaultKind::reboot, right, 0.6, 0.1));
+  for (std::uint32_t tick = 0; tick < 90; ++tick) {
+    const auto out = alone.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
+    if (tick >= 70) CHECK((out[right] == Command{Palm::steep, Move::hold}));
+    if (tick >= 70) CHECK((out[left] == Command{Palm::steep, Move::away}));  // as told last
+  }
+}
+
+// What comes while the station is lost, ticks 10 to 29, comes to nobody: that the left contact was
+// off then, and that its robot is silent since. A station that was there all along acts on it.
+void test_a_lost_station_hears_nothing() {
+  Channel channel = Channel::of(0.05, 0, 0, 0.01);
+  channel.outages[0] = {0, 23, 1000};
+  channel.outage_count = 1;
+  for (const bool lost : {false, true}) {
+    CentralizedTeam team(channel, 0, right,
+                         lost ? fault_of(FaultKind::station, left, 0.1, 0.2) : Faults());
+    bool acts = false;
+    for (std::uint32_t tick = 0; tick < 60; ++tick) {
+      const Sign sign = tick >= 12 && tick < 23 ? Sign::positive : Sign::zero;
+      team.step(tick, {{{sign, true}, {Sign::zero, true}}}, ignore);
+      acts = acts || team.name(left) != ' ';
+    }
+    CHECK(acts == !lost);
+  }
+}
+
+// Messages that are sent at once collide as they overlap: with airtime a of a tick in 1 − (1 − a)²
+// of all ticks. A robot that is off does not disturb the other.
+void test_collisions() {
+  Channel channel = Channel::of(0.05, 0, 0, 0.01);
+  channel.airtime_ticks = 0.3;
+  DistributedTeam<Counter> team({Counter{0, 0, true}, Counter{0, 0, true}}, channel, 1, right);
+  constexpr int n = 20000;
+  for (std::uint32_t tick = 0; tick < n; ++tick) team.step(tick, {}, ignore);
+  const LinkCounts& there = team.link_totals.links[left];
+  CHECK(there.sent == n && there.lost == team.link_totals.links[right].lost);
+  const double share = there.lost / double(n);
+  CHECK(share > 0.51 - 5 * 0.0036 && share < 0.51 + 5 * 0.0036);
+  CentralizedTeam station(channel, 1, right, fault_of(FaultKind::reboot, right, 0, 100));
+  for (std::uint32_t tick = 0; tick < 1000; ++tick) station.step(tick, {}, ignore);
+  CHECK(station.link_totals.links[left].sent == 1000 && station.link_totals.links[left].lost == 0);
+}
+
+// The two directions lose by chances of their own, and so do up and down.
+void test_links_are_independent() {
+  CentralizedTeam team(Channel::of(0.05, 0, 0.5, 0.01), 2, right);
+  constexpr int n = 4000;
+  std::array<std::vector<bool>, 4> lost;
+  LinkTotals before;
+  for (std::uint32_t tick = 0; tick < n; ++tick) {
+    team.step(tick, {{{Sign::zero, true}, {Sign::zero, true}}}, ignore);
+    for (std::size_t i = 0; i < 4; ++i) {
+      lost[i].push_back(team.link_totals.links[i].lost != before.links[i].lost);
+    }
+    before = team.link_totals;
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      int same = 0;
+      for (std::size_t i = 100; i < n; ++i) same += lost[a][i] == lost[b][i] ? 1 : 0;
+      CHECK(same > 1950 - 5 * 31 && same < 1950 + 5 * 31);
+    }
+  }
+}
+
+// Whose inbox is full does not get the rest, over a plain radio either.
+void test_a_full_line_loses() {
+  const Radio radio(Channel::of(0.03, 0, 0, 0.01), 0, right);
+  Link<MessageKind> link;
+  LinkTotals link_totals{};
+  for (std::uint32_t tick = 0; tick < 300; ++tick) {
+    const std::uint32_t received =
+        radio.post(link, tick, MessageKind::ack, left, left, false, link_totals);
+    CHECK(received == (tick < 256 ? tick + 3 : 0));
+  }
+  CHECK(link_totals.sent == 300 && link_totals.lost == 44 && link_totals.links[left].lost == 44);
+  for (int i = 0; i < 256; ++i) {
+    CHECK(link.oldest(1000) != nullptr);
+    link.pop();
+  }
+  CHECK(link.oldest(1000) == nullptr);
+}
+
+// Robots on leases that are asked only when they want to be, or sense something else, do and say in
+// every tick what those do that are stepped in every tick: those with a clock that is not the
+// carry's, and as good as exact. Whatever they sense, whatever fails.
+void test_peers_sleep_through_nothing() {
+  constexpr double restless = 1e-12;
+  int slept = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    Spec spec{};
+    spec.period = 0.01;
+    spec.watchdog = 0.3;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const Words words = draw(seed, i, Stream::fault);
+      spec.faults[spec.fault_count++] = {words[0] % 3 == 0 ? FaultKind::reboot : FaultKind::freeze,
+                                         words[1] % 2,
+                                         unit_uniform<double>(words[2]) * 20,
+                                         unit_uniform<double>(words[3]) * 0.4,
+                                         0,
+                                         0};
+    }
+    const Faults faults = Faults::of(spec, seed);
+    const Channel channel =
+        Channel::of(0.05, seed % 3 == 1 ? 0.03 : 0, seed % 3 == 2 ? 0.1 : 0, 0.01);
+    const auto team = [&](double drift) {
+      return ResilientTeam({5, 52, 69, 6, 6}, {drift, drift}, channel, seed, right, faults);
+    };
+    ResilientTeam sleeper = team(0);
+    ResilientTeam watcher = team(restless);
+    PerSide<RobotObservation> before{};
+    PerSide<Command> said{};
+    std::uint32_t wake = 0;
+    for (std::uint32_t tick = 0; tick < 2000; ++tick) {
+      // Contacts stay for a while where they are, mostly centred; palms settle now and then.
+      PerSide<RobotObservation> sensed{};
+      for (const std::size_t side : {left, right}) {
+        const Words words =
+            draw(seed, tick / 24, Stream::tactile, static_cast<std::uint32_t>(side));
+        const Words turns =
+            draw(seed, tick / 6, Stream::tactile, 2 + static_cast<std::uint32_t>(side));
+        constexpr Sign signs[] = {Sign::zero, Sign::zero, Sign::zero, Sign::positive,
+                                  Sign::negative};
+        sensed[side] = {signs[words[0] % 5], turns[0] % 3 != 0};
+      }
+      const PerSide<Command> all = watcher.step(tick, sensed, ignore);
+      if (tick >= wake || !(sensed == before)) {
+        said = sleeper.step(tick, sensed, ignore);
+        wake = sleeper.next_decision_tick(tick);
+      } else {
+        ++slept;
+      }
+      before = sensed;
+      for (const std::size_t side : {left, right}) {
+        CHECK(said[side] == all[side]);
+        CHECK(sleeper.name(side) == watcher.name(side) &&
+              sleeper.waits(side) == watcher.waits(side));
+      }
+      CHECK(sleeper.link_totals.sent == watcher.link_totals.sent);
+      CHECK(sleeper.link_totals.lost == watcher.link_totals.lost);
+    }
+  }
+  CHECK(slept > 150 * 2000 / 4);
+}
+
+}  // namespace
+
+int main() {
+  test_mirror_of_both_teams();
+  test_letters_wait_to_be_read();
+  test_station_needs_two_latencies_and_loss_only_delays();
+  test_nothing_heard_nothing_done();
+  test_a_robot_that_reboots_has_forgotten();
+  test_a_frozen_robot_goes_on_until_the_watchdog_bites();
+  test_a_robot_of_the_station_that_reboots();
+  test_a_lost_station_hears_nothing();
+  test_collisions();
+  test_links_are_independent();
+  test_a_full_line_loses();
+  test_peers_sleep_through_nothing();
+}

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// What controllers say goes through packets and back unchanged; two resilient robots that talk in
+// packets, with a stranger between them, do tick for tick what those of the simulator do that hand
+// each other beacons; and what damage does to a packet.
+#include "palmbots/wire/codec.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "palmbots/sim/corruption.hpp"
+#include "palmbots/sim/distributed_team.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/resilient_team.hpp"
+#include "palmbots/wire/endpoint.hpp"
+#include "support/check.hpp"
+#include "support/wire_packets.hpp"
+
+using namespace palmbots;
+namespace wire = palmbots::wire;
+using wire::Bytes;
+using wire::Endpoint;
+using wire::RandomWords;
+using wire::Role;
+using wire::Verdict;
+
+namespace {
+
+constexpr MessageKind messages[] = {MessageKind::tilt_up, MessageKind::tilt_down, MessageKind::ack,
+                                    MessageKind::closing, MessageKind::raised};
+
+void test_beacons_there_and_back() {
+  for (const MessageKind message : messages) {
+    for (const bool stopped : {false, true}) {
+      for (const bool ready : {false, true}) {
+        const Beacon beacon{message, stopped, ready, {70000, 4000000000U}, {3, 9}};
+        const wire::Packet packet =
+            wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
+        CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::beacon);
+        const Beacon back = wire::beacon_in(packet);
+        CHECK(back.message == message && back.stopped == stopped && back.ready == ready);
+        CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
+        CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
+      }
+    }
+  }
+  // docs/reference/wire.md: I idle, R request, G grant, D in case (d), W palm up but not granted.
+  const auto alphabet = [](MessageKind message) {
+    return wire::beacon_of(wire::payload(Beacon{message, false, false, {}, {}})).letter;
+  };
+  CHECK(alphabet(MessageKind::tilt_down) == 'I' && alphabet(MessageKind::tilt_up) == 'R');
+  CHECK(alphabet(MessageKind::ack) == 'G' && alphabet(MessageKind::closing) == 'D');
+  CHECK(alphabet(MessageKind::raised) == 'W');
+}
+
+void test_the_other_kinds() {
+  const wire::PacketHeader up{Role::right, Role::station, 7, {1, 2}, {3, 4}};
+  const wire::PacketHeader down{Role::station, Role::left, 7, {1, 2}, {3, 4}};
+  const wire::PacketHeader across{Role::left, Role::right, 7, {1, 2}, {3, 4}};
+  for (const Sign sign : {Sign::negative, Sign::zero, Sign::positive}) {
+    const Centralized::Report report{sign, Palm::shallow, sign == Sign::zero};
+    const wire::Packet packet = wire::packet_of(report, up);
+    const Centralized::Report back = wire::report_of(packet.payload);
+    CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::report);
+    CHECK(back.sign == sign && back.palm == Palm::shallow &&
+          back.palm_at_target == (sign == Sign::zero));
+  }
+  for (const Move move : {Move::hold, Move::away, Move::closer}) {
+    const wire::Packet packet = wire::packet_of(Command{Palm::shallow, move}, down);
+    CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::command);
+    CHECK((wire::command_of(packet.payload) == Command{Palm::shallow, move}));
+  }
+  const wire::Packet message = wire::packet_of(MessageKind::ack, across);
+  CHECK(wire::well_formed(message) && wire::message_of(message.payload) == MessageKind::ack);
+  CHECK(
+      (message.sent == wire::SequenceNumber{1, 2} && message.heard == wire::SequenceNumber{3, 4}));
+}
+
+// Numbers may be left out, but never come again, and used up they stay used up.
+void test_numbers_left_out() {
+  const wire::Identity identity{wire::test_key, wire::test_pair, Role::left};
+  const auto number = [](Endpoint& end) {
+    Bytes bytes{};
+    if (!end.send(Role::right, wire::PacketKind::hello, 0, bytes)) return std::uint32_t{0};
+    return wire::get<std::uint32_t>(bytes, wire::sequence_field);
+  };
+  Endpoint end(identity, 1);
+  end.skip_to(40);
+  CHECK(number(end) == 40 && number(end) == 41);
+  end.skip_to(41);
+  CHECK(number(end) == 42);
+  end.skip_to(0xFFFFFFFF);
+  CHECK(number(end) == 0xFFFFFFFF && number(end) == 0);
+  end.skip_to(50);
+  CHECK(number(end) == 0);
+}
+
+// One robot as it would run on a processor: a controller, a receiver of beacons, and nothing but
+// bytes in and out.
+struct Machine {
+  Resilient::Times times;
+  std::size_t side;
+  std::uint32_t epoch = 1;
+  Endpoint end;
+  BeaconReceiver receiver{1};
+  Resilient robot;
+  bool assists = false;
+  std::uint32_t stale = 0;  // packets that were not new
+  std::uint32_t late = 0;   // news older than the lease
+
+  Machine(Resilient::Times t, std::size_t s)
+      : times(t), side(s), end(identity(s), 1), robot(t, s == left) {}
+
+  static wire::Identity identity(std::size_t side) {
+    return {wire::test_key, wire::test_pair, static_cast<Role>(side)};
+  }
+
+  void reboot() {
+    ++epoch;
+    end = Endpoint(identity(side), epoch);
+    receiver = BeaconReceiver(epoch);
+    robot = Resilient(times, side == left, assists);
+  }
+
+  Command step(const std::vector<Bytes>& came, const RobotObservation& sensed,
+               std::vector<Bytes>& sends) {
+    receiver.tick(1);
+    bool news = false;
+    for (const Bytes& bytes : came) {
+      const wire::Decoded decoded = end.receive(bytes);
+      const bool newer = wire::hear(receiver, decoded);
+      stale += decoded.verdict == Verdict::stale ? 1 : 0;
+      late += newer && receiver.age() >= times.lease + 1 ? 1 : 0;
+      news = newer || news;
+    }
+    const Beacon& newest = receiver.newest();
+    const Resilient::Output out = robot.step({sensed.sign, sensed.palm_at_target, 1,
+                                              news ? newest.message : MessageKind::none,
+                                              newest.stopped, newest.ready, receiver.age()});
+    assists = out.assists;
+    if (out.send) {
+      const Beacon beacon = receiver.beacon(out.message, robot.stopped(), out.ready);
+      Bytes bytes{};
+      end.skip_to(beacon.sent.tick);
+      CHECK(end.send(static_cast<Role>(other(side)), wire::PacketKind::beacon,
+                     wire::payload(beacon), bytes));
+      CHECK(wire::get<std::uint32_t>(bytes, wire::sequence_field) == beacon.sent.tick);
+      sends.push_back(bytes);
+    }
+    return out.command;
+  }
+};
+
+// The same losses and delays, and the same reboots, for robots that hand each other beacons and for
+// robots that send bytes, which a stranger doubles, damages, forges and plays back.
+void test_robots_that_talk_in_packets(std::uint64_t seed, bool with_stranger) {
+  constexpr Resilient::Times times{5, 52, 69, 6, 6};
+  Channel channel = Channel::of(0.03, 0.04, 0.1, 0.01);
+  channel.reorders = true;
+  Spec spec{};
+  spec.period = 0.01;
+  for (const std::uint32_t i : {0U, 1U}) {
+    spec.faults[i] = {FaultKind::reboot, i, 10.0 + 8.0 * i, 0.3, 0, 0};
+  }
+  spec.fault_count = 2;
+  const Faults faults = Faults::of(spec, seed);
+  ProgramMonitor monitor;
+  ResilientTeam peers(times, {0, 0}, channel, seed, right, faults);
+  Machine machines[2] = {{times, left}, {times, right}};
+  struct Flying {
+    std::uint32_t due;
+    Bytes bytes;
+  };
+  std::vector<Flying> air[2];   // by receiver
+  std::vector<Flying> tape[2];  // what has come to each, and what it has said itself, and when
+  RandomWords dice(seed);
+  PerSide<Command> commands{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};
+  std::uint32_t moved = 0;
+  std::uint32_t travelled = 0;
+  for (std::uint32_t tick = 0; tick < 3000; ++tick) {
+    const Words words = draw(seed, tick / 40, Stream::tactile, 7);
+    PerSide<RobotObservation> seen{};
+    for (const std::size_t side : {left, right}) {
+      const std::uint32_t felt = words[side] % 5;  // 0 most of the time
+      seen[side] = {felt < 2 ? static_cast<Sign>(2 * static_cast<int>(felt) - 1) : Sign::zero,
+                    (draw(seed, tick, Stream::tactile, 8)[side] & 7) != 0};
+    }
+    std::vector<SentMessage> sent_messages;
+    const PerSide<Command> wanted =
+        peers.step(tick, seen, [&](const SentMessage& p) { sent_messages.push_back(p); });
+    for (const std::size_t side : {left, right}) {
+      const ProgramState state = monitor.program_state(faults, tick, side);
+      std::vector<Bytes> came;
+      std::erase_if(air[side], [&](const Flying& f) {
+        if (f.due <= tick) came.push_back(f.bytes);
+        return f.due <= tick;
+      });
+      if (state == ProgramState::off) commands[side] = switched_off(commands[side]);
+      if (state == ProgramState::booting) machines[side].reboot();
+      if (state == ProgramState::running || state == ProgramState::booting) {
+        for (const Bytes& bytes : came) tape[side].push_back({tick, bytes});
+        if (with_stranger && !tape[side].empty()) {
+          // After what comes from the partner: something damaged, and something older than the
+          // lease. (What is younger a robot that has just booted may take, from anybody: it is as
+          // if it had come late.)
+          const auto size = static_cast<std::uint32_t>(tape[side].size());
+          const Flying& old = tape[side][dice.below(size)];
+          if (tick - old.due > times.lease) came.push_back(old.bytes);
+          Bytes bad = tape[side].back().bytes;
+          bad[dice.below(wire::packet_size)] ^= static_cast<std::uint8_t>(1 + dice.below(255));
+          came.push_back(bad);
+        }
+        std::vector<Bytes> sends;
+        commands[side] = machines[side].step(came, seen[side], sends);
+        for (const Bytes& bytes : sends) {
+          tape[side].push_back({tick, bytes});
+          for (const SentMessage& p : sent_messages) {
+            if (p.sender == side && p.received != 0)
+              air[other(side)].push_back({p.received, bytes});
+          }
+        }
+      }
+      CHECK(commands[side] == wanted[side]);
+      moved += wanted[side].move != Move::hold ? 1 : 0;
+      travelled += wanted[side].stop ? 0 : 1;
+    }
+  }
+  CHECK(moved > 100 && travelled > 500);
+  for (const std::size_t side : {left, right}) {
+    const LinkCounts& link = peers.link_totals.links[other(side)];
+    CHECK(link.late > 0 && link.rejected > 0);
+    if (with_stranger) continue;
+    CHECK(link.late == machines[side].late && link.rejected == machines[side].stale);
+  }
+  for (const Machine& machine : machines) {
+    CHECK(machine.end.count(Verdict::accepted) > 100);
+    for (const Verdict verdict : {Verdict::bad_tag, Verdict::stale, Verdict::wrong_receiver}) {
+      CHECK(!with_stranger || machine.end.count(verdict) > 100);
+    }
+  }
+}
+
+// Whatever is said, damaged anywhere: never accepted, and the noise does reach every byte.
+void test_damage_is_noticed() {
+  std::array<std::uint32_t, wire::verdict_count> verdicts{};
+  std::uint32_t n = 0;
+  for (const wire::Packet& packet : wire::all_sayings()) {
+    for (std::uint32_t i = 0; i < 2000; ++i, ++n) {
+      const Verdict verdict = damaged(packet, draw(11, n, Stream::corruption));
+      CHECK(verdict != Verdict::accepted && verdict != Verdict::malformed);
+      ++verdicts[static_cast<std::size_t>(verdict)];
+    }
+  }
+  // The first field that is wrong decides. Noise of 1 to 8 bytes begins at each of 28 as often, the
+  // first of them always wrong, a later one but for one time in 256.
+  const auto share = [&](Verdict verdict) {
+    return verdicts[static_cast<std::size_t>(verdict)] / double(n);
+  };
+  CHECK(share(Verdict::wrong_version) > 0.8 / 28 && share(Verdict::wrong_version) < 1.2 / 28);
+  CHECK(share(Verdict::wrong_pair) > 2.0 / 28 && share(Verdict::wrong_pair) < 5.0 / 28);
+  CHECK(share(Verdict::bad_tag) > 20.0 / 28);
+  CHECK(share(Verdict::wrong_receiver) > 0.1 / 28);
+}
+
+}  // namespace
+
+int main() {
+  test_beacons_there_and_back();
+  test_the_other_kinds();
+  test_numbers_left_out();
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    test_robots_that_talk_in_packets(seed, false);
+    test_robots_that_talk_in_packets(seed, true);
+  }
+  test_damage_is_noticed();
+}

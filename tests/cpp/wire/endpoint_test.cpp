@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two ends of a wire that loses, repeats and reorders, with boots and with a stranger who plays
+// back whatever was ever sent; and a million forged, a million replayed and a million corrupted
+// packets.
+#include "palmbots/wire/endpoint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "support/check.hpp"
+#include "support/wire_packets.hpp"
+
+using namespace palmbots::wire;
+
+namespace {
+
+constexpr Identity left_end{test_key, test_pair, Role::left};
+constexpr Identity right_end{test_key, test_pair, Role::right};
+constexpr Identity station_end{test_key, test_pair, Role::station};
+
+Bytes sent(Endpoint& from, Role to, PacketKind kind, std::uint8_t payload) {
+  Bytes bytes{};
+  CHECK(from.send(to, kind, payload, bytes));
+  return bytes;
+}
+
+// Two ends just booted, made acquainted by one hello each way and one back.
+struct Acquainted {
+  Endpoint left{left_end, 4};
+  Endpoint right{right_end, 9};
+
+  Acquainted() {
+    CHECK(right.receive(sent(left, Role::right, PacketKind::hello, 0)).verdict ==
+          Verdict::no_session);
+    CHECK(left.receive(sent(right, Role::left, PacketKind::hello, 0)).verdict == Verdict::accepted);
+    CHECK((left.heard(Role::right) == SequenceNumber{9, 1} &&
+           right.heard(Role::left) == SequenceNumber{4, 1}));
+  }
+};
+
+void test_one_round_trip_makes_acquainted() {
+  Acquainted ends;
+  const Decoded got = ends.right.receive(
+      sent(ends.left, Role::right, PacketKind::message, payload(palmbots::MessageKind::ack)));
+  CHECK(got.verdict == Verdict::accepted);
+  CHECK((got.packet ==
+         Packet{PacketKind::message, Role::left, Role::right, test_pair, {4, 2}, {9, 1}, 3}));
+  CHECK(ends.right.count(Verdict::accepted) == 1 && ends.right.count(Verdict::no_session) == 1);
+}
+
+// Both boot at once and their first packets cross: the answers are accepted on both sides.
+void test_crossing_hellos() {
+  Endpoint left(left_end, 1);
+  Endpoint right(right_end, 1);
+  const Bytes from_left = sent(left, Role::right, PacketKind::hello, 0);
+  const Bytes from_right = sent(right, Role::left, PacketKind::hello, 0);
+  CHECK(left.receive(from_right).verdict == Verdict::no_session);
+  CHECK(right.receive(from_left).verdict == Verdict::no_session);
+  CHECK(left.receive(sent(right, Role::left, PacketKind::beacon, 'R')).verdict ==
+        Verdict::accepted);
+  CHECK(right.receive(sent(left, Role::right, PacketKind::beacon, 'G')).verdict ==
+        Verdict::accepted);
+}
+
+// The receiver reboots and forgets its window: what it took before the boot is not taken again.
+void test_what_was_sent_before_a_boot_stays_out() {
+  Acquainted ends;
+  std::vector<Bytes> tape;
+  for (int i = 0; i < 50; ++i) {
+    tape.push_back(sent(ends.left, Role::right, PacketKind::beacon, 'R'));
+    CHECK(ends.right.receive(tape.back()).verdict == Verdict::accepted);
+  }
+  ends.right = Endpoint(right_end, 10);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (const Bytes& bytes : tape) {
+      CHECK(ends.right.receive(bytes).verdict ==
+            (pass == 0 ? Verdict::no_session : Verdict::stale));
+    }
+  }
+  // The partner hears of the boot, and they go on.
+  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::beacon, 'I')).verdict ==
+        Verdict::accepted);
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::beacon, 'R')).verdict ==
+        Verdict::accepted);
+}
+
+// One's own packet thrown back is for somebody else; the station keeps the two robots apart.
+void test_reflection_and_station() {
+  Acquainted ends;
+  CHECK(ends.left.receive(sent(ends.left, Role::right, PacketKind::beacon, 'I')).verdict ==
+        Verdict::wrong_receiver);
+  Endpoint station(station_end, 3);
+  const Bytes early = sent(ends.left, Role::station, PacketKind::hello, 0);
+  for (int i = 0; i < 5; ++i) sent(ends.right, Role::station, PacketKind::hello, 0);
+  CHECK(station.receive(sent(ends.right, Role::station, PacketKind::hello, 0)).verdict ==
+        Verdict::no_session);
+  CHECK(station.receive(early).verdict == Verdict::no_session);  // an older number, another sender
+  CHECK(ends.left.receive(sent(station, Role::left, PacketKind::command, 0)).verdict ==
+        Verdict::accepted);
+  CHECK(station.receive(sent(ends.left, Role::station, PacketKind::report, 1)).verdict ==
+        Verdict::accepted);
+}
+
+void test_what_is_not_sent() {
+  Endpoint left(left_end, 1);
+  Bytes bytes{};
+  CHECK(!left.send(Role::left, PacketKind::hello, 0, bytes));
+  CHECK(!left.send(Role::station, PacketKind::beacon, 'I', bytes));
+  CHECK(!left.send(Role::right, PacketKind::beacon, 'X', bytes));
+  CHECK(bytes == Bytes{});
+  // Nothing of this has used up a number.
+  CHECK(left.send(Role::right, PacketKind::beacon, 'I', bytes));
+  CHECK(decode(bytes, test_key, test_pair, Role::right).packet.sent.sequence == 1);
+}
+
+// Nor to anybody unheard of. At compile time, where reading past the windows would be an error.
+constexpr bool sent_to_nobody() {
+  Endpoint left(left_end, 1);
+  Bytes bytes{};
+  return left.send(static_cast<Role>(3), PacketKind::hello, 0, bytes);
+}
+static_assert(!sent_to_nobody());
+
+// An end that has used up an epoch falls silent, and goes on in the next.
+void test_numbers_used_up() {
+  Acquainted ends;
+  ends.left = Endpoint(left_end, 4, 0xFFFFFFFF);
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, 0)).verdict ==
+        Verdict::no_session);
+  Bytes bytes{};
+  CHECK(!ends.left.send(Role::right, PacketKind::hello, 0, bytes) && bytes == Bytes{});
+  ends.left = Endpoint(left_end, 5);
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, 0)).verdict ==
+        Verdict::no_session);
+  CHECK((ends.right.heard(Role::left) == SequenceNumber{5, 1}));
+}
+
+// An end that has not counted its boot neither sends nor acts on what was said to nobody.
+void test_epoch_zero_is_deaf_and_dumb() {
+  Endpoint left(left_end, 0);
+  Endpoint right(right_end, 1);
+  Bytes bytes{};
+  CHECK(!left.send(Role::right, PacketKind::hello, 0, bytes));
+  CHECK(left.receive(sent(right, Role::left, PacketKind::beacon, 'G')).verdict ==
+        Verdict::no_session);
+}
+
+// An end whose counter has gone back is not what its partner talks to, and is not heard by it.
+void test_a_counter_that_went_back() {
+  Acquainted ends;
+  ends.left = Endpoint(left_end, 3);
+  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::beacon, 'G')).verdict ==
+        Verdict::no_session);
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::beacon, 'R')).verdict ==
+        Verdict::stale);
+}
+
+// A wire at its worst: every packet ever sent may come at any time, again and again, while the ends
+// boot. What is accepted was sent by the partner after this end's boot, once each and in order.
+void test_any_order_with_boots() {
+  struct Sent {
+    Bytes bytes;
+    int at;
+  };
+  RandomWords dice(1);
+  for (int run = 0; run < 20; ++run) {
+    std::uint32_t epoch[2] = {1, 1};
+    Endpoint ends[2] = {Endpoint(left_end, 1), Endpoint(right_end, 1)};
+    std::vector<Sent> tapes[2];     // by sender
+    int booted[2] = {0, 0};         // when
+    int accepted_last[2] = {0, 0};  // when the newest that was accepted had been sent, by receiver
+    std::uint32_t accepted = 0;
+    for (int now = 1; now < 3000; ++now) {
+      const std::uint32_t end = dice.below(2);
+      const Role other = end == 0 ? Role::right : Role::left;
+      std::vector<Sent>& tape = tapes[1 - end];
+      switch (dice.below(8)) {
+        case 0:
+          if (dice.below(20) != 0) break;
+          ends[end] = Endpoint(end == 0 ? left_end : right_end, ++epoch[end]);
+          booted[end] = now;
+          break;
+        case 1:
+        case 2:
+        case 3: tapes[end].push_back({sent(ends[end], other, PacketKind::beacon, 'R'), now}); break;
+        default: {
+          if (tape.empty()) break;
+          const auto size = static_cast<std::uint32_t>(tape.size());
+          const std::uint32_t back = dice.below(2) == 0 ? dice.below(size) : dice.below(3) % size;
+          const Sent& packet = tape[size - 1 - back];
+          if (ends[end].receive(packet.bytes).verdict != Verdict::accepted) break;
+          CHECK(packet.at > booted[end]);
+          CHECK(packet.at > accepted_last[end]);
+          accepted_last[end] = packet.at;
+          ++accepted;
+        }
+      }
+    }
+    CHECK(accepted > 100);  // they did talk
+    for (const Endpoint& end : ends) CHECK(end.count(Verdict::accepted) <= accepted);
+  }
+}
+
+constexpr int million = 1000000;
+
+std::uint32_t turned_away(const Endpoint& end) {
+  std::uint32_t sum = 0;
+  for (std::size_t i = 1; i < verdict_count; ++i) sum += end.count(static_cast<Verdict>(i));
+  return sum;
+}
+
+// Who does not know the key gets one of 2⁶⁴ tags right: in a million tries with chance 5 · 10⁻¹⁴.
+void test_a_million_forged() {
+  Acquainted ends;
+  RandomWords dice(2);
+  for (int i = 0; i < million; ++i) {
+    Bytes bytes = sent(ends.left, Role::right, PacketKind::beacon, 'R');
+    put(bytes, tag_field, std::uint64_t{dice.word()} << 32 | dice.word());
+    CHECK(ends.right.receive(bytes).verdict == Verdict::bad_tag);
+  }
+  CHECK(ends.right.count(Verdict::bad_tag) == million);
+  CHECK(ends.right.count(Verdict::accepted) == 0);
+}
+
+// Every packet of a long talk again, in random order: none is new. No chance is involved.
+void test_a_million_replayed() {
+  Acquainted ends;
+  std::vector<Bytes> tape;
+  for (int i = 0; i < 1000; ++i) {
+    tape.push_back(sent(ends.left, Role::right, PacketKind::beacon, 'R'));
+    CHECK(ends.right.receive(tape.back()).verdict == Verdict::accepted);
+  }
+  RandomWords dice(3);
+  for (int i = 0; i < million; ++i) {
+    const Decoded decoded = ends.right.receive(tape[dice.below(1000)]);
+    CHECK(decoded.verdict == Verdict::stale && decoded.packet == Packet{});
+  }
+  CHECK(ends.right.count(Verdict::stale) == million);
+  CHECK(ends.right.count(Verdict::accepted) == 1000);
+}
+
+// A packet never seen before, with a burst of noise somewhere in it, sometimes cut or too long.
+void test_a_million_corrupted() {
+  Acquainted ends;
+  RandomWords dice(4);
+  for (int i = 0; i < million; ++i) {
+    const Bytes good = sent(ends.left, Role::right, PacketKind::beacon, 'R');
+    std::array<std::uint8_t, packet_size + 4> bytes{};
+    std::copy(good.begin(), good.end(), bytes.begin());
+    const std::uint32_t first = dice.below(packet_size);
+    const std::uint32_t last = first + dice.below(packet_size - first);
+    bytes[first] ^= static_cast<std::uint8_t>(1 + dice.below(255));
+    for (std::uint32_t k = first + 1; k <= last; ++k) {
+      bytes[k] ^= static_cast<std::uint8_t>(dice.word());
+    }
+    const std::size_t size = dice.below(8) == 0 ? dice.below(bytes.size() + 1) : packet_size;
+    CHECK(ends.right.receive(std::span(bytes).first(size)).verdict != Verdict::accepted);
+  }
+  CHECK(ends.right.count(Verdict::accepted) == 0);
+  CHECK(turned_away(ends.right) == million + 1);  // and the hello
+  for (const Verdict verdict : {Verdict::wrong_version, Verdict::too_short, Verdict::too_long,
+                                Verdict::wrong_pair, Verdict::wrong_receiver, Verdict::bad_tag}) {
+    CHECK(ends.right.count(verdict) > 1000);
+  }
+}
+
+}  // namespace
+
+int main() {
+  test_one_round_trip_makes_acquainted();
+  test_crossing_hellos();
+  test_what_was_sent_before_a_boot_stays_out();
+  test_reflection_and_station();
+  test_what_is_not_sent();
+  test_numbers_used_up();
+  test_epoch_zero_is_deaf_and_dumb();
+  test_a_counter_that_went_back();
+  test_any_order_with_boots();
+  test_a_million_forged();
+  test_a_million_replayed();
+  test_a_million_corrupted();
+}

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""MuJoCo agrees with the quasistatic world because of its contact settings."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+import palmbots as pb
+from palmbots._util.confidence import wilson
+from palmbots.cli import main as cli
+from palmbots.control.interface import StepInput, StepOutput
+from palmbots.mechanics.mode_analysis import modes
+from palmbots.mujoco.carry_runner import WORLD, run
+from palmbots.mujoco.settings import DEFAULT, Contact, Engine
+from palmbots.mujoco.validation import trials
+from palmbots.mujoco.validation.trials import State
+from palmbots.mujoco.validation.validation import Validation, validate
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import DELIVERED, run_seeds
+from palmbots.simulation.prepare import prepare
+
+# What MuJoCo does unless it is told otherwise.
+PLAIN = Engine(
+    palm=Contact((0.02, 1.0), (0.9, 0.95, 0.001)),
+    cone="pyramidal",
+    impratio=1.0,
+    integrator="Euler",
+)
+
+
+@pytest.fixture(scope="module")
+def done() -> Validation:
+    return validate(states=60, carries=2)
+
+
+def test_chosen_contacts_do_not_creep() -> None:
+    assert max(map(abs, trials.creep())) <= 0.25e-3
+
+
+def test_default_contacts_of_mujoco_creep() -> None:
+    assert max(map(abs, trials.creep(PLAIN, 5.0))) > 1e-3
+
+
+def test_softer_friction_creeps_in_proportion() -> None:
+    """Creep is the price of impratio: a tenth of it, ten times the creep."""
+    ten = replace(DEFAULT, impratio=DEFAULT.impratio / 10)
+    fast, slow = (max(map(abs, trials.creep(e, 10.0))) for e in (ten, DEFAULT))
+    assert fast > 5 * slow
+
+
+def test_the_contact_that_must_slide_slides(done: Validation) -> None:
+    own = done.agreement[0]
+    assert own.engine == "MuJoCo"
+    assert own.decisive_n > 90
+    assert own.decisive_rate == 1.0
+    assert own.rate > 0.95
+
+
+def test_other_engines_are_tried_in_the_same_states(done: Validation) -> None:
+    names = [one.engine for one in done.agreement]
+    assert names == ["MuJoCo", "pymunk", "Box2D"] and done.missing == ()
+    assert len({one.n for one in done.agreement}) == 1
+    assert done.agreement[1].decisive_rate > 0.97
+    assert 0.8 < done.agreement[2].decisive_rate < 1.0  # the skin of its polygons
+
+
+def test_switch_lines_tilts_and_carries_agree(done: Validation) -> None:
+    closing = [line for line in done.lines if line.closing]
+    for line in closing:
+        assert line.known_m is not None and line.seen_m is not None
+        assert line.seen_m == pytest.approx(line.known_m, abs=1e-3)
+    assert closing[0].known_m is not None and abs(closing[0].known_m) > 3e-3
+    for tilt in done.tilts:
+        assert tilt.seen_m == pytest.approx(tilt.known_m, abs=0.8e-3)
+    assert max(abs(t.known_m[0]) for t in done.tilts) > 1.2e-3
+    for pair in done.pairs:
+        assert pair.outcome == ("delivered", "delivered")
+        assert pair.rms_m[1] == pytest.approx(pair.rms_m[0], rel=0.4)
+    assert done.holds
+
+
+def test_expectations_are_those_of_the_modes() -> None:
+    """`expected` asks the world; `modes` knows by itself."""
+    for state in trials.grid(0.25)[::37]:
+        scene = trials.scene_of(Scene(), state)
+        found = modes(scene, p_left_m=state.contacts[0], p_right_m=state.contacts[1])
+        for closing, pair in ((True, found.closing), (False, found.opening)):
+            assert pair is not None
+            slides = {"left": pair[0] != "ST", "right": pair[1] != "ST"}
+            told = trials.expected(trials.spec_of(scene), closing)
+            assert (
+                told
+                == {(True, False): "left", (False, True): "right", (True, True): "both"}[
+                    slides["left"], slides["right"]
+                ]
+            )
+
+
+def test_a_state_near_a_switch_line_is_not_decisive() -> None:
+    on_it = State(0.3, 0.125, (15.0, 15.0), (0.0, 0.0))
+    off_it = State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0))
+    sure = [
+        trials.is_decisive(trials.spec_of(trials.scene_of(Scene(), state)), True)
+        for state in (on_it, off_it)
+    ]
+    assert sure == [False, True]
+    spec = trials.spec_of(trials.scene_of(Scene(), off_it))
+    assert not trials.is_decisive(spec, True, math.radians(15))
+    assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
+
+
+def test_it_holds_only_if_all_of_it_does(done: Validation) -> None:
+    """Each of the three alone spoils it, right beyond its limit; peers do not count."""
+    own, *peers = done.agreement
+    pair = done.pairs[0]
+    fine = replace(own, decisive_rate=0.99)
+    held = replace(done, agreement=(fine, *peers), creep_m=(-0.25e-3, 0.25e-3))
+    assert held.holds
+    assert replace(held, agreement=(fine, *(replace(p, decisive_rate=0.5) for p in peers))).holds
+    for spoilt in (
+        replace(held, agreement=(replace(own, decisive_rate=0.9899), *peers)),
+        replace(held, creep_m=(0.0, -0.2501e-3)),
+        replace(held, creep_m=(0.2501e-3, 0.0)),
+        replace(held, pairs=(*done.pairs, replace(pair, outcome=("delivered", "dropped")))),
+    ):
+        assert not spoilt.holds
+    assert replace(held, pairs=(replace(pair, outcome=("dropped", "dropped")),)).holds
+
+
+def test_delivery_rates_are_reported(done: Validation) -> None:
+    told = done.delivery
+    assert (told.n, told.delivered) == (2, 2) and told.interval[1] == 1.0
+    assert told.known == 1.0  # at the default noise nothing is dropped
+
+
+@pytest.mark.parametrize(("noise", "least", "most"), [(0.04, 0.6, 0.95), (0.05, 0.3, 0.8)])
+def test_at_high_noise_both_worlds_deliver_as_often(
+    noise: float, least: float, most: float
+) -> None:
+    """Where many carries fail, MuJoCo's interval holds the quasistatic rate."""
+    scene = load_scene("paper", {"robot.noise_m_s": noise, "task.distance_m": 0.3})
+    known = run_seeds(to_spec(scene), "distributed", 0, 4000, "double")["outcome"]
+    rate = float((known == DELIVERED).mean())
+    n = 60
+    prepared = prepare(scene, "distributed", WORLD)
+    delivered = sum(run(prepared, seed).measured.outcome == "delivered" for seed in range(n))
+    low, high = wilson(delivered, n)
+    assert low <= rate <= high and high - low < 0.26
+    assert least < rate < most  # neither none nor all
+
+
+def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["validate", "--states", "3", "--carries", "1", "--out", str(tmp_path)]
+    status = cli.run([*arguments, "--set", "task.distance_m=0.1", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert status == (0 if told["holds"] else 1)
+    assert len(told["carries"]) == 1 and len(told["agreement"]) == 3
+    picture = Image.open(tmp_path / "validation.png")
+    assert picture.width > 1000 and len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--states", "0"], "states: value is 0; allowed: 1 to 720"),
+        (["--carries", "0"], "carries: value is 0; allowed: 1 to 1000"),
+        (["--controller", "nobody"], "nobody"),
+        (["--set", "bumps.rate_per_m=1"], "mujoco.ridges"),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["validate", *arguments]) == 2
+    ran = capsys.readouterr()
+    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+
+
+class Holding:
+    """A controller that never corrects."""
+
+    def step(self, seen: StepInput) -> StepOutput:
+        return StepOutput()
+
+
+def test_python_controller_is_validated() -> None:
+    scene = load_scene("paper", {"task.distance_m": 0.05, "robot.noise_m_s": 0.0})
+    result = validate(scene, controller=Holding, states=1, carries=1)
+    assert result.controller == "Holding"
+    assert result.pairs[0].outcome == ("delivered", "delivered")
+    assert (result.delivery.known_n, result.delivery.known) == (100, 1.0)
+
+
+@pytest.mark.parametrize("controller", ["nobody", Holding(), object])
+def test_wrong_controller_is_refused_before_any_trial(controller: Any) -> None:
+    with pytest.raises(pb.PalmbotsError, match=r"^controller: "):
+        validate(controller=controller, on_progress=lambda _: pytest.fail("a trial has run"))
+
+
+def test_validate_is_part_of_the_package() -> None:
+    assert pb.validate is validate

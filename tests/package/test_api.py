@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The public interface: names and signatures are those of api.txt, and help() can show them.
+
+After a deliberate change, rewrite the file with: python tests/package/test_api.py
+"""
+
+import importlib
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots.errors import PalmbotsError
+
+API = Path(__file__).with_name("api.txt")
+ROOMS = (
+    "control",
+    "learn",
+    "logs",
+    "mechanics",
+    "mujoco",
+    "simulation",
+    "stability",
+    "studies",
+    "viz",
+    "wire",
+)
+LONGEST_ANNOTATION, LONGEST_SIGNATURE = 40, 400
+
+
+def public_names(module: Any) -> list[tuple[str, Any]]:
+    """The names of `__all__` with their values, sorted."""
+    return [(name, getattr(module, name)) for name in sorted(module.__all__)]
+
+
+def signature_of(function: Any) -> str:
+    """As help() shows it: annotations are quoted where their evaluation is deferred."""
+    text = str(inspect.signature(function)).replace("'", "")
+    return re.sub(r"<(\S+) (\S+) at 0x\w+>", r"<\1 \2>", text)
+
+
+def kind_of(value: Any) -> str:
+    if inspect.ismodule(value):
+        return "module"
+    if inspect.isclass(value):
+        return "class"
+    return "function" if callable(value) and hasattr(value, "__qualname__") else "value"
+
+
+def api_lines() -> list[str]:
+    """One line for each public name."""
+    lines = []
+    for place in ("", *ROOMS):
+        module = importlib.import_module(f"palmbots.{place}".rstrip("."))
+        for name, value in public_names(module):
+            kind = kind_of(value)
+            text = signature_of(value) if isinstance(value, FunctionType) else ""
+            lines.append(f"{kind} {module.__name__}.{name}{text}")
+    return lines
+
+
+def public_functions() -> list[Any]:
+    functions = {}
+    for place in ("", *ROOMS):
+        module = importlib.import_module(f"palmbots.{place}".rstrip("."))
+        for name, value in public_names(module):
+            if isinstance(value, FunctionType):
+                functions[f"{module.__name__}.{name}"] = value
+    return [pytest.param(value, id=name) for name, value in functions.items()]
+
+
+def test_public_interface_is_that_of_the_file() -> None:
+    """When this fails on purpose: python tests/package/test_api.py"""
+    assert api_lines() == API.read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize("function", public_functions())
+def test_signature_is_readable(function: Any) -> None:
+    for parameter in inspect.signature(function).parameters.values():
+        shown = inspect.formatannotation(parameter.annotation).strip("'")
+        assert len(shown) <= LONGEST_ANNOTATION, f"{parameter.name}: {shown}"
+    assert len(signature_of(function)) <= LONGEST_SIGNATURE
+    assert function.__doc__
+
+
+@pytest.mark.parametrize("name", sorted(set(pb.__all__) - {"feasible_modes", "modes_batch"}))
+def test_arguments_after_the_second_are_keywords(name: str) -> None:
+    function = getattr(pb, name)
+    if isinstance(function, FunctionType):
+        parameters = list(inspect.signature(function).parameters.values())
+        assert all(p.kind in (p.KEYWORD_ONLY, p.VAR_KEYWORD) for p in parameters[2:])
+
+
+def test_dir_shows_exactly_the_public_names() -> None:
+    assert dir(pb) == sorted(pb.__all__)
+    assert len(pb.__all__) == len(set(pb.__all__)) == 23 + len(ROOMS)
+    assert set(ROOMS) < set(pb.__all__)
+
+
+def test_every_public_name_is_exported_by_one_module() -> None:
+    places: dict[str, list[str]] = {}
+    for place in ("", *ROOMS):
+        module = importlib.import_module(f"palmbots.{place}".rstrip("."))
+        for name in module.__all__:
+            places.setdefault(name, []).append(module.__name__)
+    assert {name: where for name, where in places.items() if len(where) > 1} == {}
+
+
+def test_no_public_function_shadows_a_module() -> None:
+    """`palmbots.room.function` and a module of that name could not both be reached."""
+    package = Path(pb.__file__).parent
+    for place in ("", *ROOMS):
+        module = importlib.import_module(f"palmbots.{place}".rstrip("."))
+        folder = package / place
+        if folder.is_dir():
+            modules = {path.stem for path in folder.iterdir()}
+            exported = {n for n, value in public_names(module) if not inspect.ismodule(value)}
+            assert not modules & exported
+
+
+@pytest.mark.parametrize(
+    ("former", "present"),
+    [
+        ("rare", "palmbots.estimate_drop_rate"),
+        ("states", "palmbots.modes_batch"),
+        ("objects", "palmbots.object_names"),
+        ("MODES", "palmbots.mechanics.CONTACT_MODES"),
+        ("Carry", "palmbots.simulation.Carry"),
+        ("Letter", "palmbots.simulation.Message"),
+        ("Touch", "palmbots.simulation.ContactEvent"),
+        ("Distributed", "palmbots.control.DistributedController"),
+    ],
+)
+def test_former_name_is_refused_with_the_present_one(former: str, present: str) -> None:
+    with pytest.raises(AttributeError, match=f"{former} is renamed to {present}$"):
+        getattr(pb, former)
+
+
+def test_every_successor_of_a_former_name_exists() -> None:
+    for present in pb._RENAMED.values():
+        value: Any = pb
+        for part in present.split(".")[1:]:
+            value = getattr(value, part)
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        pb.nonsense  # noqa: B018
+    assert not hasattr(pb, "nonsense")
+
+
+def test_importing_palmbots_imports_no_optional_and_no_slow_package() -> None:
+    slow = {"mujoco", "scipy", "xarray", "pandas", "matplotlib", "zarr", "pettingzoo", "mcap"}
+    program = f"import sys, palmbots; print(sorted({slow!r} & set(sys.modules)))"
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert run.stdout == "[]\n"
+
+
+def test_exceptions_have_one_base() -> None:
+    assert issubclass(pb.SceneError, PalmbotsError)
+
+
+if __name__ == "__main__":
+    API.write_text("\n".join(api_lines()) + "\n", encoding="utf-8")

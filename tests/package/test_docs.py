@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The docs are true: links have targets, tables match the code, commands and examples run."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+from palmbots.cli import main as cli
+from palmbots.cli.main import build_app
+
+ROOT = Path(__file__).parent.parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_have_targets(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)]+)\)", page.read_text()):
+        if target.startswith("http"):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.exists(), f"{page.name}: {target}"
+        if anchor:
+            heads = re.findall(r"^#+ (.+)$", file.read_text(), re.MULTILINE)
+            slugs = [re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads]
+            assert anchor in slugs, f"{page.name}: {target}"
+
+
+def test_generated_parts_are_up_to_date() -> None:
+    """When this fails: `make docs`."""
+    script = ROOT / "scripts" / "generate_docs.py"
+    checked = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout
+
+
+# What would take long is done with less.
+FEW = {
+    "carry --out": ["--set", "task.distance_m=0.1"],
+    "compare": ["--carries", "2"],
+    "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
+    "study": ["--carries", "2"],
+    "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.2"],
+    "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.2"],
+}
+# Named in the text without their arguments.
+NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"])
+
+
+def commands() -> list[str]:
+    group: Any = get_command(build_app())
+    names = "|".join(name for name in group.commands if name != "drop-rate")  # takes minutes
+    found = []
+    for page in PAGES:
+        found += re.findall(rf"`(palmbots (?:{names})\b[^`\[]*)`", page.read_text())
+        found += re.findall(r"^    \$ (palmbots .*)$", page.read_text(), re.MULTILINE)
+    return sorted(set(found))
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_run(
+    command: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = command.split()[1:]
+    is_pattern = re.search(r"\b[A-Z]{3,}\b", command) is not None
+    if words in NAMED or is_pattern or (words[-1].endswith(".toml") and words[0] != "init"):
+        return
+    films = words[0] == "carry" and "--out" in words
+    less = FEW["carry --out" if films else words[0]] if films or words[0] in FEW else []
+    assert cli.run([*words, *less]) in (cli.DONE, cli.FAILED)
+    assert capsys.readouterr().out
+
+
+def test_readme_summary_is_the_output_of_the_command(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    shown = (ROOT / "README.md").read_text().split("$ palmbots carry --seed 0\n")[1]
+    shown = shown.split("\n\n")[0]
+    cli.run(["carry", "--seed", "0"])
+    result = capsys.readouterr().out
+    assert [line.split() for line in result.splitlines()] == [
+        line.split() for line in shown.splitlines() if line.strip()
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_in_the_docs_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "__main__"}  # the blocks of a page are one program
+    for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL):
+        exec(compile(block, page.name, "exec"), names)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package as it is installed: versions agree, stubs match the module, the wheel is complete."""
+
+import re
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import palmbots
+from cxx import ROOT
+from waiting import locked
+
+
+def stated_version(file: str, pattern: str) -> str:
+    result = re.search(pattern, (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE)
+    assert result, f"{file} states no version"
+    return result[1]
+
+
+def test_every_file_states_the_same_version() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["version"] == palmbots.__version__
+    assert project["version"] == stated_version("CITATION.cff", r"^version: (\S+)$")
+    # The first heading: the changelog's newest version, released or not yet.
+    assert project["version"] == stated_version("CHANGELOG.md", r"\A(?:(?!## ).*\n)*## \[(.+?)\]")
+
+
+def test_stubs_describe_the_built_module(tmp_path: Path) -> None:
+    """When this fails: `make stubs`."""
+    stubgen = [sys.executable, "-m", "nanobind.stubgen", "-q", "-r", "-m", "palmbots._core"]
+    subprocess.run([*stubgen, "-O", tmp_path], check=True)
+    made = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.pyi")}
+    result = (ROOT / "src" / "palmbots" / "_core").glob("*.pyi")
+    assert {path.name: path.read_text(encoding="utf-8") for path in result} == made
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built with the tools of this environment from the objects of `make test`."""
+    out = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out)]
+    settings = ["build-dir=build/extension", "cmake.define.PALMBOTS_WERROR=ON"]
+    command = [*build, *(f"--config-setting={setting}" for setting in settings), str(ROOT)]
+    with locked(ROOT / "build" / "extension.lock"):  # another worker may need one too
+        run = subprocess.run(command, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    (made,) = out.glob("*.whl")
+    return made
+
+
+def test_wheel_holds_every_source_scene_and_type(wheel: Path) -> None:
+    held = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("palmbots/")}
+    sources = ROOT / "src"
+    table = {
+        path.relative_to(sources).as_posix()
+        for path in (sources / "palmbots").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert {
+        "palmbots/py.typed",
+        "palmbots/scene/data/scenes/paper.toml",
+        "palmbots/_core/__init__.pyi",
+    } <= table
+    assert {f"palmbots/scene/data/objects/{name}.toml" for name in palmbots.object_names()} <= table
+    extensions = {Path(name).name.split(".")[0] for name in held - table}
+    assert {"_core", "_batch"} <= extensions <= {"_core", "_batch", "_batch_v3", "_batch_v4"}
+    assert len(held - table) == len(extensions)
+    assert table <= held
+
+
+def test_unpacked_wheel_runs_a_carry(wheel: Path, tmp_path: Path) -> None:
+    """The unpacked wheel carries the paper's box without this tree on the path."""
+    zipfile.ZipFile(wheel).extractall(tmp_path)
+    packages = Path(pytest.__file__).parent.parent
+    program = f"""
+import sys
+sys.path[:0] = [{str(tmp_path)!r}, {str(packages)!r}]
+import palmbots
+assert palmbots.__file__.startswith({str(tmp_path)!r}), palmbots.__file__
+print(palmbots.carry("paper", seed=1).outcome)
+"""
+    # -S: without the hooks of site-packages, one of which is this tree's editable install.
+    command = [sys.executable, "-S", "-c", program]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert run.stdout == "delivered\n", run.stderr

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every kind of wrong input has one clear line: file, key, value, and what is allowed."""
+
+import datetime
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palmbots.errors import SceneError
+from palmbots.scene.error_messages import dotted_keys
+from palmbots.scene.scene import Scene, load_scene
+
+KEYS = sorted(dotted_keys(Scene))
+
+
+def refusal(source, overrides=None) -> str:
+    with pytest.raises(SceneError) as error:
+        load_scene(source, overrides)
+    line = str(error.value)
+    assert line.isprintable(), "a message is one line"
+    return line
+
+
+FILE = Path(__file__).parent / "bad_scenes.toml"
+BAD = [(bad["scene"], bad["line"]) for bad in tomllib.loads(FILE.read_text("utf-8"))["bad"]]
+
+
+@pytest.mark.parametrize(("text", "line"), BAD, ids=[line.split(": ")[0] for _, line in BAD])
+def test_bad_scene_is_refused_in_one_line(tmp_path, text, line):
+    path = tmp_path / "bad.toml"
+    path.write_text(text, encoding="utf-8")
+    assert refusal(path) == f"{path}: {line}"
+    assert refusal(tomllib.loads(text)) == f"scene: {line}"
+    assert refusal("paper", tomllib.loads(text)) == f"overrides: {line}"
+
+
+def test_of_several_faults_the_misspelt_key_is_reported():
+    line = refusal({"object": {"mass_kg": -1}, "task": {"distanc_m": 1}})
+    assert line.startswith("scene: task.distanc_m: 1 is given to an unknown key; did you mean ")
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_misspelt_key_suggests_the_right_one(key):
+    table, _, name = key.rpartition(".")
+    for wrong in (name[1:], name[:1] + name[2:], name[1] + name[0] + name[2:], name + "s"):
+        line = refusal("paper", {f"{table}.{wrong}": 1})
+        assert line.startswith(f"overrides: {table}.{wrong}: 1 is given to an unknown key; ")
+        assert f"did you mean {key}? allowed in {table}: " in line
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (10**400, f"1{'0' * 58}…"),
+        (1 << 20_000, "<int>"),  # longer than Python is willing to print
+        (None, "null"),
+        (b"x", "b'x'"),
+        (datetime.date(2001, 2, 3), "datetime.date(2001, 2, 3)"),
+        ("a\nb\ud800" * 20, '"' + ("a\\nb\\ud800" * 20)[:58] + "…"),
+    ],
+    ids=["long", "very long", "none", "bytes", "date", "text"],
+)
+def test_values_are_shown_short_and_on_one_line(value, shown):
+    line = refusal({"radio": {"loss": value}})
+    assert line.startswith(f"scene: radio.loss: {shown} is ")
+
+
+def test_numpy_numbers_are_accepted():
+    for number in (np.float64(0.5), np.float32(0.5)):
+        assert load_scene("paper", {"radio.loss": number}).radio.loss == 0.5
+    one = load_scene("paper", {"radio.loss": np.int64(1), "object.contacts": [np.int8(0), 1]})
+    assert type(one.radio.loss) is float
+    assert type(one.object.contacts[0]) is int
+    assert "is of type bool" in refusal("paper", {"radio.loss": np.True_})

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An outline of the user's own: its contacts, centre of mass and mass are those of the outline."""
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots.errors import SceneError
+from palmbots.scene.overrides import parse_overrides
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.variations import with_values
+
+L_SHAPE = [[0, 0], [0.25, 0], [0.25, 0.06], [0.08, 0.06], [0.08, 0.25], [0, 0.25]]
+U_SHAPE = [
+    [0, 0], [0.3, 0], [0.3, 0.2], [0.29, 0.2], [0.29, 0.01], [0.01, 0.01], [0.01, 0.2], [0, 0.2],
+]  # fmt: skip
+TRAY = [
+    [0, 0], [0.4, 0], [0.4, 0.05], [0.39, 0.05], [0.39, 0.005], [0.01, 0.005], [0.01, 0.05],
+    [0, 0.05],
+]  # fmt: skip
+# A square frame, open at one point of its upper side, so that its outline is one polygon.
+FRAME = [
+    [0, 0], [0.3, 0], [0.3, 0.3], [0.151, 0.3], [0.151, 0.28], [0.28, 0.28], [0.28, 0.02],
+    [0.02, 0.02], [0.02, 0.28], [0.149, 0.28], [0.149, 0.3], [0, 0.3],
+]  # fmt: skip
+STRIPS = [
+    [0.0, 0.0], [0.01, 0.0], [0.01, 0.005], [0.24, 0.005], [0.24, 0.0], [0.25, 0.0],
+    [0.25, 0.165], [0.0, 0.165],
+]  # fmt: skip
+
+
+def sampled_centroid(vertices: list) -> tuple[float, float, float]:
+    """Area and centroid by counting the points of a fine grid that lie inside (even-odd rule)."""
+    (left, low), (right, high) = np.min(vertices, axis=0), np.max(vertices, axis=0)
+    n = 800
+    x = left + (right - left) * (np.arange(n) + 0.5) / n
+    y = low + (high - low) * (np.arange(n) + 0.5) / n
+    px, py = np.meshgrid(x, y)
+    inside = np.zeros_like(px, dtype=bool)
+    for (ax, ay), (bx, by) in zip(vertices, [*vertices[1:], vertices[0]], strict=True):
+        if ay != by:
+            crosses = ((ay > py) != (by > py)) & (px < ax + (py - ay) / (by - ay) * (bx - ax))
+            inside ^= crosses
+    area = (right - left) * (high - low) * inside.mean()
+    return area, px[inside].mean(), py[inside].mean()
+
+
+@pytest.mark.parametrize("vertices", [L_SHAPE, U_SHAPE, TRAY, FRAME, STRIPS])
+@pytest.mark.parametrize("is_clockwise", [False, True])
+def test_outline_alone_describes_a_uniform_body(vertices: list, is_clockwise: bool) -> None:
+    vertices = vertices[::-1] if is_clockwise else vertices
+    area, x, y = sampled_centroid(vertices)
+    item = load_scene({"object": {"vertices_m": vertices, "depth_m": 0.2}}).object
+    assert item.com_m == pytest.approx((x, y), abs=1e-3)
+    assert item.mass_kg == pytest.approx(125 * area * 0.2, rel=0.02)
+    left, right = (vertices[k] for k in item.contacts)
+    assert left == [0, 0]
+    assert right == [max(x for x, y in vertices if y == 0), 0]
+
+
+def test_60_cm_box_has_its_own_com_and_is_delivered() -> None:
+    vertices = [[0, 0], [0.60, 0], [0.60, 0.16], [0, 0.16]]
+    scene = load_scene({"object": {"vertices_m": vertices}})
+    assert scene.object.com_m == (0.3, 0.08)
+    assert scene.object.mass_kg == pytest.approx(1.2)
+    assert pb.carry(scene, record=False).outcome == "delivered"
+
+
+def test_override_of_the_outline_alone_is_the_same(tmp_path: Path) -> None:
+    wanted = load_scene({"object": {"vertices_m": U_SHAPE}})
+    text = f"object.vertices_m={U_SHAPE}"
+    assert load_scene("paper", {"object.vertices_m": U_SHAPE}) == wanted
+    assert load_scene("paper", {"object": {"vertices_m": U_SHAPE}}) == wanted
+    assert load_scene(Scene(), parse_overrides([text]), called="--set") == wanted
+    assert load_scene("paper", {"object": "tray", "object.vertices_m": U_SHAPE}).object == (
+        wanted.object
+    )
+    file = tmp_path / "u.toml"
+    file.write_text(text)
+    assert load_scene(file) == wanted
+
+
+def test_keys_given_beside_the_outline_are_kept() -> None:
+    given = {"com_m": [0.1, 0.02], "mass_kg": 2.0, "contacts": [0, 1]}
+    for key, value in given.items():
+        changed = load_scene("paper", {"object.vertices_m": L_SHAPE, f"object.{key}": value})
+        assert changed.object.model_dump()[key] == (tuple(value) if key != "mass_kg" else 2.0)
+        assert changed.object.model_dump() | {key: 0} == (
+            load_scene({"object": {"vertices_m": L_SHAPE}}).object.model_dump() | {key: 0}
+        )
+
+
+def test_other_overrides_leave_the_object_alone() -> None:
+    scene = load_scene({"object": {"vertices_m": L_SHAPE, "com_m": [0.12, 0.03]}})
+    assert load_scene(scene, {"object.depth_m": 0.3}).object.com_m == (0.12, 0.03)
+    assert load_scene({"object": {"depth_m": 0.3}}).object.mass_kg == 0.5
+    moved = with_values(scene, ["object.vertices_m[4]"], [[0.08, 0.3]], called="sweep:")
+    assert moved.object.com_m == (0.12, 0.03)
+
+
+def test_default_box_is_unchanged() -> None:
+    assert Scene().object.com_m == (0.125, 0.04) and Scene().object.mass_kg == 0.5
+    assert load_scene({"object": {}}) == load_scene("paper") == Scene()
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (
+            {"vertices_m": [[0.1, 0], [0.25, 0.1], [0, 0.1]]},
+            "object.contacts: null is not set, and the outline has no level lower side: vertex 0 "
+            "alone is lowest; allowed: [left, right], two indices into object.vertices_m",
+        ),
+        (
+            {"vertices_m": [[0, 0], [0.1, 0], [0.4, 0.3], [0.35, 0.35]]},
+            "object.com_m: [0.211538461538, 0.162820512821] is the centroid of the outline, which "
+            "is not above the line between the contact vertices; allowed: a point above that line "
+            "and between its ends",
+        ),
+        (
+            {"vertices_m": [[0, 0], [0.01, 0], [0.01, 0.01]], "depth_m": 0.01},
+            "object.mass_kg: null is not set, and the outline at 125 kg/m³ has 6.25e-05 kg; "
+            "allowed: a number in kg, from 0.001 to 1000",
+        ),
+    ],
+)
+def test_outline_without_a_usable_default_is_refused(given: dict, line: str) -> None:
+    for source, overrides, called in (({"object": given}, None, "scene"), ({}, given, "overrides")):
+        with pytest.raises(SceneError) as error:
+            load_scene(source, overrides and {"object": overrides})
+        assert str(error.value) == f"{called}: {line}"
+
+
+@pytest.mark.parametrize("vertices", [L_SHAPE, U_SHAPE, TRAY, FRAME])
+def test_com_outside_the_material_is_carried_by_every_part(vertices: list, tmp_path: Path) -> None:
+    scene = load_scene(
+        {"object": {"vertices_m": vertices}, "task": {"distance_m": 0.2}, "palm": {"friction": 0.4}}
+    )
+    carry = pb.carry(scene, seed=1)
+    assert carry.outcome == "delivered"
+    pb.write_log(carry, tmp_path / "carry.mcap")
+    assert pb.replay(tmp_path / "carry.mcap").identical
+    assert pb.modes(scene).feasible
+    assert pb.analyze(scene).summary()
+    assert pb.load_scene(scene.model_dump()) == scene
+    mirrored = scene.mirrored()
+    assert mirrored.mirrored() == scene
+
+
+@pytest.mark.parametrize("vertices", [L_SHAPE, FRAME])
+def test_mujoco_inertia_of_an_outline_is_that_of_its_material(vertices: list) -> None:
+    """Against the sum over random points inside the outline (Monte Carlo, fixed seed)."""
+    from palmbots.mujoco.engine import mujoco
+    from palmbots.mujoco.mjcf import mjcf
+
+    scene = load_scene({"object": {"vertices_m": vertices}})
+    model = mujoco().MjModel.from_xml_string(mjcf(scene))
+    body = model.body("object")
+    _, cx, cy = sampled_centroid(vertices)
+    random.seed(3)
+    second, count = 0.0, 0
+    right, high = np.max(vertices, axis=0)
+    while count < 20_000:
+        x, y = random.uniform(0, right), random.uniform(0, high)
+        crossings = sum(
+            (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax)
+            for (ax, ay), (bx, by) in zip(vertices, [*vertices[1:], vertices[0]], strict=True)
+            if ay != by
+        )
+        if crossings % 2:
+            second += (x - cx) ** 2 + (y - cy) ** 2
+            count += 1
+    about_y = scene.object.mass_kg * second / count
+    assert min(abs(body.inertia - about_y)) < 0.02 * about_y
+    assert body.ipos == pytest.approx([cx, 0, cy], abs=5e-4)

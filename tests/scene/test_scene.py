@@ -1,0 +1,425 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: what they hold, where they come from, and one clear line for everything that is wrong."""
+
+import copy
+import json
+import math
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from palmbots.errors import SceneError
+from palmbots.scene.error_messages import dotted_keys
+from palmbots.scene.files import built_in_scenes
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.single import carry
+from strategies import scene_tables, scenes
+
+PAPER = Scene()
+KEYS = sorted(dotted_keys(Scene))
+
+
+def refusal(source, overrides=None) -> str:
+    with pytest.raises(SceneError) as error:
+        load_scene(source, overrides)
+    line = str(error.value)
+    assert line.isprintable(), "a message is one line"
+    return line
+
+
+# --- What a scene holds ---------------------------------------------------------------------------
+
+
+def test_default_scene_is_paper_which_gives_every_key():
+    assert load_scene("paper") == PAPER
+    given_keys = {
+        f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
+    } - {"task.path"} | {f"task.path.{key}" for key in PAPER.task.path.model_dump()}
+    optional = {"palm.friction_angle_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
+    optional |= {"mujoco.axle_m"} | {k for k in KEYS if k.startswith("task.path.")}
+    assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
+
+
+def test_numbers_of_the_paper():
+    assert PAPER.object.vertices_m == ((0, 0), (0.25, 0), (0.25, 0.16), (0, 0.16))
+    assert PAPER.object.com_m == (0.125, 0.04)
+    assert (PAPER.object.mass_kg, PAPER.object.depth_m) == (0.5, 0.1)
+    palm = PAPER.palm_of("left")
+    assert (palm.length_m, palm.width_m, palm.shallow_deg, palm.steep_deg) == (0.15, 0.07, 5, 15)
+    assert PAPER.task.distance_m == 1.5
+    assert PAPER.timeout_s == 50  # twice the paper's 25 s
+    assert PAPER.timeout_ticks == 5000
+
+
+def test_other_built_in_scenes_differ_from_paper_in_few_keys():
+    assert built_in_scenes() == ["figure8", "paper", "paper-offset"]
+    assert load_scene("paper-offset") == load_scene(PAPER, {"palm.pivot_offset_m": 0.01})
+    figure8 = load_scene("figure8")
+    assert figure8.robot.noise_m_s == 0
+    assert figure8.bumps.script
+    same = {"bumps": None, "robot.noise_m_s": None, "task.distance_m": None}
+    assert load_scene(figure8, same) == PAPER
+
+
+def test_side_override_changes_one_side_only():
+    scene = load_scene("paper", {"palm.left": {"friction": 0.4}, "robot.right.bias_m_s": 0.002})
+    assert scene.palm_of("left").friction == 0.4
+    assert scene.palm_of("left").steep_deg == 15
+    assert scene.palm_of("right") == PAPER.palm_of("right")
+    assert scene.robot_of("right").bias_m_s == 0.002
+    assert scene.robot_of("left") == PAPER.robot_of("left")
+
+
+def test_default_timeout_depends_on_distance_and_slower_robot():
+    assert load_scene("paper", {"task.distance_m": 3}).timeout_s == 100
+    assert load_scene("paper", {"robot.left.speed_m_s": 0.03}).timeout_s == 100
+    # A millimetre is gone before nominal speed is reached: time to speed up counts as well.
+    short = {"task.distance_m": 0.001}
+    assert load_scene("paper", short).timeout_s == pytest.approx(0.001 / 0.06 + 2 * 0.06 / 0.5)
+    assert carry(overrides=short).outcome == "delivered"
+    slow = {"robot.acceleration_m_s2": 0.001}
+    assert carry(overrides=slow, record=False).outcome == "delivered"
+    given_one = load_scene("paper", {"task.timeout_s": 7})
+    assert (given_one.timeout_s, given_one.timeout_ticks) == (7, 700)
+    assert load_scene(given_one, {"task.timeout_s": None}) == PAPER
+
+
+def test_scene_is_immutable_and_hashable():
+    with pytest.raises(ValidationError):
+        PAPER.task.distance_m = 2.0
+    assert hash(PAPER) == hash(load_scene("paper"))
+
+
+def test_mirrored_scene_exchanges_the_sides():
+    scene = load_scene(
+        "paper",
+        {
+            "object.com_m": [0.1, 0.05],
+            "palm.left.friction": 0.4,
+            "robot.right.bias_m_s": 0.002,
+            "start.left_m": 0.01,
+            "bumps.script": [{"robot": "left", "at_s": 1, "shift_m": 0.01}],
+            "radio.outages": [
+                {"sender": sender, "start_s": 1, "end_s": 2} for sender in ("left", "station")
+            ],
+            "faults.script": [
+                {"kind": "reboot", "robot": "right", "at_s": 1, "duration_s": 1},
+                {"kind": "station-down", "at_s": 1, "duration_s": 1},
+            ],
+            "task.slope_deg": 2,
+        },
+    )
+    mirror = scene.mirrored()
+    assert [outage.sender for outage in mirror.radio.outages] == ["right", "station"]
+    assert [fault.robot for fault in mirror.faults.script] == ["left", None]
+    assert mirror.object.com_m == (-0.1, 0.05)
+    assert mirror.object.contacts == (1, 0)
+    assert mirror.palm_of("right").friction == 0.4
+    assert mirror.palm_of("left") == scene.palm_of("right")
+    assert mirror.robot_of("left").bias_m_s == 0.002
+    assert (mirror.start.left_m, mirror.start.right_m) == (0, 0.01)
+    assert mirror.bumps.script[0].robot == "right"
+    assert mirror.task.direction == "backward"
+    assert mirror.task.slope_deg == 2  # uphill in travel stays uphill in travel
+
+
+@given(scenes())
+def test_mirroring_twice_returns_the_scene(scene):
+    assert scene.mirrored() != scene
+    assert scene.mirrored().mirrored() == scene
+
+
+@given(scenes())
+def test_dump_toml_and_json_load_as_the_same_scene(scene):
+    table = scene.model_dump()
+    assert load_scene(table) == scene
+    assert load_scene(tomllib.loads(scene.to_toml())) == scene
+    assert load_scene(json.loads(json.dumps(table, allow_nan=False))) == scene
+    assert load_scene(scene) is scene
+    assert load_scene(scene, {}) is scene
+
+
+@given(scene_tables(), st.data())
+def test_override_equals_key_in_the_file(table, data):
+    section = data.draw(st.sampled_from(sorted(table)))
+    partial = {k: v for k, v in table.items() if k != section}
+    try:
+        base = load_scene(partial)
+    except SceneError:  # what is left need not fit together
+        return
+    flat = {f"{section}.{key}": value for key, value in table[section].items()}
+    assert load_scene(base, flat) == load_scene(base, {section: table[section]})
+    assert load_scene(base, flat) == load_scene(table)
+
+
+# --- Where scenes come from -----------------------------------------------------------------------
+
+
+def test_scene_files_are_read_with_bom_and_crlf(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("[radio]\nloss = 0.25\n", encoding="utf-8")
+    assert load_scene(path).radio.loss == 0.25
+    assert load_scene(str(path), {"radio.loss": 0.5}).radio.loss == 0.5
+    path.write_bytes(b"\xef\xbb\xbf[radio]\r\nloss = 0.25\r\n")  # as some editors save it
+    assert load_scene(path).radio.loss == 0.25
+    path.write_text("")
+    assert load_scene(path) == PAPER
+
+
+def test_built_in_name_takes_precedence_over_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "paper").write_text("[radio]\nloss = 0.25\n")
+    assert load_scene("paper") == PAPER
+    assert load_scene("./paper").radio.loss == 0.25
+
+
+def test_unreadable_file_is_refused_in_one_line(tmp_path):
+    names = "built-in scenes: figure8, paper, paper-offset"
+    assert refusal("papr") == f"papr: no such scene or file; did you mean paper? {names}"
+    assert refusal("") == (
+        'scene: value is ""; allowed: figure8, paper, paper-offset, or a TOML file'
+    )
+    assert refusal("x/y.toml") == f"x/y.toml: no such scene or file; {names}"
+    assert refusal(tmp_path) == f"{tmp_path}: is a folder; allowed: a scene file in TOML"
+    assert refusal("a\0b") == "a\\x00b: cannot be read: embedded null byte"
+    assert refusal("/dev/zero") == "/dev/zero: is larger than 1 MiB; allowed: a scene file in TOML"
+    assert refusal("/proc/self/mem") == "/proc/self/mem: cannot be read: Input/output error"
+    assert refusal("paper/x.toml") == f"paper/x.toml: no such scene or file; {names}"
+
+
+@pytest.mark.parametrize(
+    ("data", "line"),
+    [
+        (
+            b"[radio]\nloss = \xff\n",
+            "line 2 is not UTF-8 (byte 0xff); allowed: a scene file in TOML, which is UTF-8",
+        ),
+        (b"[radio]\nloss = \n", "line 2, column 8: not valid TOML: Invalid value"),
+        (
+            b"[radio]\nloss = 1\nloss = 2\n",
+            "line 3, column 9: not valid TOML: Cannot overwrite a value",
+        ),
+        (
+            b"[radio]\nloss = [1,\n",
+            "line 3, end of the file: not valid TOML: Invalid value",
+        ),
+        (b"a = " + b"[" * 5000, "not valid TOML: lists nested too deeply"),
+        (
+            b"[radio]\nloss = 0" + b"x",
+            "line 2, column 9: not valid TOML: Expected newline or end of document after a "
+            "statement",
+        ),
+    ],
+)
+def test_invalid_toml_is_refused_with_its_place(tmp_path, data, line):
+    path = tmp_path / "bad.toml"
+    path.write_bytes(data)
+    assert refusal(path) == f"{path}: {line}"
+
+
+@given(st.binary() | st.text().map(lambda text: text.encode("utf-8", "surrogatepass")))
+def test_any_bytes_load_or_are_refused_in_one_line(tmp_path_factory, data):
+    path = tmp_path_factory.getbasetemp() / "any.toml"
+    path.write_bytes(data)
+    try:
+        load_scene(path)
+    except SceneError as error:
+        assert str(error).startswith(f"{path}: ")
+        assert str(error).isprintable()
+
+
+def test_source_of_wrong_type_is_refused():
+    allowed = "allowed: a built-in name, a path, a table or a Scene"
+    assert refusal(3) == f"3: is not a scene; {allowed}"
+    assert refusal(None) == f"null: is not a scene; {allowed}"
+    assert refusal("paper", [1]) == "overrides: [1] is not a table; allowed: {key: value}"
+
+
+# --- Anything at all ------------------------------------------------------------------------------
+
+scalars = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text()
+    | st.dates()
+    | st.sampled_from(["left", "right", "forward", "+", "-", "0"])
+)
+names = st.text() | st.sampled_from([part for key in KEYS for part in key.split(".")])
+junk = st.recursive(
+    scalars,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(names, inner, max_size=4),
+    max_leaves=12,
+)
+
+
+def is_a_scene_or_refused(table, overrides=None) -> None:
+    before = copy.deepcopy((table, overrides))
+    try:
+        scene = load_scene(table, overrides)
+    except SceneError as error:
+        assert str(error).isprintable()
+        assert ": " in str(error)
+    else:
+        assert load_scene(scene.model_dump()) == scene
+        assert load_scene(tomllib.loads(scene.to_toml())) == scene
+        assert scene.mirrored().mirrored() == scene
+    assert repr((table, overrides)) == repr(before), "the arguments stay as they are"
+
+
+@given(st.dictionaries(names, junk, max_size=4))
+def test_any_table_loads_or_is_refused_in_one_line(table):
+    is_a_scene_or_refused(table)
+
+
+@given(scene_tables(), st.sampled_from(KEYS), junk)
+def test_any_value_of_any_key_loads_or_is_refused_in_one_line(table, key, value):
+    is_a_scene_or_refused(table, {key: value})
+
+
+@given(scene_tables(), st.dictionaries(names | st.sampled_from(KEYS), junk, max_size=3))
+def test_any_overrides_load_or_are_refused_in_one_line(table, overrides):
+    is_a_scene_or_refused(table, overrides)
+
+
+@settings(max_examples=300)
+@given(
+    st.lists(
+        st.tuples(st.integers(-3, 3), st.integers(-3, 3)).map(lambda p: [p[0] / 10, p[1] / 10]),
+        min_size=1,
+        max_size=7,
+    ),
+    st.lists(st.integers(-1, 7), min_size=2, max_size=2),
+    st.lists(st.integers(-3, 3).map(lambda x: x / 10), min_size=2, max_size=2),
+)
+def test_any_object_loads_or_is_refused_in_one_line(vertices, contacts, com):
+    is_a_scene_or_refused({"object": {"vertices_m": vertices, "contacts": contacts, "com_m": com}})
+
+
+def test_friction_angle_sets_the_coefficient():
+    scene = load_scene("paper", {"palm.friction_angle_deg": 20.0, "palm.left.friction": 0.4})
+    assert scene.palm_of("left").friction == 0.4
+    assert scene.palm_of("right").friction == pytest.approx(math.tan(math.radians(20)), rel=1e-15)
+    assert load_scene(scene.model_dump()) == scene
+    assert load_scene(tomllib.loads(scene.to_toml())) == scene
+    assert scene.mirrored().palm_of("right").friction == 0.4
+    own = load_scene("paper", {"palm.friction": 0.5, "palm.left.friction_angle_deg": 10.0})
+    assert own.palm_of("left").friction == pytest.approx(math.tan(math.radians(10)), rel=1e-15)
+    assert own.palm_of("right").friction == 0.5
+    with pytest.raises(SceneError, match="friction_angle_deg"):
+        load_scene("paper", {"palm.friction_angle_deg": 95.0})
+
+
+def test_friction_angle_and_coefficient_exclude_each_other_in_one_table():
+    both = {"friction": 0.4, "friction_angle_deg": 20.0}
+    line = (
+        "friction_angle_deg: 20.0 is given beside friction, which is 0.4; allowed: one of the two"
+    )
+    assert refusal({"palm": both}) == f"scene: palm.{line}"
+    assert refusal({"palm": {"left": both}}) == f"scene: palm.left.{line}"
+    assert refusal("paper", {"palm": both}) == f"overrides: palm.{line}"
+    dotted = {f"palm.right.{key}": value for key, value in both.items()}
+    assert refusal("paper", dotted) == f"overrides: palm.right.{line}"
+
+
+def test_override_of_one_way_to_give_friction_replaces_the_other():
+    tangent = pytest.approx(math.tan(math.radians(20)), rel=1e-15)
+    angled = load_scene({"palm": {"friction": 0.4}}, {"palm.friction_angle_deg": 20.0})
+    assert angled.palm_of("left").friction == tangent
+    assert "friction" not in angled.model_dump()["palm"]
+    again = load_scene(angled, {"palm.friction": 0.25})
+    assert again.palm_of("left").friction == 0.25
+    assert again == load_scene("paper", {"palm.friction": 0.25})
+    side = load_scene(angled, {"palm": {"left": {"friction": 0.5}}})
+    assert (side.palm_of("left").friction, side.palm_of("right").friction) == (0.5, tangent)
+    back = load_scene(side, {"palm.left.friction_angle_deg": 20.0})
+    assert back.palm_of("left").friction == tangent
+
+
+# --- Warnings -------------------------------------------------------------------------------------
+
+
+def warnings_of(source) -> list[str]:
+    lines: list[str] = []
+    load_scene(source, on_warning=lines.append)
+    return lines
+
+
+def test_empty_scene_is_reported(tmp_path):
+    file = tmp_path / "empty.toml"
+    for text in ("", "# nothing\n", "[object]\n", "[object]\n[radio]\n"):
+        file.write_text(text)
+        assert warnings_of(file) == [f"{file}: nothing is set; this is the scene paper"]
+    assert warnings_of("/dev/null") == ["/dev/null: nothing is set; this is the scene paper"]
+    assert warnings_of({}) == ["scene: nothing is set; this is the scene paper"]
+
+
+def test_empty_section_is_reported_and_others_are_not(tmp_path):
+    file = tmp_path / "some.toml"
+    file.write_text("[object]\n[radio]\nloss = 0.1\n")
+    expected = f"{file}: [object] sets nothing; it has the values of the scene paper"
+    assert warnings_of(file) == [expected]
+    file.write_text("[radio]\nloss = 0.1\n")
+    for source in (file, "paper", "figure8", PAPER, {"object": "tray"}):
+        assert warnings_of(source) == []
+
+
+def test_commands_print_a_warning_for_an_empty_scene(tmp_path, capsys, monkeypatch):
+    from palmbots.cli import main as cli
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text("")
+    (tmp_path / "s.toml").write_text('scene = "a.toml"\n[seeds]\ncount = 1\n')
+    line = "palmbots: warning: a.toml: nothing is set; this is the scene paper\n"
+    quick = ["--set", "task.distance_m=0.05"]
+    for arguments in (
+        ["carry", "a.toml", *quick],
+        ["compare", "a.toml", "-n", "1", "--values", "0.05", *quick],
+        ["study", "s.toml", "--estimate-cost"],
+    ):
+        assert cli.run(arguments) == 0
+        assert capsys.readouterr().err == line
+    assert cli.run(["study", "a.toml", "--estimate-cost"]) == 0
+    line = "palmbots: warning: a.toml: nothing is set; this study runs the scene paper\n"
+    assert capsys.readouterr().err == line
+
+
+# --- The angle at which the object rests ----------------------------------------------------------
+
+CRATE = [[0, 0], [0.4, 0], [0.4, 0.06], [0.15, 0.06], [0.15, 0.12], [0, 0.12]]
+
+
+@pytest.mark.parametrize(
+    ("contacts", "angle"), [([0, 1], 0.0), ([2, 5], 8.53 - 180), ([5, 0], 90.0), ([1, 2], -90.0)]
+)
+def test_rest_angle(contacts, angle):
+    item = load_scene({"object": {"vertices_m": CRATE, "contacts": contacts}}).object
+    assert item.rest_angle_deg == pytest.approx(angle, abs=0.01)
+    assert item.is_upside_down == (abs(angle) > 90.5)
+    # The outline turned by the angle has its contacts level, with the left one on the left.
+    turn = math.radians(item.rest_angle_deg)
+    (lx, ly), (rx, ry) = (item.vertices_m[k] for k in item.contacts)
+    assert math.sin(turn) * (rx - lx) + math.cos(turn) * (ry - ly) == pytest.approx(0, abs=1e-12)
+    assert math.cos(turn) * (rx - lx) - math.sin(turn) * (ry - ly) > 0
+
+
+def test_upside_down_object_is_reported_with_its_angle(capsys):
+    from palmbots.cli import main as cli
+
+    overrides = {"object.vertices_m": CRATE, "object.contacts": [2, 5], "task.distance_m": 0.05}
+    upside_down = carry(overrides=overrides)
+    assert upside_down.summary()["rest_angle_deg"] == pytest.approx(-171.47, abs=0.01)
+    assert [w for w in upside_down.warnings if "upside down" in w] == [
+        "the object rests upside down: its outline is turned by -171° (object.contacts are upper "
+        "vertices of object.vertices_m)"
+    ]
+    upright = carry(overrides={**overrides, "object.contacts": [0, 1]})
+    assert not any("upside down" in w for w in upright.warnings)
+    cli.run(["carry", *(f"--set={key}={value}" for key, value in overrides.items())])
+    printed = capsys.readouterr()
+    assert "object: outline turned by -171.5° to rest on its contacts" in printed.out
+    assert "palmbots: warning: the object rests upside down" in printed.err

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Faults of messages: `radio.script` affects chosen messages, `radio.corruption` any."""
+
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots._util.confidence import wilson
+
+ASSISTED: dict[str, Any] = {
+    "robot.noise_m_s": 0.0,
+    "bumps.script": [{"robot": "right", "at_s": 0.4, "shift_m": 0.011}],
+    "task.distance_m": 0.3,
+}
+
+
+def carried(*script: dict[str, Any], **overrides: Any) -> pb.simulation.Carry:
+    return pb.carry(
+        "paper", "distributed", overrides=ASSISTED | {"radio.script": script} | overrides
+    )
+
+
+def told(done: pb.simulation.Carry) -> list[tuple[str, str, float | None]]:
+    """Sender, kind, and transit time of each message."""
+    return [
+        (m.sender, m.kind, None if m.received_s is None else round(m.received_s - m.sent_s, 6))
+        for m in done.message_log
+    ]
+
+
+def test_empty_script_changes_nothing() -> None:
+    assert told(carried()) == [
+        ("right", "TiltUp", 0.05),
+        ("left", "Ack", 0.05),
+        ("right", "TiltDown", 0.05),
+    ]
+
+
+def test_scripted_loss_removes_the_message() -> None:
+    carry = carried({"sender": "right", "message": 2, "effect": "lost"})
+    assert told(carry)[:2] == told(carried())[:2]
+    assert told(carry)[2] == ("right", "TiltDown", None)
+    assert carry.messages_lost == 1
+
+
+def test_scripted_delay_delays_the_message() -> None:
+    carry = carried({"sender": "left", "message": 1, "effect": "delayed", "delay_s": 0.7})
+    assert told(carry) == [
+        ("right", "TiltUp", 0.05),
+        ("left", "Ack", 0.75),
+        ("right", "TiltDown", 0.05),
+    ]
+    assert carry.waiting_s["right"] == pytest.approx(carried().waiting_s["right"] + 0.7)
+
+
+def test_scripted_duplicate_repeats_the_message() -> None:
+    """A second TiltUp raises the assistant's palm again, although no robot needs it."""
+    mishap = {"sender": "right", "message": 1, "effect": "duplicated", "delay_s": 1.5}
+    carry = carried(mishap, **{"radio.reorder": True})  # what follows does not wait for the copy
+    assert told(carry)[:3] == told(carried())
+    assert told(carry)[3:] == [("left", "Ack", 0.05)]
+    assert carry.messages_lost == 0
+    assert carry.trace is not None
+    assert carry.trace["case"].sel(side="left").to_numpy()[-1] == "c"
+
+
+def test_mirrored_scene_has_a_mirrored_script() -> None:
+    scene = pb.load_scene(
+        "paper",
+        ASSISTED | {"radio.script": [{"sender": "left", "message": 1, "effect": "lost"}]},
+    )
+    there = pb.carry(scene, "distributed")
+    back = pb.carry(scene.mirrored(), "distributed")
+    exchanged = {"left": "right", "right": "left"}
+    assert [(exchanged[s], letter, took) for s, letter, took in told(back)] == told(there)
+
+
+@pytest.mark.parametrize(
+    ("mishap", "says"),
+    [
+        ({"sender": "left", "message": 0, "effect": "lost"}, "message.*is too small"),
+        ({"sender": "left", "message": 1, "effect": "delayed"}, "has no delay"),
+        ({"sender": "left", "message": 1, "effect": "lost", "delay_s": 1.0}, "has a delay"),
+        ({"sender": "left", "message": 1, "effect": "eaten"}, "effect"),
+        ({"sender": "station", "message": 1, "effect": "lost"}, "sender"),
+    ],
+)
+def test_bad_input_is_one_line(mishap: dict[str, Any], says: str) -> None:
+    with pytest.raises(pb.SceneError, match=says) as error:
+        pb.load_scene("paper", {"radio.script": [mishap]})
+    assert "radio.script" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+# --- damaged packets ---
+
+
+@pytest.mark.parametrize("controller", ["centralized", "distributed", "resilient"])
+def test_damaged_packet_is_delivered_counted_and_ignored(controller: str) -> None:
+    """With all packets damaged, each is delivered, none lost, all rejected, and the robots behave
+    as with a radio that loses everything."""
+    damaged = pb.carry("paper", controller, overrides={"radio.corruption": 1.0})
+    lost = pb.carry("paper", controller, overrides={"radio.loss": 1.0})
+    assert damaged.messages > 0
+    assert damaged.messages_lost == 0
+    for link in damaged.links.values():
+        assert link.rejected == link.delivered == link.sent
+        assert (link.lost, link.duplicated, link.expired) == (0, 0, 0)
+    assert {letter.received_s for letter in damaged.message_log} <= {None}
+    assert damaged.trace_hash == lost.trace_hash
+
+
+@pytest.mark.parametrize("controller", ["centralized", "resilient"])
+def test_packets_are_damaged_with_the_given_probability(controller: str) -> None:
+    """Binomial. Without duplicates and reordering nothing else is rejected."""
+    carry = pb.carry("paper", controller, overrides={"radio.corruption": 0.1})
+    assert carry.outcome == "delivered"
+    for link in carry.links.values():
+        low, high = wilson(link.rejected, link.sent, z=4)
+        assert low < 0.1 < high
+        assert link.delivered == link.sent
+    unread = sum(letter.received_s is None for letter in carry.message_log)
+    if carry.message_log:
+        assert unread == sum(link.rejected for link in carry.links.values())
+
+
+def test_damaged_message_leaves_table_2_waiting_like_a_lost_one() -> None:
+    hung = 0
+    for seed in range(12):
+        carry = pb.carry("paper", seed=seed, overrides={"radio.corruption": 0.1})
+        warned = [w for w in carry.warnings if "does not arrive (a message arrived damaged)" in w]
+        damaged = sum(link.rejected for link in carry.links.values())
+        assert damaged == sum(letter.received_s is None for letter in carry.message_log)
+        assert bool(damaged) or not warned
+        hung += bool(warned)
+    assert hung > 6
+
+
+def test_corruption_does_not_change_other_random_events() -> None:
+    """Corruption has its own random numbers: with and without it the same reports, one per tick,
+    are lost and duplicated."""
+    keys = {"radio.loss": 0.1, "radio.duplicate": 0.1, "task.timeout_s": 5.0}
+    plain, damaged = (
+        pb.carry("paper", "centralized", overrides=keys | {"radio.corruption": share}).links
+        for share in (0.0, 0.2)
+    )
+    for name in ("left_to_station", "right_to_station"):
+        assert plain[name].sent == damaged[name].sent == 500
+        assert plain[name].lost == damaged[name].lost > 20
+        assert plain[name].duplicated == damaged[name].duplicated > 20
+        assert plain[name].rejected == 0 < damaged[name].rejected

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rare drops: splitting against plain Monte Carlo, and the output of `palmbots drop-rate`.
+
+That the estimates are unbiased for any levels is shown against closed forms in
+tests/cpp/sim/multilevel_splitting_test.cpp.
+"""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import palmbots as pb
+import palmbots._core as _core
+from palmbots._util.confidence import student_t95
+from palmbots.cli import main as cli
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import DROPPED, run_seeds
+from palmbots.simulation.rare_events import PILOT, _estimates, estimate_drop_rate
+from shell import palmbots
+
+NOISY = {
+    "distributed": {"robot.noise_m_s": 0.022},
+    "centralized": {"robot.noise_m_s": 0.022, "radio.jitter_s": 0.03, "tactile.false_rate": 0.01},
+    "none": {"robot.noise_m_s": 0.008, "bumps.rate_per_m": 1.0, "bumps.max_shift_m": 0.02},
+    "resilient": {"robot.noise_m_s": 0.023, "radio.loss": 0.1},
+}
+
+
+@pytest.mark.parametrize(
+    "controller",
+    [
+        "distributed",
+        *(pytest.param(c, marks=pytest.mark.soak) for c in ("centralized", "none", "resilient")),
+    ],
+)
+def test_agrees_with_plain_monte_carlo(controller: str) -> None:
+    """Where plain carries estimate the rate too; the two share no seeds.
+
+    Equal rates differ by more than 6 standard errors with a probability below 5e-7 (Student's t, 40
+    degrees of freedom; the normal distribution has 2e-9).
+    """
+    keys = NOISY[controller] | {"task.distance_m": 0.6}
+    n = 10_000
+    run = run_seeds(to_spec(load_scene("paper", keys)), controller, 10**6, n, threads=2)
+    plain = float(np.mean(run["outcome"] == DROPPED))
+    assert 1e-3 < plain < 0.3  # rare enough to need a level, frequent enough for plain Monte Carlo
+    result = estimate_drop_rate(
+        "paper", controller, overrides=keys, seed=5, relative_half_width=0.1, effort=200
+    )
+    error = (result.interval[1] - result.interval[0]) / (2 * 1.96)
+    assert abs(result.drop_rate - plain) < 6 * math.hypot(error, math.sqrt(plain * (1 - plain) / n))
+    assert error < 0.12 * plain
+    assert len(result.levels) >= 1
+
+
+@pytest.mark.parametrize("effort", [75, pytest.param(300, marks=pytest.mark.soak)])
+def test_levels_change_only_the_scatter(effort: int) -> None:
+    """The mean over replicates is the same number, whatever the levels.
+
+    Equal means differ by more than 6 standard errors with a probability below 1e-7 (Student's t, 78
+    degrees of freedom).
+    """
+    spec = to_spec(load_scene("paper", NOISY["distributed"] | {"task.distance_m": 0.6}))
+    values = []
+    for levels in ([], [0.5], [0.3, 0.45, 0.6, 0.75, 0.9]):
+        rows, _ = _core.replicates(spec, "distributed", 1, effort, levels, 0, 40, 2)
+        each = _estimates(np.array(rows, float), effort)
+        values.append((each.mean(), each.std(ddof=1) / math.sqrt(40)))
+    for mean, error in values[1:]:
+        assert abs(mean - values[0][0]) < 6 * math.hypot(error, values[0][1])
+    assert values[2][1] < 0.7 * values[0][1]
+
+
+@pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.0145, 0, 10)])
+def test_estimate_uses_only_the_counted_replicates(noise: float, seed: int, effort: int) -> None:
+    """Recomputed here from the replicates after the pilot run: the rate, its interval by scipy's
+    Student t, and the fractions of the stages. No replicate is used twice."""
+    keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+    result = estimate_drop_rate(
+        "paper", "distributed", overrides=keys, seed=seed, relative_half_width=1.0, effort=effort
+    )
+    spec = to_spec(load_scene("paper", keys))
+    assert list(result.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.4)
+    rows, ticks = _core.replicates(
+        spec,
+        "distributed",
+        seed,
+        effort,
+        list(result.levels),
+        result.pilot_replicates,
+        result.replicates,
+        1,
+    )
+    rates = []
+    for stages in rows:
+        rate, before = 0.0, 1.0
+        for reached, drops in stages:
+            rate += before * drops / effort
+            before *= reached / effort
+        rates.append(rate)
+    assert result.drop_rate == pytest.approx(np.mean(rates), rel=1e-12)
+    n = result.replicates
+    half = stats.t.ppf(0.975, n - 1) * np.std(rates, ddof=1) / math.sqrt(n)
+    low, high = result.interval
+    assert low >= 0 and (low == 0) == (noise < 0.02), "cut off where chance may explain all drops"
+    assert 0.999 * half <= high - result.drop_rate <= 1.04 * half  # a table of quantiles
+    assert low == pytest.approx(max(2 * result.drop_rate - high, 0))
+    first = [stages[0][0] / effort for stages in rows]
+    assert result.conditional_probabilities[0] == pytest.approx(np.mean(first))
+    carry_s = 0.3 / load_scene("paper").robot_of("left").speed_m_s
+    assert result.equivalent_carries == pytest.approx(ticks * spec.period / carry_s)
+
+
+def test_interval_has_the_requested_width() -> None:
+    """Approximately, because the number of replicates is an estimate; and with no more work than
+    needed."""
+    keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.3}
+    widths = []
+    for seed in range(4):
+        result = estimate_drop_rate(overrides=keys, seed=seed, relative_half_width=0.15, effort=50)
+        widths.append((result.interval[1] - result.drop_rate) / result.drop_rate / 0.15)
+        assert result.replicates > 30, "or the least number decides"
+        assert result.pilot_replicates >= max(PILOT, result.replicates / 4)
+    assert 0.65 < np.mean(widths) < 1
+
+
+def test_progress_grows_to_one() -> None:
+    values: list[float] = []
+    keys = {"robot.noise_m_s": 0.02, "task.distance_m": 0.3}
+    estimate_drop_rate(
+        overrides=keys, relative_half_width=1.0, effort=50, threads=2, on_progress=values.append
+    )
+    assert values == sorted(values) and 0 < values[0] < 0.2 and values[-1] == 1
+    assert sum(part < 0.201 for part in values) == PILOT / 4
+
+
+@pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
+def test_student_quantiles_are_those_of_scipy(freedom: int) -> None:
+    """Between two entries of the table the wider interval is used."""
+    exact = stats.t.ppf(0.975, freedom)
+    assert 0.9995 * exact <= student_t95(freedom) <= 1.025 * exact
+
+
+def test_estimate_depends_on_the_seed_and_not_on_threads() -> None:
+    keys = {"robot.noise_m_s": 0.018, "task.distance_m": 0.3}
+
+    def tell(seed: int, threads: int) -> pb.simulation.DropRate:
+        return estimate_drop_rate(
+            overrides=keys, seed=seed, relative_half_width=1.0, effort=50, threads=threads
+        )
+
+    assert tell(0, 1) == tell(0, 2) == tell(0, 3)
+    assert tell(0, 1).drop_rate != tell(1, 1).drop_rate
+
+
+def test_drop_rate_falls_with_the_noise() -> None:
+    rates = []
+    for noise in (0.018, 0.015):
+        keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+        result = estimate_drop_rate(overrides=keys, relative_half_width=1.0, effort=100)
+        rates.append(result.drop_rate)
+    assert rates[0] > 10 * rates[1] > 0
+
+
+@pytest.mark.soak
+def test_drop_rate_below_the_reach_of_monte_carlo() -> None:
+    """With less noise fewer carries drop, down to rates at which a billion carries would drop
+    none."""
+    rates = []
+    for noise in (0.018, 0.013, 0.01):
+        keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+        rates.append(estimate_drop_rate(overrides=keys, relative_half_width=1.0, effort=500))
+    first, second, third = (result.drop_rate for result in rates)
+    assert first > 100 * second > 100 * 10 * third > 0
+    assert rates[2].interval[1] < 1e-9
+
+
+def test_command_prints_rate_and_levels() -> None:
+    keys = ("--set", "robot.noise_m_s=0.02", "--set", "task.distance_m=0.3")
+    keys += ("--effort", "300")
+    run = palmbots("drop-rate", *keys, "--relative-error-percent", "50", "--json")
+    assert run.returncode == 0, run.stderr
+    summary = json.loads(run.stdout)
+    assert summary["interval"][0] < summary["drop_rate"] < summary["interval"][1]
+    assert summary["scene"]["robot"]["noise_m_s"] == 0.02
+    assert len(summary["levels"]) == len(summary["conditional_probabilities"])
+    assert summary["levels"] == sorted(summary["levels"])
+    again = palmbots("drop-rate", *keys, "--relative-error-percent", "50")
+    assert again.returncode == 0
+    assert f"drop rate {summary['drop_rate']:.2g}, " in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--relative-error-percent", "0.5"), "allowed: 1 to 100"),
+        (("--effort", "3"), "effort"),
+        (("--seed", "-1"), "seed"),
+        (("-c", "nobody"), "controller"),
+        (("--set", "robot.noise_m_s=0", "--effort", "50"), "carries dropped, with"),
+        (("-c", "resilient", "--set", "radio.latency_s=2"), "allowed"),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["drop-rate", *arguments]) == 2
+    result = capsys.readouterr()
+    assert result.out == ""
+    assert result.err.count("\n") == 1
+    assert told in result.err
+    assert "allowed" in result.err

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results in Python: short texts, tables for notebooks, conversions, figures."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots._util.results import FIGURES, Result
+from palmbots.errors import PalmbotsError
+
+SHORT = {"task.distance_m": 0.3}
+
+
+@pytest.fixture(scope="module")
+def comparison() -> pb.simulation.Comparison:
+    return pb.compare(
+        values=[0.5, 0.05], controllers=["none", "resilient"], carries=5, overrides=SHORT
+    )
+
+
+def results() -> list[Any]:
+    busy = {"bumps.rate_per_m": 9.0, "radio.loss": 0.3, "robot.correction_m_s": 0.06}
+    return [
+        pb.carry("paper", "distributed", seed=1, overrides=SHORT | busy, record=False),
+        pb.carry("paper", "none", overrides={"robot.noise_m_s": 0.1}, record=False),
+        pb.compare(values=[0.05], controllers=["none"], carries=2, overrides=SHORT),
+        pb.modes("paper", theta_left_deg=5.0),
+        pb.modes("paper", overrides={"object": "tray"}),
+        pb.modes_batch(
+            width=0.25, com_x=0.125, com_y=[0.02, 0.04], theta_left=0.2, theta_right=0.2,
+            p_left=0.0, p_right=[[0.0], [0.01], [0.02]], friction_left=0.3, friction_right=0.3,
+        ),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("result", results(), ids=lambda result: type(result).__name__)
+def test_repr_is_short_and_the_table_has_the_same_facts(result: Any) -> None:
+    lines = repr(result).splitlines()
+    assert 1 <= len(lines) <= 10
+    assert lines[0] == result.headline()
+    assert max(map(len, lines)) < 200
+    table = result._repr_html_()
+    assert table.count("<tr>") == len(result.facts())
+    for name, text in result.facts().items():
+        assert re.search(rf"{re.escape(name)} +{re.escape(text)}", repr(result))
+        assert name in table
+    assert isinstance(result.summary(), dict)
+
+
+def test_text_of_a_carry_states_the_outcome() -> None:
+    carry = pb.carry("paper", "none", overrides={"robot.noise_m_s": 0.1}, record=False)
+    assert repr(carry).startswith(f"dropped (off-palm): {carry.distance_m:.2f} of 1.50 m in ")
+    assert f"trace         {carry.trace_hash}" in repr(carry)
+
+
+def test_comparison_as_dataset_has_every_row(comparison: pb.simulation.Comparison) -> None:
+    table = comparison.to_xarray()
+    assert table.sizes == {"controller": 2, "value": 2, "end": 2}
+    assert table["value"].values.tolist() == [0.05, 0.5]
+    assert len(comparison.rows) == 3
+    for row in comparison.rows:
+        cell = table.sel(controller=row.controller, value=row.value)
+        assert float(cell["drop_rate"]) == row.drop_rate
+        assert float(cell["rms_m"]) == row.rms_m
+        assert tuple(cell["drop_rate_interval"].values) == row.interval
+        assert tuple(cell["rms_interval_m"].values) == row.rms_interval_m
+    (refusal,) = comparison.refusals
+    assert (refusal.controller, refusal.value) == ("resilient", 0.5)
+    assert np.isnan(table["rms_m"].sel(controller="resilient", value=0.5))
+    assert table.attrs == {"key": "radio.latency_s", "seed": 0, "carries": 5}
+
+
+def test_comparison_as_dataframe_has_every_row(comparison: pb.simulation.Comparison) -> None:
+    frame = comparison.to_dataframe()
+    assert len(frame) == 3
+    for i, row in enumerate(comparison.rows):
+        line = frame.iloc[i]
+        assert (line["controller"], line["value"]) == (row.controller, row.value)
+        assert (line["interval_low"], line["interval_high"]) == row.interval
+
+
+def test_missing_pandas_is_reported_in_one_line(
+    comparison: pb.simulation.Comparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(PalmbotsError, match=r"pandas") as caught:
+        comparison.to_dataframe()
+    assert "\n" not in str(caught.value)
+
+
+def test_modes_batch_as_dataset_has_the_arrays() -> None:
+    batch = results()[-1]
+    table = batch.to_xarray()
+    assert table.sizes == {"dim_0": 3, "dim_1": 2, "side": 2, "end": 2, "mode": 9}
+    np.testing.assert_array_equal(table["squeeze"], batch.squeeze)
+    np.testing.assert_array_equal(table["feasible"].sel(mode="ST-ST"), batch.feasible[..., 0])
+
+
+def test_figures_are_available_from_results(comparison: pb.simulation.Comparison) -> None:
+    carry = pb.carry("paper", overrides=SHORT)
+    assert len(carry.plot().axes) >= 7
+    assert carry.plot("message_sequence").axes
+    assert len(comparison.plot().axes) == 4
+
+
+def test_refusals_of_plot_name_what_is_allowed() -> None:
+    carry = pb.carry("paper", overrides=SHORT, record=False)
+    with pytest.raises(PalmbotsError, match=r"figure: value is .pie.; allowed: carry, message_seq"):
+        carry.plot("pie")
+    with pytest.raises(PalmbotsError, match=r"no trace; run it with record=True"):
+        carry.plot()
+    with pytest.raises(PalmbotsError, match=r"there is no figure of a ContactModes"):
+        pb.modes("paper").plot()
+
+
+def test_figure_from_outside_the_package_is_drawn() -> None:
+    class Own(Result):
+        figure = "own"
+
+    FIGURES.register("own", lambda result, size=1: (type(result).__name__, size))
+    try:
+        assert Own().plot(size=3) == ("Own", 3)
+    finally:
+        FIGURES.unregister("own")

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures 2 to 7 as files: whole, reproducible, of the state that was asked for."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots._util import fork_join as side_by_side
+from palmbots.cli.main import run
+from palmbots.errors import PalmbotsError
+from palmbots.stability.analysis import Analysis
+from palmbots.stability.figures import draw_all, save_all
+
+
+@pytest.fixture(scope="module")
+def paper() -> Analysis:
+    """The paper's box."""
+    return pb.analyze("paper")
+
+
+@pytest.mark.parametrize(
+    "kind", ["png", *(pytest.param(kind, marks=pytest.mark.soak) for kind in ("svg", "pdf"))]
+)
+def test_files_are_whole_and_the_same(
+    kind: Any, tmp_path: Path, paper: Analysis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind]
+    written = save_all(paper, tmp_path / "one", kind=kind)
+    assert [path.name for path in written] == [f"figure{k}.{kind}" for k in range(2, 8)]
+    assert sorted(written) == sorted((tmp_path / "one").iterdir())  # no temporary file is left
+    monkeypatch.setattr(side_by_side, "can_fork", lambda: False)  # one process draws all
+    for first, second in zip(written, save_all(paper, tmp_path / "two", kind=kind), strict=True):
+        assert first.read_bytes().startswith(start)
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_bad_arguments_write_no_file(tmp_path: Path, paper: Analysis) -> None:
+    with pytest.raises(PalmbotsError, match='kind: value is "gif"; allowed: png, svg, pdf'):
+        save_all(paper, tmp_path, kind="gif")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(PalmbotsError, match=r"p_m: right value is 0\.08; allowed: on the palm"):
+        save_all(paper, tmp_path, p_m=(0.0, 0.08))
+    assert list(tmp_path.iterdir()) == []
+    # Palms much longer than the region: the object reaches across in the region only.
+    outline = [[0.0, 0.0], [0.03, 0.0], [0.03, 0.03], [0.0, 0.03]]
+    small = {"vertices_m": outline, "com_m": [0.015, 0.01]}
+    table = {"object": small, "palm": {"length_m": 0.3, "steep_deg": 30.0}}
+    found = pb.analyze(table, region_m=(-0.01, 0.01))
+    draw_all(found)
+    with pytest.raises(PalmbotsError, match="less than the object's width"):
+        draw_all(found, (-0.1, 0.1))
+
+
+def test_drawing_leaves_pyplot_and_the_callers_settings_alone() -> None:
+    code = (
+        "import sys, matplotlib as m; before = m.rcParams['font.size'], m.rcParams['axes.grid']\n"
+        "import palmbots as pb; from palmbots.stability.figures import draw_all\n"
+        "draw_all(pb.analyze())\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+        "assert before == (m.rcParams['font.size'], m.rcParams['axes.grid'])\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_command_draws_the_chosen_state(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Figures 2 to 4 are of a state, Figures 5 to 7 of the scene."""
+    folders = [tmp_path / name for name in ("chosen", "whole")]
+    words = ["analyze", "--format", "svg", "--figures"]
+    assert run([*words, str(folders[0]), "--p-left-m", "-0.03", "--p-right-m", "0.02"]) == 0
+    found = pb.analyze("paper")
+    save_all(found, folders[1], kind="svg", p_m=(-0.03, 0.02))
+    names = [f"figure{k}.svg" for k in range(2, 8)]
+    files = [[(place / name).read_bytes() for name in names] for place in folders]
+    assert files[0] == files[1]
+    save_all(found, folders[1], kind="svg", p_m=(-0.03, 0.0))
+    differs = [
+        old != (folders[1] / name).read_bytes() for name, old in zip(names, files[1], strict=True)
+    ]
+    assert differs == [True, True, True, False, False, False]
+    assert run([*words, str(folders[0]), "--p-left-m", "-0.03"]) == 0  # the other one is 0
+    assert (folders[0] / names[0]).read_bytes() == (folders[1] / names[0]).read_bytes()
+    capsys.readouterr()
+    assert run([*words, str(tmp_path / "none"), "--p-left-m", "0.1"]) == 2
+    error = capsys.readouterr().err
+    assert error == "palmbots: p_m: left value is 0.1; allowed: on the palm, -0.075 to 0.075 m\n"
+    assert not (tmp_path / "none").exists()
+    assert run(["analyze", "--p-left-m", "0.01"]) == 2
+    assert capsys.readouterr().err.endswith("need --figures DIR\n")

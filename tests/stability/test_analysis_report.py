@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The output of `palmbots analyze` and `design`: no line contradicts another one."""
+
+import json
+import math
+import re
+
+import pytest
+
+import palmbots as pb
+from palmbots.cli import main as cli
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
+    """The lines that a command prints; it exits with 0."""
+    assert cli.run(list(words)) == 0
+    return capsys.readouterr().out.splitlines()
+
+
+def row(lines: list[str], name: str) -> str:
+    """One row of a table, with the lines on which it continues."""
+    (start,) = [k for k, line in enumerate(lines) if line.strip().startswith(name)]
+    parts = [lines[start].strip().removeprefix(name).strip()]
+    for line in lines[start + 1 :]:
+        if not line.startswith(12 * " "):
+            break
+        parts.append(line.strip())
+    return " ".join(parts)
+
+
+@pytest.mark.parametrize(
+    ("key", "word"),
+    [
+        ("palm.shallow_deg=5", "HOLDS"),
+        ("palm.shallow_deg=-6", "TOUCHES"),  # both properties hold, with a palm in the object
+        ("object.com_m=[0.05,0.04]", "FAILS"),
+    ],
+)
+def test_headline_combines_properties_and_clearance(
+    key: str, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit status 0 either way, as documented."""
+    lines = printed(capsys, "analyze", "--set", key)
+    assert lines[0].split()[0] == word
+    below = "\n".join(lines[1:])
+    assert ("TOUCHES" in below) == (word == "TOUCHES")
+    assert ("FAILS" in below) == (word == "FAILS")
+
+
+def test_angle_error_states_what_clearance_leaves_of_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A palm that is wrong by 3° is in the paper's box long before a property fails."""
+    lines = printed(capsys, "analyze")
+    least = math.degrees(pb.analyze("paper").clearance.rotation_margin.margin)
+    assert row(lines, "angle error").endswith(f"touches after a turn of {least:.2f}°")
+    touching = printed(capsys, "analyze", "--set", "palm.shallow_deg=0")
+    assert row(touching, "angle error").endswith("a palm touches already")
+    roomy = {"palm.shallow_deg": 9.0, "palm.steep_deg": 14.0}  # clear for longer than it holds
+    found = pb.analyze("paper", overrides=roomy)
+    assert found.angle_error_rad is not None
+    assert found.clearance.rotation_margin.margin > found.angle_error_rad
+    keys = [word for key, value in roomy.items() for word in ("--set", f"{key}={value}")]
+    assert re.fullmatch(r"±[\d.]+°", row(printed(capsys, "analyze", *keys), "angle error"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("analyze", "--set", "object=plank"),
+        ("design", "--maximize", "friction", "--common-friction", "--resolution-deg", "1"),
+    ],
+)
+def test_friction_beyond_the_limit_of_scenes_is_printed_with_the_limit(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Scenes at the limit confirm it."""
+    lines = printed(capsys, *words)
+    name = "friction, both palms" if words[0] == "analyze" else "friction "
+    match = re.match(
+        r"[\d.]+ to ([\d.]+).*; a scene with a palm at ([\d.]+)° accepts less than ([\d.]+)",
+        row(lines, name),
+    )
+    assert match is not None, lines
+    most, steep_deg, limit = map(float, match.groups())
+    assert most > limit
+    palm = {"palm.steep_deg": steep_deg, "palm.shallow_deg": 0.0}
+    pb.load_scene("paper", palm | {"palm.friction": limit - 0.001})
+    for friction in (limit + 0.001, most):
+        with pytest.raises(pb.SceneError, match="allowed: less than"):
+            pb.load_scene("paper", palm | {"palm.friction": friction})
+
+
+def test_friction_within_the_limit_is_printed_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert row(printed(capsys, "analyze"), "friction, both palms") == "0.094 to 1.046"
+
+
+def test_motions_are_printed_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    """No line of the report abbreviates a motion; the JSON explains every abbreviation."""
+    lines = printed(capsys, "analyze")
+    (opening,) = [line for line in lines if "opening there" in line]
+    assert "left flush breaks (leaves the palm)" in opening
+    assert not re.search(r"\b(BR|SL|SR|ST)\b", "\n".join(lines))
+    touch = json.loads("".join(printed(capsys, "analyze", "--json")))["touch"]
+    used = {
+        motion
+        for outcomes in (touch["closing"], touch["opening"])
+        for o in outcomes
+        for motion in o
+    }
+    assert "BR" in used
+    assert used <= set(touch["motion_names"])
+
+
+def test_limits_that_the_scene_exceeds_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = printed(capsys, "analyze", "--set", "robot.acceleration_m_s2=0.9")
+    (warning,) = [line for line in lines if line.startswith("warning: ")]
+    assert "robot.acceleration_m_s2 is 0.9" in warning
+    assert not any("warning" in line for line in printed(capsys, "analyze"))

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""After a drop: one line if the scene lacks a property that the algorithms need, else none."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from palmbots.cli import main as cli
+from palmbots.stability.drop_diagnosis import missing_properties
+
+OFF_CENTRE = "object.com_m=[0.05,0.04]"
+HINT = ", even with contacts inside the zero zone; run: "
+
+
+def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DROPPED") -> list[str]:
+    """The lines of a carry's report that name missing properties."""
+    status = cli.run(["carry", *words])
+    output = capsys.readouterr().out
+    assert f"\n{outcome} " in f"\n{output}", output
+    assert status == (1 if outcome == "DROPPED" else 0)
+    return [line for line in output.splitlines() if HINT in line]
+
+
+@pytest.mark.parametrize(
+    ("words", "lacks"),
+    [
+        ((OFF_CENTRE,), "property 1"),
+        (("palm.friction=0.02",), "properties 0, 1 and 2"),
+        ((OFF_CENTRE, "palm.length_m=1.0"), "property 1"),  # analyze refuses palms that long
+        ((OFF_CENTRE, "tactile.zones=[]"), "property 1"),  # no edge of the zone: the palm's end
+    ],
+)
+def test_drop_prints_the_command_that_reports_the_reason(
+    words: tuple[str, ...], lacks: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The printed command reports the same properties."""
+    keys = [word for key in words for word in ("--set", key)]
+    (line,) = carried(capsys, *keys, "--set", "task.distance_m=30.0")
+    verb = "do" if "properties" in lacks else "does"
+    assert line.startswith(f"  {lacks} {verb} not hold{HINT}")
+    command = shlex.split(line.split(HINT)[1])
+    assert command[:2] == ["palmbots", "analyze"]
+    assert cli.run([*command[1:], "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["properties"]
+    fails = {n for n, sides in found.items() if not all(s["holds"] for s in sides.values())}
+    assert set(re.findall(r"\d", lacks)) <= fails
+
+
+def test_hint_covers_the_mujoco_world_but_no_curved_path(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """`analyze` refuses a curved path, so no hint may name it."""
+    words = ("--world", "mujoco", "--set", OFF_CENTRE, "--set", "robot.left.bias_m_s=0.06")
+    (line,) = carried(capsys, *words)
+    assert "property 1" in line
+    arc = ("--set", "task.path.kind=arc", "--set", "task.path.radius_m=3")
+    assert carried(capsys, *words, *arc, "--allow-drift-beyond-budget") == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--set", "robot.noise_m_s=0.06"),  # nothing but noise
+        ("-c", "none", "--set", "robot.left.bias_m_s=0.02"),
+        ("-c", "none", "--set", "robot.left.bias_m_s=0.02", "--set", OFF_CENTRE),  # turns no palm
+    ],
+)
+def test_drop_without_a_missing_property_prints_no_hint(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert carried(capsys, *words) == []
+
+
+def test_scene_that_the_analysis_refuses_has_no_hint(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Palms so long that the object cannot span them, and no smaller zone."""
+    keys = (OFF_CENTRE, "palm.length_m=1.0", "tactile.zones=[]", "task.distance_m=100.0")
+    words = [word for key in keys for word in ("--set", key)]
+    assert carried(capsys, *words) == []
+    assert cli.run(["analyze", *words]) == 2
+
+
+def test_delivery_and_json_have_no_hint(capsys: pytest.CaptureFixture[str]) -> None:
+    far_off = ("--set", "object.com_m=[0.01,0.04]")
+    assert missing_properties(pb.load_scene("paper", {"object.com_m": [0.01, 0.04]}), "distributed")
+    assert carried(capsys, *far_off, outcome="DELIVERED") == []
+    assert cli.run(["carry", "--json", "--set", OFF_CENTRE]) == 1
+    output = capsys.readouterr()
+    assert json.loads(output.out)["outcome"] == "dropped"
+    assert HINT not in output.err
+
+
+def test_controller_none_needs_two_steep_palms_only() -> None:
+    """Held between two steep palms, but not while one of them turns, and not held at all."""
+    held = pb.load_scene("paper", {"palm.steep_deg": 60.0})
+    assert pb.modes(held).closing is not None
+    assert missing_properties(held, "distributed") == (0, 1, 2)
+    assert missing_properties(held, "none") == ()
+    loose = pb.load_scene("paper", {"palm.left.steep_deg": 60.0})
+    assert pb.modes(loose).feasible == ()
+    assert missing_properties(loose, "none") == (0,)
+
+
+def test_scene_file_with_blanks_is_quoted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "my scene.toml"
+    path.write_text("[object]\ncom_m = [0.05, 0.04]\n")
+    (line,) = carried(capsys, str(path))
+    assert shlex.quote(str(path)) in line

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The estimated cost of a study."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from palmbots.cli import main as cli
+from palmbots.studies import chunk_task
+from palmbots.studies import cost_estimate as explain
+from palmbots.studies.chunk_task import Block
+from palmbots.studies.points import design_points
+from palmbots.studies.study_file import load_plan
+from palmbots.studies.study_runner import layout_of
+from study_fixtures import said
+
+
+def test_cost_estimate_is_about_right_and_writes_nothing(tmp_path: Path) -> None:
+    """Carries and cells exactly, time and disk about right."""
+    file = tmp_path / "s.toml"
+    file.write_text("[vary]\nrobot.noise_m_s = [0.01, 0.015, 0.02]\n[seeds]\ncount = 1500\n")
+    summary = said(file, "--estimate-cost", "--threads", 1, cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+    assert (summary["points"], summary["cells"], summary["carries"]) == (3, 6, 9000)
+    assert set(summary["ms_a_carry"]) == {"centralized", "distributed"}
+    actual = said(file, "--threads", 1, cwd=tmp_path)
+    assert actual["carries"] == summary["carries"]
+    assert summary["seconds"] / 3 < actual["seconds"] < summary["seconds"] * 3 + 2
+    files = (tmp_path / "s.study").rglob("*")
+    size = sum(path.stat().st_size for path in files if path.is_file())
+    assert summary["disk_bytes"] / 2 < size < 2 * summary["disk_bytes"] + 100_000
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cost_follows_the_measured_time_of_each_controller(
+    monkeypatch: pytest.MonkeyPatch, threads: int
+) -> None:
+    """Every carry takes 1 ms of a thread without a controller and 3 ms with one."""
+    table = {
+        "controllers": ["none", "distributed"],
+        "vary": {"robot.noise_m_s": [0.01, 0.02, 0.03]},
+        "seeds": {"count": 1000},
+    }
+    now = [0.0]
+
+    def run(_table: bytes, which: Any, seeds: Any, controller: str, *_: Any, **__: Any) -> Block:
+        assert len(which) == len(seeds)
+        now[0] += len(seeds) * (1e-3 if controller == "none" else 3e-3) / threads
+        return chunk_task.empty_block((1, 1, len(seeds)))
+
+    monkeypatch.setattr(chunk_task, "run_batch", run)
+    monkeypatch.setattr(explain.time, "perf_counter", lambda: now[0])
+    points = design_points(load_plan(table))
+    cost = explain.estimate_cost(points, layout_of(points, 500), threads)
+    assert cost.by_controller == pytest.approx({"none": 1.0, "distributed": 3.0})
+    assert cost.seconds == pytest.approx((3000 * 1e-3 + 3000 * 3e-3) / threads)
+    wide = 1 + 1 + 8 + 2 * 3 * 4 + 2 * 4  # bytes a carry, as the columns of results have them
+    assert 0.5 * wide * 6000 < cost.disk_bytes < 1.0 * wide * 6000 + 1000 * 6 * cost.chunks
+    assert 2 * wide * 500 < cost.memory_bytes < 8 * wide * 500
+
+
+def test_refused_cells_cost_nothing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "s.toml"
+    file.write_text(
+        'controllers = ["resilient"]\n[vary]\nradio.latency_s = [0.05, 0.5]\n[seeds]\ncount = 10\n'
+    )
+    assert cli.run(["study", str(file), "--estimate-cost", "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert (summary["cells"], summary["carries"]) == (1, 10)
+    assert cli.run(["study", str(file), "--estimate-cost"]) == 0
+    assert "1 cell" in capsys.readouterr().out

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same study on a real Dask scheduler with real worker processes, one of them killed."""
+
+import contextlib
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import at_call
+from palmbots.studies.store import Store
+from study_fixtures import LONG, command, marks, refused, said_here, study, study_here
+from waiting import wait_until
+
+TIMEOUT_S = 60
+
+
+@pytest.fixture(scope="module")
+def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("long") / "long.toml"
+    file.write_text(LONG)
+    return file
+
+
+@pytest.fixture(scope="module")
+def whole(long: Path) -> str:
+    """The hash of the study carried here, without a cluster."""
+    return said_here(long, "--out", long.parent / "whole")["hash"]
+
+
+@contextlib.contextmanager
+def started(
+    words: list[str], ready: str, env: dict[str, str] | None = None
+) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """A process that has said it is ready, and how it said so; killed in the end."""
+    with (
+        tempfile.NamedTemporaryFile() as log,
+        subprocess.Popen(
+            [sys.executable, "-m", *words], stderr=log, env=os.environ | (env or {})
+        ) as process,
+    ):
+        try:
+
+            def answer() -> re.Match[str] | None:
+                text = Path(log.name).read_text()
+                assert process.poll() is None, text
+                return re.search(ready, text)
+
+            wait_until(answer)
+            found = answer()
+            assert found is not None
+            yield process, found[0]
+        finally:
+            process.kill()
+
+
+@contextlib.contextmanager
+def scheduler() -> Iterator[str]:
+    words = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    with started(["distributed.cli.dask_scheduler", *words], r"tcp://127\.0\.0\.1:\d+") as up:
+        yield up[1]
+
+
+address_of: dict[int, str] = {}
+"""Addresses of the workers, as their own logs state them."""
+
+
+@contextlib.contextmanager
+def worker(address: str, env: dict[str, str] | None = None) -> Iterator[subprocess.Popen[bytes]]:
+    words = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny"]
+    ready = r"Start worker at: +(tcp://\S+)[\s\S]*Registered to"
+    with started([*words, "--no-dashboard"], ready, env) as up:
+        address_of[up[0].pid] = up[1].split()[3]
+        yield up[0]
+
+
+def test_killed_worker_is_named_and_another_one_takes_over(
+    long: Path, whole: str, tmp_path: Path
+) -> None:
+    root = tmp_path / "study"
+    with scheduler() as address, worker(address) as first, worker(address):
+        words = ("study", long, "--out", root, "--chunk-size", 200, "--scheduler", address)
+        process = subprocess.Popen(
+            at_call.command("SIGSTOP", "after", Store.write, 4, *words, "--json"),
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        with process:
+            at_call.wait_until_stopped(process)
+            first.kill()
+            with worker(address):
+                process.send_signal(signal.SIGCONT)
+                out, error = process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == 0, error
+    result = json.loads(out)
+    assert result["hash"] == whole
+    assert result["lost_workers"] == [address_of[first.pid]]
+    assert all(address_of[first.pid] in line for line in error.splitlines())
+
+
+def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_path: Path) -> None:
+    root = tmp_path / "study"
+    with contextlib.ExitStack() as stack:
+        address = stack.enter_context(scheduler())
+        stack.enter_context(worker(address))
+        words = ("study", long, "--out", root, "--chunk-size", 200, "--scheduler", address)
+        process = subprocess.Popen(
+            at_call.command("SIGSTOP", "after", Store.write, 4, *words),
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        at_call.wait_until_stopped(process)
+    process.send_signal(signal.SIGCONT)
+    out, error = process.communicate(timeout=TIMEOUT_S)
+    refused(
+        subprocess.CompletedProcess([], process.returncode, out, error),
+        address, "the connection was lost", "completed chunks are kept",
+    )  # fmt: skip
+    kept = marks(root)
+    assert kept
+    summary = said_here(long, "--out", root)
+    assert summary["hash"] == whole
+    assert summary["resumed"] == 200 * len(kept)
+
+
+def test_local_cluster_has_the_same_results(long: Path, whole: str, tmp_path: Path) -> None:
+    """And nothing but the result is printed while another cluster holds the usual port."""
+    with socket.socket() as other:
+        with contextlib.suppress(OSError):  # held already
+            other.bind(("", 8787))
+            other.listen()
+        process = study(long, "--out", tmp_path / "study", "--local-cluster", 2, "--json")
+    assert (process.returncode, process.stderr) == (0, "")
+    result = json.loads(process.stdout)
+    assert result["hash"] == whole
+    assert result["lost_workers"] == []
+
+
+@pytest.mark.parametrize(
+    ("when", "function", "count"),
+    [
+        ("before", "distributed.nanny:Nanny.instantiate", 2),
+        ("before", "palmbots.studies.dask_runner:_check_workers", 1),
+        ("after", "palmbots.studies.store:Store.write", 3),
+    ],
+    ids=["while a worker starts", "when all are there", "in mid-run"],
+)
+def test_ctrl_c_ends_the_workers_and_prints_one_line(
+    long: Path, whole: str, tmp_path: Path, when: str, function: str, count: int
+) -> None:
+    """No process is left, and completed chunks are kept."""
+    root = tmp_path / "study"
+    words = ("study", long, "--out", root, "--chunk-size", 200, "--local-cluster", 2)
+    process = subprocess.Popen(
+        at_call.command("SIGSTOP", when, function, count, *words),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    at_call.wait_until_stopped(process)
+    os.killpg(process.pid, signal.SIGINT)
+    process.send_signal(signal.SIGCONT)
+    out, error = process.communicate(timeout=TIMEOUT_S)  # ends when all of them have ended
+    assert (process.returncode, out) == (130, ""), error
+    assert error.count("\n") == 1, error
+    assert f"kept in {root}" in error
+    if when == "after":
+        assert said_here(long, "--out", root)["hash"] == whole
+
+
+OTHER = """
+import palmbots.studies.chunk_task
+palmbots.studies.chunk_task.__version__ = "0.0.9"
+"""
+
+
+def test_worker_with_another_version_is_refused(long: Path, tmp_path: Path) -> None:
+    """One that is there, and one that comes when the study has begun."""
+    (tmp_path / "sitecustomize.py").write_text(OTHER)
+    before = os.environ.get("PYTHONPATH")
+    path = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *([before] if before else [])])}
+    with scheduler() as address:
+        arguments = (long, "--out", tmp_path / "study", "--chunk-size", 200, "--scheduler", address)
+        with worker(address, path):
+            refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
+        with worker(address):
+            process = subprocess.Popen(
+                at_call.command("SIGSTOP", "after", Store.write, 2, "study", *arguments),
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            )  # fmt: skip
+            at_call.wait_until_stopped(process)
+            with worker(address, path):
+                process.send_signal(signal.SIGCONT)
+                out, error = process.communicate(timeout=TIMEOUT_S)
+        done = subprocess.CompletedProcess([], process.returncode, out, error)
+        refused(done, "has palmbots 0.0.9", "same version")
+    assert marks(tmp_path / "study")
+
+
+def test_two_chunk_sizes_on_one_scheduler_do_not_mix(
+    long: Path, whole: str, tmp_path: Path
+) -> None:
+    """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
+    with scheduler() as address, worker(address):
+        running = [
+            subprocess.Popen(
+                command(
+                    long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", address, "--json"
+                ),
+                stdout=subprocess.PIPE, text=True,
+            )
+            for n in ("500", "700")
+        ]  # fmt: skip
+        for process in running:
+            out, _ = process.communicate(timeout=2 * TIMEOUT_S)
+            assert f'"hash": "{whole}"' in out
+
+
+def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: Path) -> None:
+    done = study(long, "--out", tmp_path / "a", "--scheduler", "tcp://127.0.0.1:9")
+    refused(done, "scheduler tcp://127.0.0.1:9: cannot be reached", "dask scheduler")
+    refused(study_here(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
+    refused(
+        study_here(long, "--out", tmp_path / "c", "--local-cluster", 0),
+        "local_cluster: value is 0; allowed: 1 to 1024",
+    )
+    assert not [path for path in tmp_path.iterdir() if path.is_dir()]  # nothing has begun
+    both = ("--local-cluster", 1, "--scheduler", "tcp://127.0.0.1:9")
+    refused(study_here(long, "--out", tmp_path / "d", *both), "one of them")

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line, run in this process."""
+
+from collections.abc import Callable
+from subprocess import CompletedProcess
+
+import pytest
+
+from palmbots.cli import main as cli
+
+Run = Callable[..., CompletedProcess[str]]
+"""``run("carry", "--json")``: the exit status, stdout and stderr of ``palmbots carry --json``."""
+
+
+def runner(capsys: pytest.CaptureFixture[str]) -> Run:
+    def run(*arguments: str) -> CompletedProcess[str]:
+        capsys.readouterr()
+        status = cli.run(list(arguments))
+        printed = capsys.readouterr()
+        return CompletedProcess(arguments, status, printed.out, printed.err)
+
+    return run
+
+
+def assert_refused(result: CompletedProcess[str], *words: str) -> None:
+    """Exit status 2, nothing on stdout, and one line on stderr that contains these words."""
+    assert result.returncode == 2, result
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1, result.stderr
+    for word in words:
+        assert word in result.stderr, (word, result.stderr)

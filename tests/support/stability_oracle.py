@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The stability properties, state by state, from the contact modes alone: an oracle for ranges."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+import palmbots as pb
+from palmbots import load_scene
+from palmbots._types import SIDES, FloatArray, Side
+from palmbots.mechanics.mode_analysis import CONTACT_MODES
+from palmbots.stability.problem import StabilityProblem, stability_problem
+
+CLOSING = {"left": CONTACT_MODES.index(("SL", "ST")), "right": CONTACT_MODES.index(("ST", "SR"))}
+OPENING = {"left": CONTACT_MODES.index(("ST", "SL")), "right": CONTACT_MODES.index(("SR", "ST"))}
+BOTH_STICK = CONTACT_MODES.index(("ST", "ST"))
+STEEP_CASES: list[tuple[int, Side]] = [(1, "left"), (1, "right"), (2, "left"), (2, "right")]
+
+
+def happens(
+    at: StabilityProblem,
+    number: int,
+    shallow: Side,
+    angles: tuple[float, float],
+    p: tuple[NDArray[np.float64], NDArray[np.float64]],
+    **changed: FloatArray,
+) -> NDArray[np.bool_]:
+    """Whether the property holds at these contacts, state by state."""
+    given = {
+        "width": at.width,
+        "com_x": at.com[0],
+        "com_y": at.com[1],
+        "friction_left": at.friction[0],
+        "friction_right": at.friction[1],
+        "slope": at.slope,
+    } | changed
+    found = pb.modes_batch(
+        theta_left=angles[0],
+        theta_right=angles[1],
+        p_left=p[0],
+        p_right=p[1],
+        offset_left=at.offset[0],
+        offset_right=at.offset[1],
+        **given,
+    )
+    if number == 0:
+        return found.feasible[..., BOTH_STICK]
+    if number == 1:
+        return found.closing == CLOSING[shallow]
+    return found.opening == OPENING[shallow]
+
+
+def contacts(
+    at: StabilityProblem, number: int, shallow: Side, n: int = 7
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A grid over the property's region, corners included."""
+    ends = [list(c) for c in at.contacts]
+    side = SIDES.index(shallow)
+    if number == 1:
+        ends[side][1] = min(ends[side][1], at.beyond)
+    if number == 2:
+        ends[1 - side][0] = max(ends[1 - side][0], -at.beyond)
+    left, right = (np.linspace(low, high, n) for low, high in ends)
+    across, up = np.meshgrid(left, right)
+    return across, up
+
+
+def random_situation(rng: np.random.Generator) -> StabilityProblem:
+    half = rng.uniform(0.02, 0.08)
+    shallow, steep = np.sort(rng.uniform(-5, 35, 2))
+    scene = load_scene(
+        {
+            "object": {"com_m": [0.25 * rng.uniform(0.1, 0.9), rng.uniform(0.005, 0.15)]},
+            "palm": {
+                "length_m": 2 * half,
+                "shallow_deg": float(shallow),
+                "steep_deg": float(steep) + 0.5,
+                "friction": rng.uniform(0.05, 0.9),
+                "right": {"friction": rng.uniform(0.05, 0.9)},
+                "pivot_offset_m": float(rng.choice([0.0, 0.01])),
+            },
+            "task": {"slope_deg": float(rng.choice([0.0, rng.uniform(-4, 4)]))},
+        }
+    )
+    return stability_problem(scene)
+
+
+def uneven(rng: np.random.Generator) -> StabilityProblem:
+    """As designs have it: corrections run on past p = 0; and no two ends of the region alike."""
+    at = random_situation(rng)
+    half = min(at.half_length)
+    at = at.with_(beyond=float(rng.choice([0.0, rng.uniform(0.0, half)])))
+    if rng.random() < 0.5:
+        return at
+    low, high = -half * rng.uniform(0, 1, 2), half * rng.uniform(0, 1, 2)
+    return at.with_(contacts=((low[0], high[0]), (low[1], high[1])))

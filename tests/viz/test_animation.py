@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The film of a carry: its frames, times and sizes, read back from the file."""
+
+import itertools
+import json
+import shutil
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image, ImageSequence
+
+import palmbots as pb
+from palmbots import viz
+from palmbots.errors import PalmbotsError
+from palmbots.viz import animation
+from palmbots.viz.gif import GifWriter, palette
+
+
+@pytest.fixture(scope="module")
+def short():
+    return pb.carry("paper", "distributed", seed=0, overrides={"task.distance_m": 0.1})
+
+
+def frames_of(path):
+    with Image.open(path) as film:
+        return [
+            (frame.convert("RGB"), frame.info["duration"]) for frame in ImageSequence.Iterator(film)
+        ]
+
+
+@pytest.mark.parametrize(
+    "controller",
+    ["distributed", *(pytest.param(c, marks=pytest.mark.soak) for c in ("none", "centralized"))],
+)
+def test_a_gif_runs_in_real_time(tmp_path, controller):
+    done = pb.carry("paper", controller, seed=0, overrides={"task.distance_m": 0.2})
+    assert done.trace is not None
+    reports: list[tuple[int, int]] = []
+    animation.save(done, tmp_path / "c.gif", on_progress=lambda *report: reports.append(report))
+    frames = frames_of(tmp_path / "c.gif")
+    last = float(done.trace["time"][-1])
+    assert len(frames) == int(last * 10) + 2  # one every 0.1 s, and the end
+    assert {duration for _, duration in frames[:-1]} == {100}
+    assert frames[-1][1] == 2000
+    assert reports == [(k + 1, len(frames)) for k in range(len(frames))]
+    assert frames[0][0].width == 900
+    assert frames[0][0].tobytes() != frames[-1][0].tobytes()
+
+
+@pytest.mark.soak
+def test_the_paper_carry_makes_a_small_file(tmp_path):
+    animation.save(pb.carry("paper", seed=1), tmp_path / "c.gif")
+    assert (tmp_path / "c.gif").stat().st_size < 4e6
+
+
+def test_the_same_carry_gives_the_same_file(tmp_path, short):
+    for name in ("a.gif", "b.gif"):
+        animation.save(short, tmp_path / name)
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"task.direction": "backward", "task.slope_deg": 2.0},
+        {"palm.pivot_offset_m": 0.01, "control.period_s": 0.2},
+        {"tactile.zones": [], "palm.left.length_m": 0.4},
+        {"task.slope_deg": 20.0},  # dropped before the first tick
+        {"start.left_m": 0.075},  # dropped in it
+        {"object.vertices_m": [[0, 0], [3, 0], [1, 4]], "object.com_m": [1.5, 1]},
+    ],
+)
+def test_unusual_scenes(tmp_path, overrides):
+    done = pb.carry("paper", "none", overrides={"task.distance_m": 0.1, **overrides})
+    animation.save(done, tmp_path / "c.gif", fps=5)
+    assert frames_of(tmp_path / "c.gif")
+
+
+def test_a_long_carry_is_shown_faster(tmp_path):
+    slow = {"task.distance_m": 1.5, "robot.speed_m_s": 0.01}  # 150 s, shown in 50
+    done = pb.carry("paper", "distributed", overrides=slow)
+    animation.save(done, tmp_path / "c.gif", fps=1)
+    assert len(frames_of(tmp_path / "c.gif")) == pytest.approx(done.time_s / 3, abs=3)
+
+
+def test_frames_survive_the_gif(tmp_path):
+    """Only what changed is written, and yet every frame reads back as it was."""
+    colours = ["#000000", "#FF0000", "#00FF00", "#0000FF", "#FFFFFF"]
+    table = np.array([tuple(bytes.fromhex(c[1:])) for c in colours], np.uint8)
+    random = np.random.default_rng(0)
+    images, now = [], random.integers(0, 5, (40, 60))
+    for k in range(8):
+        x, y = random.integers(0, 30, 2)
+        now = now.copy()
+        if k != 3:  # one frame stays as it was
+            now[y : y + 9, x : x + 20] = random.integers(0, 5, (9, 20))
+        images.append(Image.fromarray(table[now]))
+    with open(tmp_path / "c.gif", "wb") as stream:
+        writer = GifWriter(stream, palette(colours, images[:1]))
+        for image in images:
+            writer.add(image, 40)
+        writer.close()
+    read = frames_of(tmp_path / "c.gif")
+    assert [frame.tobytes() for frame, _ in read] == [image.tobytes() for image in images]
+    assert {duration for _, duration in read} == {40}
+
+
+def test_a_palette_too_large_is_refused(tmp_path):
+    full = Image.new("P", (1, 1))
+    full.putpalette(list(itertools.repeat(0, 768)))
+    with open(tmp_path / "c.gif", "wb") as stream, pytest.raises(ValueError, match="at most 255"):
+        GifWriter(stream, full)
+
+
+def test_an_mp4_has_every_frame(tmp_path, short):
+    animation.save(short, tmp_path / "c.mp4")
+    command = ["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json"]
+    told = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
+    stream = json.loads(told.stdout)["streams"][0]
+    shown = int(float(short.trace["time"][-1]) * 10) + 2
+    assert int(stream["nb_read_frames"]) == pytest.approx(shown + 20, abs=1)
+    assert (stream["width"], stream["pix_fmt"]) == (900, "yuv420p")
+
+
+def test_formats_without_ffmpeg(tmp_path, short, monkeypatch):
+    assert viz.video_formats() == (".mp4", ".gif")
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert viz.video_formats() == (".gif",)
+    animation.save(short, tmp_path / f"c{viz.video_formats()[0]}")
+    shown = int(float(short.trace["time"][-1]) * 10) + 2  # the last frame is held, not repeated
+    assert len(frames_of(tmp_path / "c.gif")) == pytest.approx(shown, abs=1)
+
+
+def test_ffmpeg_of_the_package_imageio_ffmpeg_is_used(tmp_path, short, monkeypatch):
+    program = shutil.which("ffmpeg")
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    package = SimpleNamespace(get_ffmpeg_exe=lambda: program)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", package)
+    assert viz.video_formats() == (".mp4", ".gif")
+    animation.save(short, tmp_path / "c.mp4")
+    assert (tmp_path / "c.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_without_ffmpeg_an_mp4_is_refused(tmp_path, short, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(PalmbotsError, match=r"needs the program ffmpeg.*or write \.gif"):
+        animation.save(short, tmp_path / "c.mp4")
+
+
+def test_error_of_ffmpeg_is_reported(tmp_path, short, monkeypatch):
+    broken = tmp_path / "ffmpeg"
+    broken.write_text("#!/bin/sh\necho no such encoder >&2\nexit 3\n")
+    broken.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda _: str(broken))
+    with pytest.raises(PalmbotsError, match="could not write the video: no such encoder"):
+        animation.save(short, tmp_path / "c.mp4")
+    assert list(tmp_path.iterdir()) == [broken]
+
+
+def test_refusals_are_one_line(tmp_path, short):
+    bare = pb.carry("paper", record=False)
+    for wrong in (
+        lambda: animation.save(short, tmp_path / "c.webm"),
+        lambda: animation.save(short, tmp_path / "c.gif", fps=0),
+        lambda: animation.save(short, tmp_path / "none" / "c.gif"),
+        lambda: animation.save(bare, tmp_path / "c.gif"),
+    ):
+        with pytest.raises(PalmbotsError) as error:
+            wrong()
+        assert "\n" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_interrupted_animation_leaves_no_file(tmp_path, short):
+    def interrupt(done, total):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        animation.save(short, tmp_path / "c.gif", on_progress=interrupt)
+    assert list(tmp_path.iterdir()) == []

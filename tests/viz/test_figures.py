@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The registry of figures, the public names of `palmbots.viz`, and the looks of controllers."""
+
+import inspect
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+import palmbots as pb
+from palmbots import viz
+from palmbots.control import registry
+from palmbots.control.interface import StepOutput
+from palmbots.simulation.result import Carry
+from palmbots.viz.style import controller_looks
+
+
+class Holding:
+    """A controller that never corrects."""
+
+    def step(self, seen):
+        return StepOutput()
+
+
+@pytest.fixture(scope="module")
+def short():
+    return pb.carry("paper", overrides={"task.distance_m": 0.2})
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return pb.compare("paper", key="radio.latency_s", values=[0.0, 0.2], carries=4)
+
+
+def pixels(figure: Figure) -> np.ndarray:
+    """The drawn figure."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3]
+
+
+@pytest.mark.parametrize("name", ["carry", "timeline", "message_sequence", "side_view"])
+def test_registered_figures_of_a_carry_are_drawn(name, short):
+    figure = viz.FIGURES.get(name)(short)
+    assert isinstance(figure, Figure)
+    assert len(np.unique(pixels(figure).reshape(-1, 3), axis=0)) > 20
+
+
+def test_figures_of_a_log_equal_those_of_its_carry(short, tmp_path):
+    pb.write_log(short, tmp_path / "c.mcap")
+    log = pb.read_log(tmp_path / "c.mcap")
+    for name in ("timeline", "side_view"):
+        draw = viz.FIGURES.get(name)
+        assert (pixels(draw(log)) == pixels(draw(short))).all()
+
+
+def test_figure_from_outside_is_drawn_by_plot(short):
+    class Own(Carry):
+        figure = "own"
+
+        def plot(self, figure="own", **options):
+            return viz.FIGURES.get(figure)(self, **options)
+
+    def draw(result, colour="red"):
+        figure = Figure()
+        figure.subplots().plot(result.trace["time"], result.trace["separation"], color=colour)
+        return figure
+
+    viz.FIGURES.register("own", draw)
+    try:
+        own = Own(**{name: getattr(short, name) for name in short.__dataclass_fields__})
+        (line,) = own.plot(colour="#123456").axes[0].lines
+        assert line.get_color() == "#123456"
+        assert (line.get_ydata() == short.trace["separation"]).all()
+        with pytest.raises(pb.PalmbotsError, match="registered already"):
+            viz.FIGURES.register("own", lambda result: Figure())
+    finally:
+        viz.FIGURES.unregister("own")
+    with pytest.raises(pb.PalmbotsError, match="figure"):
+        viz.FIGURES.get("own")
+
+
+def test_results_draw_their_own_figure(short, sweep):
+    assert len(short.plot().axes) == len(viz.draw_carry(short).axes) > 5
+    assert len(sweep.plot().axes) == 4
+
+
+def test_side_view_time_outside_the_carry_is_refused(short):
+    with pytest.raises(pb.PalmbotsError, match=r"time_s is -1.0; allowed: 0 to "):
+        viz.draw_side_view(short, time_s=-1.0)
+
+
+def test_public_names_are_documented_functions():
+    assert dir(viz) == sorted(viz.__all__)
+    for name in set(viz.__all__) - {"FIGURES"}:
+        value = getattr(viz, name)
+        assert callable(value), name
+        assert inspect.getdoc(value), name
+    with pytest.raises(AttributeError, match=r"'palmbots\.viz' has no attribute 'nothing'"):
+        viz.nothing  # noqa: B018
+
+
+def test_importing_the_package_does_not_import_matplotlib():
+    code = "import sys, palmbots.viz, palmbots.mujoco; print('matplotlib' in sys.modules)"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout == "False\n"
+
+
+def test_looks_follow_the_order_of_the_registry():
+    shipped = controller_looks(registry.controller_names())
+    assert list(shipped) == list(registry.controller_names())
+    assert len(set(shipped.values())) == len(shipped)
+    # The look of a controller does not depend on the others in the figure.
+    assert controller_looks(["resilient"])["resilient"] == shipped["resilient"]
+    mixed = controller_looks(["Mine", "distributed", "Other", "Mine"])
+    assert list(mixed) == ["Mine", "distributed", "Other"]
+    assert mixed["distributed"] == shipped["distributed"]
+    assert not {mixed["Mine"], mixed["Other"]} & set(shipped.values())
+    assert mixed["Mine"] != mixed["Other"]
+
+
+def test_registered_controller_has_a_look_of_its_own():
+    registry.register("holding", Holding)
+    try:
+        assert (
+            controller_looks(["holding"])["holding"]
+            not in controller_looks(set(registry.controller_names()) - {"holding"}).values()
+        )
+    finally:
+        registry.unregister("holding")
+
+
+def test_curves_of_a_sweep_have_the_looks_of_their_controllers(sweep):
+    axes: Any = sweep.plot().axes[0]
+    looks = controller_looks(row.controller for row in sweep.rows)
+    drawn = {
+        container.get_label(): to_hex(container.lines[0].get_color()).upper()
+        for container in axes.containers
+    }
+    assert drawn == {name: look.colour for name, look in looks.items()}

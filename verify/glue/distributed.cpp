@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Table 2 as shipped (palmbots/control/distributed.hpp) behind distributed.h.
+#include "palmbots/control/distributed.hpp"
+
+#include <type_traits>
+
+#define robots robots_as_bytes  // the header declares them as bytes
+#include "distributed.h"
+#undef robots
+
+using palmbots::Distributed;
+using palmbots::MessageKind;
+using palmbots::Sign;
+
+static_assert(sizeof(Distributed) == 1 && std::is_trivially_copyable_v<Distributed>);
+
+extern "C" {
+
+Distributed robots[2];
+
+void robot_boot(int side) { robots[side] = {}; }
+
+deed robot_step(int side, int sign, int message, int turned) {
+  Distributed& robot = robots[side];
+  const Distributed::State before = robot.state();
+  const char case_before = robot.now().name;
+  const auto out =
+      robot.step({static_cast<Sign>(sign), static_cast<MessageKind>(message), turned != 0});
+  const char case_after = robot.now().name;
+  const bool stray =
+      before == Distributed::State::idle && message != static_cast<int>(MessageKind::tilt_up);
+  deed done{};
+  done.palm = static_cast<unsigned char>(out.command.palm);
+  done.move = static_cast<unsigned char>(out.command.move);
+  done.send = static_cast<unsigned char>(out.send);
+  done.read = out.read;
+  done.confused = out.read && (stray || robot.state() == before);
+  done.stirred = robot.state() != before;
+  done.row_case = static_cast<unsigned char>(case_after != ' ' ? case_after : case_before);
+  return done;
+}
+
+int robots_idle() {
+  return robots[LEFT].state() == Distributed::State::idle &&
+         robots[RIGHT].state() == Distributed::State::idle;
+}
+
+int robots_in_d() { return robots[LEFT].now().name == 'd' && robots[RIGHT].now().name == 'd'; }
+
+char robot_case(int side) { return robots[side].now().name; }
+
+const char* robot_doing(int side) {
+  const Distributed::StateOutput& now = robots[side].now();
+  switch (now.command.move) {
+    case palmbots::Move::away: return "moves away";
+    case palmbots::Move::closer: return "moves closer";
+    case palmbots::Move::hold: break;
+  }
+  if (!now.waits) return now.name == ' ' ? "" : "turns its palm";
+  switch (now.awaits) {
+    case MessageKind::ack: return now.name == 'a' ? "waits for an answer" : "waits for Ack";
+    case MessageKind::tilt_down: return "waits for TiltDown";
+    default: return "waits";
+  }
+}
+
+const char* message_name(int message) {
+  return message == 0 ? "nothing" : palmbots::name_of(static_cast<MessageKind>(message));
+}
+
+}  // extern "C"
