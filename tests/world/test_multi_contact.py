@@ -12,19 +12,11 @@ from hypothesis import strategies as st
 
 import palmbots as pb
 import palmbots._core as _core
+from contact_scripts import OBJECTS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from rigid_body_oracle import SlowContacts
 
-POINTED = [[0, 0], [0.02, 0.02], [0.23, 0.02], [0.25, 0], [0.25, 0.16], [0, 0.16]]
-LID = [[0, 0], [0.25, 0], [0.25, 0.02], [0.35, 0.02], [0.35, 0.1], [-0.1, 0.1], [-0.1, 0.02], [0, 0.02]]  # fmt: skip  # noqa: E501
-KEEL = [[0, 0], [0.06, -0.01], [0.25, 0], [0.25, 0.1], [0, 0.1]]
-OBJECTS = [
-    *({"object": name} for name in pb.object_names()),
-    {"object": {"vertices_m": POINTED, "contacts": [0, 3], "com_m": [0.125, 0.06]}},
-    {"object": {"vertices_m": LID, "com_m": [0.125, 0.05]}},
-    {"object": {"vertices_m": KEEL, "contacts": [0, 2], "com_m": [0.125, 0.05]}},
-]
 ANGLES = [-5, 0, 2, 5, 8, 15, 25]
 Step = tuple[float, float, float, float]  # change of the separation, palm angles [°], push
 

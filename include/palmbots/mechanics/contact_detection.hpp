@@ -189,7 +189,8 @@ class PalmView {
       const Point& after = at_[next(i)];
       const Real turn = (v.inward - before.inward) * (after.above - v.above) -
                         (v.above - before.above) * (after.inward - v.inward);
-      const bool below = before.above < -near_ && after.above < -near_;
+      // Where an edge goes below the plate, the plate ends at this vertex: a tip meets an edge.
+      const bool below = before.above < -near_ || after.above < -near_;
       if (magnitude(v.above) <= near_ && on_palm(own_ - v.inward) && turn > Real(0) && !below) {
         insert(surface,
                {clamp(own_ - v.inward, -half_, half_), ContactKind::vertex, false, vertex(i)});

@@ -66,7 +66,11 @@ struct TwistSpace {
     }
     const Real part = size(within);
     if (!(part > wrench_tolerance<Real>)) {
-      return missing <= wrench_tolerance<Real> && -missing <= wrench_tolerance<Real>;
+      // Wider than what an inequality must be met by (HalfSpaces): a contact that comes to rest, or
+      // begins to slide, is within one of the two at every instant, in whichever order and scale
+      // its conditions are added.
+      const Real within_rounding = Real(4) * wrench_tolerance<Real>;
+      return missing <= within_rounding && -missing <= within_rounding;
     }
     const Triple<Real> unit = within * (Real(1) / part);
     origin = origin + unit * (missing / part);

@@ -105,22 +105,14 @@ class InstantMotions {
     return beside[left] || beside[right] ? DropReason::tipping : DropReason::sliding;
   }
 
-  // Does what moves as the constraints say go on to be what happens? How the vertices move.
+  // Does the motion that the constraints describe continue? How the vertices move.
   bool goes_on(const ContactConstraints<Real>& constraints, ContactMode& motion) const {
-    std::array<const ActiveContact<Real>*, max_supports> held_as{};
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < supports_.count; ++i) {
-      for (std::size_t k = 0; k < constraints.count; ++k) {
-        if (constraints.active[k].is(point(i))) held_as[i] = &constraints.active[k];
-      }
-      found += held_as[i] != nullptr ? 1 : 0;
-    }
-    if (found < constraints.count) return false;
+    HeldAs held_as{};
+    if (!find(constraints, held_as)) return false;
     bool same = false;
     each([&](const Motions& m) {
-      if (same) return;
+      if (same || !stay_and_leave(m, held_as)) return;
       for (std::size_t i = 0; i < supports_.count; ++i) {
-        if ((m[i] != Motion::leave) != (held_as[i] != nullptr)) return;
         if (!constraints.full && held_as[i] != nullptr &&
             held_as[i]->sticks != (m[i] == Motion::stick))
           return;
@@ -131,14 +123,27 @@ class InstantMotions {
     return same;
   }
 
+  // Can the object move as the constraints say while all other contacts leave, whatever is in
+  // balance?
+  bool can_keep(const ContactConstraints<Real>& constraints) const {
+    HeldAs held_as{};
+    if (!find(constraints, held_as)) return false;
+    bool possible = false;
+    Twists<Real>(supports_, velocities_).each([&](const Motions& m) {
+      bool as_said = stay_and_leave(m, held_as);
+      for (std::size_t i = 0; i < supports_.count && !constraints.full; ++i) {
+        as_said =
+            as_said && !(held_as[i] != nullptr && held_as[i]->sticks && m[i] != Motion::stick);
+      }
+      possible = possible || as_said;
+    });
+    return possible;
+  }
+
   // Are the constraints all that touches?
   bool is_all(const ContactConstraints<Real>& constraints) const {
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < supports_.count; ++i) {
-      for (std::size_t k = 0; k < constraints.count; ++k)
-        found += constraints.active[k].is(point(i)) ? 1 : 0;
-    }
-    return found == constraints.count && supports_.count == constraints.count;
+    HeldAs held_as{};
+    return find(constraints, held_as) && supports_.count == constraints.count;
   }
 
   struct Decision {
@@ -196,6 +201,29 @@ class InstantMotions {
   }
 
  private:
+  // By the contacts counted here: the constraint that each of them is, if any.
+  using HeldAs = std::array<const ActiveContact<Real>*, max_supports>;
+
+  // Fills `held_as`; false unless every constraint still touches.
+  bool find(const ContactConstraints<Real>& constraints, HeldAs& held_as) const {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      for (std::size_t k = 0; k < constraints.count; ++k) {
+        if (constraints.active[k].is(point(i))) held_as[i] = &constraints.active[k];
+      }
+      found += held_as[i] != nullptr ? 1 : 0;
+    }
+    return found == constraints.count;
+  }
+
+  // Do exactly the contacts of the constraints stay?
+  bool stay_and_leave(const Motions& m, const HeldAs& held_as) const {
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      if ((m[i] != Motion::leave) != (held_as[i] != nullptr)) return false;
+    }
+    return true;
+  }
+
   const ContactPoint<Real>& point(std::size_t i) const { return found_.points[point_[i]]; }
   bool own(const ContactPoint<Real>& p) const {
     return !p.palm_end && p.feature == model_.outline.contact[p.support.side];

@@ -58,6 +58,7 @@ struct MultiContactStep {
     result.fraction = done;
     if (!by_force && !decide(configuration, constraints, result)) return result;
     int decisions = 0;
+    bool forced = by_force;
     for (result.segments = 1; done < Real(1); ++result.segments) {
       const Real goal = done + look() < Real(1) ? done + look() : Real(1);
       const auto at = [&](Real t, Configuration<Real>& there) {
@@ -69,14 +70,19 @@ struct MultiContactStep {
         if (!at(t, there)) return false;
         const InstantMotions<Real> instant(model, there, drive, constraints, push);
         if (instant.check() != DropReason::none) return false;
-        return by_force ? instant.is_all(constraints) : instant.goes_on(constraints, result.motion);
+        if (!forced) return instant.goes_on(constraints, result.motion);
+        return instant.is_all(constraints) || instant.can_keep(constraints);
       };
       const bool through = stays(goal);
       const Real when = through ? goal : bisect_last_true(done, goal, stays);
       Configuration<Real> now = configuration;
       if (when > done && at(when, now)) configuration = now;
       done = result.fraction = when;
-      if (through) continue;
+      if (through) {
+        decisions = 0;
+        forced = by_force;
+        continue;
+      }
       // The reason is read where it first applies. Where what slides has only just come to rest or
       // begun to move, its rate is still nothing: then a little later.
       Real over = std::nextafter(when, Real(2));
@@ -88,7 +94,8 @@ struct MultiContactStep {
         over = when + later;
       }
       if (result.reason != DropReason::none || constraints.none()) return result;
-      by_force = ++decisions > most_decisions;
+      by_force = false;
+      forced = ++decisions > most_decisions;
       if (decisions > 4 * most_decisions) {
         result.reason = DropReason::jammed;  // nothing that can be told apart goes on
         return result;
@@ -98,7 +105,8 @@ struct MultiContactStep {
   }
 
  private:
-  // In a step: contacts that slide by turns would do so for ever.
+  // Decisions within one look; then the constraints are kept to its end. Contacts that slide
+  // alternately would do so for ever.
   static constexpr int most_decisions = 6;
 
   // What happens from here on; false where there are no constraints.

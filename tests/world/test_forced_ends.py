@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nothing ends a carry that mechanics do not force to end; tests/soak runs 10⁵ scripts."""
+
+from collections import Counter
+
+import pytest
+
+from contact_scripts import KEEL, Runner, Script, scripts
+
+KEEL_OBJECT = {"object": {"vertices_m": KEEL, "contacts": [0, 2], "com_m": [0.125, 0.05]}}
+NEVER = {"flush", "tip", "jammed"}
+"""Reasons that no script has: a palm that is not pushed into the object never ends up in it, and
+an object on two palms is never without a possible motion."""
+
+# A corner of the keel passes the tip of the left palm.
+CORNER_PASSES_TIP = Script(
+    KEEL_OBJECT,
+    {
+        "palm.friction": 0.15,
+        "palm.right.friction": 0.2,
+        "palm.pivot_offset_m": 0.0,
+        "start.left_m": -0.015625,
+        "start.right_m": 0.0,
+    },
+    [*[(0.0, -5.0, -5.0)] * 5, (-0.015625, -5.0, -5.0)],
+)
+# Both palms turn through level while the contacts slide alternately.
+THROUGH_LEVEL = Script(
+    KEEL_OBJECT,
+    {
+        "palm.friction": 0.5,
+        "palm.right.friction": 0.3,
+        "palm.pivot_offset_m": 0.0,
+        "start.left_m": 0.016956904254141224,
+        "start.right_m": 0.0368140769788386,
+    },
+    [(0.01261234059007971, -2.0, -2.0), (-0.0024433585536023684, 1.0, 1.0)],
+)
+# The slip of the left contact changes its direction just when the right palm is level.
+SLIP_TURNS_AT_LEVEL = Script(
+    KEEL_OBJECT,
+    {
+        "palm.friction": 0.5,
+        "palm.right.friction": 0.3,
+        "palm.pivot_offset_m": 0.0,
+        "start.left_m": -0.02292114424248255,
+        "start.right_m": 0.019785130892821308,
+    },
+    [(0.0, 0.0, -5.0), (0.0, 0.0, 2.0)],
+)
+
+
+@pytest.mark.parametrize("script", [CORNER_PASSES_TIP, THROUGH_LEVEL, SLIP_TURNS_AT_LEVEL])
+def test_carry_continues_where_an_edge_passes_a_tip_or_level(script: Script) -> None:
+    assert Runner().end(script) is None
+
+
+def test_random_scripts_end_only_where_the_slow_world_ends() -> None:
+    runner, reasons = Runner(), Counter[str]()
+    for n, script in enumerate(scripts(seed=22, count=1500)):
+        end = runner.end(script)
+        reasons[end.reason if end else ""] += 1
+        if end is None or end.reason == "off-palm":  # a definition, not mechanics
+            continue
+        assert end.reason not in NEVER, (n, end)
+        if n % 20 == 0:
+            assert runner.is_forced(script, end), (n, end)
+    assert min(reasons[name] for name in ("sliding", "lifting", "off-palm")) >= 10, reasons
