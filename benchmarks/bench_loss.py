@@ -59,7 +59,7 @@ def row(loss: float, n: int, lossless_mm: float) -> dict[str, Any]:
     outcome = cell["outcome"]
     dropped = np.nonzero(outcome == DROPPED)[0]
     again = [pb.carry("paper", "resilient", seed=int(s), overrides=lossy(loss)) for s in dropped]
-    forced = sum(is_unavoidable(carry) for carry in again)
+    unavoidable = sum(is_unavoidable(carry) for carry in again)
     table2 = many("distributed", n, {"radio.loss": loss})
     letters = many("distributed", n, {})["messages"].astype(float)
     hit = int(np.count_nonzero(table2["messages_lost"]))
@@ -68,8 +68,8 @@ def row(loss: float, n: int, lossless_mm: float) -> dict[str, Any]:
         "loss": loss,
         "carries": n,
         "delivered": int(np.count_nonzero(outcome == DELIVERED)),
-        "dropped_forced": forced,
-        "dropped_unforced": len(dropped) - forced,
+        "dropped_unavoidable": unavoidable,
+        "dropped_avoidable": len(dropped) - unavoidable,
         "stalled": int(np.count_nonzero(outcome == STALLED)),
         "rms_mm": round(rms_mm(cell), 3),
         "rms_ratio": round(rms_mm(cell) / lossless_mm, 3),

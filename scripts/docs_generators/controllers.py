@@ -123,7 +123,7 @@ def losses() -> str:
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for row in csv.DictReader(LOSSES.open()):
-        dropped = int(row["dropped_forced"]) + int(row["dropped_unforced"])
+        dropped = int(row["dropped_unavoidable"]) + int(row["dropped_avoidable"])
         hit, low, high, expected = (
             f"{100 * float(row[f'table2_{name}']):.1f}"
             for name in ("affected", "affected_low", "affected_high", "expected")
@@ -132,7 +132,7 @@ def losses() -> str:
             f"{100 * float(row['loss']):g} %",
             row["carries"],
             row["delivered"],
-            f"{dropped} ({row['dropped_forced']} forced)",
+            f"{dropped} ({row['dropped_unavoidable']} unavoidable)",
             row["stalled"],
             f"{float(row['rms_mm']):.2f} mm",
             f"{float(row['rms_ratio']):.2f}",

@@ -124,7 +124,9 @@ void bind_controllers(nb::module_& m) {
         d["hold_s"] = b.times.hold * tick;
         d["alone_s"] = b.alone * tick;
         d["skew_m"] = b.skew;
+        d["noise_m"] = b.noise;
         d["room_m"] = b.room;
+        d["is_noisy"] = b.is_noisy;
         constexpr const char* problems[] = {"", "beacon", "short", "long"};
         d["problem"] = problems[static_cast<int>(b.problem)];
         return d;

@@ -17,7 +17,7 @@ from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from palmbots.simulation.result import Carry
-from palmbots.simulation.unavoidable_drops import is_unavoidable, response_s
+from palmbots.simulation.unavoidable_drops import is_unavoidable
 
 CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
 BOX = pb.load_scene("paper")
@@ -309,18 +309,26 @@ def test_bounds_of_the_default_scene() -> None:
     assert bounds is not None
     result = dataclasses.asdict(bounds)
     lease, alone, join = 0.22 + 6 * 0.05, 0.52 + 0.01 + 0.1, 0.05 + 0.01
-    room = 0.07 / 0.06 * np.cos(np.radians(15))  # in seconds of travel
+    cos = np.cos(np.radians(15))
+    # Reaction: a tick, two messages that each wait for a beacon, and a turn of the palm by 10°.
+    off_zone = np.hypot(0.01, 0.01) * (
+        0.01 + 2 * (0.05 + 0.05) + 10 / BOX.palm_of("left").rate_deg_s
+    )
+    off_zone /= cos
+    longest = (0.07 - off_zone) / (0.06 + 0.01) * cos  # in seconds of travel alone
     by_hand = {
         "beacon_s": 0.05,
         "delay_s": 0.05,
         "shortest_lease_s": 2 * (0.05 + 0.05) + 0.02,
         "lease_s": lease,
-        "longest_lease_s": np.floor(100 * (room - 0.11 - join)) / 100,
+        "longest_lease_s": np.floor(100 * (longest - 0.11 - join)) / 100,
         "losses": 6,
         "hold_s": lease + 0.01 + 0.1 + 0.06,
         "alone_s": alone,
-        "skew_m": 0.06 * (alone + join) / np.cos(np.radians(15)),
+        "skew_m": 0.06 * (alone + join) / cos,
+        "noise_m": off_zone + 0.01 * (alone + join) / cos,
         "room_m": 0.075 - 0.005,
+        "is_noisy": False,
     }
     assert result == pytest.approx(by_hand, abs=1e-9)
 
@@ -386,15 +394,55 @@ def test_carries_with_faults_are_mirrored(controller: str, seed: int) -> None:
     assert there.messages_lost == back.messages_lost
 
 
-# --- which drops are forced ---
+# --- which drops are unavoidable ---
 
 
-def test_bump_off_the_palm_is_unavoidable_and_endless_waiting_is_not() -> None:
+def test_drop_that_wheels_could_have_prevented_is_avoidable() -> None:
+    """By hand: a contact that is shifted off its palm within a tick leaves no time; one that drifts
+    there for seconds does, even if the sensor flickers or reads 0 all the way."""
     bump = [{"robot": "left", "at_s": 3.0, "shift_m": 0.2}]
     assert is_unavoidable(carried({"bumps.script": bump}))
     hangs = carried({"radio.loss": 1.0, "robot.left.bias_m_s": 0.01}, "distributed")
     assert hangs.outcome == "dropped"
-    assert column(hangs, "time")[-1] > response_s(BOX)
     assert not is_unavoidable(hangs)
+    drifting = {"robot.left.bias_m_s": 0.02, "robot.noise_m_s": 0.0}
+    for fault in (
+        {"kind": "stuck", "stuck_at": "0"},
+        {"kind": "intermittent", "probability": 0.3},
+    ):
+        script = [
+            {**fault, "robot": side, "at_s": 0.0, "duration_s": 1000.0}
+            for side in ("left", "right")
+        ]
+        dropped = carried(drifting | {"faults.script": script}, "none")
+        assert dropped.outcome == "dropped"
+        assert not is_unavoidable(dropped), fault
     with pytest.raises(PalmbotsError, match="not dropped"):
         is_unavoidable(carried({}))
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "speed_m_s", "unavoidable"),
+    [(0.06, 0.1, False), (0.067, 0.02, False), (0.07, 0.1, True)],
+)
+def test_drop_is_unavoidable_only_within_the_braking_distance(
+    shift_m: float, speed_m_s: float, unavoidable: bool
+) -> None:
+    """The left robot drifts, a bump shifts its contact out of the zone: 2 × 0.5 m/s² stop it within
+    v² / 2a, or they do not."""
+    overrides = {
+        "robot.noise_m_s": 0.0,
+        "robot.acceleration_m_s2": 0.5,
+        "robot.left.bias_m_s": speed_m_s,
+        "palm.friction": 0.25,
+        "palm.right.friction": 0.5,
+        "bumps.script": [{"robot": "left", "at_s": 0.02, "shift_m": shift_m}],
+    }
+    carry = carried(overrides, "none")
+    assert carry.outcome == "dropped"
+    assert is_unavoidable(carry) == unavoidable
+    contact, times = column(carry, "contact")[:, 0], column(carry, "time")
+    outside = np.nonzero(contact > 0.005)[0][0]
+    speed = (contact[-1] - contact[-2]) / (times[-1] - times[-2])
+    braking_m = speed**2 / (2 * (0.5 + 0.5) / np.cos(np.radians(15)))
+    assert (braking_m > 0.075 - contact[outside]) == unavoidable

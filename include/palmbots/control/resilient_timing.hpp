@@ -25,11 +25,22 @@
 // for the echo of its release instead, one round trip.
 //
 // skew. A robot that stops says so; its partner stops when it hears that, or when its lease is out:
-// what it hears later was sent by a robot that rests. So nobody travels alone for longer than
-// r (lease + 1) + W. Both palms are steep by then or on their way, so one of the contacts takes all
-// the shift: speed × that time / cos(steepest palm). It starts within the zero zone or the overrun
-// next to it, or is being corrected; or outside, by what whoever started first has shifted in
-// `join`. The skew is both; the rest of the palm is the room it has.
+// what it hears later was sent by a robot that rests. So no robot travels alone for longer than
+// alone = r (lease + 1) + W. Both palms are steep by then or turning so, and one contact takes the
+// whole shift: speed × alone / cos(steepest palm). Before that the robots may have started one
+// after the other, which shifts it for `join`. The skew is the sum of both. The room is the
+// distance from the zero zone to the end of the palm.
+//
+// noise. The skew is that of perfect wheels and of a contact that is inside its zero zone when the
+// fault occurs. Three things come on top:
+//   - bias and noise of the robot that is left alone, for alone + r join: `drift` a tick;
+//   - what the contact had moved beyond the zone before its correction began: `off_zone`;
+//   - braking, where the robots' accelerations differ (part of `off_zone`).
+// Noise has no bound; here it counts with one standard deviation in each place. That is assumed, and
+// enough: the skew itself takes a fault at the worst instant of the worst tick. One reboot in every
+// carry adds at most 0.2 % of drops (benchmarks/bench_lease.py).
+// Where the noise leaves no lease at all, the shortest one is used, and `is_noisy` reports it:
+// such wheels lose the object without any fault.
 //
 // join. Who starts first says so at once; the other hears it D later, in the tick after at the
 // latest, and was ready when the first one started: join = r D + 1. With less, contacts that were
@@ -52,7 +63,9 @@ struct ResilientTimingInputs {
   double braking;      // K [ticks]
   double clock_ratio;  // r
   double shift;        // of a contact in a tick in which one robot travels alone [m]
-  double room;         // for skew, on the shorter palm [m]
+  double room;         // for skew and noise, on the shorter palm [m]
+  double drift;        // of a contact in such a tick by bias and noise [m]
+  double off_zone;     // by which a contact may have left its zero zone at the fault [m]
 };
 
 struct ResilientTiming {
@@ -64,11 +77,13 @@ struct ResilientTiming {
   double skips = 0;           // W [ticks]
   double clock_ratio = 1;     // r
   double shortest_lease = 0;  // [ticks]
-  double longest_lease = 0;   // [ticks]: with it the skew fills the room
+  double longest_lease = 0;   // [ticks]: with it skew and noise fill the room
   double losses = 0;          // beacons in a row that may be lost
   double alone = 0;           // longest that one robot travels without the other [ticks]
   double skew = 0;            // what that shifts a contact [m]
-  double room = 0;            // for it, on the shorter palm [m]
+  double noise = 0;           // what noise, bias and the way before the fault add to it [m]
+  double room = 0;            // for both, on the shorter palm [m]
+  bool is_noisy = false;      // the noise alone leaves no lease
   Problem problem = Problem::none;
 
   static constexpr ResilientTiming of(const ResilientTimingInputs& in) {
@@ -80,10 +95,16 @@ struct ResilientTiming {
     b.clock_ratio = in.clock_ratio;
     b.room = in.room;
     b.shortest_lease = 2 * (b.delay + beacon) + 2;
-    const double longest =
-        in.shift > 0 ? rounded_down((b.room / in.shift - b.skips) / b.clock_ratio - 1 - joining(b))
-                     : 60000;
-    b.longest_lease = smaller(longest, 60000);
+    // The lease at which a contact that moves by `shift` a tick uses up the room.
+    const auto filling = [&](double distance, double shift) {
+      if (!(shift > 0)) return 60000.0;
+      const double lease = (distance / shift - b.skips) / b.clock_ratio - 1 - joining(b);
+      return smaller(rounded_down(lease), 60000);
+    };
+    const double without_noise = filling(b.room, in.shift);
+    b.longest_lease = filling(b.room - in.off_zone, in.shift + in.drift);
+    b.is_noisy = b.longest_lease < b.shortest_lease && b.shortest_lease <= without_noise;
+    if (b.is_noisy) b.longest_lease = b.shortest_lease;
     const double lease = in.lease > 0 ? rounded_down(in.lease / in.period + 1e-9)
                                       : usual_lease(b, beacon, in.period);
     const double hold = rounded_up(b.clock_ratio * (lease + 1 + b.skips + b.braking));
@@ -94,6 +115,7 @@ struct ResilientTiming {
                to_ticks(join)};
     b.alone = b.clock_ratio * (lease + 1) + b.skips;
     b.skew = in.shift * (b.alone + b.clock_ratio * join);
+    b.noise = in.off_zone + in.drift * (b.alone + b.clock_ratio * join);
     if (beacon < 1 || in.beacon < in.period * (1 - 1e-9)) {
       b.problem = Problem::beacon_too_short;
     } else if (lease < b.shortest_lease) {

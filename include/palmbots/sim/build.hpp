@@ -147,6 +147,27 @@ inline double zero_zone_reach(const Spec& spec) {
   return reach;
 }
 
+// What a contact may have moved beyond its zero zone when a fault occurs [m], along the floor: the
+// robots drift apart until its correction begins, and with different accelerations they come to
+// rest in different ways from the nominal speed. Biases add up; noise counts with one standard
+// deviation of both robots together.
+inline double off_zone_reach(const Spec& spec, double delay_s, double speed) {
+  double biases = 0;
+  double variance = 0;
+  double turning = 0;  // the longer turn of a palm [s]
+  for (const RobotSpec& robot : spec.robots) {
+    biases += std::abs(robot.bias);
+    variance += robot.noise * robot.noise;
+  }
+  for (const PalmSpec& palm : spec.palms) {
+    turning = larger(turning, std::abs(palm.steep - palm.shallow) / palm.rate);
+  }
+  const double reaction = spec.period + 2 * (delay_s + spec.beacon) + turning;
+  const double unequal =
+      std::abs(1 / spec.robots[left].acceleration - 1 / spec.robots[right].acceleration);
+  return (biases + std::sqrt(variance)) * reaction + 0.5 * speed * speed * unequal;
+}
+
 }  // namespace detail
 
 // The time bounds of the resilient algorithm in this scene.
@@ -155,11 +176,13 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
   double fast = 1;
   double slow = 1;
   double speed = 0;
+  double error = 0;  // of one robot's speed: bias and one standard deviation of the noise
   for (const RobotSpec& robot : spec.robots) {
     braking = larger(braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
     fast = larger(fast, 1 + robot.clock_drift);
     slow = smaller(slow, 1 + robot.clock_drift);
     speed = larger(speed, robot.speed);
+    error = larger(error, std::abs(robot.bias) + robot.noise);
   }
   double flattest = 1;  // cosine of the steepest palm
   double half = spec.palms[left].length;
@@ -167,16 +190,19 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     flattest = smaller(flattest, sin_cos(palm.steep).cos);
     half = smaller(half, 0.5 * palm.length);
   }
+  const auto delay = double(Channel::of(spec.latency, spec.jitter, 0, spec.period).longest());
   return ResilientTiming::of({
       .period = spec.period,
       .beacon = spec.beacon,
       .lease = spec.lease,
       .watchdog = spec.watchdog,
-      .delay = double(Channel::of(spec.latency, spec.jitter, 0, spec.period).longest()),
+      .delay = delay,
       .braking = braking,
       .clock_ratio = fast / slow,
       .shift = speed * spec.period / flattest,
       .room = half - detail::zero_zone_reach(spec),
+      .drift = error * spec.period / flattest,
+      .off_zone = detail::off_zone_reach(spec, delay * spec.period, speed) / flattest,
   });
 }
 

@@ -113,7 +113,7 @@ struct MultiContactStep {
   bool decide(const Configuration<Real>& configuration, ContactConstraints<Real>& constraints,
               Advance<Real>& result) const {
     const auto decision =
-        InstantMotions<Real>(model, configuration, drive, constraints, push).decision();
+        InstantMotions<Real>::decide(model, configuration, drive, constraints, push);
     result.reason = decision.reason;
     if (decision.reason != DropReason::none) return false;
     result.motion = decision.motion;

@@ -134,7 +134,8 @@ class World {
       } else if (adds_contact(part.reason)) {
         const InstantMotions<Real> now(model_, configuration, drive, constraints_, state_.push);
         if (now.kind() == ContactKind::none) return total;  // at the very end of a palm
-        const auto decision = now.decision();
+        const auto decision =
+            InstantMotions<Real>::decide(model_, configuration, drive, constraints_, state_.push);
         const bool again = released == total.fraction;
         if (!again) {
           contact_events_ = {contact_events_.count + 1, now.kind(), now.side(), total.fraction,

@@ -29,7 +29,7 @@ class Bounds:
     lease_s: float
     """A beacon that may be older than this counts as silence (Tm and Tc)."""
     longest_lease_s: float
-    """With this lease the skew equals the room."""
+    """With this lease skew and noise together equal the room."""
     losses: int
     """How many beacons in a row may be lost before a robot stops."""
     hold_s: float
@@ -40,8 +40,25 @@ class Bounds:
     skew_m: float
     """The largest shift of a contact from that, and from starts one after the other, without
     noise."""
+    noise_m: float
+    """What the robots' bias and one standard deviation of their noise add to the skew, and what a
+    contact may have moved beyond its zero zone before the fault."""
     room_m: float
     """The distance from the zero zone to the end of the palm."""
+    is_noisy: bool
+    """Whether the noise leaves room for no lease at all; the shortest one is used then."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """One line if the lease is not safe, which only the noise of the robots can cause."""
+        if not self.is_noisy:
+            return ()
+        return (
+            f"robot.noise_m_s and robot.bias_m_s: a robot that travels alone for "
+            f"{self.alone_s:g} s can shift a contact by {1e3 * (self.skew_m + self.noise_m):.0f} "
+            f"mm, but the palm has {1e3 * self.room_m:.0f} mm: no lease is safe, and carries drop "
+            "without any fault too",
+        )
 
 
 def bounds_of(scene: Scene) -> Bounds:
@@ -69,8 +86,8 @@ def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
         f"{b.shortest_lease_s:g}"
     )
     room = (
-        f"with more, a robot alone could shift a contact by more than the {1e3 * b.room_m:.1f} mm "
-        f"from the zero zone to the end of its palm"
+        f"with more, a robot alone and the noise could shift a contact by more than the "
+        f"{1e3 * b.room_m:.1f} mm from the zero zone to the end of its palm"
     )
     if b.shortest_lease_s > b.longest_lease_s:
         return (

@@ -1,39 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether any controller with this radio could have prevented a drop.
+"""Whether any controller could have prevented a drop.
 
-A contact that runs off its palm left the zero zone some time before. If that time is shorter than
-the longest response time of the resilient algorithm, the drop was *unavoidable*; otherwise the
-algorithm is at fault. The test uses scene and trace alone, independently of every controller.
+A sensor reports nothing as long as a contact is in the zero zone. The earliest instant at which a
+controller can know of an error is therefore the first control step after the contact has left the
+zone for the last time. From then on both robots can brake the contact with their accelerations and
+no more. A drop is *unavoidable* if that could not have stopped it before the end of the palm. The
+test uses scene and trace alone, and the true contact, not what the sensor reads: a sensor that
+flickers or is stuck does not make a drop unavoidable.
 """
+
+import math
 
 import numpy as np
 
 from palmbots._types import SIDES
-from palmbots.control.resilient_timing import bounds_of
+from palmbots.control.dead_band import zero_zone_edges_m
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.simulation.result import Carry
 
-__all__ = ["is_unavoidable", "response_s"]
+__all__ = ["is_unavoidable", "largest_acceleration_m_s2"]
 
 
-def response_s(scene: Scene) -> float:
-    """The longest time until the response to a contact off its zero zone has begun [s].
+def largest_acceleration_m_s2(scene: Scene) -> float:
+    """The largest acceleration of a contact along its palm, by both robots together [m/s²].
 
-    The partner may have to stop waiting for a robot that it no longer hears (a lease), lower its
-    palm (a hold and a turn), turn it up again for its own contact and down once more, and two
-    messages must each make a round trip.
+    The steepest palm turns a distance along the floor into the longest distance along a palm.
     """
-    bounds = bounds_of(scene)
     palms = [scene.palm_of(side) for side in SIDES]
-    turn = max((palm.steep_deg - palm.shallow_deg) / palm.rate_deg_s for palm in palms)
-    round_trip = 2 * (bounds.delay_s + bounds.beacon_s)
-    return bounds.lease_s + bounds.hold_s + 3 * turn + 2 * round_trip
+    steepest = max(abs(angle) for palm in palms for angle in (palm.steep_deg, palm.shallow_deg))
+    robots = sum(scene.robot_of(side).acceleration_m_s2 for side in SIDES)
+    return robots / math.cos(math.radians(steepest))
 
 
 def is_unavoidable(carry: Carry) -> bool:
-    """Whether a contact of a dropped carry went from the zero zone to the end of its palm in less
-    than the response time. Drops for any other reason are avoidable.
+    """Whether no controller could have kept the contact on its palm.
+
+    Drops for any other reason than a contact off its palm count as avoidable.
 
     Raises `PalmbotsError` for a carry that was not dropped, or has no trace.
     """
@@ -41,10 +44,22 @@ def is_unavoidable(carry: Carry) -> bool:
         raise PalmbotsError("drops: the carry was not dropped, or has no trace")
     if carry.reason != "off-palm":
         return False
-    contacts = np.abs(carry.trace["contact"].to_numpy())
-    halves = [carry.scene.palm_of(side).length_m / 2 for side in SIDES]
-    side = int(np.argmax(contacts[-1] - halves))
+    contacts = carry.trace["contact"].to_numpy()
     times = carry.trace["time"].to_numpy()
-    zero = carry.trace["sign"].to_numpy()[:, side] == 0
-    left_zone = times[np.nonzero(zero)[0][-1]] if zero.any() else times[0]
-    return bool(times[-1] - left_zone < response_s(carry.scene))
+    halves = [carry.scene.palm_of(side).length_m / 2 for side in SIDES]
+    side = int(np.argmax(np.abs(contacts[-1]) - halves))
+    contact = contacts[:, side]
+
+    low, high = zero_zone_edges_m(carry.scene)
+    in_zone = np.nonzero((contact >= low) & (contact <= high))[0]
+    left_zone_s = times[in_zone[-1]] if in_zone.size else times[0]
+    braking_s = times[-1] - left_zone_s - carry.scene.control.period_s
+    if braking_s <= 0 or len(times) < 2:
+        return True
+    # With full braking from then on the contact would be this far from the end of the palm now,
+    # and this fast.
+    acceleration = largest_acceleration_m_s2(carry.scene)
+    spare_m = acceleration * braking_s**2 / 2
+    outward_m_s = abs(contact[-1] - contact[-2]) / (times[-1] - times[-2])
+    speed = outward_m_s - acceleration * braking_s
+    return bool(speed > 0 and speed**2 / (2 * acceleration) > spare_m)

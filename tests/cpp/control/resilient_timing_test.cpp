@@ -43,6 +43,8 @@ constexpr palmbots::ResilientTimingInputs usual{
     .clock_ratio = 1,
     .shift = 0.0006,
     .room = 0.065,
+    .drift = 0,
+    .off_zone = 0,
 };
 
 void a_lease_has_two_limits() {
@@ -65,6 +67,26 @@ void a_lease_has_two_limits() {
   const ResilientTiming longest = with_lease(0.01 * own.longest_lease);
   CHECK(longest.skew <= longest.room && longest.skew + usual.shift > longest.room);
   auto in = usual;
+  // Noise takes its part of the room, once per tick alone and once before.
+  in.drift = 0.0001;
+  in.off_zone = 0.01;
+  const ResilientTiming noisy = ResilientTiming::of(in);
+  CHECK(noisy.problem == Problem::none && !noisy.is_noisy);
+  CHECK(noisy.longest_lease < own.longest_lease);
+  CHECK(noisy.skew + noisy.noise <= noisy.room);
+  in.lease = 0.01 * noisy.longest_lease;
+  const ResilientTiming full = ResilientTiming::of(in);
+  CHECK(full.problem == Problem::none && full.skew + full.noise <= full.room);
+  CHECK(full.skew + full.noise + usual.shift + in.drift > full.room);
+  in.lease += 0.01;
+  CHECK(ResilientTiming::of(in).problem == Problem::lease_too_long);
+  // Noise alone refuses no scene, but the only lease left is the shortest one.
+  in.lease = 0;
+  in.off_zone = in.room;
+  const ResilientTiming drowned = ResilientTiming::of(in);
+  CHECK(drowned.problem == Problem::none && drowned.is_noisy);
+  CHECK(drowned.times.lease == drowned.shortest_lease);
+  in = usual;
   in.beacon = 0.005;
   CHECK(ResilientTiming::of(in).problem == Problem::beacon_too_short);
 }

@@ -128,8 +128,8 @@ def _bounds(console: Console, b: "Bounds") -> None:
         style=QUIET,
     )
     console.print(
-        f"a robot travels alone for at most {b.alone_s:g} s: {format_mm(b.skew_m)} of the "
-        f"{format_mm(b.room_m)} available",
+        f"a robot travels alone for at most {b.alone_s:g} s: {format_mm(b.skew_m)} and "
+        f"{format_mm(b.noise_m)} by noise of the {format_mm(b.room_m)} available",
         style=QUIET,
     )
 
