@@ -13,6 +13,7 @@
 #include "palmbots/control/distributed.hpp"
 #include "palmbots/control/resilient.hpp"
 #include "palmbots/sim/build.hpp"
+#include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::bindings {
 
@@ -46,6 +47,32 @@ void bind_enum(nb::module_& m, const char* name, Enum first, Enum last, const ch
   }
 }
 
+nb::tuple texts(std::span<const std::string_view> from) {
+  nb::list list;
+  for (const std::string_view text : from) list.append(nb::str(text.data(), text.size()));
+  return nb::tuple(list);
+}
+
+nb::dict facts(const ControllerInfo& info) {
+  constexpr const char* deciders[] = {"none", "station", "robots"};
+  nb::dict cases;
+  for (const CaseMeaning& one : info.cases) {
+    cases[nb::str(one.code.data(), one.code.size())] =
+        nb::str(one.meaning.data(), one.meaning.size());
+  }
+  nb::dict d;
+  d["name"] = nb::str(info.name.data(), info.name.size());
+  d["description"] = nb::str(info.description.data(), info.description.size());
+  d["team"] = deciders[static_cast<int>(info.decider)];
+  d["uses_radio"] = info.uses_radio;
+  d["is_periodic"] = info.is_periodic;
+  d["has_time_bounds"] = info.has_time_bounds;
+  d["messages"] = texts(info.messages);
+  d["cases"] = cases;
+  d["assisted_cases"] = texts(info.assisted_cases);
+  return d;
+}
+
 }  // namespace
 
 void bind_controllers(nb::module_& m) {
@@ -54,6 +81,15 @@ void bind_controllers(nb::module_& m) {
   bind_enum(m, "Move", Move::hold, Move::closer, "The speed a robot adds to its nominal one.");
   bind_enum(m, "MessageKind", MessageKind::none, MessageKind::raised,
             "What robots say to each other.");
+
+  m.def(
+      "controllers",
+      [] {
+        nb::list list;
+        for (const ControllerInfo& info : controller_infos) list.append(facts(info));
+        return list;
+      },
+      "The controllers of the core, in order: the rows of sim/team_registry.hpp.");
 
   m.def(
       "table1",

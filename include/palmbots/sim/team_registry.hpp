@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which teams there are, by the name of their controller.
+// The controllers of the core: one row each, with what the rest of the toolkit needs to know of it.
+//
+// A new controller is one header in control/ and one row here. `_core.controllers()` exports the
+// rows; commands, figures, docs and tests iterate over them.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <cstdint>
+#include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "palmbots/sim/build.hpp"
@@ -14,38 +20,131 @@
 
 namespace palmbots {
 
-inline constexpr std::string_view controller_names[] = {"none", "centralized", "distributed",
-                                                        "resilient"};
+// Who decides: no program, one station for both robots, or each robot.
+enum class Decider : std::uint8_t { none, station, robots };
+
+// What a case letter in the trace means.
+struct CaseMeaning {
+  std::string_view code;
+  std::string_view meaning;
+};
+
+struct ControllerInfo {
+  std::string_view name;
+  std::string_view description;  // one line
+  Decider decider = Decider::robots;
+  bool uses_radio = true;
+  // Robots repeat what they have to say at fixed intervals. A message is news only if it differs
+  // from the one before, and a robot that hears nothing stops.
+  bool is_periodic = false;
+  bool has_time_bounds = false;  // resilient_timing_of must find no problem in the scene
+  std::span<const std::string_view> messages = {};  // the kinds that it sends
+  std::span<const CaseMeaning> cases = {};
+  // Cases in which a robot asks its partner for assistance and may get no answer.
+  std::span<const std::string_view> assisted_cases = {};
+};
+
+namespace detail {
+
+inline constexpr CaseMeaning table1_cases[] = {
+    {"1", "p_L > 0"},  {"2", "p_R > 0"},  {"3", "p_L < 0"},          {"4", "p_R < 0"},
+    {"5", "both > 0"}, {"6", "both < 0"}, {"7", "p_L > 0, p_R < 0"}, {"8", "p_L < 0, p_R > 0"},
+};
+inline constexpr CaseMeaning table2_cases[] = {
+    {"a", "own p > 0, partner assists (c)"},
+    {"b", "both p > 0"},
+    {"d", "own p < 0"},
+};
+inline constexpr std::string_view station_messages[] = {"report", "command"};
+inline constexpr std::string_view table2_messages[] = {"TiltUp", "TiltDown", "Ack"};
+inline constexpr std::string_view table2_assisted[] = {"a", "b"};
+inline constexpr std::string_view beacons[] = {"beacon"};
+
+// A row: what is known of a controller, and make(spec, seed), the team of a carry.
+template <class Make>
+struct ControllerRow {
+  ControllerInfo info;
+  Make make;
+};
+
+inline constexpr std::tuple controller_rows{
+    ControllerRow{
+        ControllerInfo{
+            .name = "none",
+            .description = "both robots drive at their nominal speed and correct nothing",
+            .decider = Decider::none,
+            .uses_radio = false,
+        },
+        [](const Spec&, std::uint64_t) { return NoController{}; },
+    },
+    ControllerRow{
+        ControllerInfo{
+            .name = "centralized",
+            .description =
+                "a station that hears both robots decides for them (Table 1 of the paper)",
+            .decider = Decider::station,
+            .messages = station_messages,
+            .cases = table1_cases,
+        },
+        [](const Spec& spec, std::uint64_t seed) {
+          return CentralizedTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed));
+        },
+    },
+    ControllerRow{
+        ControllerInfo{
+            .name = "distributed",
+            .description =
+                "each robot decides and asks its partner by message (Table 2 of the paper)",
+            .messages = table2_messages,
+            .cases = table2_cases,
+            .assisted_cases = table2_assisted,
+        },
+        [](const Spec& spec, std::uint64_t seed) {
+          return DistributedTeam<Distributed>({}, channel_of(spec), seed, leader_of(spec),
+                                              Faults::of(spec, seed));
+        },
+    },
+    ControllerRow{
+        ControllerInfo{
+            .name = "resilient",
+            .description =
+                "each robot decides; periodic beacons and leases tolerate lost messages and "
+                "reboots",
+            .is_periodic = true,
+            .has_time_bounds = true,
+            .messages = beacons,
+            .cases = table2_cases,
+        },
+        [](const Spec& spec, std::uint64_t seed) {
+          const PerSide<double> drift{spec.robots[left].clock_drift,
+                                      spec.robots[right].clock_drift};
+          return ResilientTeam(resilient_timing_of(spec).times, drift, channel_of(spec), seed,
+                               leader_of(spec), Faults::of(spec, seed));
+        },
+    },
+};
+
+}  // namespace detail
+
+// All controllers, in the order in which they are listed.
+inline constexpr auto controller_infos =
+    std::apply([](const auto&... row) { return std::array{row.info...}; }, detail::controller_rows);
 
 constexpr bool is_controller(std::string_view name) {
-  for (const std::string_view one : controller_names) {
-    if (one == name) return true;
+  for (const ControllerInfo& info : controller_infos) {
+    if (info.name == name) return true;
   }
   return false;
 }
 
 // Calls visit(make), where make(spec, seed) is the team of a carry. The name is one of the above.
-template <class Visit>
+template <std::size_t Row = 0, class Visit>
 auto visit_team(std::string_view name, Visit&& visit) {
-  if (name == "none") {
-    return visit([](const Spec&, std::uint64_t) { return NoController{}; });
+  const auto& row = std::get<Row>(detail::controller_rows);
+  if constexpr (Row + 1 < controller_infos.size()) {
+    if (row.info.name != name) return visit_team<Row + 1>(name, std::forward<Visit>(visit));
   }
-  if (name == "centralized") {
-    return visit([](const Spec& spec, std::uint64_t seed) {
-      return CentralizedTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed));
-    });
-  }
-  if (name == "distributed") {
-    return visit([](const Spec& spec, std::uint64_t seed) {
-      return DistributedTeam<Distributed>({}, channel_of(spec), seed, leader_of(spec),
-                                          Faults::of(spec, seed));
-    });
-  }
-  return visit([](const Spec& spec, std::uint64_t seed) {
-    const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
-    return ResilientTeam(resilient_timing_of(spec).times, drift, channel_of(spec), seed,
-                         leader_of(spec), Faults::of(spec, seed));
-  });
+  return visit(row.make);
 }
 
 }  // namespace palmbots

@@ -479,6 +479,11 @@ class MessageKind(enum.IntEnum):
 
     Raised = 5
 
+def controllers() -> list:
+    """
+    The controllers of the core, in order: the rows of sim/team_registry.hpp.
+    """
+
 def table1() -> list[tuple[list[int], str, tuple[str, str, str], tuple[str, str, str]]]:
     """
     Table 1 as it runs: per case the signs, the palm to tilt up, and two actions (move, whose contact, until).

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
+import palmbots._core as _core
 from palmbots._util.arguments import one_of, show
 from palmbots._util.named_registry import Registry
 from palmbots.control.interface import Controller, make_controller_pair, make_step
@@ -38,23 +39,6 @@ __all__ = [
     "shipped_names",
     "unregister",
 ]
-
-_TABLE_2 = {
-    "a": "own p > 0, partner assists (c)",
-    "b": "both p > 0",
-    "d": "own p < 0",
-}
-_TABLE_1 = {
-    "1": "p_L > 0",
-    "2": "p_R > 0",
-    "3": "p_L < 0",
-    "4": "p_R < 0",
-    "5": "both > 0",
-    "6": "both < 0",
-    "7": "p_L > 0, p_R < 0",
-    "8": "p_L < 0, p_R > 0",
-}
-
 
 @dataclass(frozen=True)
 class ControllerEntry:
@@ -97,37 +81,10 @@ ControllerLike: TypeAlias = str | type[Controller] | Callable[[], Controller] | 
 
 _CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
 
-for _entry in (
-    ControllerEntry(
-        "none",
-        "both robots drive at their nominal speed and correct nothing",
-        team="none",
-        uses_radio=False,
-    ),
-    ControllerEntry(
-        "centralized",
-        "a station that hears both robots decides for them (Table 1 of the paper)",
-        team="station",
-        messages=("report", "command"),
-        cases=_TABLE_1,
-    ),
-    ControllerEntry(
-        "distributed",
-        "each robot decides and asks its partner by message (Table 2 of the paper)",
-        messages=("TiltUp", "TiltDown", "Ack"),
-        cases=_TABLE_2,
-        assisted_cases=("a", "b"),
-    ),
-    ControllerEntry(
-        "resilient",
-        "each robot decides; periodic beacons and leases tolerate lost messages and reboots",
-        messages=("beacon",),
-        is_periodic=True,
-        timing_check=bounds_of,
-        cases=_TABLE_2,
-    ),
-):
-    _CONTROLLERS.register(_entry.name, _entry)
+_rows: list[dict[str, Any]] = _core.controllers()
+for _row in _rows:
+    _timing_check = bounds_of if _row.pop("has_time_bounds") else None
+    _CONTROLLERS.register(_row["name"], ControllerEntry(timing_check=_timing_check, **_row))
 
 _SHIPPED = _CONTROLLERS.names()
 

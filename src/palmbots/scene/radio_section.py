@@ -109,5 +109,5 @@ class Radio(Section):
     beacon_s: Lasting = 0.05
     """Resilient algorithm: time between two beacons of a robot whose state does not change."""
     lease_s: Lasting | None = None
-    """Resilient algorithm: longest age at which a beacon is valid. Not set: 0.5, or longer if the
-    latency requires it and the palms permit it."""
+    """Resilient algorithm: longest age at which a beacon is valid. Not set: 0.5; longer if the
+    latency requires it, shorter if the palms and the noise leave less room."""

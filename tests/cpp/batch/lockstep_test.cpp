@@ -367,8 +367,8 @@ int main() {
   test_functions<float, floats>();
   test_lanes_of_structs();
   const std::vector<Spec> specs = mixed_specs();
-  for (const std::string_view controller : controller_names) {
-    visit_team(controller, [&](auto make) {
+  for (const ControllerInfo& controller : controller_infos) {
+    visit_team(controller.name, [&](auto make) {
       test_lockstep<double>(make, specs, 520);
       test_lockstep<float>(make, specs, 520);
       test_rare_cases<double>(make);
