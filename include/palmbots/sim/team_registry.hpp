@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which teams there are, by the name of their controller.
+// Registry of the teams, by the name of their controller.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,8 @@ constexpr bool is_controller(std::string_view name) {
   return false;
 }
 
-// Calls visit(make), where make(spec, seed) is the team of a carry. The name is one of the above.
+// Calls visit(make), where make(spec, seed) returns the team of a carry. The name must be one of
+// controller_names.
 template <class Visit>
 auto visit_team(std::string_view name, Visit&& visit) {
   if (name == "none") {
