@@ -119,7 +119,7 @@ concept DecidesInBits =
              const BitslicedObservation& sensed, const BitslicedProgramState& programs,
              const BitslicedLoss& lost, std::uint32_t ticks, Metrics& metrics, LinkTotals& totals) {
       { Bitsliced::exist } -> std::convertible_to<bool>;
-      { Bitsliced::can_stop } -> std::convertible_to<bool>;  // whether robots are ever commanded to stop
+      { Bitsliced::can_stop } -> std::convertible_to<bool>;  // robots may be commanded to stop
       { Bitsliced::station } -> std::convertible_to<bool>;   // whether there is a station
       { Bitsliced::supports(team) } -> std::same_as<bool>;
       teams.insert(i, team);

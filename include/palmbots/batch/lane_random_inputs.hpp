@@ -14,7 +14,7 @@ template <int n>
 struct LaneRandomInputs {
   std::array<std::uint64_t, n> seed;
   std::array<std::uint64_t, n> start;       // the tick at which the carry began
-  std::array<std::uint64_t, n> left_leads;  // all bits set: the left robot leads; none: the right one
+  std::array<std::uint64_t, n> left_leads;  // all bits: the left robot leads; none: the right one
   std::array<double, n> false_words;        // threshold of false readings
   std::array<double, n> loss_words;         // threshold of lost messages
 

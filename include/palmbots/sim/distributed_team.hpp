@@ -63,8 +63,8 @@ class DistributedTeam {
   const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
-  // True if a robot's program runs in a tick that is still to come. Also returns the message that
-  // it will find then.
+  // For a tick that is still to come: whether a robot's program runs, whether it boots, and the
+  // message that it will find.
   bool is_on(std::uint32_t tick, std::size_t side) const {
     const ProgramState state = monitor_.next_program_state(faults_, tick, side);
     return state == ProgramState::running || state == ProgramState::booting;

@@ -79,7 +79,7 @@ class Metrics {
   std::uint32_t bumps = 0;
   std::uint32_t corrections = 0;
   std::uint32_t longest_correction = 0;          // [ticks]
-  std::array<Correction, max_corrections> rows;  // the first `corrections` of them; the rest is not cleared
+  std::array<Correction, max_corrections> rows;  // not cleared: `corrections` are valid
   std::uint32_t settle_ticks = 0;
   std::uint32_t contact_events = 0;
   std::array<ContactEventRow, max_contact_events>

@@ -96,7 +96,7 @@ class Splitting {
 
  private:
   static constexpr double never = std::numeric_limits<double>::infinity();
-  static constexpr std::uint32_t pilot = ~0U;  // the number of the replicate that chooses the levels
+  static constexpr std::uint32_t pilot = ~0U;  // the replicate that chooses the levels
   static constexpr std::uint32_t most_levels = 64;
 
   // Runs all processes of a stage. Returns those that reached the level; `tops` gets the greatest
@@ -118,7 +118,7 @@ class Splitting {
       }
       if (status == RunStatus::hit) {
         ++stage.hits;
-      } else if (top >= level && status == RunStatus::running) {  // a run that has ended is not continued
+      } else if (top >= level && status == RunStatus::running) {  // the run can go on
         ++stage.reached;
         reached.push_back(std::move(process));
       }

@@ -32,7 +32,7 @@ struct LinkCounts {
   std::uint32_t lost = 0;
   std::uint32_t duplicated = 0;
   std::uint32_t late = 0;      // received by the resilient algorithm, but too old to count
-  std::uint32_t rejected = 0;  // damaged; in the resilient algorithm also a copy, or older than one received
+  std::uint32_t rejected = 0;  // damaged; in the resilient algorithm also copies and outdated ones
 };
 
 struct LinkTotals {

@@ -232,7 +232,7 @@ class Link {
     return due;
   }
 
-  std::array<Waiting, capacity> line_;  // deliberately not cleared: head_ and tail_ delimit the valid part
+  std::array<Waiting, capacity> line_;  // not cleared: head_ and tail_ delimit the valid part
   std::uint32_t head_ = 0;
   std::uint32_t tail_ = 0;
   std::uint32_t first_due_ = never;  // when the oldest arrives

@@ -166,8 +166,8 @@ class ResilientTeam {
   PerSide<double> clock_{};  // ticks of these clocks not yet stepped
   PerSide<Link<Beacon>> inbox_;
   PerSide<std::uint32_t> stepped_{~0U, ~0U};  // the tick of a robot's last step
-  PerSide<std::uint32_t> due_{};        // tick of the next step if the input stays the same
-  PerSide<RobotObservation> sensed_{};  // observation in the last step
+  PerSide<std::uint32_t> due_{};              // tick of the next step if the input stays the same
+  PerSide<RobotObservation> sensed_{};        // observation in the last step
   PerSide<MessageKind> messages_{};
   PerSide<bool> ready_{};
   PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};

@@ -109,7 +109,7 @@ struct Spec {
   std::size_t outage_count = 0;
   std::array<MessageFaultSpec, max_message_faults> message_faults{};
   std::size_t message_fault_count = 0;
-  double watchdog = 0.1;  // after this time without a step a robot is brought to rest and reboots [s]
+  double watchdog = 0.1;  // time without a step after which a robot is stopped and reboots [s]
   std::array<FaultSpec, max_faults> faults{};
   std::size_t fault_count = 0;
   std::uint32_t random_reboots = 0;  // number per carry

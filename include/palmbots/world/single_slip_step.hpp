@@ -82,8 +82,7 @@ template <class V>
   const V way = select(closing, V(1), V(-1));
   const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, way);
   const SlipOrder<V> before = slip_order(pushed, edges[left], edges[right]);
-  const V left_behind =
-      before.at(from.contact_vector) * way;  // < 0: the left contact slips first
+  const V left_behind = before.at(from.contact_vector) * way;  // < 0: the left contact slips first
   const Mask on_left = left_behind < V(0);
   Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
   good = good & (slip_state.multi_contact == V(0));
