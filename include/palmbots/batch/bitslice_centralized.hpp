@@ -82,7 +82,7 @@ class BitslicedStations {
   }
 
   BitslicedCommand commands() const {
-    BitslicedCommand told;
+    BitslicedCommand output;
     const CarryMask up = tilt_ | first_ | second_;
     CarryMask away = 0;
     CarryMask closer = 0;
@@ -93,12 +93,12 @@ class BitslicedStations {
       };
       act(now.first.move, first_);
       act(now.second.move, second_);
-      if (now.tilt == Table::Who::on_left) told.shallow[left] |= in_case_[k] & up;
-      if (now.tilt == Table::Who::on_right) told.shallow[right] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_left) output.shallow[left] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_right) output.shallow[right] |= in_case_[k] & up;
     });
-    told.away = RobotMask{away, away};
-    told.closer = RobotMask{closer, closer};
-    return told;
+    output.away = RobotMask{away, away};
+    output.closer = RobotMask{closer, closer};
+    return output;
   }
 
   std::array<CarryMask, Table::cases> in_case_{};  // the case in progress, or the last one
@@ -133,7 +133,7 @@ class BitslicedCentralized {
     delays_.erase(i);
     for (Row& row : line_) {
       row.reported &= those;
-      row.told &= those;
+      row.commands_arrive &= those;
     }
     commands_.erase(~those);
     heard_ &= those;
@@ -148,14 +148,14 @@ class BitslicedCentralized {
     hear(arrived, tick);
     obey(arrived, programs);
     const CarryMask hear_both = heard_[left] & heard_[right];
-    const BitslicedCommand told = controllers_.step(hear_both, reports_);
-    const RobotMask tell = RobotMask{} + hear_both;
+    const BitslicedCommand sent = controllers_.step(hear_both, reports_);
+    const RobotMask addressed = RobotMask{} + hear_both;
     // Robots are seldom off, and messages are seldom lost.
     if (either(programs.off) != 0) [[unlikely]]
       off_.add(programs.off);
     if (either(lost.from_robot | lost.from_station) != 0) {
       reports_lost_.add(lost.from_robot & ~programs.off);
-      commands_lost_.add(lost.from_station & tell);
+      commands_lost_.add(lost.from_station & addressed);
     }
     corrections_.add(RobotMask{controllers_.entered(), 0});
     delays_.each(tick, [&](std::size_t place, RobotMask whose) {
@@ -167,11 +167,11 @@ class BitslicedCentralized {
       put(row.report.negative, said.negative);
       put(row.report.shallow, said.shallow);
       put(row.report.palm_at_target, said.palm_at_target);
-      put(row.commands.shallow, told.shallow);
-      put(row.commands.away, told.away);
-      put(row.commands.closer, told.closer);
+      put(row.commands.shallow, sent.shallow);
+      put(row.commands.away, sent.away);
+      put(row.commands.closer, sent.closer);
       put(row.reported, ~(programs.off | lost.from_robot));
-      put(row.told, tell & ~lost.from_station);
+      put(row.commands_arrive, addressed & ~lost.from_station);
     });
     now_ = tick;
     return commands_.differ(before);
@@ -207,13 +207,13 @@ class BitslicedCentralized {
     BitslicedReport report;
     BitslicedCommand commands;
     RobotMask reported{};
-    RobotMask told{};
+    RobotMask commands_arrive{};
   };
 
   // Robots execute the newest command. Robots that boot act on their own until one arrives.
   void obey(const Row& arrived, const BitslicedProgramState& programs) {
     commands_.erase(programs.booting);
-    const RobotMask whose = arrived.told & ~programs.off;
+    const RobotMask whose = arrived.commands_arrive & ~programs.off;
     const auto take = [&](RobotMask& newest, RobotMask said) {
       newest = (newest & ~whose) | (said & whose);
     };

@@ -206,7 +206,7 @@ class BitslicedTeams {
   [[gnu::always_inline]] void obey(std::size_t pack, CarryMask are_new, Robots<V>& robots) const {
     const BitslicedCommand& commands = teams_.commands();
     const auto lanes = [&](CarryMask word) { return Mask::of(of(pack, word)); };
-    const Mask told = lanes(are_new);
+    const Mask commanded = lanes(are_new);
     on_both_sides([&](std::size_t side) {
       const auto moving = [&](const std::array<V, 3>& speeds) {
         const auto& [hold, away, closer] = speeds;
@@ -220,10 +220,10 @@ class BitslicedTeams {
         const Mask stops = lanes(commands.stop[side]);
         speed = select(stops, moving(shares_[pack].resting[side]), speed);
         const V brakes = select(stops & (speed == V(0)), V(1), V(0));
-        robots.brakes[side] = select(told, brakes, robots.brakes[side]);
+        robots.brakes[side] = select(commanded, brakes, robots.brakes[side]);
       }
-      robots.goal_angle[side] = select(told, angle, robots.goal_angle[side]);
-      robots.goal_speed[side] = select(told, speed, robots.goal_speed[side]);
+      robots.goal_angle[side] = select(commanded, angle, robots.goal_angle[side]);
+      robots.goal_speed[side] = select(commanded, speed, robots.goal_speed[side]);
     });
   }
 

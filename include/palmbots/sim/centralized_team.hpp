@@ -46,11 +46,11 @@ class CentralizedTeam {
     // each other.
     const bool collides = runs[left] && runs[right] && radio_.collide(tick);
     if (now_.heard[left] && now_.heard[right] && !lost) {
-      const Centralized::Output told = now_.station.step(now_.reports);
+      const Centralized::Output output = now_.station.step(now_.reports);
       on_both_sides([&](std::size_t side) {
-        radio_.post(down_[side], tick, told.command[side], 2, side, false, link_totals);
+        radio_.post(down_[side], tick, output.command[side], 2, side, false, link_totals);
       });
-      now_.told = told;
+      now_.station_output = output;
     }
     on_both_sides([&](std::size_t side) {
       if (!runs[side]) return;
@@ -116,7 +116,7 @@ class CentralizedTeam {
     Centralized station;
     PerSide<bool> heard{};             // the station has received from this robot
     Centralized::Report reports[2]{};  // the newest that the station has
-    Centralized::Output told{};
+    Centralized::Output station_output{};
     PerSide<Centralized::Report> said{};
     PerSide<Command> commands{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
 

@@ -208,9 +208,9 @@ class Link {
   bool in_burst(std::uint32_t now, const Channel& channel, std::uint32_t word) {
     const double share = channel.burst_share;
     // Before the first message the state of the burst process is unknown.
-    const double memory = told_ ? exp_minus(channel.burst_rate * double(now - seen_)) : 0.0;
+    const double memory = observed_ ? exp_minus(channel.burst_rate * double(now - seen_)) : 0.0;
     const double chance = share + ((burst_ ? 1.0 : 0.0) - share) * memory;
-    told_ = true;
+    observed_ = true;
     seen_ = now;
     burst_ = unit_uniform<double>(word) < chance;
     return burst_;
@@ -238,7 +238,7 @@ class Link {
   std::uint32_t first_due_ = never;  // when the oldest arrives
   std::uint32_t last_due_ = 0;
   std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
-  bool told_ = false;
+  bool observed_ = false;
   bool burst_ = false;
 };
 
