@@ -19,6 +19,7 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real pi = Real(3.14159265358979323846264338327950288);
 
+// Converts degrees to radians by multiplication.
 template <class Real>
 inline constexpr Real radians_per_degree = pi<Real> / Real(180);
 
@@ -43,6 +44,7 @@ constexpr V select(bool mask, V yes, V no) {
 inline double square_root(double x) { return std::sqrt(x); }
 inline float square_root(float x) { return std::sqrt(x); }
 
+// Sine and cosine of one angle.
 template <class Real>
 struct SinCos {
   Real sin;

@@ -17,6 +17,7 @@ inline constexpr std::size_t right = 1;
 template <class T>
 using PerSide = std::array<T, 2>;
 
+// The opposite side.
 constexpr std::size_t other(std::size_t side) { return 1 - side; }
 
 // Calls visit(left) and visit(right). Used in code that runs every tick: unlike in a loop over the

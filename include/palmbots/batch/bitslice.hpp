@@ -20,6 +20,7 @@ using CarryMask = std::uint64_t;
 // A truth value for each of their robots: [left] holds the left robots, [right] the right ones.
 typedef CarryMask RobotMask __attribute__((vector_size(2 * sizeof(CarryMask))));
 
+// Both robots of carry i, and the carries in which either robot's bit is set.
 inline RobotMask both_at(int i) { return RobotMask{} + (CarryMask{1} << i); }
 inline CarryMask either(RobotMask words) { return words[left] | words[right]; }
 // The truth values of the partners.

@@ -210,7 +210,8 @@ class BitslicedCentralized {
     RobotMask commands_arrive{};
   };
 
-  // Robots execute the newest command. Robots that boot act on their own until one arrives.
+  // Robots execute the newest command. A robot that boots has none (palm steep, nominal speed)
+  // until one arrives.
   void obey(const Row& arrived, const BitslicedProgramState& programs) {
     commands_.erase(programs.booting);
     const RobotMask whose = arrived.commands_arrive & ~programs.off;

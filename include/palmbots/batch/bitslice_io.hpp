@@ -49,6 +49,7 @@ struct BitslicedLoss {
   RobotMask from_station{};
 };
 
+// The commands of the robots. The palm is steep and the wheels hold where no bit is set.
 struct BitslicedCommand {
   RobotMask shallow{};  // otherwise steep
   RobotMask away{};
@@ -104,7 +105,7 @@ class BitslicedDelay {
   CarryMask there_are_ = 0;  // bit d is set if some messages take d ticks
 };
 
-// The bit-sliced form of a kind of team, for 64 carries. If `exists`, it provides: supports(team),
+// The bit-sliced form of a kind of team, for 64 carries. If `exist`, it provides: supports(team),
 // true if such a team can run bit-sliced; insert(i, team), adds it as carry i before its first
 // tick; erase(i), removes carry i; step(), one tick of all, which returns the carries whose
 // commands are new; write_results(), which writes the metrics of carry i after so many ticks.
@@ -113,6 +114,7 @@ struct BitslicedTeam {
   static constexpr bool exist = false;
 };
 
+// The interface of a bit-sliced form.
 template <class Bitsliced, class Team>
 concept DecidesInBits =
     requires(Bitsliced teams, const Bitsliced& known, const Team& team, int i, std::uint64_t tick,

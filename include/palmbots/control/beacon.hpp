@@ -30,6 +30,7 @@ struct BeaconStamp {
   }
 };
 
+// A beacon: the sender's message and readiness, with its stamp and echo.
 struct Beacon {
   MessageKind message = MessageKind::none;
   bool stopped = false;  // the sender does not travel

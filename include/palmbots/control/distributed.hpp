@@ -20,6 +20,7 @@
 
 namespace palmbots {
 
+// The program of one robot.
 class Distributed {
  public:
   struct Input {

@@ -18,6 +18,7 @@ struct ExternalCommand {
   bool read = true;                      // the oldest message is consumed
 };
 
+// A controller that executes the command it points to. It reports no case and never waits.
 class ExternalController {
  public:
   explicit ExternalController(const ExternalCommand* command) : command_(command) {}

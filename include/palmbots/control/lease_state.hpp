@@ -17,6 +17,7 @@ namespace palmbots {
 constexpr void advance(std::uint16_t& since, std::uint16_t elapsed, std::uint16_t most) {
   since = elapsed < most - since ? static_cast<std::uint16_t>(since + elapsed) : most;
 }
+// Resets the count of the robots in `whose`.
 constexpr void reset_where(std::uint16_t& since, bool whose) {
   if (whose) since = 0;
 }
@@ -32,6 +33,7 @@ struct LeaseLimits {
   Count long_ago;  // the smallest since_ready that no longer counts: join + 1
 };
 
+// Times and flags of one robot, or of many (B and Count as above).
 template <class B, class Count>
 struct LeaseState {
   B yields{};  // this robot has the lower identity

@@ -40,6 +40,7 @@ constexpr const char* name_of(Move move) {
   return names[static_cast<int>(move)];
 }
 
+// What a controller commands: the palm's angle, the wheels' move, and whether to stop travelling.
 struct Command {
   Palm palm;
   Move move;

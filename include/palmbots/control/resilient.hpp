@@ -60,6 +60,7 @@
 
 namespace palmbots {
 
+// The program of one robot.
 class Resilient {
  public:
   // In ticks. Lease and hold must be below 65535.

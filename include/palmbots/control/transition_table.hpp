@@ -45,6 +45,7 @@ struct Observation {
   B palm_at_target{};  // the palm has reached the angle last commanded
 };
 
+// The observation of one robot.
 constexpr Observation<bool> observation_of(Sign sign, bool palm_at_target) {
   return {sign == Sign::positive, sign == Sign::negative, palm_at_target};
 }
@@ -57,6 +58,7 @@ constexpr const char* name_of(ContactCondition condition) {
   return names[static_cast<int>(condition)];
 }
 
+// True for the robots whose contact coordinate meets the condition.
 template <class B>
 [[gnu::always_inline]] constexpr B holds(ContactCondition condition, const Observation<B>& seen) {
   switch (condition) {
@@ -88,6 +90,7 @@ struct SpreadTable {
   }
 };
 
+// Expands a table over every state and input.
 template <class Table>
 constexpr SpreadTable<Table> spread() {
   SpreadTable<Table> all{};

@@ -23,6 +23,7 @@ constexpr const char* name_of(ContactKind kind) {
   return names[static_cast<int>(kind)];
 }
 
+// The largest number of vertices of an outline.
 inline constexpr std::size_t max_outline = 32;
 
 // A vertex of the outline [m]: its distance along the line of contacts from each contact, and its

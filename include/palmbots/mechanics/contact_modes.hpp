@@ -13,6 +13,7 @@
 
 namespace palmbots {
 
+// All slip directions, in the order in which contact modes are numbered.
 inline constexpr std::array<SlipDirection, 3> slip_directions{
     SlipDirection::stick, SlipDirection::up, SlipDirection::down};
 

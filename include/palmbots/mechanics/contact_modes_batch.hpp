@@ -52,6 +52,7 @@ enum Number : std::size_t {
 };
 }  // namespace state
 
+// The columns of all quantities, in the order of state::Number.
 template <class Real>
 using StateColumns = std::array<Column<Real>, state::count>;
 

@@ -88,6 +88,7 @@ struct Bound {
   Real b;
 };
 
+// The bound that this cone edge of one side's contact sets for the squeeze.
 template <class Real>
 constexpr Bound<Real> bound(const Moments<Real>& moments, std::size_t side, ConeEdge<Real> edge,
                             Real dx, Real dy) {
@@ -107,6 +108,7 @@ struct Interval {
   constexpr bool empty() const { return !(low <= high); }
 };
 
+// The squeezes that lie in both intervals.
 template <class Real>
 constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
   return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
@@ -151,6 +153,7 @@ struct SlipOrder {
   }
 };
 
+// The slip order of an edge of the left cone and an edge of the right one.
 template <class Real>
 constexpr SlipOrder<Real> slip_order(const Moments<Real>& moments, ConeEdge<Real> l,
                                      ConeEdge<Real> r) {

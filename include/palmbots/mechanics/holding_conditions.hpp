@@ -16,7 +16,7 @@ enum class DropReason : std::uint8_t {
   none,
   off_palm,  // a contact passed an end of its palm
   sliding,   // no squeeze balances the object: it slides on both palms
-  flush,     // an edge of the object met a palm along its length
+  flush,     // an edge of the object came to lie on a palm
   tip,       // a palm's end met an edge of the object
   tipping,   // the COM passed a contact
   jammed,    // no motion balances, and the robots still drive

@@ -68,6 +68,7 @@ struct PalmFrameVector {
   Real normal;
 };
 
+// The contact vector in the frame of one side's palm [m].
 template <class Real>
 constexpr PalmFrameVector<Real> palm_frame_vector(ContactVector<Real> contact_vector,
                                                   std::size_t side, const PalmAngle<Real>& palm) {

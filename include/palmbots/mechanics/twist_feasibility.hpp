@@ -27,6 +27,7 @@ struct PalmMotion {
   Real spin;  // [rad/s]
 };
 
+// A velocity [m/s].
 template <class Real>
 struct Velocity {
   Real x;

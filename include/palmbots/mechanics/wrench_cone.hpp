@@ -23,6 +23,7 @@
 
 namespace palmbots {
 
+// The largest number of points at which the palms support a body.
 inline constexpr std::size_t max_supports = 8;
 
 // How a contact moves on its palm: as `SlipDirection` (up is outward), or it leaves the palm.
@@ -44,6 +45,7 @@ struct Support {
   constexpr Real ty() const { return -outward<Real>(side) * nx; }
 };
 
+// The points at which the palms support a body, in a fixed order.
 template <class Real>
 struct Supports {
   std::array<Support<Real>, max_supports> at{};
@@ -61,6 +63,7 @@ struct Supports {
   }
 };
 
+// How each support moves, in the order of Supports.
 using Motions = std::array<Motion, max_supports>;
 
 // Three numbers: a wrench (force, moment / reach), or the row of a condition on a twist.
@@ -101,6 +104,7 @@ struct Rays {
   std::size_t count = 0;
 };
 
+// The rays that the supports add to the wrench cone while they move in this way.
 template <class Real>
 constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& motions) {
   const Real reach = supports.reach();

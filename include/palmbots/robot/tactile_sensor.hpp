@@ -20,6 +20,7 @@ namespace palmbots {
 
 inline constexpr std::size_t max_zones = 16;
 
+// A switch zone: an interval of the contact coordinate p and its label.
 template <class Real>
 struct Zone {
   Sign sign;
@@ -27,6 +28,7 @@ struct Zone {
   Real to;    // [m], closed
 };
 
+// The sensor of one palm.
 template <class Real>
 class TactileSensor {
  public:

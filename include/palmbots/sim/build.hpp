@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// The model of object, palms and friction.
 template <class Real>
 Model<Real> model_of(const Spec& spec) {
   Model<Real> model{};
@@ -58,6 +59,7 @@ Real memory_of(double period, double lag) {
   return lag > 0 ? exp_minus(Real(period / lag)) : Real(0);
 }
 
+// The wheels of a robot; `period` is the control period [s].
 template <class Real>
 Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
   const Real memory = memory_of<Real>(period, robot.noise_tau);
@@ -66,11 +68,13 @@ Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
           drive};
 }
 
+// The palm motor; `period` is the control period [s].
 template <class Real>
 Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
 }
 
+// The side of the robot that leads, that is the front one in the direction of travel.
 inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
 
 // Both robots at rest, before they start.
@@ -94,6 +98,7 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   return robots;
 }
 
+// The radio channel, with times converted to control ticks.
 inline Channel channel_of(const Spec& spec) {
   Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
   channel.duplicate_words = Channel::words_of(spec.duplicate);

@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// The bumps of one carry.
 class Bumps {
  public:
   Bumps() = default;

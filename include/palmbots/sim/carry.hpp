@@ -15,6 +15,8 @@
 
 namespace palmbots {
 
+// One carry with the quasistatic world. Team is one of sim/team.hpp, Recorder one of
+// sim/recorder.hpp.
 template <class Real, class Team, class Recorder>
 class Carry : public RobotPair<Real, Team> {
   using Base = RobotPair<Real, Team>;

@@ -16,6 +16,7 @@
 
 namespace palmbots {
 
+// Station, robots and the links between them.
 class CentralizedTeam {
  public:
   static constexpr bool half_moves = true;  // both robots move, at half the correction speed each

@@ -58,6 +58,7 @@ class ObservedWorld {
   Advance<double> last_{};
 };
 
+// One carry whose world is moved by an external simulator.
 template <class Team>
 class CoSimulation : public RobotPair<double, Team> {
   using Base = RobotPair<double, Team>;

@@ -28,6 +28,7 @@ enum class ProgramState : std::uint8_t {
   booting,  // runs, for the first time since it was off
 };
 
+// The schedule of faults of one carry.
 class Faults {
  public:
   Faults() = default;

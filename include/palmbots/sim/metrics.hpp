@@ -11,6 +11,7 @@
 
 namespace palmbots {
 
+// How a carry ended.
 enum class Outcome : std::uint8_t { running, delivered, dropped, stalled };
 
 constexpr const char* name_of(Outcome outcome) {
@@ -65,6 +66,7 @@ struct ContactStatistics {
   }
 };
 
+// All metrics of one carry.
 class Metrics {
  public:
   Outcome outcome = Outcome::running;
@@ -118,8 +120,8 @@ class Metrics {
     noted_ = tick;
   }
 
-  // To be called after the world has moved. If several contact events end within one tick, the last
-  // one is stored.
+  // To be called after the world has moved. Of several contact events within one tick only
+  // the last one is counted and stored.
   template <class Real>
   void observe(std::uint32_t tick, const ContactEventCounter<Real>& now, bool lasts) {
     if (now.count == seen_ && !in_contact_event_) return;

@@ -35,6 +35,7 @@ struct LinkCounts {
   std::uint32_t rejected = 0;  // damaged; in the resilient algorithm also copies and outdated ones
 };
 
+// Counts of messages over all links, and for each link.
 struct LinkTotals {
   std::uint32_t sent = 0;
   std::uint32_t lost = 0;

@@ -34,6 +34,7 @@ inline constexpr std::size_t max_outages = 16;
 // A scheduled fault of one message: it is lost, delayed, or duplicated with a delay.
 enum class MessageEffect : std::uint32_t { lost = 0, late = 1, copied = 2 };
 
+// A scheduled fault of one message.
 struct MessageFault {
   std::uint32_t sender = 0;   // 0: the left robot, 1: the right one
   std::uint32_t message = 0;  // number among all that it sends, from 1
@@ -121,6 +122,7 @@ struct Channel {
 // The longest delay that a link can hold, with one message per tick [ticks].
 inline constexpr std::uint32_t max_delay_ticks = 240;
 
+// One direction of a radio connection: a queue of messages under way, in order of arrival.
 template <class Payload>
 class Link {
  public:

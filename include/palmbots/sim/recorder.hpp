@@ -13,6 +13,7 @@
 
 namespace palmbots {
 
+// Stores nothing.
 struct NoRecorder {
   void make_room() {}
   void message(const SentMessage&) {}
@@ -68,6 +69,7 @@ struct Row {
   }
 };
 
+// The row of the present tick.
 template <class Carry>
 Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   Row row{};

@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// Base of `Carry` and `CoSimulation`. Real is the precision of the robots' motion.
 template <class Real, Team AnyTeam>
 class RobotPair {
  public:

@@ -15,6 +15,7 @@
 
 namespace palmbots {
 
+// A palm: lengths in m, angles in rad, `friction` is μ.
 struct PalmSpec {
   double length = 0.15;
   double offset = 0;  // of the surface from the pivot [m]
@@ -24,6 +25,7 @@ struct PalmSpec {
   double rate = 0;  // [rad/s]
 };
 
+// A robot: speeds in m/s, acceleration in m/s², noise_tau (correlation time of the noise) in s.
 struct RobotSpec {
   double speed = 0.06;
   double correction = 0.03;
@@ -54,6 +56,7 @@ enum class FaultKind : std::uint32_t {
   station = 4
 };
 
+// A scheduled fault: its kind, side, start and duration.
 struct FaultSpec {
   FaultKind kind = FaultKind::reboot;
   std::uint32_t side = 0;
@@ -82,6 +85,7 @@ inline constexpr std::size_t max_faults = 32;
 inline constexpr std::size_t max_bumps = 64;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 
+// The complete specification of one carry: lengths in m, times in s, angles in rad.
 struct Spec {
   double width = 0;
   double com_left = 0;

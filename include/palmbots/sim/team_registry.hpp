@@ -14,6 +14,7 @@
 
 namespace palmbots {
 
+// The names of the controllers.
 inline constexpr std::string_view controller_names[] = {"none", "centralized", "distributed",
                                                         "resilient"};
 

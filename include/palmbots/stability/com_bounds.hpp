@@ -40,6 +40,7 @@ struct Comparison {
   bool shallow_first;
 };
 
+// A property as two comparisons, and which edges must bound the squeeze.
 struct Property {
   Comparison needs[2];
   bool shallow_lets_go;  // the edge that slides must bound the squeeze, or nothing slides
@@ -66,6 +67,7 @@ struct Friction {
   bool common;
 };
 
+// The edge of the friction cone on which a contact slides in this direction.
 template <class Real>
 constexpr ConeEdge<Real> edge_of(const PalmAngle<Real>& palm, SlipDirection slide, Real friction) {
   const FrictionCone<Real> cone = friction_cone<Real>({palm.sin, palm.cos}, friction);
@@ -156,6 +158,8 @@ constexpr int worst_frictions(const PerSide<PalmAngle<Real>>& palms, SlipDirecti
 
 }  // namespace detail
 
+// The COMs for which a property holds at these palm angles and this contact vector, with the palm
+// of the side `shallow` as the shallow one.
 template <class Real>
 constexpr ComInterval<Real> com_interval(const Property& property, std::size_t shallow,
                                          const PerSide<PalmAngle<Real>>& palms,
@@ -281,6 +285,7 @@ constexpr Interval<Real> rise_over(const Region<Real>& contacts,
   return {height[right].low - height[left].high, height[right].high - height[left].low};
 }
 
+// The smallest interval that contains both.
 template <class Real>
 constexpr Interval<Real> hull(Interval<Real> p, Interval<Real> q) {
   return {p.low < q.low ? p.low : q.low, p.high > q.high ? p.high : q.high};

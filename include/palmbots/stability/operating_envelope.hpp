@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// The envelope: intervals of all quantities, and the geometry that is exactly known.
 template <class Real>
 struct OperatingEnvelope {
   Real width;            // w [m]
@@ -108,6 +109,7 @@ constexpr Interval<Real> and_mirrored(const OperatingEnvelope<Real>& e, Interval
   return mirror ? intersect(com_x, {e.width - com_x.high, e.width - com_x.low}) : com_x;
 }
 
+// True if `part` lies inside `all`.
 template <class Real>
 constexpr bool contains(Interval<Real> all, Interval<Real> part) {
   return all.low <= part.low && part.high <= all.high;

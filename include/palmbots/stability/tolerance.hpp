@@ -12,6 +12,7 @@
 
 namespace palmbots {
 
+// The quantities whose error can be bounded.
 enum class Quantity : std::uint8_t { com, friction, slope, contacts, angle };
 
 namespace detail {
@@ -38,12 +39,14 @@ constexpr OperatingEnvelope<Real> widened(OperatingEnvelope<Real> envelope, Quan
   return envelope;
 }
 
+// True if the envelope permits the whole interval of c_x.
 template <class Real>
 bool permits(const OperatingEnvelope<Real>& envelope, Interval<Real> com_x,
              const PerSide<AnglePair<Real>>& angles) {
   return contains(com_x_all(envelope, angles, com_x), com_x);
 }
 
+// The same with palm angles that are wrong by up to `error` [rad], including the clearance.
 template <class Real>
 bool permits_errors(const OperatingEnvelope<Real>& envelope, Interval<Real> com_x,
                     const PerSide<AnglePair<Real>>& angles, Real error) {

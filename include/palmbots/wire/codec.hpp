@@ -25,6 +25,7 @@ struct PacketHeader {
   SequenceNumber heard;
 };
 
+// A packet with this header, kind and payload.
 constexpr Packet sealed(const PacketHeader& e, PacketKind kind, std::uint8_t payload) {
   return {kind, e.sender, e.receiver, e.pair, e.sent, e.heard, payload};
 }
@@ -75,9 +76,9 @@ constexpr palmbots::Beacon beacon_in(const Packet& packet) {
 //
 // A beacon with the verdict `no_session` counts too. It is the newest and has unknown age
 // (`BeaconReceiver::age`), so the partner is treated as silent until it answers. If it were
-// ignored, the beacon before it would count as the newest, although the partner concludes from the
-// echo of this one that it is outdated. For the same reason robots that run the resilient algorithm
-// send each other only beacons.
+// ignored, the beacon before it would still count as the newest, although this robot's packets
+// acknowledge the new one and the partner therefore regards the old one as forgotten. For the same
+// reason robots that run the resilient algorithm send each other only beacons.
 constexpr bool hear(BeaconReceiver& receiver, const Decoded& received) {
   const bool counts =
       received.verdict == Verdict::accepted || received.verdict == Verdict::no_session;

@@ -25,12 +25,14 @@
 
 namespace palmbots::wire {
 
+// The identity of an end: the key and number of its pair, and its role.
 struct Identity {
   Key key;
   std::uint16_t pair;
   Role role;
 };
 
+// One end of the wire.
 class Endpoint {
  public:
   // To be called at a boot. The epoch counts the boots, including this one, and is already stored
@@ -82,8 +84,8 @@ class Endpoint {
   constexpr Verdict judge(const Packet& packet) {
     ReplayWindow& window = windows_[static_cast<std::size_t>(packet.sender)];
     if (!window.accept(packet.sent)) return Verdict::stale;
-    // Epoch 0 is no boot. An end that has not counted its boot must not act on packets sent before
-    // any stamp was received.
+    // Epoch 0 is no boot. An end that has not counted its boot must not act on packets whose sender
+    // had not received anything from it.
     const bool answers = packet.heard.epoch == next_.epoch && packet.heard != SequenceNumber{};
     return answers ? Verdict::accepted : Verdict::no_session;
   }

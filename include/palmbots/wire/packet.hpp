@@ -43,13 +43,16 @@ inline constexpr Field layout[] = {
     version_field,  kind_field,        roles_field,          pair_field,    epoch_field,
     sequence_field, heard_epoch_field, heard_sequence_field, payload_field, tag_field};
 
+// Version of the packet format; the tag covers the first `tagged_size` bytes.
 inline constexpr std::uint8_t version = 1;
 inline constexpr std::size_t tagged_size = tag_field.offset;
 inline constexpr std::size_t packet_size = tag_field.offset + tag_field.size;
 
+// The 128-bit key of a pair, and the bytes of a packet.
 using Key = std::array<std::uint8_t, 16>;
 using Bytes = std::array<std::uint8_t, packet_size>;
 
+// Who sends or receives a packet.
 enum class Role : std::uint8_t { left, right, station };
 inline constexpr std::size_t role_count = 3;
 
@@ -58,6 +61,7 @@ constexpr const char* name_of(Role role) {
   return names[static_cast<int>(role)];
 }
 
+// What a packet carries.
 enum class PacketKind : std::uint8_t { hello, message, beacon, report, command };
 
 constexpr const char* name_of(PacketKind kind) {
@@ -68,6 +72,7 @@ constexpr const char* name_of(PacketKind kind) {
 // The largest epoch that fits into its field.
 inline constexpr std::uint32_t max_epoch = 0xFFFFFF;
 
+// A decoded packet.
 struct Packet {
   PacketKind kind;
   Role sender;
@@ -182,6 +187,7 @@ constexpr bool dated(const SequenceNumber& stamp) {
   return stamp.epoch >= 1 && stamp.epoch <= max_epoch && stamp.sequence >= 1;
 }
 
+// True if the packet may be sent: roles, stamps and payload are valid.
 constexpr bool well_formed(const Packet& packet) {
   return on_speaking_terms(packet.kind, packet.sender, packet.receiver) &&
          means(packet.kind, packet.payload) && dated(packet.sent) &&
@@ -190,6 +196,7 @@ constexpr bool well_formed(const Packet& packet) {
 
 // --- The packet.
 
+// Writes a number into a field, the least significant byte first.
 constexpr void put(Bytes& bytes, Field field, std::uint64_t value) {
   for (std::size_t i = 0; i < field.size; ++i) {
     bytes[field.offset + i] = static_cast<std::uint8_t>(value >> 8 * i);
@@ -228,6 +235,7 @@ constexpr bool same_tag(std::uint64_t a, std::uint64_t b) {
   return static_cast<std::uint32_t>(difference | difference >> 32) == 0;
 }
 
+// The result of decoding.
 struct Decoded {
   Verdict verdict;
   Packet packet;  // all zero unless accepted or no_session (wire/endpoint.hpp)

@@ -15,6 +15,7 @@
 
 namespace palmbots::wire {
 
+// A packet's stamp. Epoch 0 stands for "never".
 struct SequenceNumber {
   std::uint32_t epoch = 0;
   std::uint32_t sequence = 0;

@@ -198,6 +198,7 @@ class Equations {
   PerSide<PalmFrameVector<Real>> vectors_{};
 };
 
+// True if the contact is that of the palm's own contact vertex.
 template <class Real>
 constexpr bool is_own(const Model<Real>& model, const ActiveContact<Real>& h) {
   return !h.tip && h.feature == model.outline.contact[h.side];

@@ -21,6 +21,7 @@
 
 namespace palmbots {
 
+// The world of one carry.
 template <class Real>
 class World {
  public:

@@ -26,6 +26,7 @@ struct SlipSwitchInput {
   V lead_then;  // the same at the end; < 0 where there is a tie
 };
 
+// The result: where the step is done, and the contacts at its end.
 template <class V>
 struct SlipSwitch {
   MaskOf<V> done;
