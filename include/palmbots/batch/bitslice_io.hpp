@@ -105,10 +105,12 @@ class BitslicedDelay {
   CarryMask there_are_ = 0;  // bit d is set if some messages take d ticks
 };
 
-// The bit-sliced form of a kind of team, for 64 carries. If `exist`, it provides: supports(team),
-// true if such a team can run bit-sliced; insert(i, team), adds it as carry i before its first
-// tick; erase(i), removes carry i; step(), one tick of all, which returns the carries whose
-// commands are new; write_results(), which writes the metrics of carry i after so many ticks.
+// The bit-sliced form of a kind of team, for 64 carries. If `exist` is true it provides
+//   supports(team)   true if such a team can run bit-sliced
+//   insert(i, team)  adds it as carry i before its first tick
+//   erase(i)         removes carry i
+//   step()           one tick of all; returns the carries whose commands are new
+//   write_results()  writes the metrics of carry i after so many ticks
 template <class Team>
 struct BitslicedTeam {
   static constexpr bool exist = false;

@@ -4,7 +4,7 @@
 // Every lane executes Carry::tick with the same bits. Work that all carries do in every tick is
 // done in lanes: sensing, driving, the common step of the world, and statistics. Teams that have a
 // bit-sliced form are stepped in that form (batch/bitslice.hpp). Rare work is done by the lane's
-// own Carry, to which the lane's numbers are copied for the purpose: stepping other teams, steps in
+// own Carry, to which the lane's numbers are copied first. This is stepping other teams, steps in
 // which more happens than one contact sliding, and the end of a carry. A lane whose carry is over
 // takes the next one at the next block of ticks.
 //
@@ -287,7 +287,7 @@ class Lockstep {
   }
 
   // Sensing, statistics and decisions. Bit-sliced teams are stepped all at once. The others are
-  // stepped one by one if their observation is new or they are due. Which teams those are is
+  // stepped one by one if their observation is new or they are due. This set of teams is
   // determined for all packs before the first is stepped, so that there is at most one branch
   // misprediction per tick.
   [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {

@@ -120,7 +120,7 @@ class Metrics {
     noted_ = tick;
   }
 
-  // To be called after the world has moved. Of several contact events within one tick only
+  // To be called after the world has moved. If several contact events fall into one tick, only
   // the last one is counted and stored.
   template <class Real>
   void observe(std::uint32_t tick, const ContactEventCounter<Real>& now, bool lasts) {

@@ -27,9 +27,9 @@ struct SingleSlipStep {
   MaskOf<V> closing;   // the contact slid up, otherwise down
   MaskOf<V> on_left;   // it was the left contact, otherwise the right one
   MaskOf<V> switched;  // the other one slid before it, up to a tie
-  // For the second half: the lanes where the step is done if the object is held, the lanes with a
-  // tie inside the step, and by how much the contact that slips first does so before the other, at
-  // the start and at the end of the step.
+  // For the second half: `unsure` are the lanes where the step is done if the object is held, and
+  // `ties` the lanes with a tie inside the step. The leads state by how much the first contact to
+  // slip does so before the other, at the start and at the end of the step.
   MaskOf<V> unsure;
   MaskOf<V> ties;
   V lead_before;
