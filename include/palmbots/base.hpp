@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers without a domain: scalar functions, SIMD lanes, random numbers, root finding, sides. All
-// headers of the room.
+// Includes every header of the room `base`: numbers without a domain, that is scalar functions,
+// SIMD lanes, random numbers, root finding and the two sides.
 #pragma once
 
 #include "palmbots/base/philox.hpp"

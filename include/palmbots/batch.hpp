@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixty-four carries side by side. All headers of the room.
+// Includes every header of the room `batch`: up to 64 carries side by side.
 #pragma once
 
 #include "palmbots/batch/bitslice.hpp"

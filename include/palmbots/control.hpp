@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a robot or the station decides. All headers of the room.
+// Includes every header of the room `control`: what a robot or the station decides.
 #pragma once
 
 #include "palmbots/control/beacon.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statics and kinematics of an object on two palms at one instant. All headers of the room.
+// Includes every header of the room `mechanics`: statics and kinematics of an object on two palms
+// at one instant.
 #pragma once
 
 #include "palmbots/mechanics/clearance.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensor and actuator models. All headers of the room.
+// Includes every header of the room `robot`: sensor and actuator models.
 #pragma once
 
 #include "palmbots/robot/actuators.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One carry: spec, disturbances, teams over a radio, metrics, trace. All headers of the room.
+// Includes every header of the room `sim`: one carry, with spec, disturbances, teams over a radio,
+// metrics and trace.
 #pragma once
 
 #include "palmbots/sim/build.hpp"

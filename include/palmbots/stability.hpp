@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Over which centres of mass, errors and regions the properties hold. All headers of the room.
+// Includes every header of the room `stability`: over which centres of mass, errors and regions the
+// properties hold.
 #pragma once
 
 #include "palmbots/stability/com_bounds.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packets: messages as bytes. All headers of the room.
+// Includes every header of the room `wire`: packets, that is messages as bytes.
 #pragma once
 
 #include "palmbots/wire/codec.hpp"

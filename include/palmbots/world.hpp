@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact motion of the contacts over a step. All headers of the room.
+// Includes every header of the room `world`: exact motion of the contacts over a step.
 #pragma once
 
 #include "palmbots/world/contact_constraints.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Philox4x32-10: a counter-based random number generator (Salmon, Moraes, Dror and Shaw,
-// "Parallel random numbers: as easy as 1, 2, 3", SC 2011).
+// Philox4x32-10: a counter-based random number generator (Salmon, Moraes, Dror and Shaw, "Parallel
+// random numbers: as easy as 1, 2, 3", SC 2011).
 //
-// A draw is a pure function of (seed, tick, stream, carry): no state to carry along, so any carry
-// and any tick can be drawn in any order, on any number of threads, with the same result.
+// A draw is a pure function of (seed, tick, stream, carry), so there is no generator state to keep.
+// Any carry and any tick can be drawn in any order, on any number of threads, with the same result.
 #pragma once
 
 #include <array>
@@ -17,8 +17,10 @@
 
 namespace palmbots {
 
+// Four random words: the block that the generator maps at once, as counter and as result.
 using Words = std::array<std::uint32_t, 4>;
 
+// The generator: ten rounds on the counter under a 64-bit key.
 constexpr Words philox(Words counter, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key);
   auto k1 = static_cast<std::uint32_t>(key >> 32);
@@ -43,7 +45,7 @@ constexpr Words draw(std::uint64_t seed, std::uint32_t tick, std::uint32_t strea
 
 namespace detail {
 
-// Numbers side by side (as in base/simd_lanes.hpp), of each of which a draw uses the lower half.
+// 64-bit numbers side by side (as in base/simd_lanes.hpp). A draw uses the lower half of each.
 #if defined(__AVX512F__)
 inline constexpr std::size_t draws_at_once = 8;
 #elif defined(__AVX2__)
@@ -53,7 +55,7 @@ inline constexpr std::size_t draws_at_once = 2;
 #endif
 typedef std::uint64_t Halves __attribute__((vector_size(8 * draws_at_once)));
 
-// The products of the lower halves.
+// The products of the lower halves with `by`.
 inline Halves times(Halves x, std::uint32_t by) {
 #if defined(__AVX512F__)
   return (Halves)_mm512_maskz_mul_epu32(0xFF, (__m512i)x, _mm512_set1_epi64(by));
@@ -66,10 +68,11 @@ inline Halves times(Halves x, std::uint32_t by) {
 #endif
 }
 
-// The counters of several draws, and their words; the upper halves of the words mean nothing.
+// The counters of several draws, and later their words. The upper halves of the words are
+// meaningless.
 using Draws = std::array<Halves, 4>;
 
-// The keys of the rounds.
+// The round keys of several draws.
 class Keys {
  public:
   explicit Keys(Halves seed) {
@@ -82,7 +85,7 @@ class Keys {
     }
   }
 
-  // A round of philox().
+  // Applies one round of philox() to several counters.
   [[gnu::always_inline]] void stir(std::size_t round, Draws& counter) const {
     const Halves a = times(counter[0], 0xD2511F53);
     const Halves b = times(counter[2], 0xCD9E8D57);
@@ -95,12 +98,12 @@ class Keys {
   std::array<Round, 10> rounds_;
 };
 
-// philox() of several counters side by side, and of m such in turn: none waits for another. Of
-// counter i the keys are keys[i % parts].
+// philox() for m groups of counters. The groups are independent, so their rounds overlap in the
+// pipeline. Group i uses keys[i % parts].
 template <std::size_t m, std::size_t parts>
 [[gnu::always_inline]] inline std::array<Draws, m> philox(std::array<Draws, m> counters,
                                                           const std::array<Keys, parts>& keys) {
-  // Unrolled: no word is moved from one register to another.
+  // Unrolled, so that no word is moved from one register to another.
   [&]<std::size_t... round>(std::index_sequence<round...>) {
     const auto stir = [&](std::size_t r) {
       for (std::size_t i = 0; i < m; ++i) keys[i % parts].stir(r, counters[i]);
@@ -112,8 +115,8 @@ template <std::size_t m, std::size_t parts>
 
 }  // namespace detail
 
-// The words of n ticks, `apart` from each other: draw(seed, tick + apart i, stream) for i < n, word
-// by word. Several draws at once: none waits for another.
+// The words of n ticks that are `apart` ticks from each other: draw(seed, tick + apart i, stream)
+// for i < n, word by word. The draws are independent and run side by side.
 template <std::size_t n>
 using WordRows = std::array<std::array<std::uint32_t, n>, 4>;
 
@@ -147,12 +150,14 @@ constexpr Real unit_uniform(std::uint32_t word) {
   return Real(word >> 8) * Real(1.0 / 16777216.0);
 }
 
-// Two uniforms on {0 … 65535} have mean 65535 and variance 2 (65536² − 1) / 12.
+// Scale of unit_noise: the sum of two uniforms on {0 … 65535} has mean 65535 and variance 2 (65536²
+// − 1) / 12.
 template <class Real>
 inline constexpr Real unit_noise_scale = Real(3.737624730023707e-05);
 
-// Mean 0, variance 1, symmetric to the last bit, |x| < 2.45: the sum of two 16-bit uniforms. The
-// Ornstein–Uhlenbeck filter it drives hides the shape.
+// Random number with mean 0 and variance 1, symmetric to the last bit, |x| < 2.45: the sum of two
+// 16-bit uniforms. It drives an Ornstein–Uhlenbeck filter, which hides the shape of the
+// distribution.
 template <class Real>
 constexpr Real unit_noise(std::uint32_t word) {
   const auto sum = static_cast<std::int32_t>((word & 0xFFFF) + (word >> 16));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finding the instant of an event inside a step.
+// Root finding: the instant of an event inside a step.
 //
-// Both searches keep a bracket [good, bad] of fractions of the step and return its good end, so
-// that the state there still obeys the regime that the event ends.
+// Both searches keep a bracket [good, bad] of fractions of the step and return its good end. The
+// state there still obeys the regime that the event ends.
 #pragma once
 
 #include <limits>
@@ -11,8 +11,8 @@
 
 namespace palmbots {
 
-// The last instant at which `holds(t)` is still true; it is at `good` and is not at `bad`.
-// Bisection down to neighbouring numbers.
+// The last instant at which `holds(t)` is still true. It must be true at `good` and false at `bad`.
+// Bisects until the two ends are neighbouring floating-point numbers.
 template <class Real, class Predicate>
 Real bisect_last_true(Real good, Real bad, Predicate holds) {
   for (int i = 0; i < 200; ++i) {
@@ -23,18 +23,22 @@ Real bisect_last_true(Real good, Real bad, Predicate holds) {
   return good;
 }
 
-// How far from an event, in fractions of the step, the instant may be that is found for it. A
-// contact moves less than a millimetre in a step.
+// Tolerance of the instant found for an event, as a fraction of the step. A contact moves less than
+// a millimetre in a step.
 template <class Real>
 inline constexpr Real instant_tolerance = Real(sizeof(Real) == 8 ? 4e-10 : 5e-4);
 
-// Where `wanted`: the root of f between `good` (f = f_good ≥ 0) and `bad` (f = f_bad < 0): a
-// secant, then inverse quadratic interpolation through the last three points. Each estimate is
-// moved a little towards the good end, so that it mostly becomes that end; whether it is near
-// enough is told by the slope since the look before. Superlinear on the smooth functions it is used
-// for; a bracket that three looks have not halved is bisected. For one number or for lanes, of
-// which none goes on after its own root is found; f gets a number from `good` to `bad` in every
-// lane.
+// The root of f between `good` (f = f_good ≥ 0) and `bad` (f = f_bad < 0), in the lanes that
+// `wanted` selects.
+//
+// The first estimate is a secant, the later ones are inverse quadratic interpolations through the
+// last three points. Each estimate is moved a little towards the good end, so that it mostly
+// becomes that end. The search ends when the slope since the previous evaluation shows that the
+// estimate is within the tolerance. It is superlinear on the smooth functions it is used for; a
+// bracket that three evaluations have not halved is bisected.
+//
+// V is one number or several lanes. A lane stops when its own root is found, and f gets a number
+// from `good` to `bad` in every lane.
 template <class V, class Function>
 V bracketed_root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
   using Real = typename ScalarOf<V>::type;
@@ -42,10 +46,10 @@ V bracketed_root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f)
   const V tolerance(instant_tolerance<Real>);
   V last = bad;  // the end that was replaced last
   V f_last = f_bad;
-  V before = bad;  // the look before
+  V before = bad;  // the previous evaluation
   V f_before = f_bad;
   V halved = bad - good;
-  V looks(0);  // since then
+  V looks(0);  // evaluations since the bracket was halved
   Mask on = wanted & (bad - good > tolerance) & (f_good > V(0));
   const auto inside = [&](V t) { return (t > good) & (t < bad); };
   const auto secant = [&] { return good + (bad - good) * (f_good / (f_good - f_bad)); };

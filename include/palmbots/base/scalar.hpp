@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The few functions of a real number that the core needs, made of + − × ÷ √ only.
+// The few functions of a real number that the core needs, built from + − × ÷ √ only.
 //
-// Why not <cmath>: libm's sine differs from one system to the next in the last bit, and one bit is
-// enough to change which contact slides. IEEE 754 fixes + − × ÷ √, so these give the same bits
-// everywhere (build with -ffp-contract=off). Accuracy: 1 ulp or so for |x| ≤ 2π.
+// The sine of <cmath> differs from one system to the next in the last bit, and one bit is enough to
+// change which contact slides. IEEE 754 fixes + − × ÷ √, so these functions give the same bits
+// everywhere (build with -ffp-contract=off). Their accuracy is about 1 ulp for |x| ≤ 2π.
 //
 // Real is double or float throughout the core.
 #pragma once
@@ -19,16 +19,17 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real pi = Real(3.14159265358979323846264338327950288);
 
+// Converts degrees to radians by multiplication.
 template <class Real>
 inline constexpr Real radians_per_degree = pi<Real> / Real(180);
 
-// The kind of number that V is made of: V itself, or that of each lane (base/simd_lanes.hpp).
+// The scalar type of V: V itself, or that of each lane (base/simd_lanes.hpp).
 template <class V>
 struct ScalarOf {
   using type = V;
 };
 
-// What base/simd_lanes.hpp does in each lane, for a single number.
+// The scalar versions of the mask operations that base/simd_lanes.hpp defines for lanes.
 template <class V>
 using MaskOf = decltype(V{} < V{});
 
@@ -43,6 +44,7 @@ constexpr V select(bool mask, V yes, V no) {
 inline double square_root(double x) { return std::sqrt(x); }
 inline float square_root(float x) { return std::sqrt(x); }
 
+// Sine and cosine of one angle.
 template <class Real>
 struct SinCos {
   Real sin;
@@ -51,7 +53,8 @@ struct SinCos {
 
 namespace detail {
 
-// c[0] + c[1] y + … by Estrin's scheme: a third of the waiting of Horner's.
+// c[0] + c[1] y + … by Estrin's scheme. Its chain of dependent operations is a third as long as
+// Horner's.
 template <class V, class Real, std::size_t n>
 constexpr V polynomial(V y, const std::array<Real, n>& c) {
   static_assert(n == 4 || n == 5 || n == 8);
@@ -63,7 +66,7 @@ constexpr V polynomial(V y, const std::array<Real, n>& c) {
   return low + high * (y2 * y2);
 }
 
-// −1/first!, +1/(first + 2)!, −1/(first + 4)!, …
+// The Taylor coefficients −1/first!, +1/(first + 2)!, −1/(first + 4)!, …
 template <class Real, std::size_t n>
 constexpr std::array<Real, n> taylor(int first) {
   std::array<Real, n> c{};
@@ -77,7 +80,8 @@ constexpr std::array<Real, n> taylor(int first) {
   return c;
 }
 
-// On |x| ≤ π/4 the first term left out is below 1e-18 in double, and below 2e-9 in float.
+// Taylor series of sine and cosine for |x| ≤ π/4. The first omitted term is below 1e-18 in double
+// and below 2e-9 in float.
 template <class V>
 constexpr V sin_kernel(V x) {
   using Real = typename ScalarOf<V>::type;
@@ -96,13 +100,14 @@ constexpr V cos_kernel(V x) {
 
 }  // namespace detail
 
-// Sine and cosine of x [rad], |x| ≤ 2π. Odd and even to the last bit, which the mirror law needs.
+// Sine and cosine of x [rad], |x| ≤ 2π. They are odd and even to the last bit, so that a mirrored
+// problem has a mirrored solution.
 template <class Real>
 constexpr SinCos<Real> sin_cos(Real x) {
   if (x <= pi<Real> / Real(4) && x >= -(pi<Real> / Real(4))) {
     return {detail::sin_kernel(x), detail::cos_kernel(x)};
   }
-  // π/2 as a sum of two parts: the first has trailing zero bits, so that k times it is exact.
+  // π/2 as a sum of two parts. The first has trailing zero bits, so that k times it is exact.
   constexpr Real half_pi_high =
       sizeof(Real) == 8 ? Real(1.57079632673412561417e+00) : Real(1.5703125);
   constexpr Real half_pi_low =
@@ -139,7 +144,8 @@ constexpr Real tangent(Real x) {
   return at.sin / at.cos;
 }
 
-// e^−x for x ≥ 0: halve the argument until the series converges fast, then square back.
+// e^−x for x ≥ 0. Halves the argument until the series converges fast, then squares the result as
+// often.
 template <class Real>
 constexpr Real exp_minus(Real x) {
   if (x > Real(80)) return Real(0);
@@ -158,7 +164,7 @@ constexpr Real exp_minus(Real x) {
   return sum;
 }
 
-// The larger and the smaller one; y where they are equal.
+// The larger and the smaller of two numbers; y where they are equal.
 template <class Real>
   requires std::is_arithmetic_v<Real>
 constexpr Real larger(Real x, Real y) {
@@ -170,16 +176,17 @@ constexpr Real smaller(Real x, Real y) {
   return x < y ? x : y;
 }
 
-// |x|
+// The absolute value |x|.
 constexpr double magnitude(double x) { return __builtin_fabs(x); }
 constexpr float magnitude(float x) { return __builtin_fabsf(x); }
 
-// Is |x| ≤ most?
+// True where |x| ≤ most.
 template <class V>
 constexpr MaskOf<V> within(V x, V most) {
   return magnitude(x) <= most;
 }
 
+// x limited to [low, high].
 template <class V>
 constexpr V clamp(V x, V low, V high) {
   return smaller(high, larger(low, x));

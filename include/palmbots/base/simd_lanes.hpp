@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several numbers side by side, treated as one: what a formula does, it does in every lane.
+// SIMD lanes: several numbers side by side that behave as one number in formulas.
 //
-// A formula written for a number V serves one carry (V = double or float) or several in lockstep
-// (V = Lanes<double, 4>, …) with the same bits: each lane sees the same IEEE operations in the same
-// order. What would be a branch is written
+// A formula written for a number type V serves one carry (V = double or float) or several in
+// lockstep (V = Lanes<double, 4>, …) with the same bits, because each lane executes the same IEEE
+// operations in the same order. A branch is written as
 //
 //     if (any(mask)) x = select(mask, other, x);
 //
-// which for a single number is that branch, and for lanes skips work that none of them needs.
-// The arithmetic is the compiler's: vector extensions of GCC and Clang.
+// For a single number this is the branch itself. For lanes it skips work that no lane needs. The
+// arithmetic uses the vector extensions of GCC and Clang.
 #pragma once
 
 #include <cstring>
@@ -18,6 +18,7 @@
 
 namespace palmbots {
 
+// A truth value for each lane.
 template <class Real, int n>
 struct LaneMask {
   using In = Register<Real, n>;
@@ -31,11 +32,12 @@ struct LaneMask {
 
   void put(int lane, bool truth) { In::put(raw, lane, truth); }
 
-  // Bit l tells of lane l.
+  // Conversion from and to bits: bit l belongs to lane l.
   static LaneMask of(std::uint32_t bits) { return {In::of(bits)}; }
   std::uint32_t bits() const { return In::bits(raw); }
 };
 
+// n numbers of type Real, one for each lane.
 template <class Real_, int n>
 struct Lanes {
   using Real = Real_;
@@ -122,8 +124,9 @@ template <class Real, int n>
   return found;
 }
 
-// A struct of numbers with a type parameter, S<V> or S<Real>, is as many numbers in a row: so one
-// lane of S<V> can be taken out and put back without naming them.
+// take_lane and put_lane copy one lane out of a struct of lanes and back. A struct of numbers with
+// a type parameter, S<V> or S<Real>, is laid out as a row of numbers, so its fields need not be
+// named.
 template <template <class> class S, class Real, int n>
 S<Real> take_lane(const S<Lanes<Real, n>>& from, int lane) {
   constexpr std::size_t numbers = sizeof(S<Real>) / sizeof(Real);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lanes ask of the registers that they fill: truth values and roots, which the vector
-// extensions of GCC and Clang do not say, or not as the processor would.
+// SIMD registers: the operations that base/simd_lanes.hpp needs and that the vector extensions of
+// GCC and Clang lack or compile to slow code, above all truth values and roots.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace palmbots {
 
-// The largest register of numbers that this is compiled for [bytes].
+// Size of the largest register of numbers on the target that is compiled for [bytes].
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 inline constexpr int register_bytes = 64;
 #elif defined(__AVX__)
@@ -23,7 +23,7 @@ inline constexpr int register_bytes = 32;
 inline constexpr int register_bytes = 16;
 #endif
 
-// One truth value a lane: all bits of the lane are set, or none.
+// Registers whose truth values have the width of a lane: all bits of a lane are set, or none.
 template <class Real, int n>
 struct Register {
   using Int = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
@@ -41,7 +41,7 @@ struct Register {
 
   static void put(Truths& truths, int lane, bool truth) { truths[lane] = truth ? -1 : 0; }
 
-  // Bit l tells of lane l.
+  // Conversion from and to bits: bit l belongs to lane l.
   static Truths of(std::uint32_t bits) {
     Truths found{};
     for (int l = 0; l < n; ++l) put(found, l, (bits >> l & 1) != 0);
@@ -80,8 +80,9 @@ struct Register {
   }
 };
 
-// Registers of 64 bytes have truth values of their own, a bit a lane. (Of the roots without a mask
-// GCC 12 says that they use something uninitialized; with all bits set it leaves the mask out.)
+// Registers of 64 bytes have truth values of their own, with one bit for each lane. The roots are
+// written with a mask because GCC 12 warns about uninitialized values in the unmasked version. With
+// all mask bits set, GCC emits the unmasked instruction.
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 template <class Real, int n>
   requires(n * sizeof(Real) == 64)

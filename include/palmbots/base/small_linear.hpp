@@ -9,8 +9,8 @@
 
 namespace palmbots {
 
-// Equations row · x = value in echelon form. An equation that depends on those before it is left
-// out.
+// Equations row · x = value in echelon form. add() skips an equation that depends on those before
+// it and returns false.
 template <class Real>
 class EchelonForm {
  public:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Truth values of many carries at once: a bit a carry, or a bit a robot.
+// Bit slices: truth values and counts of 64 carries at once, with one bit for each carry or robot.
 //
-// What a team does in every tick is done here for sixty-four of them by operations on words,
-// without a branch. Bit i of a word tells of carry i.
+// The work that a team does in every tick is done here for 64 teams by operations on words, without
+// a branch. Bit i of a word belongs to carry i.
 #pragma once
 
 #include <array>
@@ -14,15 +14,16 @@
 
 namespace palmbots {
 
-// A truth value of each of 64 carries.
+// A truth value for each of 64 carries.
 using CarryMask = std::uint64_t;
 
-// The same of their left robots, [left], and of their right ones, [right].
+// A truth value for each of their robots: [left] holds the left robots, [right] the right ones.
 typedef CarryMask RobotMask __attribute__((vector_size(2 * sizeof(CarryMask))));
 
+// Both robots of carry i, and the carries in which either robot's bit is set.
 inline RobotMask both_at(int i) { return RobotMask{} + (CarryMask{1} << i); }
 inline CarryMask either(RobotMask words) { return words[left] | words[right]; }
-// Those of the partners.
+// The truth values of the partners.
 inline RobotMask swapped(RobotMask words) { return RobotMask{words[right], words[left]}; }
 
 // Calls visit(i) for every bit set.
@@ -31,7 +32,7 @@ void for_each_bit(CarryMask bits, Visit&& visit) {
   for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
 }
 
-// A number of each robot, from 0 to `most`; what would be more stays `most`.
+// A count for each robot, from 0 to `most`, at which it saturates.
 class BitslicedCounter {
  public:
   static constexpr std::uint32_t most = 255;
@@ -47,7 +48,7 @@ class BitslicedCounter {
     }
   }
 
-  // One more for everybody.
+  // Adds one to every count.
   void increment() {
     RobotMask full = planes_[0];
     for (std::size_t k = 1; k < planes; ++k) full &= planes_[k];
@@ -59,7 +60,7 @@ class BitslicedCounter {
     }
   }
 
-  // Whose number is no less than that one's.
+  // True for the robots whose count is at least that of `that`.
   RobotMask at_least(const BitslicedCounter& that) const {
     RobotMask found = ~RobotMask{};
     for (std::size_t k = 0; k < planes; ++k) {
@@ -68,7 +69,7 @@ class BitslicedCounter {
     return found;
   }
 
-  // Those of the partners.
+  // The counts of the partners.
   BitslicedCounter swapped() const {
     BitslicedCounter found;
     for (std::size_t k = 0; k < planes; ++k) found.planes_[k] = palmbots::swapped(planes_[k]);
@@ -80,7 +81,8 @@ class BitslicedCounter {
   std::array<RobotMask, planes> planes_{};
 };
 
-// A count of each robot, as control/lease_state.hpp needs it: time passes tick by tick.
+// A count for each robot with the interface that control/lease_state.hpp needs. Time passes tick by
+// tick.
 [[gnu::always_inline]] inline void advance(BitslicedCounter& since, std::uint16_t,
                                            const BitslicedCounter&) {
   since.increment();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The centralized algorithm for sixty-four pairs of robots at once, each with its station: a bit a
-// pair, or a bit a robot.
+// The centralized algorithm for 64 pairs of robots at once, each with its station. Every truth
+// value is one bit for each pair or robot.
 //
-// What CentralizedTeam (sim/centralized_team.hpp) does packet by packet is done here in words; the
-// cases are those of Centralized::table. For pairs whose robots do not fail but by reboots, whose
-// stations never do, and whose packets all take the same time, or are lost.
+// CentralizedTeam (sim/centralized_team.hpp) handles single packets; this header does the same with
+// operations on words. The cases are those of Centralized::table. It requires that the only faults
+// are reboots of robots, that the stations never fail, and that all packets of a carry have the
+// same delay or are lost.
 #pragma once
 
 #include "palmbots/batch/bitslice_counters.hpp"
@@ -14,15 +15,15 @@
 
 namespace palmbots {
 
-// What robots report.
+// The reports of the robots.
 struct BitslicedReport {
   RobotMask positive{};
   RobotMask negative{};
-  RobotMask shallow{};         // the angle last commanded …
-  RobotMask palm_at_target{};  // … and whether the palm is there
+  RobotMask shallow{};         // the angle last commanded
+  RobotMask palm_at_target{};  // the palm has reached that angle
 };
 
-// Sixty-four stations without their radio. Centralized::step() for all of them.
+// 64 stations without their radio: Centralized::step() for all of them.
 class BitslicedStations {
   using Table = Centralized;
 
@@ -33,7 +34,7 @@ class BitslicedStations {
       *stage &= ~(CarryMask{1} << i);
   }
 
-  // One tick of those who have heard from both of their robots.
+  // One tick of the stations that have received reports from both of their robots.
   BitslicedCommand step(CarryMask hear, const BitslicedReport& in) {
     CarryMask to_decide = 0;
     CarryMask to_tilt = 0;
@@ -69,7 +70,7 @@ class BitslicedStations {
     return commands();
   }
 
-  // Which of them have come into a case in this tick.
+  // The stations that entered a case in this tick.
   CarryMask entered() const { return entered_; }
 
  private:
@@ -81,7 +82,7 @@ class BitslicedStations {
   }
 
   BitslicedCommand commands() const {
-    BitslicedCommand told;
+    BitslicedCommand output;
     const CarryMask up = tilt_ | first_ | second_;
     CarryMask away = 0;
     CarryMask closer = 0;
@@ -92,16 +93,16 @@ class BitslicedStations {
       };
       act(now.first.move, first_);
       act(now.second.move, second_);
-      if (now.tilt == Table::Who::on_left) told.shallow[left] |= in_case_[k] & up;
-      if (now.tilt == Table::Who::on_right) told.shallow[right] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_left) output.shallow[left] |= in_case_[k] & up;
+      if (now.tilt == Table::Who::on_right) output.shallow[right] |= in_case_[k] & up;
     });
-    told.away = RobotMask{away, away};
-    told.closer = RobotMask{closer, closer};
-    return told;
+    output.away = RobotMask{away, away};
+    output.closer = RobotMask{closer, closer};
+    return output;
   }
 
   std::array<CarryMask, Table::cases> in_case_{};  // the case in progress, or the last one
-  CarryMask decide_ = 0;                           // who is in that stage
+  CarryMask decide_ = 0;                           // stations in that stage
   CarryMask tilt_ = 0;
   CarryMask first_ = 0;
   CarryMask second_ = 0;
@@ -109,11 +110,10 @@ class BitslicedStations {
   CarryMask entered_ = 0;
 };
 
-// Sixty-four stations with their robots and the radio, and what is counted of them
-// (sim/metrics.hpp).
+// 64 stations with their robots and radio, and their counts (sim/metrics.hpp).
 class BitslicedCentralized {
  public:
-  static constexpr bool can_stop = true;  // when it is off
+  static constexpr bool can_stop = true;  // a robot that is off
   static constexpr bool station = true;
 
   static bool supports(const CentralizedTeam& team) {
@@ -133,7 +133,7 @@ class BitslicedCentralized {
     delays_.erase(i);
     for (Row& row : line_) {
       row.reported &= those;
-      row.told &= those;
+      row.commands_arrive &= those;
     }
     commands_.erase(~those);
     heard_ &= those;
@@ -148,14 +148,14 @@ class BitslicedCentralized {
     hear(arrived, tick);
     obey(arrived, programs);
     const CarryMask hear_both = heard_[left] & heard_[right];
-    const BitslicedCommand told = controllers_.step(hear_both, reports_);
-    const RobotMask tell = RobotMask{} + hear_both;
-    // Few are ever off, and few lose messages.
+    const BitslicedCommand sent = controllers_.step(hear_both, reports_);
+    const RobotMask addressed = RobotMask{} + hear_both;
+    // Robots are seldom off, and messages are seldom lost.
     if (either(programs.off) != 0) [[unlikely]]
       off_.add(programs.off);
     if (either(lost.from_robot | lost.from_station) != 0) {
       reports_lost_.add(lost.from_robot & ~programs.off);
-      commands_lost_.add(lost.from_station & tell);
+      commands_lost_.add(lost.from_station & addressed);
     }
     corrections_.add(RobotMask{controllers_.entered(), 0});
     delays_.each(tick, [&](std::size_t place, RobotMask whose) {
@@ -167,11 +167,11 @@ class BitslicedCentralized {
       put(row.report.negative, said.negative);
       put(row.report.shallow, said.shallow);
       put(row.report.palm_at_target, said.palm_at_target);
-      put(row.commands.shallow, told.shallow);
-      put(row.commands.away, told.away);
-      put(row.commands.closer, told.closer);
+      put(row.commands.shallow, sent.shallow);
+      put(row.commands.away, sent.away);
+      put(row.commands.closer, sent.closer);
       put(row.reported, ~(programs.off | lost.from_robot));
-      put(row.told, tell & ~lost.from_station);
+      put(row.commands_arrive, addressed & ~lost.from_station);
     });
     now_ = tick;
     return commands_.differ(before);
@@ -179,8 +179,8 @@ class BitslicedCentralized {
 
   const BitslicedCommand& commands() const { return commands_; }
 
-  // Every tick each robot that runs sends, and the station does to each as soon as it has heard
-  // from both.
+  // In every tick each running robot sends to the station. The station sends to both robots once it
+  // has received from both.
   void write_results(int i, std::uint32_t ticks, Metrics& metrics, LinkTotals& link_totals) const {
     metrics.corrections = corrections_.of(left, i);
     const bool heard = (heard_[left] & heard_[right] & CarryMask{1} << i) != 0;
@@ -202,18 +202,19 @@ class BitslicedCentralized {
   }
 
  private:
-  // What arrives in a tick: whose reports do, and to whom commands.
+  // The arrivals of a tick: reports, commands, and which of them arrive.
   struct Row {
     BitslicedReport report;
     BitslicedCommand commands;
     RobotMask reported{};
-    RobotMask told{};
+    RobotMask commands_arrive{};
   };
 
-  // The newest commands are what robots go by; those that boot do what they do by themselves.
+  // Robots execute the newest command. A robot that boots has none (palm steep, nominal speed)
+  // until one arrives.
   void obey(const Row& arrived, const BitslicedProgramState& programs) {
     commands_.erase(programs.booting);
-    const RobotMask whose = arrived.told & ~programs.off;
+    const RobotMask whose = arrived.commands_arrive & ~programs.off;
     const auto take = [&](RobotMask& newest, RobotMask said) {
       newest = (newest & ~whose) | (said & whose);
     };
@@ -223,7 +224,7 @@ class BitslicedCentralized {
     commands_.switch_off(programs.off);
   }
 
-  // The newest reports are what stations go by.
+  // Stations use the newest reports.
   void hear(const Row& arrived, std::uint64_t tick) {
     const RobotMask whose = arrived.reported;
     const auto take = [&](RobotMask& newest, RobotMask said) {
@@ -243,12 +244,12 @@ class BitslicedCentralized {
   std::array<Row, BitslicedDelay::longest + 1> line_;
   BitslicedDelay delays_;
   BitslicedReport reports_;
-  RobotMask heard_{};                            // from whom, ever
-  std::array<std::uint64_t, 64> heard_since_{};  // the tick from which on from both
+  RobotMask heard_{};                            // robots whose station has received from them
+  std::array<std::uint64_t, 64> heard_since_{};  // first tick with reports from both robots
   std::uint64_t now_ = 0;                        // the last tick
   BitslicedCommand commands_;
   BitslicedCounts corrections_;
-  BitslicedCounts off_;  // ticks in which a robot was
+  BitslicedCounts off_;  // ticks in which a robot was off
   BitslicedCounts reports_lost_;
   BitslicedCounts commands_lost_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts of something that happens to robots of many carries at once (batch/bitslice.hpp).
+// Bit-sliced counters of events, for the robots of 64 carries at once (batch/bitslice.hpp).
 #pragma once
 
 #include "palmbots/base/simd_registers.hpp"
@@ -7,16 +7,16 @@
 
 namespace palmbots {
 
-// A number below 256 of each of 64.
+// 64 counts below 256.
 class ByteCounters {
  public:
   std::uint32_t of(std::size_t i) const { return rows_[i / width][i % width]; }
 
-  // Adds one to those whose bit is set.
+  // Adds one to the counts whose bit is set.
   void count(CarryMask which) {
     for (std::size_t j = 0; j < parts; ++j) rows_[j] -= where(which, j);
   }
-  // Makes them 0.
+  // Resets the counts whose bit is set.
   void clear(CarryMask which) {
     for (std::size_t j = 0; j < parts; ++j) rows_[j] &= ~where(which, j);
   }
@@ -27,7 +27,7 @@ class ByteCounters {
   typedef std::uint8_t Row __attribute__((vector_size(width)));
   typedef CarryMask Words __attribute__((vector_size(width)));
 
-  // All bits of the bytes of part j whose bit is set.
+  // The bytes of part j, each all ones if its bit is set and zero otherwise.
   static Row where(CarryMask which, std::size_t j) {
     const CarryMask own = which >> width * j % 64;
     return [&]<std::size_t... k>(std::index_sequence<k...>) {
@@ -36,7 +36,7 @@ class ByteCounters {
     }(std::make_index_sequence<width>());
   }
 
-  // Every byte of a word eight times, as many as there is room for.
+  // Every byte of a word repeated eight times, for as many bytes as fit into the register.
 #if defined(__SSSE3__)
   static Row eightfold(CarryMask word) {
     return [&]<std::size_t... k>(std::index_sequence<k...>) {
@@ -55,7 +55,7 @@ class ByteCounters {
   std::array<Row, parts> rows_{};
 };
 
-// Counts something of each robot.
+// A count of events for each robot.
 class BitslicedCounts {
  public:
   void add(RobotMask which) {
@@ -63,7 +63,7 @@ class BitslicedCounts {
     if (++adds_ == 255) collect();
   }
 
-  // Begins anew.
+  // Resets the counts of these robots.
   void clear(RobotMask which) {
     for (const std::size_t side : {left, right}) recent_[side].clear(which[side]);
     const RobotMask large = large_ & which;
@@ -81,7 +81,7 @@ class BitslicedCounts {
   }
 
  private:
-  // Before a number of a row is full.
+  // Empties the byte counters before one of them overflows.
   [[gnu::noinline]] void collect() {
     adds_ = 0;
     large_ = RobotMask{};
@@ -96,8 +96,8 @@ class BitslicedCounts {
 
   PerSide<ByteCounters> recent_{};
   PerSide<std::array<std::uint32_t, 64>> before_{};
-  RobotMask large_{};       // of whom `before_` is not 0
-  std::uint32_t adds_ = 0;  // since `recent_` was 0
+  RobotMask large_{};       // robots with `before_` ≠ 0
+  std::uint32_t adds_ = 0;  // since `recent_` was reset
 };
 
 }  // namespace palmbots

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The distributed algorithm for sixty-four pairs of robots at once: a bit a robot.
+// The distributed algorithm for 64 pairs of robots at once, with one bit for each robot.
 //
-// What DistributedTeam<Distributed> (sim/distributed_team.hpp) does message by message is done here
-// in words; the table is the one in control/distributed.hpp. For pairs whose robots never fail and
-// whose messages all take the same time, or are lost.
+// DistributedTeam<Distributed> (sim/distributed_team.hpp) handles single messages; this header does
+// the same with operations on words. The table is the one in control/distributed.hpp. It requires
+// that robots never fail and that all messages of a carry have the same delay or are lost.
 #pragma once
 
 #include "palmbots/batch/bitslice_metrics.hpp"
@@ -11,7 +11,7 @@
 
 namespace palmbots {
 
-// Sixty-four pairs, their radio, and what is counted of them.
+// 64 pairs with their radio, and their counts.
 class BitslicedDistributed {
   using Robot = Distributed;
   using Messages = BitslicedMessage<2>;
@@ -71,15 +71,15 @@ class BitslicedDistributed {
   }
 
  private:
-  // Those who look at their messages.
+  // The robots that read their messages.
   [[gnu::always_inline]] RobotMask who_read(const Observation<RobotMask>& seen) const {
     return robots_.where_each([&](Robot::State state) { return Robot::reads(state, seen); });
   }
 
   BitslicedTable<Robot> robots_;
-  // Messages on their way to a robot, by the tick of their arrival, and the one that it has not
-  // read. There is never more than one: if another is on its way, the robot reads the first as soon
-  // as it is there (bits_test).
+  // Messages under way to a robot, by tick of arrival, and the one that it has not read. There is
+  // never more than one unread message: if another is under way, the robot reads the first as soon
+  // as it arrives (bits_test).
   std::array<Messages, BitslicedDelay::longest + 1> line_;
   Messages inbox_;
   BitslicedDelay delays_;

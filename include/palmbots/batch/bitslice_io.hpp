@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the robots of many carries sense and are commanded, a bit a robot; what becomes of their
-// messages; and the teams that there are for many carries at once.
+// Inputs and outputs of bit-sliced teams: observations, commands, losses and delays, with one bit
+// for each robot, and the trait that states which teams exist in this form.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace palmbots {
 class Metrics;
 struct LinkTotals;
 
-// What robots sense, and what they are told.
+// The observations of the robots.
 struct BitslicedObservation : Observation<RobotMask> {
   BitslicedObservation& operator|=(const BitslicedObservation& more) {
     positive |= more.positive;
@@ -25,8 +25,8 @@ struct BitslicedObservation : Observation<RobotMask> {
     return *this;
   }
 
-  // Signs that are false: the next one is read, of −, 0, +, −, …, if that is so once; else the one
-  // after.
+  // Replaces the signs of the robots in `wrong` by a false one. In the cyclic order −, 0, +, − it
+  // is the next sign where `once` is set, else the one after it.
   void falsify(RobotMask wrong, RobotMask once) {
     const RobotMask zero = ~(positive | negative);
     const RobotMask then_positive = (once & zero) | (~once & negative);
@@ -36,20 +36,20 @@ struct BitslicedObservation : Observation<RobotMask> {
   }
 };
 
-// Whose program does not run, which leaves its robot at rest; and whose runs for the first time
-// since.
+// Robots whose program does not run, so that they rest, and robots whose program runs for the first
+// time since.
 struct BitslicedProgramState {
   RobotMask off{};
   RobotMask booting{};
 };
 
-// Whose messages are lost if they are sent now: those of the robots, and those of the station to
-// them.
+// Loss of messages that are sent now: those of the robots, and those of the stations to them.
 struct BitslicedLoss {
   RobotMask from_robot{};
   RobotMask from_station{};
 };
 
+// The commands of the robots. The palm is steep and the wheels hold where no bit is set.
 struct BitslicedCommand {
   RobotMask shallow{};  // otherwise steep
   RobotMask away{};
@@ -59,23 +59,23 @@ struct BitslicedCommand {
   void erase(RobotMask whose) {
     for (RobotMask* one : {&shallow, &away, &closer, &stop}) *one &= ~whose;
   }
-  // As switched_off().
+  // The commands of switched_off() for these robots.
   void switch_off(RobotMask whose) {
     away &= ~whose;
     closer &= ~whose;
     stop |= whose;
   }
-  // The carries in which they are others.
+  // The carries whose commands differ.
   CarryMask differ(const BitslicedCommand& than) const {
     return either((shallow ^ than.shallow) | (away ^ than.away) | (closer ^ than.closer) |
                   (stop ^ than.stop));
   }
 };
 
-// How long the messages of each carry take, where they all take the same time.
+// The delay of messages for each carry, if all messages of the carry have the same delay.
 class BitslicedDelay {
  public:
-  // May be that long [ticks].
+  // The longest delay that is supported [ticks].
   static constexpr std::uint32_t longest = 63;
   static constexpr bool supports(std::uint32_t delay) { return delay > 0 && delay <= longest; }
 
@@ -90,8 +90,8 @@ class BitslicedDelay {
     }
   }
 
-  // Calls visit(row, whose) for every delay that there is: the row of a line, a ring of longest + 1
-  // rows, at which what is sent in this tick arrives, and whose messages do.
+  // Calls visit(row, whose) for every delay that occurs. The messages of the carries `whose` that
+  // are sent in this tick arrive at this row of the queue, a ring of longest + 1 rows.
   template <class Visit>
   void each(std::uint64_t tick, Visit&& visit) const {
     for_each_bit(there_are_, [&](int delay) {
@@ -102,26 +102,29 @@ class BitslicedDelay {
 
  private:
   std::array<RobotMask, longest + 1> of_{};
-  CarryMask there_are_ = 0;  // bit d: some take d ticks
+  CarryMask there_are_ = 0;  // bit d is set if some messages take d ticks
 };
 
-// The teams of 64 carries at once, where there are such for a kind of team. Of one that exists
-// there are supports(team): whether such a team can decide in bits; insert(i, team): from its first
-// tick on as carry i; erase(i): its carry is over; step(): one tick of all, which returns the
-// carries whose commands are new; write_results(): what is known of carry i after so many ticks.
+// The bit-sliced form of a kind of team, for 64 carries. If `exist` is true it provides
+//   supports(team)   true if such a team can run bit-sliced
+//   insert(i, team)  adds it as carry i before its first tick
+//   erase(i)         removes carry i
+//   step()           one tick of all; returns the carries whose commands are new
+//   write_results()  writes the metrics of carry i after so many ticks
 template <class Team>
 struct BitslicedTeam {
   static constexpr bool exist = false;
 };
 
+// The interface of a bit-sliced form.
 template <class Bitsliced, class Team>
 concept DecidesInBits =
     requires(Bitsliced teams, const Bitsliced& known, const Team& team, int i, std::uint64_t tick,
              const BitslicedObservation& sensed, const BitslicedProgramState& programs,
              const BitslicedLoss& lost, std::uint32_t ticks, Metrics& metrics, LinkTotals& totals) {
       { Bitsliced::exist } -> std::convertible_to<bool>;
-      { Bitsliced::can_stop } -> std::convertible_to<bool>;  // whether robots are ever commanded to
-      { Bitsliced::station } -> std::convertible_to<bool>;   // whether there is one
+      { Bitsliced::can_stop } -> std::convertible_to<bool>;  // robots may be commanded to stop
+      { Bitsliced::station } -> std::convertible_to<bool>;   // whether there is a station
       { Bitsliced::supports(team) } -> std::same_as<bool>;
       teams.insert(i, team);
       teams.erase(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is counted of the carries whose teams decide in bits.
+// Metrics of the carries whose teams run bit-sliced.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace palmbots {
 
-// What two robots have sent to each other.
+// Writes the counts of messages between two robots.
 inline void write_link_totals(int i, const BitslicedCounts& sent, const BitslicedCounts& lost,
                               LinkTotals& link_totals) {
   link_totals.sent = 0;
@@ -23,7 +23,7 @@ inline void write_link_totals(int i, const BitslicedCounts& sent, const Bitslice
   }
 }
 
-// What is counted of robots that are in the cases of Table 2, as Metrics::note does.
+// Metrics of robots in the cases of Table 2, as in Metrics::note.
 class BitslicedCaseMetrics {
  public:
   void insert(int i) {
@@ -34,7 +34,7 @@ class BitslicedCaseMetrics {
     waits_ &= ~both_at(i);
   }
 
-  // After a tick.
+  // To be called after a tick.
   template <class Robot>
   [[gnu::always_inline]] void note(const BitslicedTable<Robot>& robots) {
     using StateOutput = typename Robot::StateOutput;
@@ -47,7 +47,7 @@ class BitslicedCaseMetrics {
     }
     const auto& [a, b, c, d] = names;
     const RobotMask was_a = names_[0];
-    // When the partner asks too, (a) turns out to be (b); who is in (c) assists.
+    // (a) becomes (b) if the partner asks too. A robot in (c) assists.
     corrections_.add(renamed & (a | (b & ~was_a) | d));
     const RobotMask waits = robots.who([](const StateOutput& output) { return output.waits; });
     waits_now_.clear(waits & (renamed | ~waits_));
@@ -57,7 +57,7 @@ class BitslicedCaseMetrics {
     names_ = names;
   }
 
-  // What is known of pair i after `ticks` ticks.
+  // Writes the metrics of pair i after `ticks` ticks.
   void write_results(int i, std::uint32_t ticks, Metrics& metrics) const {
     metrics.corrections = corrections_.of(left, i) + corrections_.of(right, i);
     for (const std::size_t side : {left, right}) {
@@ -68,11 +68,11 @@ class BitslicedCaseMetrics {
   }
 
  private:
-  std::array<RobotMask, 4> names_{};  // who is in which case
+  std::array<RobotMask, 4> names_{};  // the robots in each case
   RobotMask waits_{};
   BitslicedCounts corrections_;
-  BitslicedCounts waiting_;    // ticks, in all …
-  BitslicedCounts waits_now_;  // … and without a break, of those who wait
+  BitslicedCounts waiting_;    // ticks in total
+  BitslicedCounts waits_now_;  // ticks of the present wait
 };
 
 }  // namespace palmbots

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resilient algorithm for sixty-four pairs of robots at once: a bit a robot, numbers bit by
-// bit.
+// The resilient algorithm for 64 pairs of robots at once, with one bit for each robot and
+// bit-sliced numbers.
 //
-// What ResilientTeam (sim/resilient_team.hpp) and Resilient do beacon by beacon is done here in
-// words; the table is the one in control/resilient.hpp. For pairs whose robots do not fail but by
-// reboots, whose clocks are the carry's and whose beacons all take the same time, or are lost. Then
-// none overtakes another, so that what comes is news, and of the two stamps in a beacon its age is
-// all that counts: it goes along with it. An echo of what a robot sent before it booted is older
-// than its life.
+// ResilientTeam (sim/resilient_team.hpp) and Resilient handle single beacons; this header does the
+// same with operations on words. The table is the one in control/resilient.hpp. It requires that
+// the only faults are reboots of robots, that their clocks run like the carry's, and that all
+// beacons of a carry have the same delay or are lost. Then no beacon overtakes another, so every
+// arriving beacon is the newest. Of the two stamps in a beacon only the resulting age matters, and
+// it is stored with the beacon. An echo of a beacon that a robot sent before its boot is older than
+// the time since that boot.
 #pragma once
 
 #include "palmbots/batch/bitslice_metrics.hpp"
@@ -15,7 +16,7 @@
 
 namespace palmbots {
 
-// Sixty-four pairs, their radio, and what is counted of them.
+// 64 pairs with their radio, and their counts.
 class BitslicedResilient {
   using Robot = Resilient;
   using Messages = BitslicedMessage<3>;
@@ -112,7 +113,7 @@ class BitslicedResilient {
   }
 
  private:
-  // Beacons that arrive in a tick: for whom there is one, and what it says.
+  // The beacons that arrive in a tick: who gets one, and its content.
   struct Beacons {
     Messages message;
     RobotMask stops{};
@@ -120,7 +121,7 @@ class BitslicedResilient {
     BitslicedCounter age;
   };
 
-  // What the newest message is while it is fresh.
+  // The newest message while it is fresh.
   struct Heard {
     RobotMask tilt_up;
     RobotMask ack;
@@ -141,7 +142,7 @@ class BitslicedResilient {
     }
   };
 
-  // A robot whose palm was up for its partner keeps it up.
+  // A robot whose palm was up for its partner keeps it up after a boot.
   void boot(RobotMask whose) {
     const RobotMask assisted =
         robots_.in(Robot::State::c_grant) | robots_.in(Robot::State::c_withdraw);
@@ -161,7 +162,7 @@ class BitslicedResilient {
     lease_.partner_ready &= ~whose;
   }
 
-  // Takes in what arrives while a robot runs.
+  // Takes in the beacons that arrive while a robot runs.
   void hear(const Beacons& beacons, RobotMask run) {
     const RobotMask whose = beacons.message.any() & run;
     const auto take = [&](RobotMask& word, RobotMask said) {
@@ -177,10 +178,10 @@ class BitslicedResilient {
     late_.add(swapped(whose & lease_.age.at_least(limits_.stale)));
   }
 
-  // How old the partner will take a beacon to be when it arrives: as long as it is then since the
-  // partner sent what this robot heard last.
+  // The age that the partner will assign to a beacon when it arrives: the time since the partner
+  // sent the message that this robot received last.
   void post(std::uint64_t tick, RobotMask send, RobotMask ready) {
-    line_[tick % line_.size()].message = {};  // taken in
+    line_[tick % line_.size()].message = {};  // delivered
     const RobotMask comes = swapped(send);
     const Messages message = says_.swapped();
     const RobotMask resting = swapped(lease_.stopped);
@@ -196,7 +197,7 @@ class BitslicedResilient {
     });
   }
 
-  // What robots in their states say.
+  // The messages that the robots broadcast in their states.
   Messages messages() const {
     Messages found;
     for (const MessageKind message :
@@ -211,13 +212,13 @@ class BitslicedResilient {
 
   BitslicedTable<Robot> robots_;
   Messages message_;  // the newest
-  Messages says_;     // what it says itself
+  Messages says_;     // its own message
   RobotMask there_{};
   LeaseLimits<BitslicedCounter> limits_;
   LeaseState<RobotMask, BitslicedCounter> lease_;
-  BitslicedCounter there_and_back_;  // how long two messages take
+  BitslicedCounter there_and_back_;  // the delay of two messages
   BitslicedCounter
-      echo_;  // since the partner sent the newest beacon, and as long as one takes on top
+      echo_;  // time since the partner sent the newest beacon, plus the delay of one message
   BitslicedCounter since_booted_;
 
   std::array<Beacons, BitslicedDelay::longest + 1> line_;

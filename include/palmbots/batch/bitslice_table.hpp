@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots that run a table, sixty-four pairs of them at once: a bit a robot.
+// Bit-sliced evaluation of a controller's table for 64 pairs of robots at once.
 //
-// Bit i of a word tells of pair i: who is in a state, who has got which message. A row of the table
-// becomes a few logical operations, for all robots and without a branch.
+// Bit i of a word belongs to pair i. Words hold which robots are in a state and which robots have a
+// message. A row of the table becomes a few logical operations for all robots, without a branch.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace palmbots {
 
-// A message for each robot, or none: its lowest bits.
+// A message for each robot, or none, as bit slices of its number.
 template <std::size_t bits>
 struct BitslicedMessage {
   std::array<RobotMask, bits> bit{};
@@ -35,7 +35,7 @@ struct BitslicedMessage {
     for (std::size_t k = 0; k < bits; ++k) found |= bit[k] ^ than.bit[k];
     return found;
   }
-  // To those who have none.
+  // Stores a message for these robots, which must have none.
   void insert(RobotMask whose, MessageKind message) {
     for (std::size_t k = 0; k < bits; ++k) {
       if (has(message, k)) bit[k] |= whose;
@@ -47,7 +47,7 @@ struct BitslicedMessage {
   void erase(RobotMask whose) {
     for (RobotMask& one : bit) one &= ~whose;
   }
-  // Those of the partners.
+  // The messages of the partners.
   BitslicedMessage swapped() const {
     BitslicedMessage found;
     for (std::size_t k = 0; k < bits; ++k) found.bit[k] = palmbots::swapped(bit[k]);
@@ -60,8 +60,8 @@ struct BitslicedMessage {
   }
 };
 
-// Who is in which state of a robot's table, which is unrolled: it is gone when the compiler is
-// done.
+// Which robots are in which state of a table. The loops over the table are unrolled, so that no
+// table remains at run time.
 template <class Robot>
 class BitslicedTable {
  public:
@@ -77,8 +77,8 @@ class BitslicedTable {
     for (RobotMask& state : in_) state &= ~whose;
   }
 
-  // Each of these runs the first row that fits: fits(row) says to whom of all it does, and
-  // went(row, whose) is told who ran it.
+  // Each of these robots runs the first row that fits. fits(row) returns the robots to which the
+  // row applies, and went(row, whose) is called with the robots that ran it.
   template <class Fits, class Went>
   [[gnu::always_inline]] void step(RobotMask these, Fits&& fits, Went&& went) {
     step_all<Robot>(in_, these, fits, went);
@@ -86,7 +86,7 @@ class BitslicedTable {
 
   RobotMask in(State state) const { return in_[static_cast<std::size_t>(state)]; }
 
-  // Those for whose state it is true.
+  // The robots in a state for which the predicate is true.
   template <class Predicate>
   [[gnu::always_inline]] RobotMask where(Predicate predicate) const {
     RobotMask found{};
@@ -95,7 +95,8 @@ class BitslicedTable {
     }(std::make_index_sequence<Robot::states>());
     return found;
   }
-  // Those of each state of whom it is true there.
+  // truth(state) is evaluated for each state; returns the robots for which it is true in their
+  // state.
   template <class Truth>
   [[gnu::always_inline]] RobotMask where_each(Truth truth) const {
     RobotMask found{};
@@ -104,7 +105,7 @@ class BitslicedTable {
     }(std::make_index_sequence<Robot::states>());
     return found;
   }
-  // Those of whom it is true what they do.
+  // The robots whose state has an output for which the predicate is true.
   template <class Predicate>
   [[gnu::always_inline]] RobotMask who(Predicate predicate) const {
     return where([&](State s) { return predicate(Robot::outputs[static_cast<std::size_t>(s)]); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The teams of the carries in lockstep that decide all at once, a bit a robot (batch/bitslice.hpp).
+// The bit-sliced teams of the carries in lockstep (batch/bitslice.hpp).
 #pragma once
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 
 namespace palmbots {
 
-// When programs of robots stop or start to run, in each of 64 carries.
+// Times at which programs of robots stop or start to run, in each of 64 carries.
 class BitslicedProgramStates {
  public:
   BitslicedProgramStates() { change_at_.fill(never); }
 
-  // Carry i begins at that tick, with these faults.
+  // Carry i begins at the tick `start`, with these faults.
   void insert(int i, std::uint64_t start, const Faults& faults) {
     if (!faults.any()) return;
     const auto place = static_cast<std::size_t>(i);
@@ -69,10 +69,11 @@ class BitslicedProgramStates {
   std::array<const Faults*, 64> faults_{};
   std::array<std::uint64_t, 64> start_{};
   std::array<std::uint64_t, 64> change_at_;
-  std::uint64_t first_change_ = never;  // no later than any of them
+  std::uint64_t first_change_ = never;  // not later than any of them
 };
 
-// Of 64 carries in packs of n lanes; lane l of pack p is bit p n + l. Not all teams can go in bits.
+// Up to 64 carries, in packs of n SIMD lanes. Lane l of pack p corresponds to bit p·n + l. Only
+// teams for which `BitslicedTeam` is specialised can run bit-sliced.
 template <class Real, int n, class Team>
 class BitslicedTeams {
  public:
@@ -82,7 +83,7 @@ class BitslicedTeams {
   static constexpr std::size_t packs = 64 / n;
   static constexpr bool exists = BitslicedTeam<Team>::exist;
 
-  // Carry i begins at that tick; its team goes on here, if it can.
+  // Carry i begins at the tick `start`. Its team continues here if it can run bit-sliced.
   void insert(int i, std::uint64_t start, const One& one) {
     const auto steps = one.tactile_.steps();
     if (!steps || !Teams::supports(one.team_)) return;
@@ -104,7 +105,7 @@ class BitslicedTeams {
     if (one.team_.radio().loss_words() > 0) lossy_ |= CarryMask{1} << i;
   }
 
-  // Carry i is over, and learns what is known of its team.
+  // Carry i is over: its team's metrics are written to `one`.
   void erase(int i, One& one) {
     if ((here_ >> i & 1) == 0) return;
     teams_.write_results(i, one.tick_, one.metrics_, one.team_.link_totals);
@@ -115,10 +116,10 @@ class BitslicedTeams {
     lossy_ &= ~(CarryMask{1} << i);
   }
 
-  // Those whose teams are here.
+  // The carries whose teams run bit-sliced.
   CarryMask here() const { return here_; }
 
-  // Before a block of ticks.
+  // To be called before a block of ticks: draws the random numbers of a pack.
   void draw(std::size_t pack, const LaneRandomInputs<n>& random_inputs, std::uint64_t tick) {
     Share& share = shares_[pack];
     if (of(pack, misread_) != 0) draw_readings(random_inputs, tick, share.readings);
@@ -128,7 +129,7 @@ class BitslicedTeams {
     }
   }
 
-  // What the robots of a pack sense.
+  // The observations of the robots of a pack.
   [[gnu::always_inline]] BitslicedObservation sense(std::size_t pack, const PerSide<V>& touched,
                                                     const PerSide<Mask>& palm_at_target) const {
     const Share& share = shares_[pack];
@@ -141,14 +142,15 @@ class BitslicedTeams {
             words([&](std::size_t side) { return palm_at_target[side]; })};
   }
 
-  // The teams decide, and what is new is obeyed by robots(pack).
+  // Steps the teams; new commands are passed to robots(pack).
   template <class RobotsOf>
   [[gnu::always_inline]] void decide(std::uint64_t tick, BitslicedObservation& sensed,
                                      RobotsOf&& robots) {
     if (misread_ != 0) falsify(tick, sensed);
     const BitslicedLoss lost = lossy_ != 0 ? losses(tick) : BitslicedLoss{};
     const CarryMask are_new = teams_.step(tick, sensed, programs_.at(tick), lost);
-    // All packs: to some it is almost always new, and to guess which costs more. Unrolled.
+    // Handles all packs without a branch: some pack almost always has new commands, so a branch
+    // would often be mispredicted. Unrolled.
     [&]<std::size_t... pack>(std::index_sequence<pack...>) {
       (obey(pack, are_new, robots(pack)), ...);
     }(std::make_index_sequence<packs>());
@@ -158,22 +160,22 @@ class BitslicedTeams {
   using Teams = BitslicedTeam<Team>;
   static constexpr CarryMask all_lanes = (CarryMask{1} << n) - 1;
 
-  // What is known of a pack's lanes.
+  // The data of a pack's lanes.
   struct Share {
-    V not_negative;                     // from where on palms read 0 or +
-    V positive;                         // … and +
-    PerSide<std::array<V, 3>> speeds;   // what moves come to
+    V not_negative;                     // outward coordinate from which on palms read 0 or +
+    V positive;                         // … and from which on they read +
+    PerSide<std::array<V, 3>> speeds;   // speed for each move
     PerSide<std::array<V, 3>> resting;  // … of robots that rest
     FalseReadings<block_ticks> readings;
-    ChanceRows<block_ticks> reports_lost;   // what robots send
-    ChanceRows<block_ticks> commands_lost;  // … and a station
+    ChanceRows<block_ticks> reports_lost;   // messages of the robots
+    ChanceRows<block_ticks> commands_lost;  // messages of a station
   };
 
   static std::uint32_t of(std::size_t pack, CarryMask word) {
     return static_cast<std::uint32_t>(word >> pack * n & all_lanes);
   }
 
-  // What sensors that may tell something false make of it.
+  // Applies false readings.
   [[gnu::noinline]] void falsify(std::uint64_t tick, BitslicedObservation& sensed) const {
     const RobotMask wrong =
         come_true(tick, misread_, [](const Share& s) -> const auto& { return s.readings.wrong; });
@@ -187,7 +189,7 @@ class BitslicedTeams {
             come_true(tick, lossy_, [](const Share& s) -> const auto& { return s.commands_lost; })};
   }
 
-  // What happens by chance in a tick, to these.
+  // The random events of a tick, for these carries.
   template <class Rows>
   [[gnu::always_inline]] RobotMask come_true(std::uint64_t tick, CarryMask these,
                                              Rows&& rows) const {
@@ -204,7 +206,7 @@ class BitslicedTeams {
   [[gnu::always_inline]] void obey(std::size_t pack, CarryMask are_new, Robots<V>& robots) const {
     const BitslicedCommand& commands = teams_.commands();
     const auto lanes = [&](CarryMask word) { return Mask::of(of(pack, word)); };
-    const Mask told = lanes(are_new);
+    const Mask commanded = lanes(are_new);
     on_both_sides([&](std::size_t side) {
       const auto moving = [&](const std::array<V, 3>& speeds) {
         const auto& [hold, away, closer] = speeds;
@@ -218,18 +220,18 @@ class BitslicedTeams {
         const Mask stops = lanes(commands.stop[side]);
         speed = select(stops, moving(shares_[pack].resting[side]), speed);
         const V brakes = select(stops & (speed == V(0)), V(1), V(0));
-        robots.brakes[side] = select(told, brakes, robots.brakes[side]);
+        robots.brakes[side] = select(commanded, brakes, robots.brakes[side]);
       }
-      robots.goal_angle[side] = select(told, angle, robots.goal_angle[side]);
-      robots.goal_speed[side] = select(told, speed, robots.goal_speed[side]);
+      robots.goal_angle[side] = select(commanded, angle, robots.goal_angle[side]);
+      robots.goal_speed[side] = select(commanded, speed, robots.goal_speed[side]);
     });
   }
 
   Teams teams_;
   BitslicedProgramStates programs_;
   CarryMask here_ = 0;
-  CarryMask misread_ = 0;  // those of them whose readings may be false
-  CarryMask lossy_ = 0;    // … whose messages may be lost
+  CarryMask misread_ = 0;  // carries that may have false readings
+  CarryMask lossy_ = 0;    // carries that may lose messages
   std::array<Share, packs> shares_{};
 };
 

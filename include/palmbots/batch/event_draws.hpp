@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens by chance to several carries side by side in a block of ticks, a bit a lane: false
-// readings and lost messages. The same draws as a single carry's (robot/tactile_sensor.hpp,
-// sim/radio_channel.hpp).
+// Random events of several carries side by side in a block of ticks, with one bit for each lane:
+// false readings and lost messages. The draws are the same as a single carry's
+// (robot/tactile_sensor.hpp, sim/radio_channel.hpp).
 #pragma once
 
 #include "palmbots/base/side.hpp"
@@ -11,29 +11,29 @@
 
 namespace palmbots {
 
-// Bit l of a row tells of lane l in a tick.
+// One row of bits for each tick. Bit l of a row belongs to lane l.
 template <std::size_t ticks>
 using ChanceRows = PerSide<std::array<std::uint32_t, ticks>>;
 
-// Of what the sensors say.
+// False readings of the sensors.
 template <std::size_t ticks>
 struct FalseReadings {
   ChanceRows<ticks> wrong;
-  ChanceRows<ticks> once;  // it is the next sign that is read, of −, 0, +, −, …; else the one after
+  ChanceRows<ticks> once;  // the false sign is the next one of −, 0, +, −, …; else the one after it
 };
 
 namespace detail {
 
-// The lower halves as numbers.
+// The lower halves as floating-point numbers.
 inline auto lower_numbers(Halves words) {
   using V = Lanes<double, static_cast<int>(draws_at_once)>;
-  // The bits of 2⁵² and of a smaller whole number make their sum.
+  // The bit pattern of 2⁵², combined with the bits of a smaller whole number, is that of their sum.
   constexpr double two_52 = 4503599627370496.0;
   const Halves sum = (words & 0xFFFFFFFF) | std::bit_cast<std::uint64_t>(two_52);
   return V::of((decltype(V::raw))sum) - V(two_52);
 }
 
-// Whether a word of a draw is below a number, and whether it is odd.
+// The lanes in which a word of a draw is below a number, or is odd.
 template <int n, class RandomBlock>
 std::uint32_t lanes_below(const std::array<double, n>& limits, const RandomBlock& drawn,
                           std::size_t tick, std::size_t which) {
@@ -55,7 +55,7 @@ std::uint32_t lanes_odd(const RandomBlock& drawn, std::size_t tick, std::size_t 
   return bits;
 }
 
-// From what is drawn for the robots that lead and for the others.
+// Stores what is drawn for the leading robots and for the others.
 template <int n, std::size_t ticks>
 void put_chances(const LaneRandomInputs<n>& inputs, std::uint32_t leader, std::uint32_t follower,
                  std::size_t k, ChanceRows<ticks>& rows) {
@@ -66,7 +66,7 @@ void put_chances(const LaneRandomInputs<n>& inputs, std::uint32_t leader, std::u
 
 }  // namespace detail
 
-// The readings of the ticks from `first` on.
+// Draws the false readings of the ticks from `first` on.
 template <int n, std::size_t ticks>
 void draw_readings(const LaneRandomInputs<n>& inputs, std::uint64_t first,
                    FalseReadings<ticks>& found) {
@@ -87,8 +87,8 @@ void draw_readings(const LaneRandomInputs<n>& inputs, std::uint64_t first,
   }
 }
 
-// Whether messages that are sent in the ticks from `first` on are lost: on the links of the robot
-// that leads and of the other one, which draw in two lanes of the radio's from `lane` on.
+// Draws the losses of messages that are sent in the ticks from `first` on. The links of the leading
+// robot and of the other one use two lanes of the radio's stream, from `lane` on.
 template <int n, std::size_t ticks>
 void draw_losses(const LaneRandomInputs<n>& inputs, std::uint32_t lane, std::uint64_t first,
                  ChanceRows<ticks>& found) {

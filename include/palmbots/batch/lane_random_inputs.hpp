@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the random numbers of several carries side by side depend on.
+// Inputs of the random draws for several carries side by side.
 #pragma once
 
 #include <cstring>
@@ -9,16 +9,16 @@
 
 namespace palmbots {
 
-// For n carries side by side.
+// The inputs for n carries side by side.
 template <int n>
 struct LaneRandomInputs {
   std::array<std::uint64_t, n> seed;
   std::array<std::uint64_t, n> start;       // the tick at which the carry began
   std::array<std::uint64_t, n> left_leads;  // all bits: the left robot leads; none: the right one
-  std::array<double, n> false_words;        // a reading is false where a word is below that
-  std::array<double, n> loss_words;         // a message is lost where a word is below that
+  std::array<double, n> false_words;        // threshold of false readings
+  std::array<double, n> loss_words;         // threshold of lost messages
 
-  // Words of one draw are as wide as this, and so are parts of a row.
+  // The number of words in one draw, and in one part of a row.
   static constexpr std::size_t width = detail::draws_at_once;
   static constexpr std::size_t parts = n / width;
   static_assert(n % width == 0);
@@ -41,7 +41,7 @@ struct LaneRandomInputs {
    public:
     explicit RandomBlock(const std::array<detail::Draws, ticks * parts>& words) : words_(words) {}
 
-    // One of those of a tick and part of the lanes; its upper halves mean nothing.
+    // One of the words of a tick, for one part of the lanes. Its upper half is meaningless.
     detail::Halves word(std::size_t tick, std::size_t p, std::size_t which) const {
       return words_[tick * parts + p][which];
     }
@@ -50,8 +50,8 @@ struct LaneRandomInputs {
     std::array<detail::Draws, ticks * parts> words_;
   };
 
-  // Draws of a stream, in one of its own lanes, for several ticks that are `apart` from each other,
-  // in every lane here: in turn, so that none waits for another.
+  // Draws of a stream, from one of the stream's lanes, for several ticks that are `apart` from each
+  // other, in all SIMD lanes. The draws are interleaved, so that none waits for another.
   template <std::size_t ticks>
   class LaneDraws {
    public:
@@ -89,7 +89,7 @@ struct LaneRandomInputs {
     std::array<detail::Halves, ticks * parts> tick_;
   };
 
-  // As many in turn as there are registers for.
+  // The number of interleaved draws, limited by the number of registers.
   static constexpr std::size_t in_turn = (width == 8 ? 4 : 2) / parts;
 };
 

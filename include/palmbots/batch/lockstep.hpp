@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many carries in lockstep: several side by side in the lanes of one number (base/simd_lanes.hpp).
+// Many carries in lockstep, several side by side in SIMD lanes (base/simd_lanes.hpp).
 //
-// Every lane does what Carry::tick does, with the same bits. What all carries do in every tick is
-// done in lanes: sensing, driving, the common step of the world, measuring. Teams of which there is
-// a kind for many carries at once decide so, a bit a robot (batch/bitslice.hpp). What few do is
-// done by the lane's own Carry, to which its numbers are handed for the purpose: other teams that
-// have something to decide, steps in which more happens than one contact sliding, ends. A lane
-// whose carry is over takes the next one at the next block of ticks.
+// Every lane executes Carry::tick with the same bits. Work that all carries do in every tick is
+// done in lanes: sensing, driving, the common step of the world, and statistics. Teams that have a
+// bit-sliced form are stepped in that form (batch/bitslice.hpp). Rare work is done by the lane's
+// own Carry, to which the lane's numbers are copied first. This is stepping other teams, steps in
+// which more happens than one contact sliding, and the end of a carry. A lane whose carry is over
+// takes the next one at the next block of ticks.
 //
-// Of carries whose teams decide in bits corrections are counted, but not kept one by one
-// (Metrics::rows, longest_correction, limit_cycle).
+// Carries with bit-sliced teams count corrections but do not store them one by one (Metrics::rows,
+// longest_correction, limit_cycle).
 #pragma once
 
 #include <optional>
@@ -20,16 +20,16 @@
 
 namespace palmbots {
 
-// Lanes<Real, n> numbers; Team as in Carry.
+// Runs carries in lanes of type Lanes<Real, n>. Team is as in Carry.
 template <class Real, int n, class Team>
 class Lockstep {
  public:
   using V = Lanes<Real, n>;
   using One = Carry<Real, Team, NoRecorder>;
 
-  // Runs carries until there are no more of them: next(slot, index) puts one into an optional<One>
-  // and gives it a number, or returns false; done(index, carry) gets each finished one, in no
-  // particular order. Gives up where it stands when stop() is true.
+  // Runs carries until there are no more. next(slot, index) puts a carry into an optional<One> and
+  // gives it a number, or returns false. done(index, carry) gets each finished carry, in no
+  // particular order. Stops without finishing when stop() returns true.
   template <class Next, class Done, class Stop>
   void run(Next&& next, Done&& done, Stop&& stop) {
     bool more = true;
@@ -55,7 +55,7 @@ class Lockstep {
   }
 
  private:
-  // As many carries as a word has bits.
+  // A word has one bit for each carry.
   static constexpr std::size_t pack_count = 64 / n;
   static constexpr bool in_bits = BitslicedTeams<Real, n, Team>::exists;
 
@@ -67,30 +67,29 @@ class Lockstep {
 
   struct Pack {
     ModelParams<V> params;
-    // Where everything is, and was a tick ago, or the other way round. Lifts are the same in both.
+    // The positions now and a tick ago, in alternating order. Lifts are the same in both.
     std::array<Kinematics<V>, 2> kinematics;
     SlipState<V> slip_state;
     Robots<V> robots;
     ContactStatistics<V> statistics;
     V goal;  // midpoint × travel sense at which the carry is delivered
-    // What each lane's robots were last seen to sense stays so while the palms are touched from
-    // `from` on, before `until`, and the palms have turned, or not, as then.
+    // An observation of a lane's robots stays valid while the palms are touched from `from` on and
+    // before `until`, and while palm_at_target does not change.
     PerSide<V> from;
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> palm_at_target;
     std::uint32_t has_false_readings = 0;  // lanes whose readings may be false
-    std::uint32_t has_bumps = 0;           // lanes in which there are bumps
-    std::uint32_t shaken = 0;              // those in which there was one in this tick
+    std::uint32_t has_bumps = 0;           // lanes whose carry has bumps
+    std::uint32_t shaken = 0;              // lanes with a bump in this tick
     LaneRandomInputs<n> random{};
     PerSide<std::array<V, block_ticks>> noise;
-    // Ticks from the begin of the block at which a lane's team wants to be asked, and its time is
-    // over.
+    // Ticks from the start of the block at which a lane's team has to be stepped, and at which its
+    // carry times out.
     V next_decision;
     V timeout;
     std::uint32_t busy = 0;
-    // Of the step that is being made: how far its first half has come, the midpoint before it,
-    // lanes that have come to their goal or to the end of their time, and those in which there is
-    // something left to do.
+    // About the step in progress: the result of its first half, the midpoint before it, the lanes
+    // that have reached their goal or their time limit, and the lanes in which work is left.
     SingleSlipStep<V> went;
     V midpoint;
     std::uint32_t over = 0;
@@ -107,7 +106,7 @@ class Lockstep {
         if (!more) break;
         One& one = *lane.carry;
         one.begin();
-        if (one.metrics_.reason != DropReason::none) {  // it does not even begin
+        if (one.metrics_.reason != DropReason::none) {  // it does not start at all
           one.tick();
           done(lane.index, one);
           continue;
@@ -130,12 +129,12 @@ class Lockstep {
     put_lane(pack.robots, l, one.robots_);
     put_lane(pack.statistics, l, one.statistics_);
     for (const std::size_t side : {left, right}) {
-      pack.from[side].raw[l] = std::numeric_limits<Real>::infinity();  // nothing seen yet
+      pack.from[side].raw[l] = std::numeric_limits<Real>::infinity();  // no observation yet
     }
     pack.has_false_readings = (pack.has_false_readings & ~(1U << l)) | (one.reads_truly() ? 0U : 1U)
                                                                            << l;
     pack.has_bumps = (pack.has_bumps & ~(1U << l)) | (Bumps::any(one.spec_) ? 1U : 0U) << l;
-    // The least number that is no less than the distance.
+    // The least Real that is not less than the distance.
     auto goal = Real(one.spec_.distance);
     if (double(goal) < one.spec_.distance) {
       goal = std::nextafter(goal, std::numeric_limits<Real>::infinity());
@@ -154,7 +153,7 @@ class Lockstep {
   std::size_t number(const Pack& pack) const {
     return static_cast<std::size_t>(&pack - packs_.data());
   }
-  // Which bit of a word tells of a lane.
+  // The bit of a word that belongs to a lane.
   int bit(const Pack& pack, int l = 0) const { return static_cast<int>(number(pack)) * n + l; }
 
   void collect(Pack& pack, int l, std::uint64_t tick) {
@@ -167,19 +166,19 @@ class Lockstep {
     one.bumps_.draw_block(one.spec_, one.seed_, one.tick_);
   }
 
-  // A tick of a carry, counted from the begin of the block in which it is.
+  // A tick of a carry, counted from the start of its current block.
   static Real in_block(const One& one, std::uint64_t tick) {
     return Real(static_cast<std::int64_t>(tick) - (one.tick_ - one.tick_ % block_ticks));
   }
 
-  // A lane's carry, which learns what tick it is.
+  // A lane's carry, set to the current tick.
   static One& follow(Pack& pack, int l, std::uint64_t tick) {
     Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
     lane.carry->tick_ = static_cast<std::uint32_t>(tick - lane.start);
     return *lane.carry;
   }
 
-  // Where everything is at the begin of a tick.
+  // The positions at the start of a tick.
   static Kinematics<V>& kinematics(Pack& pack, std::uint64_t tick) {
     return pack.kinematics[tick % 2];
   }
@@ -193,7 +192,7 @@ class Lockstep {
     return {take_lane(place, l), take_lane(pack.slip_state, l)};
   }
 
-  // Hands a lane's numbers to its carry.
+  // Copies a lane's numbers to its carry.
   static One& take(Pack& pack, const Kinematics<V>& place, int l, std::uint64_t tick) {
     One& one = follow(pack, l, tick);
     one.world_.set_state(take_state(place, pack, l));
@@ -202,7 +201,7 @@ class Lockstep {
     return one;
   }
 
-  // What all carries do in a tick. What only some do comes when all packs have gone so far
+  // The part of a tick that all carries execute. The rest follows when all packs have come this far
   // (world/single_slip_step.hpp).
   [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick) {
     const std::size_t k = tick % block_ticks;
@@ -233,7 +232,7 @@ class Lockstep {
       Advance<Real> step;
       if ((undone >> l & 1) != 0) {
         one.world_.set_state(take_state(to, pack, l));
-        // What the robots did, once more.
+        // Computes the motion of the robots once more, for this lane.
         const Robots<Real> robots = take_lane(pack.robots, l);
         const auto angle = [&](std::size_t side) {
           const Real then = one.world_.configuration().palms[side].angle;
@@ -249,7 +248,7 @@ class Lockstep {
     });
   }
 
-  // A carry ends in a tick, in which the world made that step.
+  // A carry ends in this tick, after that step of the world.
   template <class Done>
   [[gnu::noinline]] void end(Pack& pack, int l, std::uint64_t tick, const Advance<Real>& step,
                              Done& done) {
@@ -270,7 +269,7 @@ class Lockstep {
     done(lane.index, *lane.carry);
   }
 
-  // The bumps of a tick, before all else.
+  // Applies the bumps of a tick, before anything else.
   template <class Done>
   [[gnu::noinline]] void apply_bumps(Pack& pack, std::uint64_t tick, Done& done) {
     for_each_bit(pack.busy & pack.has_bumps, [&](int l) {
@@ -287,9 +286,10 @@ class Lockstep {
     });
   }
 
-  // What is sensed and measured, and what the teams make of it: all at once those that can, the
-  // others one by one if it is news to them, or they have something to do. Which they are is found
-  // for all packs before the first is asked: a processor that guesses wrong does so once a tick.
+  // Sensing, statistics and decisions. Bit-sliced teams are stepped all at once. The others are
+  // stepped one by one if their observation is new or they are due. This set of teams is
+  // determined for all packs before the first is stepped, so that there is at most one branch
+  // misprediction per tick.
   [[gnu::noinline, gnu::flatten]] void think(std::uint64_t tick) {
     CarryMask asked = 0;
     [[maybe_unused]] BitslicedObservation sensed;
@@ -322,7 +322,7 @@ class Lockstep {
     });
   }
 
-  // For which lanes it is news what their robots sense.
+  // The lanes in which the robots' observation is new.
   [[gnu::always_inline]] std::uint32_t lanes_with_news(
       Pack& pack, const PerSide<V>& touched, const PerSide<LaneMask<Real, n>>& palm_at_target,
       std::uint64_t tick) {
@@ -335,8 +335,8 @@ class Lockstep {
     return ((!same) | (V(tick % block_ticks) >= pack.next_decision)).bits();
   }
 
-  // Where the palms are touched, as World::touched(): at the two vertices, or if some objects rest
-  // on more, what is put together in `elsewhere`.
+  // The coordinates at which the palms are touched, as in World::touched(): those of the two
+  // vertices. If some objects rest on more contacts, the coordinates are collected in `elsewhere`.
   [[gnu::always_inline]] static const PerSide<V>& where_touched(const Pack& pack,
                                                                 const Kinematics<V>& here,
                                                                 PerSide<V>& elsewhere) {
@@ -392,7 +392,7 @@ class Lockstep {
   BitslicedTeams<Real, n, Team> teams_;
 };
 
-// As many lanes as a register has room for.
+// The number of lanes that fill a register.
 template <class Real>
 inline constexpr int lanes_of = register_bytes / static_cast<int>(sizeof(Real));
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The robots' noise for several carries side by side: the same draws as a single carry's, in lanes.
+// The robots' noise for several carries side by side. The draws are the same as a single carry's,
+// in lanes.
 #pragma once
 
 #include <utility>
@@ -26,11 +27,11 @@ inline Wholes join(const std::array<Halves, 2>& words) {
   }(std::make_index_sequence<2 * draws_at_once>{});
 }
 
-// unit_noise() of them.
+// unit_noise() of these words.
 inline auto noise_of(Halves words) {
   typedef double Doubles __attribute__((vector_size(sizeof(Halves))));
   const Halves sum = (words & 0xFFFF) + (words >> 16 & 0xFFFF);
-  // The bits of 2⁵² and of a smaller whole number make their sum.
+  // The bit pattern of 2⁵², combined with the bits of a smaller whole number, is that of their sum.
   constexpr double two_52 = 4503599627370496.0;
   const auto number = (Doubles)(sum | std::bit_cast<std::uint64_t>(two_52)) - (two_52 + 65535);
   return number * unit_noise_scale<double>;
@@ -44,7 +45,8 @@ inline auto noise_of(Wholes words) {
 
 }  // namespace detail
 
-// The noise of the ticks from `first` on, in every lane: one draw serves two robots for two ticks.
+// Draws the noise of the ticks from `first` on, in every lane. One draw serves two robots for two
+// ticks.
 template <class Real, int n, std::size_t ticks>
 void draw_noise(const LaneRandomInputs<n>& inputs, std::uint64_t first,
                 PerSide<std::array<Lanes<Real, n>, ticks>>& noise) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two robots say over a radio that loses, doubles, delays and reorders, and which of it
-// counts.
+// Beacons: what two robots send over a radio that loses, duplicates, delays and reorders, and which
+// beacons count.
 //
-// A beacon carries a message, who sent it when (boot epoch, and the sender's own count of ticks
-// since boot, which serves as sequence number), and an *echo*: the newest such pair that the sender
-// had heard from its partner. The echo does three things at once:
-//   * "I hear you": where the way out is dead, the partner's echo stands still, so both robots
-//   know; * an age: a beacon that echoes what I sent at my tick s was sent after s. So it is at
-//     most now − s old, by my own clock alone: no delay bound is trusted and no clocks are
-//   compared; * an answer: it tells which of my messages the partner knew when it wrote.
-// Only the newest beacon counts. An older one that comes later, or twice, is rejected; a reboot has
-// a higher epoch and outdates all that was sent before. Time is in control ticks.
+// A beacon carries a message and a stamp of when it was sent: the boot epoch and the sender's own
+// count of ticks since boot, which serves as sequence number. It also carries an *echo*: the newest
+// stamp that the sender had received from its partner. The echo serves three purposes:
+//   * Liveness: if my beacons do not arrive, the partner's echo stops advancing, so both robots
+//     know.
+//   * Age: a beacon that echoes what I sent at my tick s was sent after s. By my own clock it is
+//     at most now − s old. No delay bound is trusted and no clocks are compared.
+//   * Acknowledgement: it states which of my messages the partner knew when it sent the beacon.
+// Only the newest beacon counts. An older one that arrives later, or a duplicate, is rejected. A
+// reboot raises the epoch and outdates everything sent before it. Time is in control ticks.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@
 
 namespace palmbots {
 
-// When something was sent: in which life of the sender, and at which tick of it.
+// When something was sent: the sender's boot epoch, and the tick since that boot.
 struct BeaconStamp {
   std::uint32_t epoch = 0;  // 0: never
   std::uint32_t tick = 0;
@@ -29,26 +30,27 @@ struct BeaconStamp {
   }
 };
 
+// A beacon: the sender's message and readiness, with its stamp and echo.
 struct Beacon {
   MessageKind message = MessageKind::none;
   bool stopped = false;  // the sender does not travel
-  bool ready = false;    // nothing keeps it from travelling
+  bool ready = false;    // no condition keeps it from travelling
   BeaconStamp sent;
-  BeaconStamp heard;  // the newest of the partner's that the sender had heard
+  BeaconStamp heard;  // the newest stamp received from the partner
 };
 
-// "Older than anything": an age that no lease reaches.
+// Age reported before any beacon was received; it always exceeds the lease [ticks].
 inline constexpr std::uint16_t unknown_age = 0xFFFF;
 
-// The receiver of one robot.
+// Receives the partner's beacons and stamps this robot's own.
 class BeaconReceiver {
  public:
-  // A robot in its `epoch`-th life, from 1: the number must outlive a reboot.
+  // `epoch` counts the boots of this robot from 1. It must be stored where it survives a reboot.
   constexpr explicit BeaconReceiver(std::uint32_t epoch) : now_{epoch, 0} {}
 
   constexpr void tick(std::uint16_t elapsed) { now_.tick += elapsed; }
 
-  // Takes a beacon if it is newer than all before it, and says whether it was.
+  // Accepts a beacon if it is newer than all before it. Returns true if it was accepted.
   constexpr bool accept(const Beacon& beacon) {
     if (!beacon.sent.after(newest_.sent)) return false;
     newest_ = beacon;
@@ -57,7 +59,7 @@ class BeaconReceiver {
 
   constexpr const Beacon& newest() const { return newest_; }
 
-  // For how long at most the newest beacon has been under way or here [ticks].
+  // Upper bound on the time since the newest beacon was sent [ticks].
   constexpr std::uint16_t age() const {
     if (newest_.heard.epoch != now_.epoch || newest_.heard.tick > now_.tick) return unknown_age;
     const std::uint32_t age = now_.tick - newest_.heard.tick;

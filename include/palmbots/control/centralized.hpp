@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The centralized algorithm: Table 1 of the paper as a table, run by a station beside the robots.
 //
-// Case 7 stands here as the mirror image of case 8. Our copy of the paper prints its two conditions
-// the other way round ("closer until p_R ≤ 0, separate until p_L ≥ 0"); both hold on entry, where
-// p_L > 0 and p_R < 0, so nothing would ever move.
+// Case 7 is the mirror image of case 8 here. Our copy of the paper prints its two conditions in the
+// opposite order ("closer until p_R ≤ 0, separate until p_L ≥ 0"). Both hold on entry, where p_L >
+// 0 and p_R < 0, so nothing would ever move.
 //
-// The station hears each robot's sign and whether its palm has turned, and answers with a command,
-// both in periodic state packets of which the newest counts.
+// The station receives each robot's sign and whether its palm has reached its target. It answers
+// with a command. Both travel in periodic state packets, of which only the newest counts.
 #pragma once
 
 #include "palmbots/control/messages.hpp"
@@ -14,6 +14,7 @@
 
 namespace palmbots {
 
+// The station's program. Robots are numbered 0 (left) and 1 (right).
 class Centralized {
  public:
   static constexpr int left = 0;
@@ -22,17 +23,17 @@ class Centralized {
   // What a robot reports.
   struct Report {
     Sign sign;
-    Palm palm;            // the angle it was last commanded to …
-    bool palm_at_target;  // … and whether it is there
+    Palm palm;            // the angle last commanded
+    bool palm_at_target;  // the palm has reached that angle
 
     constexpr bool operator==(const Report&) const = default;
   };
 
-  // Whose contact a condition is about; `either` and `none` stand for both and for nobody.
+  // Which robot a condition or a tilt refers to. `either` stands for both robots.
   enum class Who : std::uint8_t { on_left, on_right, either, none };
   enum class Until : std::uint8_t { le_zero, ge_zero };  // p ≤ 0, p ≥ 0
 
-  // One action: both robots move the same way until a contact satisfies a condition.
+  // One action: both robots make the same move until a contact satisfies a condition.
   struct Action {
     Move move;  // away: separate, closer: move closer, hold: no action
     Who who;
@@ -41,7 +42,7 @@ class Centralized {
 
   struct Case {
     Sign sign[2];
-    Who tilt;  // the palm that is tilted up first and restored last
+    Who tilt;  // the palm that is tilted up first and restored last (Table 1)
     Action first;
     Action second;
   };
@@ -67,8 +68,8 @@ class Centralized {
   // clang-format on
   static constexpr int cases = 8;
 
-  // What a station has heard of a robot, as truth values (control/transition_table.hpp): of one, or
-  // of 64 side by side.
+  // The station's knowledge of a robot, as truth values (control/transition_table.hpp): of one
+  // robot, or of 64 side by side.
   template <class B>
   struct Heard {
     Observation<B> seen;
@@ -116,7 +117,7 @@ class Centralized {
     constexpr bool operator==(const Output&) const = default;
   };
 
-  // One tick with the newest reports. Before both robots have reported, call nothing.
+  // One tick with the newest reports. Do not call it before both robots have reported.
   Output step(const Report (&in)[2]) {
     const auto heard = [](const Report& report) {
       return Heard<bool>{observation_of(report.sign, report.palm_at_target),
@@ -135,7 +136,7 @@ class Centralized {
     return {{{palm(Who::on_left), move}, {palm(Who::on_right), move}}};
   }
 
-  // The case in progress, 1–8 as in Table 1; 0: none.
+  // The case in progress, 1–8 as in Table 1; 0 if none.
   int current() const { return stage_ == Stage::decide ? 0 : case_; }
   Stage stage() const { return stage_; }
 
@@ -149,7 +150,7 @@ class Centralized {
   }
 
  private:
-  // Goes to the next stage if this one is over. A case always shows for at least one tick.
+  // Goes to the next stage if this one has ended. A case is shown for at least one tick.
   bool advance(const Report (&in)[2], const Heard<bool> (&robots)[2]) {
     const Case& now = table[case_ - 1];
     switch (stage_) {

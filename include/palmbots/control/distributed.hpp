@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The distributed algorithm: Table 2 of the paper as a table, one copy for both robots.
 //
-// A robot runs the first row whose state, sign and message fit; no row: it stays as it is. A row
-// says what it sends and whether it takes the message off the inbox; what the palm and the wheels
-// do is a matter of the state alone. The paper's prose (section 4) fixes what the table leaves
-// open:
-//   * a message that arrives while no state waits for it stays in the inbox, so that a robot in (d)
-//     assists when it is done;
-//   * TiltUp goes before an own negative contact (the columns (c) and (d) of Table 2);
-//   * an Ack says that the palm has turned, and (d) moves only once its own palm has;
-//   * a message that a waiting robot did not wait for is dropped. With reliable, prompt radio there
-//     is none. With losses the algorithm hangs: that is the paper's algorithm, not a defect here.
+// A robot runs the first row that fits its state, sign and message. If no row fits, it stays in its
+// state. A row states which message to send and whether the received message is consumed. The
+// commands for palm and wheels depend on the state alone. The paper's prose (section 4) settles
+// what the table leaves open:
+//   * A message that arrives while no state waits for it stays in the inbox, so that a robot in (d)
+//     assists when it is done.
+//   * TiltUp takes precedence over a robot's own negative contact (columns (c) and (d) of Table 2).
+//   * An Ack states that the palm has turned, and (d) moves only after its own palm has turned.
+//   * A waiting robot drops a message that it does not wait for. On a reliable radio with short
+//     delays there is none. With losses the algorithm hangs; that is a property of the paper's
+//     algorithm, not a defect here.
 // While it waits, a robot keeps its nominal speed.
 #pragma once
 
@@ -19,6 +20,7 @@
 
 namespace palmbots {
 
+// The program of one robot.
 class Distributed {
  public:
   struct Input {
@@ -30,12 +32,12 @@ class Distributed {
   struct Output {
     Command command;
     MessageKind send;
-    bool read;  // the message is used up
+    bool read;  // the message is consumed
   };
 
   enum class State : std::uint8_t {
     idle,
-    a_or_b_request,  // sent TiltUp, waits for the answer that tells (a) from (b)
+    a_or_b_request,  // sent TiltUp, waits for the answer that decides between (a) and (b)
     a_move,
     b_wait_ack,
     b_move,
@@ -51,12 +53,12 @@ class Distributed {
   };
   static constexpr int states = 14;
 
-  // What a robot does as long as it is in a state.
+  // What a robot commands as long as it is in a state.
   struct StateOutput {
     char name;  // the case, as in Table 2; ' ' for none
     Command command;
-    bool waits;          // for a message
-    MessageKind awaits;  // which one, where that is known
+    bool waits;          // waits for a message
+    MessageKind awaits;  // which message, if that is fixed
   };
 
   static constexpr StateOutput outputs[states] = {
@@ -76,7 +78,7 @@ class Distributed {
       /* d_tilt_down    */ {'d', {Palm::steep, Move::hold}, false, MessageKind::none},
   };
 
-  // Conditions of a row.
+  // The conditions of a row.
   using P = ContactCondition;
   enum class Got : std::uint8_t { any, tilt_up, tilt_down, ack };
   enum class Tilt : std::uint8_t { any, done };
@@ -92,8 +94,8 @@ class Distributed {
 
   // clang-format off
   static constexpr Row rows[] = {
-      // in state              contact          message         palm        go to                 
-      // send p > 0: ask for the partner's palm and see whether it asks too
+      // in state              contact          message         palm        go to                  send
+      // p > 0: ask for the partner's palm, and learn whether the partner asks too
       {State::idle,            P::positive,     Got::any,       Tilt::any,  State::a_or_b_request, MessageKind::tilt_up},
       // (a)
       {State::a_or_b_request,  P::any,          Got::ack,       Tilt::any,  State::a_move,         MessageKind::none},
@@ -105,12 +107,12 @@ class Distributed {
       {State::b_tilt_up,       P::any,          Got::any,       Tilt::done, State::b_wait_down,    MessageKind::tilt_down},
       {State::b_wait_down,     P::any,          Got::tilt_down, Tilt::any,  State::b_tilt_down,    MessageKind::none},
       {State::b_tilt_down,     P::any,          Got::any,       Tilt::done, State::idle,           MessageKind::none},
-      // (c) p ≤ 0 and asked
+      // (c) p ≤ 0 and asked by the partner
       {State::idle,            P::not_positive, Got::tilt_up,   Tilt::any,  State::c_tilt_up,      MessageKind::none},
       {State::c_tilt_up,       P::any,          Got::any,       Tilt::done, State::c_wait_down,    MessageKind::ack},
       {State::c_wait_down,     P::any,          Got::tilt_down, Tilt::any,  State::c_tilt_down,    MessageKind::none},
       {State::c_tilt_down,     P::any,          Got::any,       Tilt::done, State::idle,           MessageKind::none},
-      // (d) p < 0 and not asked
+      // (d) p < 0 and not asked by the partner
       {State::idle,            P::negative,     Got::any,       Tilt::any,  State::d_tilt_up,      MessageKind::none},
       {State::d_tilt_up,       P::any,          Got::any,       Tilt::done, State::d_move,         MessageKind::none},
       {State::d_move,          P::not_negative, Got::any,       Tilt::any,  State::d_tilt_down,    MessageKind::none},
@@ -118,7 +120,7 @@ class Distributed {
   };
   // clang-format on
 
-  // Who has got the message that a row asks for.
+  // True for the robots that received the message a row requires.
   template <class B, class Message>
   [[gnu::always_inline]] static constexpr B got(Got wanted, const Message& message) {
     switch (wanted) {
@@ -130,7 +132,8 @@ class Distributed {
     return everywhere<B>();
   }
 
-  // To whom a row applies: robots with these observations and messages, message.is(kind).
+  // True for the robots to which a row applies, given their observations and messages
+  // (message.is(kind)).
   template <class B, class Message>
   [[gnu::always_inline]] static constexpr B fits(const Row& row, const Observation<B>& seen,
                                                  const Message& message) {
@@ -140,15 +143,15 @@ class Distributed {
     return contact & came & turned;
   }
 
-  // A state that looks at its messages takes one message off the inbox a tick, whatever it is. In
-  // idle with p > 0 the message waits for the request's own state, which reads it next.
+  // A state that reads its messages consumes one message from the inbox per tick, whatever it is.
+  // In idle with p > 0 the message stays for the request state, which reads it next.
   template <class B>
   [[gnu::always_inline]] static constexpr B reads(State state, const Observation<B>& seen) {
     if (outputs[static_cast<int>(state)].waits) return everywhere<B>();
     return state == State::idle ? holds(P::not_positive, seen) : B{};
   }
 
-  // An input, as a number.
+  // The input of a step, as a number.
   struct Key {
     static constexpr int messages = 4;
     static constexpr int count = 3 * messages * 2;
@@ -165,7 +168,7 @@ class Distributed {
     constexpr Observation<bool> seen() const { return observation_of(in.sign, in.palm_at_target); }
   };
 
-  // What a step gives.
+  // The result of a step.
   struct Entry {
     State next;
     MessageKind send;
@@ -191,7 +194,7 @@ class Distributed {
     return {now().command, entry.send, entry.read};
   }
 
-  // Whether it would stay as it is and send nothing, however often it got this.
+  // True if the robot would stay in its state and send nothing, however often it got this input.
   bool is_quiescent(Input in) const {
     const Entry& entry = lookup.at(state_, {in});
     return entry.next == state_ && entry.send == MessageKind::none && !entry.read;

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// A controller that does what it is told from outside: for programs that decide tick by tick, such
-// as learning environments, instead of being called.
+// A controller that executes commands given from outside, for programs that decide tick by tick
+// instead of being called, such as learning environments.
 //
-// The order lies with whoever gives it and outlives the controller, also a reboot of its robot. A
-// message is read in the tick in which it is there, or left where it is; one that is sent goes out
-// once.
+// The external program owns the command, so the command survives the controller, even a reboot of
+// its robot. A message is consumed in the tick in which it is available, or left in the inbox. A
+// message to send is sent once.
 #pragma once
 
 #include "palmbots/control/distributed.hpp"
 
 namespace palmbots {
 
-// What one robot is to do from the next tick on.
+// What one robot does from the next tick on.
 struct ExternalCommand {
   Command command{Palm::steep, Move::hold};
   MessageKind send = MessageKind::none;  // in the next tick
-  bool read = true;                      // the oldest message is used up
+  bool read = true;                      // the oldest message is consumed
 };
 
+// A controller that executes the command it points to. It reports no case and never waits.
 class ExternalController {
  public:
   explicit ExternalController(const ExternalCommand* command) : command_(command) {}

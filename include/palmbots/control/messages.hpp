@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a controller sees and says: tactile sign, messages, commands.
+// Inputs and outputs of the controllers: tactile sign, messages, commands.
 //
-// Controllers are sans-I/O: step(input) → output, one call a control tick, no clock, no heap, no
-// global state. The simulator, a model checker and a robot call the same step. These headers
+// Controllers are sans-I/O: step(input) → output, called once per control tick, with no clock, heap
+// or global state. The simulator, a model checker and a robot call the same step. These headers
 // compile freestanding.
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace palmbots {
 
-// What the tactile sensor says of the contact coordinate p.
+// The tactile sensor's reading of the contact coordinate p.
 enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 
 // The messages of the distributed algorithm (paper, section 4): none, tilt_up, tilt_down, ack. The
-// resilient one adds what a robot does that its partner must know of: it corrects a negative
-// contact (closing), or its palm is up but is no answer to a request (raised).
+// resilient algorithm adds two states that the partner must know: the sender corrects a negative
+// contact (closing), or its palm is up but not in answer to a request (raised).
 enum class MessageKind : std::uint8_t { none, tilt_up, tilt_down, ack, closing, raised };
 
 // The names that the paper, the logs and the tables use.
@@ -32,7 +32,7 @@ constexpr const char* name_of(Palm palm) {
   return names[static_cast<int>(palm)];
 }
 
-// The speed a robot adds to its nominal one.
+// The speed that a robot adds to its nominal one.
 enum class Move : std::uint8_t { hold, away, closer };
 
 constexpr const char* name_of(Move move) {
@@ -40,6 +40,7 @@ constexpr const char* name_of(Move move) {
   return names[static_cast<int>(move)];
 }
 
+// What a controller commands: the palm's angle, the wheels' move, and whether to stop travelling.
 struct Command {
   Palm palm;
   Move move;

@@ -1,43 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resilient distributed algorithm: the cases of Table 2 on leases instead of waits, one copy
-// for both robots. Nothing in it waits for a message that may be lost: every robot broadcasts, each
-// beacon period and at once when it changes, one message that says what it does, and what a robot
-// does on the other's message it does only while that message is fresh (control/beacon.hpp says how
-// old it can be at most).
+// The resilient distributed algorithm: the cases of Table 2 with leases instead of waits, one copy
+// for both robots.
 //
-//   TiltUp   p > 0: I want your palm up         Ack      my palm is up for you, move
-//   TiltDown nothing wanted, my palm is steep   Closing  I am in (d)
-//   Raised   my palm is up or on its way, but not for you
+// No state waits for a message that may be lost. Every robot broadcasts one message that states
+// what it does, in each beacon period and at once when it changes. A robot acts on its partner's
+// message only while that message is fresh (control/beacon.hpp bounds its age).
 //
-// INTERFACE. step(Input) → Output once a control tick; no memory but the object itself (30 bytes),
-// no I/O, no clock. The caller keeps an BeaconReceiver (control/beacon.hpp), and across a reboot
-// the epoch and the last Output::assists. Times are in ticks: `beacon`, the period; `lease`, how
-// old a message may be to count; `hold`, how long a palm stays up for a partner that fell silent;
-// `braking`, how long wheels take from a correction back to the nominal speed; `join`, for how long
-// a robot that was ready may still start after its partner. They come from
-// control/resilient_timing.hpp; safety needs hold ≥ lease + braking + skipped ticks, and nothing
-// else.
+//   TiltUp   p > 0: the sender wants the partner's palm up
+//   Ack      the sender's palm is up for the partner, which may move
+//   TiltDown the sender wants nothing, its palm is steep
+//   Closing  the sender is in (d)
+//   Raised   the sender's palm is up or on its way, but not for the partner
 //
-// The rules that keep the object on the palms, with "newest" the newest beacon heard:
+// INTERFACE. step(Input) → Output once per control tick. The object itself (30 bytes) is the only
+// memory; there is no I/O and no clock. The caller keeps a BeaconReceiver (control/beacon.hpp) and,
+// across a reboot, the epoch and the last Output::assists. Times are in ticks:
+//   beacon    the beacon period
+//   lease     the greatest age at which a message counts
+//   hold      how long a palm stays up for a partner that fell silent
+//   braking   how long wheels take from a correction back to the nominal speed
+//   join      for how long a robot that was ready may still start after its partner
+// They are computed in control/resilient_timing.hpp. Safety requires hold ≥ lease + braking +
+// skipped ticks, and nothing else.
+//
+// These rules keep the object on the palms. "Newest" is the newest beacon received.
 //   * (a) moves away only while the newest message is a fresh Ack. The sender keeps its palm up
 //     for `hold` after its last Ack, unless it hears that the partner has stopped asking.
-//   * Having asked, a robot starts nothing until it hears a beacon whose sender had heard that it
-//     asks no more ("released"): from then on no old request of its can bring up the other's palm.
-//   * Nobody says that a move is over before the wheels have braked: TiltUp until then in (a), and
-//     no Ack after (d). So motions of the two do not overlap, but for (d) on both sides.
-//   * (d) moves closer only while the newest message is fresh and says: the other palm is steep,
-//     or in (d) too. Before it has begun a request goes first: who asks may have its palm still
-//   turning. * Requests that cross, case (b): the robot that yields (the lower identity) assists
-//   first. * What was begun is moved through for at least one tick, even if p has come to 0
-//     meanwhile, as in Table 2. Palms that turn shift the contacts a little: two robots that stand,
-//     with contacts at the edge of the zero zone, would otherwise ask and withdraw for ever.
-//   * Silence, that is no fresh message: moves end, palms go steep, the robot stops travelling.
-// Travel: a robot that hears that its partner knows it to travel and yet rests, rests too; so two
-// robots never travel apart for longer than a lease, however one-sided the radio is. Both say when
-// they are *ready*: linked, idle, p = 0. A robot starts only where both are; one that is off centre
-// or hears nothing looks idle, but not ready. So skews do not add up. Whoever starts first may
-// shift the other's contact off again: so the other follows also where it was ready `join` ago, and
-// corrects on the way.
+//   * After a request, a robot starts nothing until it is *released*: it has received a beacon
+//     whose sender knew that it no longer asks. From then on none of its old requests can raise
+//     the partner's palm.
+//   * A move is reported as over only after the wheels have braked: (a) sends TiltUp until then,
+//     and (d) sends no Ack before. So motions of the two robots do not overlap, except (d) on both
+//     sides.
+//   * (d) moves closer only while the newest message is fresh and states that the partner's palm
+//     is steep or that the partner is in (d) too. Before (d) has begun a request takes precedence,
+//     because the palm of the robot that asks may still be turning.
+//   * Requests that cross are case (b): the robot that yields (the lower identity) assists first.
+//   * A correction that has begun moves for at least one tick, even if p has become 0 meanwhile,
+//     as in Table 2. The reason is that turning palms shift the contacts a little. Two robots at
+//     rest, with contacts at the edge of the zero zone, would otherwise request and withdraw
+//     forever.
+//   * Silence means that there is no fresh message: moves end, palms go steep, and the robot stops
+//     travelling.
+//
+// Travel: a robot rests if its partner rests although the partner knows that this robot travels. So
+// two robots never travel apart for longer than a lease, however one-sided the radio is. Both
+// broadcast when they are *ready*: linked, idle, p = 0. A robot starts only if both are ready. A
+// robot that is off centre or hears nothing looks idle, but is not ready, so skews do not add up.
+// The first robot to start may move the other's contact off centre again. The other therefore also
+// follows if it was ready within the last `join` ticks, and corrects while travelling.
 //
 // Source: the paper's section 4 for the cases; Gray and Cheriton, "Leases", SOSP 1989.
 // docs/theory/protocols.md has the derivation.
@@ -49,9 +60,10 @@
 
 namespace palmbots {
 
+// The program of one robot.
 class Resilient {
  public:
-  // In ticks; lease and hold below 65535.
+  // In ticks. Lease and hold must be below 65535.
   struct Times {
     std::uint16_t beacon;
     std::uint16_t lease;
@@ -64,17 +76,17 @@ class Resilient {
     Sign sign;
     bool palm_at_target;    // the palm has reached the angle last commanded
     std::uint16_t elapsed;  // ticks since the last step, at least 1
-    MessageKind message;    // of a beacon newer than all before, if one came; else none
+    MessageKind message;    // from a beacon newer than all before, else none
     bool stopped;           // that beacon's sender does not travel
-    bool ready;             // nothing keeps it from travelling
-    std::uint16_t age;      // of that beacon, as the BeaconReceiver tells
+    bool ready;             // no condition keeps that sender from travelling
+    std::uint16_t age;      // of that beacon, from BeaconReceiver::age()
   };
 
   struct Output {
     Command command;      // with `stop`
-    MessageKind message;  // what the robot has to say, at all times
-    bool ready;           // … and with it
-    bool send;            // send it now
+    MessageKind message;  // the robot's current message, at all times
+    bool ready;           // the robot's current readiness, at all times
+    bool send;            // a beacon is due now
     bool assists;         // keep this bit across a reboot
   };
 
@@ -94,12 +106,12 @@ class Resilient {
   };
   static constexpr int states = 12;
 
-  // What a robot does and says as long as it is in a state.
+  // What a robot commands and broadcasts as long as it is in a state.
   struct StateOutput {
     char name;  // the case, as in Table 2; ' ' for none
     Command command;
     MessageKind message;
-    bool waits;  // for an Ack
+    bool waits;  // waits for an Ack
   };
 
   static constexpr StateOutput outputs[states] = {
@@ -117,7 +129,8 @@ class Resilient {
       /* d_tilt_down */ {'d', {Palm::steep, Move::hold}, MessageKind::closing, false},
   };
 
-  // Conditions of a row. What was heard is the newest message while it is fresh, else silence.
+  // The conditions of a row. `Heard` refers to the newest message while it is fresh, else to
+  // silence.
   using P = ContactCondition;
   enum class Heard : std::uint8_t {
     any,
@@ -125,7 +138,7 @@ class Resilient {
     not_tilt_up,  // silence included
     ack,
     not_ack,    // silence included
-    other,      // something, but no TiltUp
+    other,      // a message, but not TiltUp
     steep,      // the partner's palm is steep or in (d): TiltUp, TiltDown, Closing
     not_steep,  // silence included
     silence,
@@ -133,7 +146,7 @@ class Resilient {
   enum class If : std::uint8_t {
     any,
     settled,   // the palm has reached the angle last commanded, and the wheels have braked
-    released,  // the partner knew, when it sent the newest message, that this robot asks no more
+    released,  // the partner knew, when it sent the newest message, that this robot no longer asks
     yields,    // this robot has the lower identity
     held,      // the palm has been kept up for `hold`
   };
@@ -146,11 +159,11 @@ class Resilient {
     State next;
   };
 
-  // A robot runs the first row that fits; no row: it stays as it is.
+  // A robot runs the first row that fits. If no row fits, it stays in its state.
   // clang-format off
   static constexpr Row rows[] = {
       // in state            contact          heard               if            go to
-      // a request goes before corrections of one's own
+      // a request takes precedence over corrections of one's own
       {State::idle,          P::positive,     Heard::tilt_up,     If::any,      State::b_tilt_up},
       {State::idle,          P::any,          Heard::tilt_up,     If::any,      State::c_tilt_up},
       {State::idle,          P::positive,     Heard::any,         If::released, State::a_request},
@@ -189,7 +202,7 @@ class Resilient {
   };
   // clang-format on
 
-  // What the conditions `If` of a row say.
+  // The values of the conditions `If` of a row.
   template <class B>
   struct Conditions {
     B settled;
@@ -198,7 +211,7 @@ class Resilient {
     B held;
   };
 
-  // Who hears what a row asks for.
+  // True for the robots that hear what a row requires.
   template <class B, class Message>
   [[gnu::always_inline]] static constexpr B hears(Heard wanted, const Message& heard) {
     const B tilt_up = heard.is(MessageKind::tilt_up);
@@ -221,7 +234,7 @@ class Resilient {
     return everywhere<B>();
   }
 
-  // Of whom the condition of a row is true.
+  // True for the robots that meet a row's condition.
   template <class B>
   [[gnu::always_inline]] static constexpr B may(If when, const Conditions<B>& met) {
     switch (when) {
@@ -234,7 +247,8 @@ class Resilient {
     return everywhere<B>();
   }
 
-  // To whom a row applies. heard.is(kind): whose newest message is fresh and that; none: silence.
+  // True for the robots to which a row applies. heard.is(kind) is true where the newest message is
+  // fresh and of that kind; `none` stands for silence.
   template <class B, class Message>
   [[gnu::always_inline]] static constexpr B fits(const Row& row, const Observation<B>& seen,
                                                  const Message& heard, const Conditions<B>& met) {
@@ -244,7 +258,7 @@ class Resilient {
     return contact & message & condition;
   }
 
-  // What a step of one robot depends on besides its state, as a number.
+  // The input of a step besides the state of one robot, as a number.
   struct Key {
     static constexpr int messages = 6;
     static constexpr int flags = 16;
@@ -273,7 +287,7 @@ class Resilient {
   static constexpr State run(const Row& row, const Key&) { return row.next; }
 
   // After a boot a robot rests and starts nothing until it is linked. A palm that was up for the
-  // partner stays up until the partner answers or the partner's lease must have run out.
+  // partner stays up until the partner answers or the partner's lease must have expired.
   constexpr Resilient(Times times, bool yields, bool assisted = false)
       : times_(times),
         state_(assisted ? State::c_withdraw : State::c_tilt_down),
@@ -307,15 +321,15 @@ class Resilient {
     return {command, now().message, done.ready, done.send, assists(state_)};
   }
 
-  // For simulations, which need not step a robot that does nothing: how many steps of one tick each
-  // could follow in which nothing happens but that time passes, as long as the robot senses what it
-  // sensed in the last one and hears no beacon.
+  // For simulations that skip steps without effect. Returns how many steps of one tick could follow
+  // in which only time passes, as long as the robot's observation stays the same and no beacon
+  // arrives.
   std::uint16_t quiet(Sign sign, bool palm_at_target) const {
     Resilient next = *this;
     const Output out = next.step({sign, palm_at_target, 1, MessageKind::none, false, false, 0});
     if (next.state_ != state_ || out.send) return 0;
-    // From there on it stays so until one of the conditions of rows changes, or a beacon is due.
-    // (What compares two ages does not change: both grow.)
+    // Nothing changes until a condition of the rows changes or a beacon is due. Comparisons of two
+    // ages do not change, because both ages grow.
     int more = times_.beacon - next.lease_.since_sent - 1;
     const auto until = [&](std::uint16_t since, std::uint16_t most) {
       if (since < most && most - since - 1 < more) more = most - since - 1;
@@ -326,7 +340,7 @@ class Resilient {
     return static_cast<std::uint16_t>(1 + more);
   }
 
-  // So many of these steps at once.
+  // Executes that many of these steps at once.
   constexpr void idle(Sign sign, std::uint16_t steps) {
     lease_.pass(steps, limits());
     if (now().message == MessageKind::tilt_up) lease_.since_asked = 0;
@@ -337,7 +351,7 @@ class Resilient {
   constexpr State state() const { return state_; }
   constexpr bool stopped() const { return lease_.stopped; }
   constexpr bool yields() const { return lease_.yields; }
-  // No fresh message: the partner is silent, or does not hear this robot.
+  // True if there is no fresh message: the partner is silent, or does not hear this robot.
   constexpr bool silence() const { return lease_.silence(limits()); }
   constexpr const StateOutput& now() const { return outputs[static_cast<int>(state_)]; }
 

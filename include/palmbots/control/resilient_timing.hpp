@@ -9,23 +9,23 @@
 //   r  by how much one robot's clock may run faster than the other's
 //
 // lease (Tm, Tc). A robot's newest echo is of a beacon that waited up to B to be sent, took D to
-// arrive, waited up to B for the partner's next one and took D back: on a perfect radio it is up to
-// 2 D + 2 B old, and a tick each for steps that fall between. The lease must be longer than that;
-// each B that it is longer is one more beacon in a row that may be lost before anybody stops.
+// arrive, waited up to B for the partner's next beacon and took D back. On a perfect radio it is up
+// to 2 D + 2 B old, plus a tick each for steps that fall between. The lease must be longer than that.
+// Each further B allows one more beacon in a row to be lost before a robot stops.
 //
-// hold (Tp, Tb). Whoever moves away does so on an Ack that is at most `lease` old by its own clock;
-// it may miss W ticks, and then brakes for K. The palm that said Ack stays up as long as that after
-// its last one: hold = r (lease + 1 + W + K). It trusts no D: the echo has measured the Ack's age.
-// After a boot the same.
+// hold (Tp, Tb). A robot moves away only on an Ack that is at most `lease` old by its own clock. It
+// may miss W ticks, and then brakes for K. The robot that sent the Ack keeps its palm up for the
+// same time after its last one: hold = r (lease + 1 + W + K). This does not rely on D, because the
+// echo has measured the age of the Ack. After a boot a robot holds for the same time.
 //
-// braking. A robot says that a move is over, by TiltDown after (a) or Ack after (d), r K of its own
-// ticks after it has ended it: by then its wheels run at the nominal speed.
+// braking. After a move has ended, a robot waits r K of its own ticks before it reports the end, by
+// TiltDown after (a) or Ack after (d). By then its wheels run at the nominal speed.
 //
-// Variant H's Tf and Ts, waits for messages under way to have died, are not needed: a robot waits
-// for the echo of its release instead, one round trip.
+// The waits Tf and Ts of variant H, during which old messages die out, are not needed: a robot
+// waits for the echo of its release instead, one round trip.
 //
-// skew. A robot that stops says so; its partner stops when it hears that, or when its lease is out:
-// what it hears later was sent by a robot that rests. So no robot travels alone for longer than
+// skew. A robot that stops reports it. Its partner stops when it hears that, or when its lease
+// expires: what it hears later was sent by a robot at rest. So no robot travels alone for longer than
 // alone = r (lease + 1) + W. Both palms are steep by then or turning so, and one contact takes the
 // whole shift: speed × alone / cos(steepest palm). Before that the robots may have started one
 // after the other, which shifts it for `join`. The skew is the sum of both. The room is the
@@ -42,8 +42,8 @@
 // Where the noise leaves no lease at all, the shortest one is used, and `is_noisy` reports it:
 // such wheels lose the object without any fault.
 //
-// join. Who starts first says so at once; the other hears it D later, in the tick after at the
-// latest, and was ready when the first one started: join = r D + 1. With less, contacts that were
+// join. The robot that starts first reports it at once. The other one was ready by then, hears it
+// D later and starts in the next tick at the latest: join = r D + 1. With less, contacts that were
 // corrected only to the edge of the zero zone could make the two start and stop without end.
 #pragma once
 

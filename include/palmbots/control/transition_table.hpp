@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the rows of a controller's table are evaluated: for one robot, and for the robots of 64
-// pairs.
+// Transition tables: evaluates the rows of a controller's table for one robot, or for the robots of
+// 64 pairs.
 //
-// Rule 1: what a condition means is written once, for a truth value B. B is bool for one robot, or
-// a word with a bit for each robot (batch/bitslice.hpp).
-// Rule 2: a robot runs the first row of its state that fits; if none does it stays as it is.
-// `spread` works this out for every input of one robot, so that a step is one look-up; `step_all`
-// does it for many robots at once, without a branch.
+// Rule 1: the meaning of a condition is written once, for a truth value B. B is bool for one robot,
+// or a word with one bit for each robot (batch/bitslice.hpp). Rule 2: a robot runs the first row of
+// its state that fits. If none fits, it stays in its state. `spread` computes this for every input
+// of one robot, so that a step is one look-up. `step_all` evaluates it for many robots at once,
+// without a branch.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace palmbots {
 
-// True for everybody, and the opposite.
+// True for all robots, and the negation.
 template <class B>
 constexpr B everywhere() {
   return ~B{};
@@ -37,7 +37,7 @@ template <class B>
   }
 }
 
-// What robots sense.
+// What the robots sense, as truth values.
 template <class B>
 struct Observation {
   B positive{};  // sign of the contact coordinate p
@@ -45,11 +45,12 @@ struct Observation {
   B palm_at_target{};  // the palm has reached the angle last commanded
 };
 
+// The observation of one robot.
 constexpr Observation<bool> observation_of(Sign sign, bool palm_at_target) {
   return {sign == Sign::positive, sign == Sign::negative, palm_at_target};
 }
 
-// What a row asks of the contact coordinate p.
+// What a row requires of the contact coordinate p.
 enum class ContactCondition : std::uint8_t { any, positive, not_positive, negative, not_negative };
 
 constexpr const char* name_of(ContactCondition condition) {
@@ -57,6 +58,7 @@ constexpr const char* name_of(ContactCondition condition) {
   return names[static_cast<int>(condition)];
 }
 
+// True for the robots whose contact coordinate meets the condition.
 template <class B>
 [[gnu::always_inline]] constexpr B holds(ContactCondition condition, const Observation<B>& seen) {
   switch (condition) {
@@ -69,15 +71,15 @@ template <class B>
   return everywhere<B>();
 }
 
-// The message that one robot has got, or none.
+// The message that one robot received, or none.
 struct OneMessage {
   MessageKind kind;
   constexpr bool is(MessageKind that) const { return kind == that; }
 };
 
-// A table for one robot spread out over every input. The table provides `states` and `rows`; Key,
-// an input as a number below Key::count, and `fits(row, key)`; and Entry, what a step gives:
-// stay(state, key) if no row fits, run(row, key) if this one does.
+// A table for one robot, expanded over every input. The table provides `states` and `rows`, and
+// these types: Key, an input as a number below Key::count, with `fits(row, key)`; and Entry, the
+// result of a step, with stay(state, key) if no row fits and run(row, key) if this one does.
 template <class Table>
 struct SpreadTable {
   typename Table::Entry entries[Table::states * Table::Key::count];
@@ -88,6 +90,7 @@ struct SpreadTable {
   }
 };
 
+// Expands a table over every state and input.
 template <class Table>
 constexpr SpreadTable<Table> spread() {
   SpreadTable<Table> all{};
@@ -108,8 +111,9 @@ constexpr SpreadTable<Table> spread() {
   return all;
 }
 
-// A step of `these` robots: in[s] are those in state s. fits(row) are those to whom a row applies,
-// and went(row, whose) learns who ran it. Unrolled: the table is gone when the compiler is done.
+// A step of `these` robots. in[s] are the robots in state s. fits(row) returns the robots to which
+// a row applies, and went(row, whose) is called with the robots that ran it. The loop is unrolled,
+// so that no table remains at run time.
 template <class Table, class B, class Fits, class Went>
 [[gnu::always_inline]] constexpr void step_all(B (&in)[Table::states], const B& these, Fits&& fits,
                                                Went&& went) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does the object's outline stay clear of a palm, apart from the one vertex it stands on?
+// Clearance: whether a palm touches the object's outline anywhere besides the contact vertex.
 //
-// Seen from a contact, the palm is a segment along the x axis of its own frame (inward, normal) and
-// the object is turned by the angle α between palm and object. Two things can end clearance:
+// Seen from a contact, the palm is a segment along the x axis of its own frame (inward, normal),
+// and the object is turned by the angle α between palm and object. Two events can end clearance:
 // another vertex of the outline comes down on the palm (an edge lies flush), or an end of the palm
 // meets an edge of the object (a tip contact). Source: MECHANICS section 5.
 #pragma once
@@ -23,31 +23,34 @@ constexpr const char* name_of(ContactKind kind) {
   return names[static_cast<int>(kind)];
 }
 
+// The largest number of vertices of an outline.
 inline constexpr std::size_t max_outline = 32;
 
-// A vertex of the outline: its distance along the line of contacts from either contact (the two sum
-// to w; both are kept so that mirroring swaps and does not round), and its height above that line.
+// A vertex of the outline [m]: its distance along the line of contacts from each contact, and its
+// height above that line. The two distances sum to w. Both are stored so that mirroring swaps them
+// and rounds nothing.
 template <class Real>
 struct Vertex {
   PerSide<Real> along;
   Real height;
 };
 
+// The object's outline, and which of its vertices rest on the palms.
 template <class Real>
 struct Outline {
   std::array<Vertex<Real>, max_outline> vertices{};
   std::size_t count = 0;
-  PerSide<std::size_t> contact{};  // the vertices the object stands on
+  PerSide<std::size_t> contact{};  // the vertices that rest on the palms
 
-  // The i-th vertex from a side's contact vertex on, inward along the bottom: in the mirror the
-  // same.
+  // The i-th vertex counted from a side's contact vertex, inward along the bottom. The count is the
+  // same in a mirrored outline.
   constexpr std::size_t walked(std::size_t side, std::size_t i) const {
     return (contact[side] + (side == left ? i : count - i)) % count;
   }
 };
 
-// The directions of a palm that certainly touch nothing, however long it is: all vertices lie above
-// its line. tan α between the two bounds, for |α| < 90°.
+// The directions of a palm that touch nothing, however long the palm is: all vertices lie above its
+// line. The bounds are those of tan α, for |α| < 90°.
 template <class Real>
 struct ClearCone {
   Real low;
@@ -58,6 +61,8 @@ struct ClearCone {
   }
 };
 
+// The clear cone of one side's contact vertex. Empty (low > high) where another vertex lies below
+// that contact.
 template <class Real>
 constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t side) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
@@ -79,7 +84,7 @@ constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t s
 
 namespace detail {
 
-// Is the point (along, height) strictly inside the outline? Crossing-number test.
+// True if the point (along, height) is strictly inside the outline. Crossing-number test.
 template <class Real>
 constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along, Real height) {
   bool in = false;
@@ -87,7 +92,8 @@ constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along
     const Vertex<Real>& a = outline.vertices[i];
     const Vertex<Real>& b = outline.vertices[j];
     if ((a.height > height) == (b.height > height)) continue;
-    // Lower end first: a mirrored outline runs the other way round and must round alike.
+    // The lower end comes first: the mirrored outline runs the other way round and must round
+    // alike.
     const Vertex<Real>& low = a.height < b.height ? a : b;
     const Vertex<Real>& high = a.height < b.height ? b : a;
     const Real share = (height - low.height) / (high.height - low.height);
@@ -99,8 +105,8 @@ constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along
 
 }  // namespace detail
 
-// What the palm touches besides its contact. `contact` is p, the palm reaches from p = −half to
-// +half; reach is the vector to the other contact in the palm's frame.
+// What the palm touches besides its contact vertex. `vector` points to the other contact, in the
+// palm's frame; `contact` is p [m]. The palm reaches from p = −half_length to +half_length.
 template <class Real>
 [[gnu::noinline]] constexpr ContactKind further_contact(const Outline<Real>& outline,
                                                         std::size_t side,
@@ -117,7 +123,7 @@ template <class Real>
     if (above > Real(0)) continue;
     const Real place = contact - inward;
     const bool on_palm = place >= -half_length && place <= half_length;
-    // An edge that starts at the contact lies on the palm however long it is.
+    // An edge that starts at the contact lies on the palm, however long it is.
     const bool own_edge = i == (own + 1) % outline.count || own == (i + 1) % outline.count;
     const bool palm_goes_on = inward > Real(0) ? contact > -half_length : contact < half_length;
     if (on_palm || (own_edge && palm_goes_on)) return ContactKind::flush;

@@ -198,7 +198,7 @@ class PalmView {
     }
   }
 
-  // Does the plate touch so near to there that it is one contact?
+  // True if the plate touches so near to this place that both are one contact.
   bool touches_at(const Surface& surface, Real place) const {
     for (std::size_t k = 0; k < surface.count; ++k) {
       if (magnitude(surface.places[k].place - place) <= Real(100) * near_) return true;

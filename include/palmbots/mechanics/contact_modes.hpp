@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nine contact modes of one state: which balance, which can move, and which one happens.
+// The nine contact modes of one state: which modes balance, which can move, and which one occurs.
 //
-// Closing drives the contact points together: the squeeze rises to the upper end of I_L ∩ I_R, and
-// the contact whose cone ends there slides up. Opening is the lower end, and down.
-// Source: MECHANICS section 2; paper, section 3.1 ("9, 3, 5, one").
+// Closing drives the contact points together. The squeeze rises to the upper end of I_L ∩ I_R, and
+// the contact whose cone ends there slides up. Opening lowers the squeeze to the lower end, and the
+// contact whose cone ends there slides down. Source: MECHANICS section 2; paper, section 3.1 ("9,
+// 3, 5, one").
 #pragma once
 
 #include <array>
@@ -12,17 +13,19 @@
 
 namespace palmbots {
 
+// All slip directions, in the order in which contact modes are numbered.
 inline constexpr std::array<SlipDirection, 3> slip_directions{
     SlipDirection::stick, SlipDirection::up, SlipDirection::down};
 
-// A contact mode of the pair: how each contact moves.
+// A contact mode of the pair: how the left and the right contact move.
 using ContactMode = PerSide<SlipDirection>;
 
-// Ends of squeeze intervals closer than this count as equal: rounding, a few hundred ulp.
+// Relative tolerance for equal ends of squeeze intervals. It covers rounding of a few hundred ulp.
 template <class Real>
 inline constexpr Real squeeze_tolerance = Real(256) * std::numeric_limits<Real>::epsilon();
 
-// One state of the two palms and the object, as far as statics sees it.
+// The statics of one state: moments, friction cones, and the vector (dx, dy) [m] from the left
+// contact to the right one.
 template <class Real>
 struct Contacts {
   Moments<Real> moments;
@@ -31,8 +34,8 @@ struct Contacts {
   Real dy;
 };
 
-// The squeezes at which one contact is in the given mode: an interval for sticking, one point (or
-// nothing) for sliding.
+// The squeezes [weights] at which one contact is in the given mode: an interval for sticking, one
+// point or nothing for sliding.
 template <class Real>
 constexpr Interval<Real> squeeze_in(const Contacts<Real>& at, std::size_t side,
                                     SlipDirection slide) {
@@ -46,6 +49,7 @@ constexpr Interval<Real> squeeze_in(const Contacts<Real>& at, std::size_t side,
   return h == all.low || h == all.high ? Interval<Real>{h, h} : none;
 }
 
+// True if some squeeze balances the object with both contacts in this mode.
 template <class Real>
 constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
   const Interval<Real> l = squeeze_in(at, left, mode[left]);
@@ -58,18 +62,21 @@ constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
   return both.low - both.high <= squeeze_tolerance<Real> * size;
 }
 
-// Closing needs a contact that slides up, opening one that slides down.
+// True if the mode can occur in this direction: closing needs a contact that slides up, opening one
+// that slides down.
 constexpr bool consistent(ContactMode mode, SlipDirection direction) {
   return mode[left] == direction || mode[right] == direction;
 }
 
-// What happens when the contact points are driven together (direction up) or apart (down).
+// The mode that occurs when the contact points are driven together (direction up) or apart
+// (direction down).
 struct SelectedMode {
   bool balanced;     // false: no squeeze holds the object; it slides on both palms
-  bool jammed;       // no squeeze makes a contact let go in that direction
+  bool jammed;       // no squeeze makes a contact slide in that direction
   ContactMode mode;  // valid if balanced and not jammed
 };
 
+// Finds the mode that occurs in this direction (MECHANICS section 2).
 template <class Real>
 constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
   PerSide<Interval<Real>> ends{};
@@ -88,8 +95,8 @@ constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection dir
     const Real size = end < 0 ? -end : end;
     const Real gap = own < end ? end - own : own - end;
     if (own == end || gap <= squeeze_tolerance<Real> * size) {
-      // The end that binds must be the edge that slides in this direction; in exotic states (COM
-      // beyond a contact) it is the other edge, and nothing can let go.
+      // The end that binds must be the edge that slides in this direction. If the COM lies beyond a
+      // contact it can be the other edge; then no contact can slide.
       const Interval<Real> slide = squeeze_in(at, side, direction);
       if (slides_there[side] && slide.low == own) mode[side] = direction;
     }
@@ -97,8 +104,8 @@ constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection dir
   return {true, !consistent(mode, direction), mode};
 }
 
-// The largest angle by which both friction cones could shrink with the object still held (negative:
-// by which they would have to grow). Bisection to the last bit of the answer.
+// The largest angle [rad] by which both friction cones could shrink with the object still held. It
+// is negative where they would have to grow. Bisects to the last bit of the answer.
 template <class Real>
 constexpr Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real>> palm,
                                PerSide<Real> friction_angle, Real dx, Real dy) {

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the nine contact modes balance, for many states: a bit for each mode.
+// Which of the nine contact modes balance, for many states at once, as one bit for each mode.
 //
-// Bit k is set iff `feasible` of mechanics/contact_modes.hpp holds for mode k: left contact first,
-// each in the order of `slides`. The same answers for every input, in a tenth of the time.
+// Bit k is set iff `feasible` of mechanics/contact_modes.hpp holds for mode k. The left contact
+// counts first, and both follow the order of `slip_directions`. The answers equal those of
+// `feasible` for every input, in a tenth of the time.
 //
-// Where every edge bounds the squeeze from its own side (a w > 0 in mechanics/equilibrium.hpp, the
-// usual case), the ends of I_L and I_R are the squeezes at the edges, and each mode is a comparison
-// or two of these four numbers. Any other state the object can reach, with a wedged edge or a bound
-// that is not a number, gets a tenth bit and is left to `feasible`, at its slower pace. Where the
-// object cannot reach, dx is not a number, no comparison holds, and no mode balances: what
-// `feasible` says too.
+// Usually every edge bounds the squeeze from its own side (a w > 0 in mechanics/equilibrium.hpp).
+// Then the ends of I_L and I_R are the squeezes at the edges, and each mode takes one or two
+// comparisons of these four numbers. Any other reachable state has a wedged edge or a bound that is
+// not a number. It gets a tenth bit and is left to the slower `feasible`. Where the object cannot
+// reach, dx is not a number, no comparison holds, and no mode balances, as in `feasible`.
 //
-// States go through in blocks that stay in the nearest cache, in short loops free of branches,
-// which compilers turn into vector instructions even for the first 64-bit processors. Those choose
-// between two doubles but not between two 64-bit integers: hence & for &&, and bits that are added
-// up as numbers.
+// States are processed in blocks that fit into the first-level cache, in short loops without
+// branches. Compilers turn these loops into vector instructions even for the first 64-bit
+// processors. Those processors can select between two doubles but not between two 64-bit integers,
+// so the loops use & instead of && and add up bits as numbers.
 #pragma once
 
 #include <algorithm>
@@ -28,15 +28,15 @@
 
 namespace palmbots {
 
-// One number of each state: an array, or one for all states.
+// One quantity of each state: an array with one number for each state, or one number for all.
 template <class Real>
 struct Column {
   const Real* data;
   bool each;  // the array holds a number for each state
 };
 
-// The numbers that make a state, as in `ObjectParams` and `Configuration`, in the order of their
-// columns. The last four are pairs, left and right.
+// The quantities that define a state, as in `ObjectParams` and `Configuration`, in the order of
+// their columns. The last four are pairs, left and right.
 namespace state {
 enum Number : std::size_t {
   width,
@@ -52,6 +52,7 @@ enum Number : std::size_t {
 };
 }  // namespace state
 
+// The columns of all quantities, in the order of state::Number.
 template <class Real>
 using StateColumns = std::array<Column<Real>, state::count>;
 
@@ -63,7 +64,7 @@ inline constexpr int modes = 9;
 template <class Real>
 using BlockColumn = std::array<Real, block>;
 
-// A column, block by block.
+// Reads a column block by block.
 template <class Real>
 class Reader {
  public:
@@ -80,8 +81,8 @@ class Reader {
   BlockColumn<Real> filled_;
 };
 
-// States that differ in where the contacts are and in nothing else. The loops take a block of them
-// by value, so that the compiler sees that no result is stored over it.
+// States that differ only in the contact coordinates. The loops take a block of them by value, so
+// that the compiler sees that no result overwrites it.
 template <class Real>
 class Alike {
  public:
@@ -126,7 +127,7 @@ class Alike {
   PerSide<Reader<Real>> contacts_;
 };
 
-// Any states.
+// States that may differ in every quantity.
 template <class Real>
 class Varied {
  public:
@@ -163,7 +164,7 @@ class Varied {
     for (std::size_t k = 0; k < state::count; ++k) here.in[k] = columns_[k].from(first);
     for (const std::size_t side : {left, right}) {
       const std::size_t angle = state::angle + side;
-      if (first > 0 && !columns_[angle].each()) continue;  // done with the first block
+      if (first > 0 && !columns_[angle].each()) continue;  // same for all blocks
       const Real* angles = here.in[angle];
       for (std::size_t i = 0; i < n; ++i) {
         const SinCos<Real> at = sin_cos(angles[i]);
@@ -180,7 +181,7 @@ class Varied {
   PerSide<BlockColumn<Real>> cos_;
 };
 
-// What the loops hand on: spans, ends of I_L and I_R where the state is plain, and bits.
+// What one loop passes to the next: contact vectors, the ends of I_L and I_R, and the bits.
 template <class Real>
 struct BlockColumns {
   BlockColumn<Real> dx;
@@ -198,7 +199,7 @@ constexpr Real flag(bool condition) {
   return condition ? set : none;
 }
 
-// The vectors from the left contacts to the right ones.
+// The vectors from the left contacts to the right ones [m].
 template <class Real, class StateBlock>
 void place(const StateBlock states, std::size_t n, BlockColumns<Real>& __restrict at) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -209,7 +210,8 @@ void place(const StateBlock states, std::size_t n, BlockColumns<Real>& __restric
   }
 }
 
-// The squeezes at the four edges, and whether they are the ends of I_L and I_R.
+// The squeezes at the four edges. States where they are not the ends of I_L and I_R get the tenth
+// bit.
 template <class Real, class StateBlock>
 void squeeze(const StateBlock states, std::size_t n, BlockColumns<Real>& __restrict at) {
   constexpr Real zero = 0;
@@ -240,13 +242,14 @@ void squeeze(const StateBlock states, std::size_t n, BlockColumns<Real>& __restr
   }
 }
 
-// Whether two contacts slide at one squeeze, up to rounding.
+// True if two sliding contacts need the same squeeze, up to rounding.
 template <class Real>
 constexpr bool meet(Real l, Real r) {
   return std::abs(l - r) <= squeeze_tolerance<Real> * (std::abs(l) + std::abs(r));
 }
 
-// The modes of plain states. Empty intervals hold nothing, whatever else the numbers say.
+// The modes of states without the tenth bit. With an empty interval no mode balances, whatever the
+// other numbers are.
 template <class Real>
 void balance(std::size_t n, BlockColumns<Real>& at) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -264,7 +267,7 @@ void balance(std::size_t n, BlockColumns<Real>& at) {
   }
 }
 
-// Stores the bits; returns whether some states are left to `feasible`.
+// Stores the bits. Returns true if some states are left to `feasible`.
 template <class Real>
 bool store(std::size_t n, const BlockColumns<Real>& at, std::uint16_t* __restrict out) {
   int any = 0;
@@ -276,7 +279,7 @@ bool store(std::size_t n, const BlockColumns<Real>& at, std::uint16_t* __restric
   return any >> modes != 0;
 }
 
-// The modes of any state.
+// The modes of any state, by `feasible`.
 template <class Real>
 std::uint16_t feasible_bits(const Contacts<Real>& at) {
   unsigned bits = 0;
@@ -308,7 +311,7 @@ void run(const StateColumns<Real>& columns, std::size_t n, std::uint16_t* out) {
 
 }  // namespace batch
 
-// For n states, the bits of the modes that balance.
+// Writes the bits of the modes that balance, for n states.
 template <class Real>
 void feasible_modes(const StateColumns<Real>& columns, std::size_t n, std::uint16_t* out) {
   const auto contacts = columns.begin() + state::contact;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two contacts under one weight: the squeeze interval, and which contact lets go.
+// Static equilibrium of an object on two contacts: the squeeze interval, and which contact slips
+// first.
 //
 // Balance of forces and moments on an object held at two points leaves one unknown, the squeeze H.
 // Under a sideways specific force s (floor slope or acceleration, towards −x) the two palms squeeze
-// by H + s/2 and H − s/2; with s = 0 this is MECHANICS section 2, with s ≠ 0 section 4, written
-// about the mean of the two so that the mirrored problem has mirrored numbers to the last bit.
-// Forces are in units of the weight.
+// by H + s/2 and H − s/2. With s = 0 this is MECHANICS section 2, with s ≠ 0 section 4. H is the
+// mean of the two, so that the mirrored problem has mirrored numbers to the last bit. Forces are in
+// units of the weight.
 //
-// (dx, dy) is the vector from the left contact to the right one, |(dx, dy)| = w, dx > 0. With x_L,
-// x_R the horizontal distances of the COM from the contacts and y its mean height above them,
+// (dx, dy) is the vector from the left contact to the right one, |(dx, dy)| = w, dx > 0. x_L and
+// x_R are the horizontal distances of the COM from the contacts, and y is its mean height above
+// them. Then
 //
 //     V_L = (x_R + H dy + s y) / dx            V_R = (x_L − H dy − s y) / dx
 //
@@ -32,7 +34,7 @@ struct ContactVector {
   Real dy;
 };
 
-// What the two contacts hold up. The COM is given from both contacts (com_left + com_right = w), so
+// The object as statics sees it. The COM is given from both contacts (com_left + com_right = w), so
 // that mirroring swaps two numbers and rounds nothing.
 template <class Real>
 struct ObjectParams {
@@ -43,19 +45,20 @@ struct ObjectParams {
   Real slope;       // s, sideways specific force towards −x [1]
 };
 
-// The moment arms of the weight and of the sideways force, which everything below is made of; times
-// w: x_R + s y = level[left] dx + tilt dy, and its mirror image on the right.
+// The moment arms of the weight and of the sideways force, from which the bounds below are
+// computed. Multiplied by w: w (x_R + s y) = level[left] dx + tilt dy, and its mirror image on the
+// right.
 template <class Real>
 struct Moments {
   Real width;           // w [m]
   PerSide<Real> level;  // [m]
   Real tilt;            // [m]
-  PerSide<Real> lift;   // the tilt of `moment_arm` [m]
+  PerSide<Real> lift;   // replaces `tilt` in moment_arm() [m]
   Real slope;           // s [1]
 
   static constexpr Moments of(const ObjectParams<Real>& object) { return of(object, object.slope); }
 
-  // The same under another sideways specific force.
+  // The moments under another sideways specific force s.
   static constexpr Moments of(const ObjectParams<Real>& object, Real s) {
     return {object.width,
             {object.com_right + s * object.com_height, object.com_left - s * object.com_height},
@@ -64,25 +67,28 @@ struct Moments {
             s};
   }
 
-  // w (x_R + s y_R) on the left, w (x_L − s y_L) on the right, with y_L, y_R the heights of the COM
-  // above that contact. Negative where nothing presses on this side's palm: the object tips.
+  // w (x_R + s y_R) on the left and w (x_L − s y_L) on the right, where y_L and y_R are the heights
+  // of the COM above that contact. Negative where no force presses on this side's palm: the object
+  // tips.
   constexpr Real moment_arm(std::size_t side, Real dx, Real rise) const {
     return level[side] * dx + lift[side] * rise;
   }
 
-  // The arm of the mean squeeze, about which the bounds below are written.
+  // The moment arm in the bounds below, at the mean height of the COM.
   constexpr Real arm(std::size_t side, Real dx, Real rise) const {
     return level[side] * dx + tilt * rise;
   }
 };
 
-// The bound a H ≤ b (up) or a H ≥ b (down) that one cone edge puts on the squeeze; b is times w.
+// The bound a H ≤ b (up) or a H ≥ b (down) that one cone edge sets for the squeeze. b is multiplied
+// by w.
 template <class Real>
 struct Bound {
   Real a;
   Real b;
 };
 
+// The bound that this cone edge of one side's contact sets for the squeeze.
 template <class Real>
 constexpr Bound<Real> bound(const Moments<Real>& moments, std::size_t side, ConeEdge<Real> edge,
                             Real dx, Real dy) {
@@ -93,7 +99,7 @@ constexpr Bound<Real> bound(const Moments<Real>& moments, std::size_t side, Cone
               Real(0.5) * push * moments.width * edge.vertical * dx};
 }
 
-// The squeezes that a contact (or both) can bear. Empty iff low > high.
+// The squeezes [weights] that one contact, or both, can carry. Empty iff low > high.
 template <class Real>
 struct Interval {
   Real low;
@@ -102,6 +108,7 @@ struct Interval {
   constexpr bool empty() const { return !(low <= high); }
 };
 
+// The squeezes that lie in both intervals.
 template <class Real>
 constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
   return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
@@ -120,7 +127,7 @@ constexpr Interval<Real> half_line(Real a, Real b) {
 
 }  // namespace detail
 
-// I_L or I_R: every squeeze whose force on this contact lies in its cone. [H in weights]
+// I_L or I_R: every squeeze H [weights] whose force on this contact lies in the contact's cone.
 template <class Real>
 constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
                                  const FrictionCone<Real>& cone, Real dx, Real dy) {
@@ -130,9 +137,9 @@ constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
                    detail::half_line(-down.a * moments.width, -down.b));
 }
 
-// Where the squeezes at one edge of the left cone and one of the right cone are equal: a line in
-// (dx, dy), for MECHANICS section 3's polynomial G is linear in tan ϑ = dy / dx (its quadratic
-// terms cancel, with s ≠ 0 too).
+// The line in (dx, dy) on which the squeezes at one edge of the left cone and one edge of the right
+// cone are equal. It is a line because the polynomial G of MECHANICS section 3 is linear in tan ϑ =
+// dy / dx; its quadratic terms cancel, with s ≠ 0 too.
 //
 // at(dx, dy) > 0 ⇔ H at the left edge > H at the right edge, where neither edge is wedged.
 template <class Real>
@@ -146,6 +153,7 @@ struct SlipOrder {
   }
 };
 
+// The slip order of an edge of the left cone and an edge of the right one.
 template <class Real>
 constexpr SlipOrder<Real> slip_order(const Moments<Real>& moments, ConeEdge<Real> l,
                                      ConeEdge<Real> r) {
@@ -158,8 +166,8 @@ constexpr SlipOrder<Real> slip_order(const Moments<Real>& moments, ConeEdge<Real
               moments.tilt * (lateral_left + lateral_right)};
 }
 
-// True where an edge bounds no squeeze, because its cone contains the line to the other contact:
-// pushing along it only wedges the object (MECHANICS section 2).
+// True where an edge bounds no squeeze, because its cone contains the line to the other contact.
+// Pushing along that line only wedges the object (MECHANICS section 2).
 template <class Real>
 constexpr MaskOf<Real> wedged(std::size_t side, ConeEdge<Real> edge, Real dx, Real dy) {
   const Real rise = mirrored(side, dy);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One vertex of the object on one palm: how it can move, and which forces it can carry.
+// Friction cones: how one vertex of the object can move on a palm, and which forces it can carry.
 //
-// Frame: world x forward, y up; H is the horizontal force with which the palm pushes the object
-// inward, V the vertical one, both seen alike from either side. A contact force leans inward from
-// the vertical by atan(H / V). Coulomb friction bounds that lean to [θ − φ, θ + φ], φ = atan μ.
-// Source: MECHANICS section 2; the friction cones are Figure 3 of the paper.
+// Frame: world x forward, y up. H is the horizontal force with which the palm pushes the object
+// inward, V the vertical one; both have the same sign convention on either side. A contact force
+// leans inward from the vertical by atan(H / V). Coulomb friction bounds that lean to [θ − φ, θ +
+// φ], φ = atan μ. Source: MECHANICS section 2; the friction cones are Figure 3 of the paper.
 #pragma once
 
 #include <cstdint>
@@ -25,20 +25,21 @@ struct ConeEdge {
   Real vertical;
 };
 
-// The two edges of a friction cone. A contact that slides up is on `up` (lean θ + φ), one that
-// slides down on `down` (lean θ − φ).
+// The two edges of a friction cone. The force on a contact that slides up lies on `up` (lean θ +
+// φ), the force on one that slides down lies on `down` (lean θ − φ).
 template <class Real>
 struct FrictionCone {
   ConeEdge<Real> up;
   ConeEdge<Real> down;
 };
 
-// The upper edge; with −μ the lower one.
+// The upper edge. With −μ as friction it is the lower one.
 template <class Real>
 constexpr ConeEdge<Real> leading_edge(SinCos<Real> palm, Real friction) {
   return {palm.sin + friction * palm.cos, palm.cos - friction * palm.sin};
 }
 
+// The friction cone of a palm at this angle; `friction` is μ.
 template <class Real>
 constexpr FrictionCone<Real> friction_cone(SinCos<Real> palm, Real friction) {
   return {{palm.sin + friction * palm.cos, palm.cos - friction * palm.sin},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ends a carry: the conditions under which two palms hold an object, at one instant.
+// Holding conditions: when two palms hold an object at one instant, and why a carry ends if they do
+// not.
 //
 // Source: MECHANICS section 5.
 #pragma once
@@ -10,15 +11,16 @@
 
 namespace palmbots {
 
+// Why a carry ended with a drop.
 enum class DropReason : std::uint8_t {
   none,
-  off_palm,  // a contact ran past an end of its palm
+  off_palm,  // a contact passed an end of its palm
   sliding,   // no squeeze balances the object: it slides on both palms
   flush,     // an edge of the object came to lie on a palm
   tip,       // a palm's end met an edge of the object
-  tipping,   // the COM went past a contact
-  jammed,    // no motion is possible in balance, and the robots still drive
-  lifting,   // the object lifted off a palm, and rests on the other one alone
+  tipping,   // the COM passed a contact
+  jammed,    // no motion balances, and the robots still drive
+  lifting,   // the object lifted off one palm and rests on the other alone
 };
 
 constexpr const char* name_of(DropReason reason) {
@@ -27,12 +29,12 @@ constexpr const char* name_of(DropReason reason) {
   return names[static_cast<int>(reason)];
 }
 
-// A further contact closed: what comes of it is not said here.
+// True if a further contact closed. A world with more than two contacts can carry on from there.
 constexpr bool adds_contact(DropReason reason) {
   return reason == DropReason::flush || reason == DropReason::tip;
 }
 
-// The statics at one pair of palm angles.
+// The friction cones at one pair of palm angles.
 template <class Real>
 struct Statics {
   PerSide<FrictionCone<Real>> cones;
@@ -45,7 +47,8 @@ struct Statics {
     return s;
   }
 
-  // ≥ 0 while the squeezes that one side's lower end and the other's upper end permit overlap.
+  // ≥ 0 while the squeeze at `lower`'s lower cone end does not exceed that at the other side's
+  // upper end.
   constexpr Real overlap(const Moments<Real>& moments, std::size_t lower,
                          ContactVector<Real> contact_vector) const {
     if (lower == right)
@@ -53,7 +56,7 @@ struct Statics {
     return -slip_order(moments, cones[left].down, cones[right].up).at(contact_vector);
   }
 
-  // Does the edge that slides in this direction bound no squeeze?
+  // True if the edge on which this contact slides in this direction bounds no squeeze.
   constexpr bool wedged_in(std::size_t side, SlipDirection direction,
                            ContactVector<Real> contact_vector) const {
     const ConeEdge<Real> edge = direction == SlipDirection::up ? cones[side].up : cones[side].down;
@@ -61,8 +64,9 @@ struct Statics {
   }
 };
 
-// Is the object certainly held? A quick yes without a branch, for almost every tick; `false` leaves
-// it open, since a wedged edge or a palm that passes below an overhang may hold all the same.
+// Sufficient test, without a branch, that the object is held; it settles almost every tick. It may
+// return false although the object is held, because of a wedged edge or a palm that passes below an
+// overhang.
 template <class Real>
 [[gnu::always_inline]] inline MaskOf<Real> certainly_held(const ModelParams<Real>& params,
                                                           const PerSide<FrictionCone<Real>>& cones,
@@ -85,7 +89,7 @@ template <class Real>
   return held;
 }
 
-// The first reason, in a fixed order, why the object is not held.
+// The first reason, in a fixed order, why the object is not held, or `none`.
 template <class Real>
 [[gnu::noinline]] DropReason drop_reason(const Model<Real>& model, const Statics<Real>& statics,
                                          const PerSide<PalmAngle<Real>>& palms,

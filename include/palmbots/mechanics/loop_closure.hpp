@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the two palms and the object are: the loop constraint, and its exact solutions.
+// Loop closure: positions of the two palms and the object, and exact solutions of the loop
+// constraint.
 //
-// With P the pivots (equal heights, `separation` apart), u the unit vector along a palm outward, n
-// its normal, o the offset of the palm's surface from its pivot along n, and p the contact
-// coordinate along u, a contact is at C = P + p u + o n. The object is rigid: |C_R − C_L| = w.
-// Source: MECHANICS section 1; for o = 0 the height difference dy is the paper's z, equation (1).
+// P are the pivots (at equal heights, `separation` apart), u is the unit vector outward along a
+// palm, and n is its normal. o is the offset of the palm's surface from its pivot along n, and p
+// the contact coordinate along u. A contact is at C = P + p u + o n. The object is rigid: |C_R −
+// C_L| = w. Source: MECHANICS section 1; for o = 0 the height difference dy is the paper's z,
+// equation (1).
 #pragma once
 
 #include "palmbots/mechanics/equilibrium.hpp"
 
 namespace palmbots {
 
-// A palm's angle (> 0: it rises outward) with its sine and cosine.
+// A palm's angle [rad], positive where the palm rises outward, with its sine and cosine.
 template <class Real>
 struct PalmAngle {
   Real angle;
@@ -30,6 +32,7 @@ constexpr PalmAngle<V> select(MaskOf<V> mask, const PalmAngle<V>& yes, const Pal
           select(mask, yes.cos, no.cos)};
 }
 
+// Positions of the palms and of the contacts on them.
 template <class Real>
 struct Configuration {
   Real separation;                 // of the pivots [m]
@@ -39,7 +42,7 @@ struct Configuration {
       lift{};  // of the contact vertices above their palms (world/multi_contact_step.hpp) [m]
 };
 
-// Distance and height difference of the palms' feet: the span at p = 0.
+// The vector from the left palm's foot to the right one's [m]: the contact vector at p = 0.
 template <class Real>
 constexpr ContactVector<Real> feet(Real separation, const PerSide<PalmAngle<Real>>& palms,
                                    const PerSide<Real>& offset) {
@@ -47,6 +50,7 @@ constexpr ContactVector<Real> feet(Real separation, const PerSide<PalmAngle<Real
           offset[right] * palms[right].cos - offset[left] * palms[left].cos};
 }
 
+// The vector from the left contact to the right one [m].
 template <class Real>
 constexpr ContactVector<Real> contact_vector(const Configuration<Real>& s,
                                              const PerSide<Real>& offset) {
@@ -56,7 +60,7 @@ constexpr ContactVector<Real> contact_vector(const Configuration<Real>& s,
           base.dy + (p[right] * s.palms[right].sin - p[left] * s.palms[left].sin)};
 }
 
-// The vector from one contact to the other as seen from a palm: along the palm inward, and along
+// The vector from one contact to the other in a palm's frame [m]: inward along the palm, and along
 // its normal. Divided by w they are cosine and sine of the angle between palm and object.
 template <class Real>
 struct PalmFrameVector {
@@ -64,6 +68,7 @@ struct PalmFrameVector {
   Real normal;
 };
 
+// The contact vector in the frame of one side's palm [m].
 template <class Real>
 constexpr PalmFrameVector<Real> palm_frame_vector(ContactVector<Real> contact_vector,
                                                   std::size_t side, const PalmAngle<Real>& palm) {
@@ -72,18 +77,20 @@ constexpr PalmFrameVector<Real> palm_frame_vector(ContactVector<Real> contact_ve
           contact_vector.dx * palm.sin + rise * palm.cos};
 }
 
-// A contact that has slid, and the span it leads to.
+// The coordinate of a contact that has slid, and the resulting contact vector.
 template <class Real>
 struct SlideSolution {
   Real contact;
   ContactVector<Real> contact_vector;
 };
 
-// Closes the loop by sliding one contact, on the palm `own`, while the other one keeps its
-// coordinate, `held`. `base` is the span between the feet seen from the sliding contact's side, and
-// so is the one returned. Seen from the foot of the sliding contact's palm the other contact's
-// normal part does not change while sliding, and the inward part must become √(w² − normal²). Not a
-// number when the object cannot reach.
+// Closes the loop by sliding one contact on the palm `own`, while the other contact keeps its
+// coordinate `held`. `base` is the vector between the feet as seen from the sliding contact's side,
+// and the returned contact vector is seen from there too.
+//
+// In the frame of the palm `own`, the normal part of the vector to the other contact does not
+// change while sliding. The inward part must become √(w² − normal²). The result is not a number
+// where the object cannot reach.
 template <class Real>
 [[gnu::always_inline]] inline SlideSolution<Real> solve_slide(ContactVector<Real> base,
                                                               const PalmAngle<Real>& own,
@@ -97,7 +104,8 @@ template <class Real>
   return {contact, {dx + contact * own.cos, rise - contact * own.sin}};
 }
 
-// The same for the contact of a side, with the span as everywhere.
+// Closes the loop by sliding the contact of one side. The returned vector points from left to
+// right.
 template <class Real>
 [[gnu::always_inline]] inline SlideSolution<Real> solve_slide(Real separation,
                                                               const PerSide<PalmAngle<Real>>& palms,
@@ -111,8 +119,8 @@ template <class Real>
 }
 
 // Closes the loop by sliding both contacts such that the object takes the direction dy / dx =
-// slope: two linear equations. Between parallel palms sliding cannot choose the direction, only the
-// sum of the two coordinates counts, and each contact takes half of the change.
+// slope. This gives two linear equations. Between parallel palms sliding cannot choose the
+// direction: only the sum of the two coordinates counts, and each contact takes half of the change.
 template <class Real>
 PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
                                 const PerSide<Real>& offset, Real width) {
@@ -137,7 +145,8 @@ PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
   return {(dx * r.sin - dy * r.cos) / turn, (dx * l.sin + dy * l.cos) / turn};
 }
 
-// Closes the loop by placing the robots: the separation at which the contacts are where they are.
+// Closes the loop by placing the robots: the separation [m] at which the contacts have the given
+// coordinates.
 template <class Real>
 Real closing_separation(const Configuration<Real>& s, const PerSide<Real>& offset, Real width) {
   const Configuration<Real> together{Real(0), s.palms, s.contacts};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does not change during a carry: the object, the palms, friction.
+// The model: everything that stays constant during a carry, that is object, palms and friction.
 #pragma once
 
 #include "palmbots/mechanics/clearance.hpp"
 
 namespace palmbots {
 
-// What does not change during a carry, in numbers.
+// The constants of a carry, without the outline.
 template <class Real>
 struct ModelParams {
   ObjectParams<Real> object;
@@ -15,12 +15,12 @@ struct ModelParams {
   PerSide<Real> offset;       // of the palm's surface from its pivot [m]
   PerSide<Real> half_length;  // of the palm [m]
   PerSide<Real> friction;
-  // The object is held while both |p| are at most this [m], whatever angles of theirs the palms
-  // have (stability/safe_reach.hpp); negative where nothing of the kind is known.
+  // The object is held while both |p| are at most this [m], at every pair of angles that the palms
+  // can take (stability/safe_reach.hpp). Negative where no such bound is known.
   Real safe_reach;
 };
 
-// The same with the object's outline.
+// The constants of a carry, with the object's outline.
 template <class Real>
 struct Model : ModelParams<Real> {
   Outline<Real> outline;

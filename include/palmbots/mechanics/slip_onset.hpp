@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which contact slips, and which way: the two questions that the world asks at every instant.
+// Slip onset: which contact slips and in which direction. The world evaluates both at every
+// instant.
 //
 // Source: MECHANICS sections 1 and 2.
 #pragma once
@@ -9,15 +10,15 @@
 
 namespace palmbots {
 
-// The moments as they count for which contact lets go first: with the push, a further sideways
-// specific force (an acceleration / g).
+// The moments that decide which contact slips first. They include the push, a further sideways
+// specific force (acceleration / g).
 template <class V>
 constexpr Moments<V> moments_under(const ObjectParams<V>& object, V push) {
   return Moments<V>::of(object, object.slope + push);
 }
 
-// > 0: the left contact lets go first; < 0: the right one; 0: tie. `let_go` is the tie of the cone
-// ends that count in this direction.
+// > 0: the left contact slips first; < 0: the right one; 0: tie. `let_go` compares the two cone
+// ends that matter in this direction.
 template <class Real>
 constexpr Real left_first(const SlipOrder<Real>& let_go, SlipDirection direction,
                           ContactVector<Real> contact_vector) {
@@ -25,8 +26,8 @@ constexpr Real left_first(const SlipOrder<Real>& let_go, SlipDirection direction
   return direction == SlipDirection::up ? -left_higher : left_higher;
 }
 
-// Half the rate of change of |C_R − C_L|² with both contacts held: < 0 closes, > 0 opens. `change`
-// and `turn` are the rates of the separation and of the palm angles.
+// Half the rate of change of |C_R − C_L|² with both contacts sticking: < 0 closes, > 0 opens.
+// `change` and `turn` are the rates of the separation and of the palm angles.
 template <class Real>
 constexpr Real drive_rate(const PerSide<PalmAngle<Real>>& palms, const PerSide<Real>& contacts,
                           const PerSide<Real>& offset, ContactVector<Real> contact_vector,
@@ -44,14 +45,14 @@ constexpr Real drive_rate(const PerSide<PalmAngle<Real>>& palms, const PerSide<R
          contact_vector.dy * (lift[right] - lift[left]);
 }
 
-// The direction in which contacts slide at that rate: up when closing, down when opening.
+// The direction in which contacts slide at that rate: up while closing, down while opening.
 template <class Real>
 constexpr SlipDirection direction_of(Real rate) {
   return rate < Real(0) ? SlipDirection::up
                         : (rate > Real(0) ? SlipDirection::down : SlipDirection::stick);
 }
 
-// The edges on which contacts that slide in one direction are: `way` is +1 for up and −1 for down.
+// The cone edges of contacts that slide in one direction. `way` is +1 for up and −1 for down.
 template <class V>
 constexpr PerSide<ConeEdge<V>> edges_at(const PerSide<V>& friction,
                                         const PerSide<PalmAngle<V>>& palms, V way) {
@@ -62,20 +63,20 @@ constexpr PerSide<ConeEdge<V>> edges_at(const PerSide<V>& friction,
   return edges;
 }
 
-// Contacts of which one has slid, and the span they lead to.
+// The contact coordinates after one contact has slid, and the resulting contact vector.
 template <class V>
 struct Slipped {
   PerSide<V> contacts;
   ContactVector<V> contact_vector;
 };
 
-// Closes the loop by sliding one contact: the left one, or the right one.
+// Closes the loop by sliding one contact: the left one where `on_left`, else the right one.
 template <class V>
 [[gnu::always_inline]] inline Slipped<V> slip(MaskOf<V> on_left, V separation,
                                               const PerSide<PalmAngle<V>>& palms,
                                               const PerSide<V>& contacts, const PerSide<V>& offset,
                                               V width) {
-  // Seen from the side of the contact that slides.
+  // Everything is seen from the side of the contact that slides.
   ContactVector<V> base = feet(separation, palms, offset);
   base.dy = select(on_left, base.dy, -base.dy);
   const PalmAngle<V> own = select<V>(on_left, palms[left], palms[right]);

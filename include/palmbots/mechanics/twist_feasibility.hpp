@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which motions of several contacts a rigid body can make while the palms move, and which of them
-// balance.
+// Twist feasibility: which motions of several contacts a rigid body can make while the palms move,
+// and which of them balance.
 //
-// Frame: world x forward, y up, positions from the COM. A body's twist is (vx, vy, ω · reach).
-// Relative to the palm, the velocity at a contact has no part along the normal where the contact
-// stays, a positive one where it leaves; along the tangent none where it sticks, a positive one
-// where it slides up, a negative one where it slides down. That makes equations and strict
-// inequalities for three unknowns.
+// Frame: world x forward, y up, positions from the COM. A body's twist is (vx, vy, ω · reach). The
+// velocity of a contact point relative to the palm obeys these conditions. Along the normal it is
+// zero where the contact stays and positive where it leaves. Along the tangent it is zero where the
+// contact sticks, positive where it slides up and negative where it slides down. Together they are
+// equations and strict inequalities for three unknowns.
 //
 // No linear program is needed. The equations leave a space of three dimensions or fewer. By
 // Motzkin's theorem strict inequalities g · z > h have no solution there iff some of them
-// contradict each other: positive shares with Σ share g = 0 and Σ share h ≥ 0; and the extreme ones
-// of such sets have at most one more member than the space has dimensions. So pairs, triples and
-// quadruples are all there is to try.
+// contradict each other: positive shares with Σ share g = 0 and Σ share h ≥ 0. The extreme sets of
+// such inequalities have at most one member more than the space has dimensions. It is therefore
+// sufficient to test pairs, triples and quadruples.
 #pragma once
 
 #include "palmbots/mechanics/wrench_cone.hpp"
 
 namespace palmbots {
 
-// How a palm moves: velocity of its pivot, and how fast it turns anticlockwise about it.
+// How a palm moves: the velocity of its pivot and its angular velocity, anticlockwise.
 template <class Real>
 struct PalmMotion {
   Real vx;  // [m/s]
@@ -27,6 +27,7 @@ struct PalmMotion {
   Real spin;  // [rad/s]
 };
 
+// A velocity [m/s].
 template <class Real>
 struct Velocity {
   Real x;
@@ -37,27 +38,27 @@ struct Velocity {
 template <class Real>
 using Velocities = std::array<Velocity<Real>, max_supports>;
 
-// The velocity of a palm's point that lies (x, y) from its pivot.
+// The velocity of the point of a palm at (x, y) from its pivot [m].
 template <class Real>
 constexpr Velocity<Real> velocity_at(const PalmMotion<Real>& palm, Real x, Real y) {
   return {palm.vx - palm.spin * y, palm.vy + palm.spin * x};
 }
 
-// row · twist = value, or row · twist > value; the row has unit size.
+// A condition row · twist = value, or row · twist > value. The row has unit size.
 template <class Real>
 struct Condition {
   Triple<Real> row;
   Real value;
 };
 
-// The twists that fulfil some equations: origin + Σ z_k basis_k.
+// The twists that satisfy a set of equations: origin + Σ z_k basis_k.
 template <class Real>
 struct TwistSpace {
   Triple<Real> origin{};
   std::array<Triple<Real>, 3> basis{{{Real(1), 0, 0}, {0, Real(1), 0}, {0, 0, Real(1)}}};
   std::size_t dimension = 3;
 
-  // Adds an equation; false where it contradicts those before it.
+  // Adds an equation. Returns false if it contradicts the earlier ones.
   constexpr bool restrict(const Condition<Real>& to) {
     const Real missing = to.value - dot(to.row, origin);
     Triple<Real> within{};
@@ -79,7 +80,7 @@ struct TwistSpace {
   }
 
  private:
-  // The part of the space across a unit vector in it (Gram and Schmidt, the longest leftovers).
+  // Removes a unit vector's direction from the space, by Gram–Schmidt on the longest remainders.
   constexpr void leave_out(Triple<Real> unit) {
     std::array<Triple<Real>, 3> rest = basis;
     std::array<Triple<Real>, 3> found{};
@@ -100,7 +101,8 @@ struct TwistSpace {
 template <class Real>
 class HalfSpaces {
  public:
-  // Adds one that is met by nothing, everything or a half; false if by nothing.
+  // Adds an inequality. It may hold nowhere, everywhere or in a half space; returns false if
+  // nowhere.
   constexpr bool add(const TwistSpace<Real>& space, const Condition<Real>& above) {
     const Real h = above.value - dot(above.row, space.origin);
     Triple<Real> g{};
@@ -114,7 +116,7 @@ class HalfSpaces {
     return true;
   }
 
-  // Have they a point in common?
+  // True if all half spaces have a point in common.
   constexpr bool meet() const {
     for (std::size_t i = 0; i < count_; ++i) {
       for (std::size_t j = i + 1; j < count_; ++j) {
@@ -133,7 +135,7 @@ class HalfSpaces {
  private:
   using Side = Condition<Real>;
 
-  // With shares ≥ 0 that add up to `total`: is Σ share h ≥ 0, but for rounding?
+  // True if Σ share h ≥ 0 up to rounding, for shares ≥ 0 that sum to `total`.
   static constexpr bool nothing_left(Real value, Real sizes, Real total) {
     return value >= -wrench_tolerance<Real> * (total + sizes);
   }
@@ -143,7 +145,8 @@ class HalfSpaces {
     return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), Real(2));
   }
 
-  // Three in a plane: by Lami's theorem each share is the sine between the other two.
+  // Three inequalities in a plane: by Lami's theorem each share is the sine of the angle between
+  // the other two.
   static constexpr bool contradict(const Side& a, const Side& b, const Side& c) {
     const Real p = size(cross(b.row, c.row));
     const Real q = size(cross(c.row, a.row));
@@ -157,7 +160,7 @@ class HalfSpaces {
                         total);
   }
 
-  // Four in space: each share is the volume of the other three.
+  // Four inequalities in space: each share is the volume spanned by the other three.
   static constexpr bool contradict(const Side& a, const Side& b, const Side& c, const Side& d) {
     const Real shares[4] = {dot(b.row, cross(c.row, d.row)), -dot(a.row, cross(c.row, d.row)),
                             dot(a.row, cross(b.row, d.row)), -dot(a.row, cross(b.row, c.row))};
@@ -169,7 +172,7 @@ class HalfSpaces {
     Real sizes = Real(0);
     for (std::size_t k = 0; k < 4; ++k) {
       const Real share = sign * shares[k];
-      // Where one has (almost) no share the other three decide.
+      // If one share is (almost) zero, the other three inequalities decide.
       if (!(share > wrench_tolerance<Real> * total) || !(share > Real(0))) return false;
       value = value + share * values[k];
       sizes = sizes + share * magnitude(values[k]);
@@ -181,7 +184,7 @@ class HalfSpaces {
   std::size_t count_ = 0;
 };
 
-// The body's possible twists while contacts move in some way, contact by contact.
+// The body's possible twists, built up contact by contact.
 template <class Real>
 class Twists {
  public:
@@ -192,7 +195,7 @@ class Twists {
       const Real square = palms[i].x * palms[i].x + palms[i].y * palms[i].y;
       if (square > fastest) fastest = square;
     }
-    // Rates have no scale of their own: what counts is which are zero or positive.
+    // Rates have no scale of their own. Only which of them are zero or positive matters.
     const Real pace = fastest > Real(0) ? Real(1) / std::sqrt(fastest) : Real(1);
     for (std::size_t i = 0; i < count_; ++i) {
       const Support<Real>& s = supports.at[i];
@@ -201,7 +204,7 @@ class Twists {
     }
   }
 
-  // Is there a twist at which the first `count` contacts move like this?
+  // True if some twist moves the first `count` contacts in this way.
   bool exist(const Motions& motions, std::size_t count) const {
     TwistSpace<Real> space{};
     for (std::size_t i = 0; i < count; ++i) {
@@ -221,7 +224,7 @@ class Twists {
     return open.meet();
   }
 
-  // Calls found(motions) for every way in which all contacts can move.
+  // Calls found(motions) for every combination of contact motions that is kinematically possible.
   template <class Found>
   void each(Found&& found) const {
     Motions motions{};
@@ -253,7 +256,7 @@ class Twists {
   std::array<Condition<Real>, max_supports> tangent_{};
 };
 
-// Calls found(motions) for every way of moving that is possible and in balance: what may happen.
+// Calls found(motions) for every combination of contact motions that is possible and balances.
 // There may be none (the body falls or jams) or several.
 template <class Real, class Found>
 void each_outcome(const Supports<Real>& supports, const Velocities<Real>& palms, Real slope,

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body under its weight on several frictional points: do the forces they can carry balance it?
+// Wrench cone: whether the forces at several frictional contacts can balance a body's weight.
 //
 // Frame: world x forward, y up, positions from the COM. Forces are in units of the weight. Under a
 // sideways specific force s (towards −x, as in mechanics/equilibrium.hpp) the supports must
-// together push with (s, 1) through the COM. Each adds rays to a cone of wrenches (force, moment
-// about the COM): both edges of its friction cone where it sticks, the edge that opposes the slip
-// where it slides, none where it leaves. With one point on either palm this is what
-// mechanics/contact_modes.hpp says in closed form.
+// together push with (s, 1) through the COM. Each support adds rays to a cone of wrenches (force,
+// moment about the COM): both edges of its friction cone where it sticks, the edge that opposes the
+// slip where it slides, none where it leaves. With one point on each palm,
+// mechanics/contact_modes.hpp gives the same result in closed form.
 //
-// No linear program is needed. By Carathéodory a wrench lies in a cone in three dimensions iff it
-// lies in that of at most three of its rays, and the point of the cone nearest to a wrench outside
-// it lies on one ray or between two. So the distance from the cone is the least over all pairs and
-// single rays; parallel, opposed and dependent rays are no special cases, since a degenerate triple
-// may be left out for its pairs and a degenerate pair for its single rays.
+// No linear program is needed. By Carathéodory's theorem a wrench lies in a cone in three
+// dimensions iff it lies in the cone of at most three of its rays. The point of the cone nearest to
+// a wrench outside it lies on one ray or between two. So the distance from the cone is the least
+// over all pairs and single rays. Parallel, opposed and dependent rays need no special treatment: a
+// degenerate triple is covered by its pairs, and a degenerate pair by its single rays.
 #pragma once
 
 #include <array>
@@ -23,12 +23,13 @@
 
 namespace palmbots {
 
+// The largest number of points at which the palms support a body.
 inline constexpr std::size_t max_supports = 8;
 
-// How a contact moves on its palm: as `Slide`, up is outward; or it leaves the palm.
+// How a contact moves on its palm: as `SlipDirection` (up is outward), or it leaves the palm.
 enum class Motion : std::int8_t { down = -1, stick = 0, up = 1, leave = 2 };
 
-// A point at which a palm holds the body.
+// A point at which a palm supports the body.
 template <class Real>
 struct Support {
   std::size_t side;
@@ -38,17 +39,20 @@ struct Support {
   Real ny;
   Real friction;
 
-  // Unit tangent: how the body moves along the contact where it slides up, outward.
+  // Unit tangent: the direction in which the body moves along the palm where it slides up, that is
+  // outward.
   constexpr Real tx() const { return outward<Real>(side) * ny; }
   constexpr Real ty() const { return -outward<Real>(side) * nx; }
 };
 
+// The points at which the palms support a body, in a fixed order.
 template <class Real>
 struct Supports {
   std::array<Support<Real>, max_supports> at{};
   std::size_t count = 0;
 
-  // The largest distance from the COM, by which moments are divided; 1 where there is none.
+  // The largest distance of a support from the COM [m], by which moments are divided; 1 if it is
+  // zero.
   constexpr Real reach() const {
     Real most = Real(0);
     for (std::size_t i = 0; i < count; ++i) {
@@ -59,9 +63,10 @@ struct Supports {
   }
 };
 
+// How each support moves, in the order of Supports.
 using Motions = std::array<Motion, max_supports>;
 
-// Three numbers: a wrench (force, moment / reach), or a row that a twist is multiplied with.
+// Three numbers: a wrench (force, moment / reach), or the row of a condition on a twist.
 template <class Real>
 struct Triple {
   Real x;
@@ -88,17 +93,18 @@ constexpr Real size(Triple<Real> p) {
   return std::sqrt(dot(p, p));
 }
 
-// Unit vectors, wrenches in weights and rates closer than this are equal but for rounding.
+// Tolerance below which unit vectors, wrenches [weights] and rates count as equal.
 template <class Real>
 inline constexpr Real wrench_tolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-4);
 
-// The extreme rays of a cone of wrenches, of unit size.
+// The extreme rays of a wrench cone, with unit size.
 template <class Real>
 struct Rays {
   std::array<Triple<Real>, 2 * max_supports> ray{};
   std::size_t count = 0;
 };
 
+// The rays that the supports add to the wrench cone while they move in this way.
 template <class Real>
 constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& motions) {
   const Real reach = supports.reach();
@@ -119,7 +125,7 @@ constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& moti
 
 namespace detail {
 
-// Is the wrench in the cone of three rays that are clearly independent? Cramer's rule.
+// True if the wrench lies in the cone of three clearly independent rays. Cramer's rule.
 template <class Real>
 constexpr bool in_triple(Triple<Real> a, Triple<Real> b, Triple<Real> c, Triple<Real> wrench) {
   const Triple<Real> bc = cross(b, c);
@@ -136,8 +142,8 @@ constexpr bool in_triple(Triple<Real> a, Triple<Real> b, Triple<Real> c, Triple<
          sign * dot(wrench, ab) >= Real(0);
 }
 
-// Distance of the wrench from the cone of two rays where its projection falls between them, else
-// from the first ray or from nothing.
+// Distance of the wrench from the cone of two rays if its projection falls between them. Otherwise
+// the distance from the first ray, or from the origin.
 template <class Real>
 constexpr Real distance_from_pair(Triple<Real> a, Triple<Real> b, Triple<Real> wrench) {
   const Real along = dot(wrench, a);
@@ -156,7 +162,7 @@ constexpr Real distance_from_pair(Triple<Real> a, Triple<Real> b, Triple<Real> w
 
 }  // namespace detail
 
-// How far the wrench is from the cone of the rays; 0 inside.
+// Distance of the wrench from the cone of the rays; 0 inside.
 template <class Real>
 constexpr Real distance_from_cone(const Rays<Real>& rays, Triple<Real> wrench) {
   Real nearest = size(wrench);
@@ -177,13 +183,14 @@ constexpr Real distance_from_cone(const Rays<Real>& rays, Triple<Real> wrench) {
   return nearest;
 }
 
-// What is missing for balance, in weights: the least wrench (moment over reach) that would have to
-// be added. 0, but for rounding, where the contacts in these motions hold the body.
+// The least wrench [weights, moment / reach] that would have to be added for balance. It is 0 up to
+// rounding where the contacts in these motions hold the body.
 template <class Real>
 constexpr Real imbalance(const Supports<Real>& supports, const Motions& motions, Real slope) {
   return distance_from_cone(rays_of(supports, motions), {slope, Real(1), Real(0)});
 }
 
+// True if the contacts in these motions balance the body.
 template <class Real>
 constexpr bool balances(const Supports<Real>& supports, const Motions& motions, Real slope) {
   return imbalance(supports, motions, slope) <= wrench_tolerance<Real>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A robot as it is: wheels with limits and errors, and a palm that takes time to turn.
+// Actuators of a robot: wheels with limits and errors, and a palm that turns at a finite rate.
 #pragma once
 
 #include "palmbots/control/messages.hpp"
@@ -7,10 +7,9 @@
 
 namespace palmbots {
 
-// The wheels. The commanded speed is approached at a finite acceleration and within a speed limit;
-// what the robot does is that plus a constant calibration error and Ornstein–Uhlenbeck noise,
-// dn = −n dt/τ + σ √(2/τ) dW, sampled exactly once a tick. Speeds are along the direction of
-// travel.
+// The wheels. They approach the commanded speed at a finite acceleration and within a speed limit.
+// The actual speed is that plus a constant calibration error and Ornstein–Uhlenbeck noise, dn = −n
+// dt/τ + σ √(2/τ) dW, sampled exactly once per tick. Speeds are along the direction of travel.
 template <class Real>
 struct Wheels {
   Real gain;    // largest change of speed in a tick [m/s]
@@ -21,11 +20,11 @@ struct Wheels {
   Real speed = Real(0);
   Real noise = Real(0);
 
-  // What a commanded speed comes to.
+  // The commanded speed, limited to what the wheels can do [m/s].
   constexpr Real within_limit(Real wanted) const { return clamp(wanted, -limit, limit); }
 
-  // The speed over the next tick towards a target within the limit; `random` has mean 0 and
-  // variance 1.
+  // The actual speed [m/s] over the next tick, towards a target within the limit. `random` has mean
+  // 0 and variance 1.
   constexpr Real step(Real target, Real random) {
     speed = clamp(target, speed - gain, speed + gain);
     noise = memory * noise + drive * random;
@@ -33,7 +32,7 @@ struct Wheels {
   }
 };
 
-// The palm's motor: turns to one of two angles at a finite rate.
+// The palm's motor. It turns the palm to one of two angles at a finite rate.
 template <class Real>
 struct Wrist {
   Real steep;    // [rad]
@@ -42,8 +41,8 @@ struct Wrist {
 
   constexpr Real target(Palm palm) const { return palm == Palm::steep ? steep : shallow; }
 
-  // The angle at the end of the next tick. A remainder below a billionth of a tick's turn (in float
-  // a thousandth) is rounding of the sum, not a distance left to go.
+  // The angle [rad] at the end of the next tick. A remainder below a billionth of a tick's turn (in
+  // float a thousandth) is rounding of the sum, not a distance left to go.
   constexpr Real step(Real angle, Real to) const {
     const Real left_to_go = to - angle;
     constexpr bool is_double = sizeof(typename ScalarOf<Real>::type) == 8;
@@ -53,41 +52,42 @@ struct Wrist {
   }
 };
 
-// A push that has faded to this is none [1].
+// A push that has decayed to this value counts as zero [1].
 inline constexpr double least_push = 1e-6;
 
-// Both robots: how they drive, and how far the pair has come.
+// Both robots: their actuators, their set points and the motion of the pair.
 template <class Real>
 struct Robots {
   PerSide<Wheels<Real>> wheels;
   PerSide<Wrist<Real>> wrists;
   PerSide<Real> goal_speed;  // within the limit, along the direction of travel [m/s]
   PerSide<Real> goal_angle;  // [rad]
-  PerSide<Real> brakes;      // 1: told to rest; wheels that stand are held
+  PerSide<Real> brakes;      // 1: commanded to stop; wheels at zero speed are held
   Real travel_sense;         // ±1: the direction of travel along x
   Real period;               // of control [s]
   Real inertia;              // push per change of the sum of the speeds [s/m]
-  Real push_memory;          // e^(−T/τ) of the lag with which accelerations count
-  Real push_share;           // 1 − that
+  Real push_memory;          // e^(−T/τ) of the lag that smooths accelerations
+  Real push_share;           // 1 − push_memory
   PerSide<Real> speeds;      // over the last tick, towards +x [m/s]
-  Real together;             // their sum [m/s]
+  Real together;             // sum of the speeds [m/s]
   Real push;                 // sideways specific force of their acceleration, lagged [1]
-  Real midpoint;             // of the pivots, from where it started, towards +x [m]
+  Real midpoint;             // of the pivots, from where it started, along +x [m]
 
-  // What came of it in the last tick [m]: of the separation, and of the midpoint.
+  // Displacement in the last tick [m]: change of the separation, and travel of the midpoint.
   constexpr Real change() const { return (speeds[right] - speeds[left]) * period; }
   constexpr Real travel() const { return Real(0.5) * together * period; }
 };
 
-// What the robots do to the world in one tick.
+// The effect of both robots on the world in one tick.
 template <class Real>
 struct Actuation {
-  Real change;           // of the separation [m]
-  PerSide<Real> angles;  // of the palms at the end of the tick [rad]
+  Real change;           // change of the separation [m]
+  PerSide<Real> angles;  // palm angles at the end of the tick [rad]
   Real push;             // sideways specific force of their acceleration [1]
-  Real travel;           // of the midpoint [m]
+  Real travel;           // displacement of the midpoint [m]
 };
 
+// Moves wheels and wrists by one tick. `random` has mean 0 and variance 1 for each robot.
 template <class Real>
 [[gnu::always_inline]] inline Actuation<Real> actuate(Robots<Real>& robots,
                                                       const PerSide<PalmAngle<Real>>& palms,
@@ -98,7 +98,7 @@ template <class Real>
         robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);
     done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
   });
-  // A robot that stands does not wander.
+  // The brakes hold a robot that stands, so noise and calibration error do not move it.
   const auto held = [&](std::size_t side) {
     const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
     const MaskOf<Real> braked = robots.brakes[side] != Real(0);

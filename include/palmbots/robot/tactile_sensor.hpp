@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tactile sensor: switch zones along the palm, labelled −, 0, + (paper, Figure 7).
+// Tactile sensor: switch zones along the palm, labelled −, 0, + (paper, Figure 7).
 //
-// A zone labelled 0 may overlap the others and wins over them: our reading of the caption of Figure
-// 7. A contact in no zone presses no switch and reads 0 (assumed). Both robots have the same
-// layout, in the outward coordinate p.
+// A zone labelled 0 may overlap the others and takes precedence over them; this is our reading of
+// the caption of Figure 7. A contact outside all zones closes no switch and reads 0 (assumed). Both
+// robots have the same layout, in the outward coordinate p.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@ namespace palmbots {
 
 inline constexpr std::size_t max_zones = 16;
 
+// A switch zone: an interval of the contact coordinate p and its label.
 template <class Real>
 struct Zone {
   Sign sign;
@@ -27,6 +28,7 @@ struct Zone {
   Real to;    // [m], closed
 };
 
+// The sensor of one palm.
 template <class Real>
 class TactileSensor {
  public:
@@ -38,8 +40,8 @@ class TactileSensor {
       add_edge(zones[i].from);
       add_edge(zones[i].to);
     }
-    // A reading holds between two edges and, since zones are closed, may differ on an edge itself;
-    // what is kept are the numbers from which on it is another one.
+    // The reading is constant between two edges. Because zones are closed it may differ on an edge
+    // itself. `changes_` holds the coordinates from which on the reading is a different one.
     readings_[0] = covered(zones, count, between(0));
     for (std::size_t i = 0; i < edge_count_; ++i) {
       change_at(edges_[i], covered(zones, count, edges_[i]));
@@ -55,7 +57,7 @@ class TactileSensor {
     return readings_[passed];
   }
 
-  // Where, around p, the sign with perfect switches is the same: from `from` on, before `until`.
+  // The interval around p in which perfect switches give the same sign: `from` ≤ p < `until` [m].
   struct Stretch {
     Real from;
     Real until;
@@ -75,8 +77,8 @@ class TactileSensor {
     return found;
   }
 
-  // From where on outward it reads 0 or +, and from where on +, if no reading is less than one
-  // further in.
+  // The outward coordinates [m] from which on the sensor reads 0 or +, and from which on it reads
+  // +. Exists only if the reading never decreases outward.
   struct Steps {
     Real not_negative;
     Real positive;
@@ -96,10 +98,11 @@ class TactileSensor {
   }
 
   constexpr bool has_false_readings() const { return false_words_ > 0; }
-  // A reading is false where a random word is below this.
+  // A reading is false if a 32-bit random word is below this number.
   constexpr std::uint64_t false_words() const { return false_words_; }
 
-  // The same with false readings: one of the two wrong signs at a given rate.
+  // The sign at p with false readings: one of the two wrong signs at a given rate. `chance` and
+  // `which` are random words.
   constexpr Sign sign(Real p, std::uint32_t chance, std::uint32_t which) const {
     const Sign truth = sign(p);
     if (chance >= false_words_) return truth;
@@ -108,7 +111,7 @@ class TactileSensor {
   }
 
  private:
-  // Rate 0 → 0, rate 1 → 2³², compared with a 32-bit draw.
+  // The rate as a threshold for a 32-bit draw: 0 → 0, 1 → 2³².
   static constexpr std::uint64_t threshold(double rate) {
     return static_cast<std::uint64_t>(rate * 4294967296.0);
   }

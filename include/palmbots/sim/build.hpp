@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a spec becomes: the parts of a carry in its own precision, and what is known of it
-// beforehand.
+// Builds the parts of a carry from a spec, in the carry's own precision, and computes bounds that
+// are known beforehand.
 #pragma once
 
 #include <cmath>
@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// The model of object, palms and friction.
 template <class Real>
 Model<Real> model_of(const Spec& spec) {
   Model<Real> model{};
@@ -39,8 +40,8 @@ Model<Real> model_of(const Spec& spec) {
   return model;
 }
 
-// Both palms steep, the contacts where the spec starts them, the robots where the object makes
-// them.
+// The initial configuration: both palms steep, the contacts where the spec puts them, the robots at
+// the separation that the object's width requires.
 template <class Real>
 Configuration<Real> configuration_of(const Spec& spec, const Model<Real>& model) {
   Configuration<Real> configuration{};
@@ -52,12 +53,13 @@ Configuration<Real> configuration_of(const Spec& spec, const Model<Real>& model)
   return configuration;
 }
 
-// What is left of a first-order lag after a period.
+// The share of a first-order lag's initial value that remains after a period: e^(−period/lag).
 template <class Real>
 Real memory_of(double period, double lag) {
   return lag > 0 ? exp_minus(Real(period / lag)) : Real(0);
 }
 
+// The wheels of a robot; `period` is the control period [s].
 template <class Real>
 Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
   const Real memory = memory_of<Real>(period, robot.noise_tau);
@@ -66,24 +68,26 @@ Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
           drive};
 }
 
+// The palm motor; `period` is the control period [s].
 template <class Real>
 Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
 }
 
+// The side of the robot that leads, that is the front one in the direction of travel.
 inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
 
-// Both robots before they start.
+// Both robots at rest, before they start.
 template <class Real>
 Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   Robots<Real> robots{};
   robots.travel_sense = Real(spec.direction);
   robots.period = Real(spec.period);
-  // The object goes with the mean of the two robots; a push is an acceleration in units of g.
+  // The object moves with the mean of the two robots. A push is an acceleration in units of g.
   if (spec.inertia != 0) robots.inertia = Real(0.5 / (spec.period * standard_gravity));
   robots.push_memory = memory_of<Real>(spec.period, spec.inertia_lag);
   robots.push_share = Real(1) - robots.push_memory;
-  // Noise is under way when the carry starts: its first value has its lasting spread.
+  // The noise is stationary: its first value already has its long-term spread.
   const Words words = draw(seed, ~0U, Stream::noise);
   for (const std::size_t side : {left, right}) {
     robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
@@ -94,6 +98,7 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   return robots;
 }
 
+// The radio channel, with times converted to control ticks.
 inline Channel channel_of(const Spec& spec) {
   Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
   channel.duplicate_words = Channel::words_of(spec.duplicate);
@@ -117,7 +122,8 @@ inline Channel channel_of(const Spec& spec) {
   return channel;
 }
 
-// How far from the middle of their palms both contacts may be at any angles [m]; −1: none.
+// The safe reach at any angles of the palms [m]: the object is held while both |p| are at most
+// this. −1 if there is none.
 inline double safe_reach(const Spec& spec) {
   PerSide<AnglePair<double>> angles{};
   for (const std::size_t side : {left, right}) {
@@ -129,8 +135,9 @@ inline double safe_reach(const Spec& spec) {
 
 namespace detail {
 
-// How far from the pivot a contact may be while the sensor reads 0: to the nearest place from
-// which on it reads another sign, on the side where that is farther.
+// The greatest distance of a contact from the pivot at which the sensor can read 0. On each side it
+// extends to the nearest coordinate from which on the sensor reads another sign; the farther side
+// counts.
 inline double zero_zone_reach(const Spec& spec) {
   const TactileSensor<double> tactile(spec.zones, spec.zone_count, 0);
   double reach = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bumps of the floor: when they come, and by how much they shift the contacts.
+// Bumps of the floor: when they occur, and by how much they shift the contacts.
 //
-// Scripted ones come at a time or at a place, each once. Random ones come to each robot with a
-// chance in proportion to the way that the pair goes in a tick.
+// A scripted bump occurs once, at a time or at a place. Random bumps occur for each robot with a
+// probability proportional to the distance that the pair travels in a tick.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// The bumps of one carry.
 class Bumps {
  public:
   Bumps() = default;
@@ -24,8 +25,8 @@ class Bumps {
 
   static bool any(const Spec& spec) { return spec.bump_count > 0 || spec.bump_rate > 0; }
 
-  // Draws what decides about random ones in the block of ticks from `first` on. To be called before
-  // the first tick of each block.
+  // Draws the random numbers for the random bumps of the block of ticks from `first` on. To be
+  // called before the first tick of each block.
   void draw_block(const Spec& spec, std::uint64_t seed, std::uint32_t first) {
     if (!(spec.bump_rate > 0)) return;
     const auto words = draw_row<block_ticks>(seed, first, Stream::bump);
@@ -34,14 +35,14 @@ class Bumps {
     }
   }
 
-  // Whether there is one in this tick. `midpoint` [m] and `together`, the sum of both robots'
-  // speeds over the tick before [m/s], are towards +x.
+  // True if there is a bump in this tick. `midpoint` [m] and `together`, the sum of both robots'
+  // speeds over the tick before [m/s], are along +x.
   bool due(const Spec& spec, std::uint32_t tick, double midpoint, double together) const {
     return double(tick) * spec.period >= next_time_ || midpoint * spec.direction >= next_place_ ||
            (spec.bump_rate > 0 && luck_[tick % block_ticks] < chance(spec, together));
   }
 
-  // What shifts the contacts in this tick [m].
+  // The shift of the contacts in this tick [m], and the number of bumps that caused it.
   struct ContactShift {
     PerSide<double> by{};
     std::uint32_t bumps = 0;
@@ -73,14 +74,14 @@ class Bumps {
   }
 
  private:
-  // Of a robot in a tick.
+  // The probability of a random bump for one robot in one tick.
   static double chance(const Spec& spec, double together) {
     return spec.bump_rate * (std::abs(together) * 0.5 * spec.period);
   }
 
   bool is_over(std::size_t i) const { return (over_ >> i & 1) != 0; }
 
-  // When and where the next scripted ones are.
+  // Determines time and place of the next scripted bumps.
   void plan(const Spec& spec) {
     next_time_ = next_place_ = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < spec.bump_count; ++i) {
@@ -90,11 +91,11 @@ class Bumps {
     }
   }
 
-  std::uint64_t over_ = 0;  // the scripted ones that have been, bit by bit
+  std::uint64_t over_ = 0;  // scripted bumps that have occurred, one bit each
   double next_time_ = std::numeric_limits<double>::infinity();  // [s]
   double next_place_ =
       std::numeric_limits<double>::infinity();  // along the direction of travel [m]
-  std::array<double, block_ticks> luck_{};      // of the less lucky robot
+  std::array<double, block_ticks> luck_{};      // smaller draw of the two robots in each tick
 };
 
 }  // namespace palmbots

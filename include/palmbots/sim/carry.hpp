@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A carry: world, two robots, radio and controllers, tick after tick, until it ends.
+// A carry: world, two robots, radio and controllers, simulated tick by tick until it ends.
 //
-// One tick: scheduled and random bumps; sensors read; the team (controllers and radio) turns
-// readings into commands; wheels and wrists act; the world moves exactly. Nothing in a tick
-// allocates; a recorder, if any, gets its memory before the first.
+// In one tick, scheduled and random bumps occur, the sensors are read, the team (controllers and
+// radio) turns readings into commands, wheels and wrists act, and the world moves exactly. A tick
+// allocates no memory; a recorder, if there is one, allocates before the tick.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,8 @@
 
 namespace palmbots {
 
+// One carry with the quasistatic world. Team is one of sim/team.hpp, Recorder one of
+// sim/recorder.hpp.
 template <class Real, class Team, class Recorder>
 class Carry : public RobotPair<Real, Team> {
   using Base = RobotPair<Real, Team>;
@@ -26,11 +28,11 @@ class Carry : public RobotPair<Real, Team> {
     world_ = World<Real>(model, configuration_of(spec, model));
   }
 
-  // Before the first tick: is the object held?
+  // To be called before the first tick: checks whether the object is held.
   void begin() { metrics_.reason = world_.check(); }
 
-  // From here on the random numbers of another seed; what has happened stays. Faults keep their
-  // schedule.
+  // Continues with the random numbers of another seed. Everything that has happened stays, and
+  // faults keep their schedule.
   void fork(std::uint64_t seed) {
     seed_ = seed;
     team_.fork(seed);
@@ -56,8 +58,8 @@ class Carry : public RobotPair<Real, Team> {
     if (open()) act(sense());
   }
 
-  // The same in two halves, for somebody who decides in between. First bumps; tells whether the
-  // object is still held.
+  // The same in two halves, for a caller that decides in between. open() applies bumps and returns
+  // true if the object is still held.
   [[gnu::always_inline]] bool open() {
     if (metrics_.reason == DropReason::none && Bumps::any(spec_)) bump();
     if (metrics_.reason == DropReason::none) return true;
@@ -65,7 +67,7 @@ class Carry : public RobotPair<Real, Team> {
     return false;
   }
 
-  // Then all else, with what the robots sense now.
+  // Executes the rest of the tick with these observations.
   [[gnu::always_inline]] void act(const PerSide<RobotObservation>& sensed) {
     if (notice(sensed)) think();
     const std::uint32_t k = tick_ % block_ticks;
@@ -87,7 +89,7 @@ class Carry : public RobotPair<Real, Team> {
   Recorder& recorder() { return recorder_; }
   const Recorder& recorder() const { return recorder_; }
 
-  // What the robots sense, bumps done.
+  // The observations of the robots, after bumps.
   PerSide<RobotObservation> sense() const {
     const PerSide<Sign> signs = read(world_.touched());
     PerSide<RobotObservation> sensed{};
@@ -114,13 +116,13 @@ class Carry : public RobotPair<Real, Team> {
     return Base::think([&](const SentMessage& p) { recorder_.message(p); });
   }
 
-  // What is done for many ticks at once.
+  // Work that is done once for a block of ticks.
   [[gnu::noinline]] void next_block() {
     collect();
     draw_noise(tick_);
   }
 
-  // The noise of a block of ticks: four words serve two robots for two ticks.
+  // The noise of a block of ticks. A draw of four words serves two robots for two ticks.
   void draw_noise(std::uint32_t first) {
     const auto words = draw_row<block_ticks / 2>(seed_, first, Stream::noise, 2);
     for (const std::size_t side : {left, right}) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two robots that report to a station every tick and do what its newest packet says.
+// Team of the centralized algorithm: two robots that report to a station every tick and execute the
+// command in its newest packet.
 //
-// Over a plain radio, once nothing new has been said for as long as messages travel, nothing new is
-// heard either: until a robot senses something else the same messages go on, and are only counted.
+// Over a plain radio the messages repeat until a robot's observation changes. Once nothing new has
+// been sent for as long as messages travel, nothing new is received either, so the repeated
+// messages are only counted.
 #pragma once
 
 #include <cstring>
@@ -14,6 +16,7 @@
 
 namespace palmbots {
 
+// Station, robots and the links between them.
 class CentralizedTeam {
  public:
   static constexpr bool half_moves = true;  // both robots move, at half the correction speed each
@@ -40,18 +43,19 @@ class CentralizedTeam {
       if (lost) up_[side].drop(tick);
       now_.heard[side] = up_[side].newest(tick, now_.reports[side]) || now_.heard[side];
     }
-    // Slots keep the station's packets off the robots', but not the robots' off each other.
+    // Time slots separate the station's packets from the robots', but not the robots' packets from
+    // each other.
     const bool collides = runs[left] && runs[right] && radio_.collide(tick);
     if (now_.heard[left] && now_.heard[right] && !lost) {
-      const Centralized::Output told = now_.station.step(now_.reports);
+      const Centralized::Output output = now_.station.step(now_.reports);
       on_both_sides([&](std::size_t side) {
-        radio_.post(down_[side], tick, told.command[side], 2, side, false, link_totals);
+        radio_.post(down_[side], tick, output.command[side], 2, side, false, link_totals);
       });
-      now_.told = told;
+      now_.station_output = output;
     }
     on_both_sides([&](std::size_t side) {
       if (!runs[side]) return;
-      // `turned` speaks of the command in force until this tick.
+      // `palm_at_target` refers to the command in force until this tick.
       const Centralized::Report said{sensed[side].sign, obeyed_[side], sensed[side].palm_at_target};
       radio_.post(up_[side], tick, said, side, side, collides, link_totals);
       now_.said[side] = said;
@@ -61,12 +65,13 @@ class CentralizedTeam {
     return now_.commands;
   }
 
-  // The next tick at which it is not sure that all goes on as now.
+  // The next tick at which the state may change.
   std::uint32_t next_decision_tick(std::uint32_t tick) const {
     return may_rest_ && tick - changed_ > travel_ ? faults_.next_outage(tick) : tick + 1;
   }
 
-  // The carry ends, or goes on, with this tick: what went on in ticks before it that had no step.
+  // The carry ends, or continues, with this tick: counts the messages of the ticks before it that
+  // had no step.
   void close(std::uint32_t tick) {
     const std::uint32_t skipped = tick - due_;
     for (LinkCounts& link : link_totals.links) link.sent += skipped;
@@ -107,23 +112,24 @@ class CentralizedTeam {
   }
 
  private:
-  // What is said, heard and done in a tick.
+  // Everything that is sent, received and commanded in a tick.
   struct Moment {
     Centralized station;
-    PerSide<bool> heard{};             // by the station, ever
-    Centralized::Report reports[2]{};  // the newest that it has
-    Centralized::Output told{};
+    PerSide<bool> heard{};             // the station has received from this robot
+    Centralized::Report reports[2]{};  // the newest that the station has
+    Centralized::Output station_output{};
     PerSide<Centralized::Report> said{};
     PerSide<Command> commands{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
 
-    // All of it at once: bytes without gaps.
+    // Compares all fields at once, as bytes without gaps.
     bool operator==(const Moment& other) const {
       static_assert(std::has_unique_object_representations_v<Moment>);
       return std::memcmp(this, &other, sizeof other) == 0;
     }
   };
 
-  // Whether a robot's program runs; one that boots drives on until it hears from the station.
+  // True if a robot's program runs. A robot that boots keeps driving until it hears from the
+  // station.
   bool runs(std::uint32_t tick, std::size_t side) {
     const ProgramState state = monitor_.program_state(faults_, tick, side);
     if (state == ProgramState::off) {
@@ -142,8 +148,8 @@ class CentralizedTeam {
   Faults faults_;
   ProgramMonitor monitor_;
   bool may_rest_;
-  std::uint32_t travel_;       // of messages [ticks]
-  std::uint32_t changed_ = 0;  // the last tick that was not like the one before
+  std::uint32_t travel_;       // of messages: delay [ticks]
+  std::uint32_t changed_ = 0;  // the last tick that differed from the one before
   std::uint32_t due_ = 0;      // the tick after the last step
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What damage on the way makes of a packet (wire/packet.hpp).
+// Corruption of packets on the way (wire/packet.hpp).
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 
 namespace palmbots {
 
-// What the receiver says of a packet of which up to eight bytes in a row are random, the first of
-// them certainly wrong: place, length and noise from three words.
+// The receiver's verdict on a packet in which up to eight consecutive bytes are random. The first
+// of them is certainly wrong. Place, length and noise are taken from three words.
 constexpr wire::Verdict damaged(const wire::Packet& packet, const Words& words) {
-  constexpr wire::Key key{};  // any: what is wrong stays wrong
+  constexpr wire::Key key{};  // any key: a damaged packet fails under each
   wire::Bytes bytes{};
   if (!wire::encode(packet, key, bytes)) return wire::Verdict::malformed;
   const std::uint64_t noise = std::uint64_t{words[3]} << 32 | words[2] | 1;

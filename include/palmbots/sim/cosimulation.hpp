@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both robots of a carry without its world: sensors, controllers and radio, wheels and wrists,
-// metrics and trace, for a world that is moved by somebody else (a dynamics engine, say).
+// Co-simulation: both robots of a carry (sensors, controllers, radio, wheels, wrists, metrics and
+// trace) without a world, for an external simulator that moves the object, such as a dynamics
+// engine.
 //
-// One tick in two calls. `step_controllers` reads the sensors where the world was last seen, lets
-// the team decide and says what wheels and wrists do until the next tick; `observe` takes in what
-// became of it. In between the world moves. Driven with the quasistatic world it is `Carry` to the
-// last bit, which is a test; what Carry does besides (bumps that shift contacts) belongs to that
-// world and is left out.
+// One tick takes two calls. `step_controllers` reads the sensors at the last observed state of the
+// world, lets the team decide and returns the motion of wheels and wrists until the next tick.
+// `observe` takes in the resulting state of the world. The external simulator moves in between.
+// Driven with the quasistatic world, the result equals `Carry` to the last bit; a test checks this.
+// Bumps, which shift contacts, belong to the quasistatic world and are left out.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,12 @@
 
 namespace palmbots {
 
-// What is seen of a world at the end of a tick.
+// The observed state of a world at the end of a tick.
 struct WorldObservation {
   PerSide<double> contacts{};           // p of the contact vertices [m]
   PerSide<double> lift{};               // of the contact vertices above their palms [m]
-  PerSide<double> touched{};            // where the palms are pressed: p of that [m]
-  PerSide<bool> pressed{{true, true}};  // hard enough for a switch
+  PerSide<double> touched{};            // p of the point where each palm is pressed [m]
+  PerSide<bool> pressed{{true, true}};  // hard enough to close a switch
   PerSide<double> palms{};              // angles of the palms in the world [rad]
   PerSide<double> wrists{};             // angles as the robots measure them [rad]
   double separation = 0;                // of the pivots [m]
@@ -31,10 +32,10 @@ struct WorldObservation {
   double rise = 0;                      // of the right contact vertex over the left one [m]
   PerSide<int> motion{};  // over the tick: contacts slide down −1, stick 0, slide up +1
   DropReason reason = DropReason::none;
-  double fraction = 1;  // of the tick at which it ended
+  double fraction = 1;  // share of the tick after which the carry ended
 };
 
-// The sight as the recorder takes it: as it takes a world.
+// The observation, with the interface of a world for the recorder.
 class ObservedWorld {
  public:
   void observe(const WorldObservation& observation) {
@@ -57,12 +58,14 @@ class ObservedWorld {
   Advance<double> last_{};
 };
 
+// One carry whose world is moved by an external simulator.
 template <class Team>
 class CoSimulation : public RobotPair<double, Team> {
   using Base = RobotPair<double, Team>;
 
  public:
-  // `slack`: a palm has turned where its wrist is so near to the angle last commanded [rad].
+  // `slack` [rad]: a palm counts as at its target if its wrist is within this of the angle last
+  // commanded.
   CoSimulation(const Spec& spec, std::uint64_t seed, Team team, double slack,
                const WorldObservation& first)
       : Base(spec, seed, std::move(team)), slack_(slack), observation_(first) {
@@ -77,11 +80,11 @@ class CoSimulation : public RobotPair<double, Team> {
     finish();
   }
 
-  // What the robots sense where the world was last seen.
+  // The observations of the robots at the last observed state of the world.
   PerSide<RobotObservation> sense() const {
     PerSide<double> touched{};
     for (const std::size_t side : {left, right}) {
-      // Where nothing presses hard enough no switch is closed, which reads as 0.
+      // Where the pressure is too low no switch is closed, which reads as 0.
       touched[side] = observation_.pressed[side] ? observation_.touched[side] : 0.0;
     }
     const PerSide<Sign> signs = read(touched);
@@ -93,7 +96,7 @@ class CoSimulation : public RobotPair<double, Team> {
     return sensed;
   }
 
-  // What wheels and wrists do until the next tick.
+  // The motion of wheels and wrists until the next tick.
   Actuation<double> step_controllers() {
     recorder_.make_room();
     const PerSide<RobotObservation> sensed = sense();
@@ -107,7 +110,7 @@ class CoSimulation : public RobotPair<double, Team> {
     return act;
   }
 
-  // What became of it.
+  // Takes in the world at the end of the tick.
   void observe(const WorldObservation& observation) {
     const double before = observation_.midpoint;
     observation_ = observation;
@@ -125,7 +128,8 @@ class CoSimulation : public RobotPair<double, Team> {
   using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::rank, Base::read;
   using Base::metrics_, Base::robots_, Base::seed_, Base::statistics_, Base::think, Base::tick_;
 
-  // The words of a tick as `Carry` draws them: four serve two robots for two ticks.
+  // The words of a tick as `Carry` draws them: a draw of four words serves two robots for two
+  // ticks.
   PerSide<double> noise() const {
     const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
     const std::size_t first = 2 * (tick_ % 2);
@@ -142,7 +146,7 @@ class CoSimulation : public RobotPair<double, Team> {
   TraceRecorder recorder_;
   WorldObservation observation_;
   ObservedWorld world_;
-  PerSide<PalmAngle<double>> set_points_{};  // of the wrists' motors
+  PerSide<PalmAngle<double>> set_points_{};  // of the wrist motors
 };
 
 }  // namespace palmbots

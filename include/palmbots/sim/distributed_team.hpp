@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two robots that exchange messages, with one controller each.
+// Team of two robots that exchange messages, with one controller each.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace palmbots {
 
-// Two robots with one controller each, and a link each way. Controller is anything with
-// step(Distributed::Input) → Distributed::Output and now() → Distributed::Doing.
+// Two robots with one controller each, and a link in each direction. A Controller provides
+// step(Distributed::Input) → Distributed::Output and now() → Distributed::StateOutput.
 template <class Controller>
 class DistributedTeam {
  public:
@@ -32,8 +32,8 @@ class DistributedTeam {
                                Log&& log) {
     PerSide<MessageKind> messages{};
     const bool may_fail = faults_.any();
-    PerSide<bool> rest{};   // which of them stay as they are, and so does what they command
-    PerSide<bool> turns{};  // which of them tell their palm to turn
+    PerSide<bool> rest{};   // robots whose state and command stay as they are
+    PerSide<bool> turns{};  // robots that command their palm to turn
     for (const std::size_t side : {left, right}) {
       if (may_fail && !runs(tick, side)) continue;
       const Distributed::Input in = input(tick, side, sensed[side]);
@@ -63,8 +63,8 @@ class DistributedTeam {
   const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
-  // Whether a robot's program runs in a tick that is still to come, and the message that it will
-  // find.
+  // For a tick that is still to come: whether a robot's program runs, whether it boots, and the
+  // message that it will find.
   bool is_on(std::uint32_t tick, std::size_t side) const {
     const ProgramState state = monitor_.next_program_state(faults_, tick, side);
     return state == ProgramState::running || state == ProgramState::booting;
@@ -82,8 +82,8 @@ class DistributedTeam {
   MessageKind awaits(std::size_t side) const { return controllers_[side].now().awaits; }
   CorrectionActivity activity(std::size_t side) const { return activity_of(name(side), side); }
 
-  // Robots that stay as they are with what they sense and hear now will until a message comes, or
-  // one of them fails.
+  // Robots that are quiescent with their present input stay so until a message arrives or one of
+  // them fails.
   std::uint32_t next_decision_tick(std::uint32_t tick) const {
     if (!settled_) return tick + 1;
     return std::min({inbox_[left].next_arrival(tick), inbox_[right].next_arrival(tick),
@@ -97,7 +97,7 @@ class DistributedTeam {
     return {sensed.sign, message != nullptr ? *message : MessageKind::none, sensed.palm_at_target};
   }
 
-  // A controller that does not say may always have something to do.
+  // A controller that does not provide is_quiescent() is never treated as quiescent.
   static bool is_quiescent(const Controller& controller, const Distributed::Input& in) {
     if constexpr (requires { controller.is_quiescent(in); }) {
       return controller.is_quiescent(in);
@@ -119,7 +119,7 @@ class DistributedTeam {
     }
   }
 
-  // Whether a robot's program runs; one that boots has forgotten everything.
+  // True if a robot's program runs. A program that boots starts from its initial state.
   bool runs(std::uint32_t tick, std::size_t side) {
     const ProgramState state = monitor_.program_state(faults_, tick, side);
     if (state == ProgramState::off) {
@@ -131,8 +131,8 @@ class DistributedTeam {
   }
 
   PerSide<Controller> controllers_;
-  PerSide<Controller> asleep_;        // as they are after a boot
-  bool settled_ = false;              // with the same input they would stay as they are
+  PerSide<Controller> asleep_;        // initial state, as after a boot
+  bool settled_ = false;              // both are quiescent with their present input
   PerSide<Link<MessageKind>> inbox_;  // of each robot
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Radio radio_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What breaks in a carry, and when: a schedule, worked out once from the spec and the seed.
+// Faults of a carry and their schedule, computed once from the spec and the seed.
 //
-// A robot whose program does not run keeps the command it had last. After the watchdog's time
-// without a step its wheels are brought to rest and its controller starts anew when the fault is
-// over; the palm's servo holds the angle it was told last. A reboot is that from the start. A stuck
-// sensor reads one sign; a flickering one now and then reads a random one. A lost station neither
-// hears nor sends.
+// A robot whose program does not run keeps its last command. If that lasts longer than the
+// watchdog's time, its wheels are brought to rest and its controller boots when the fault is over;
+// the palm's servo holds the angle last commanded. A reboot has this effect from its start. A stuck
+// sensor reads one sign; a flickering one occasionally reads a random sign. A lost station neither
+// receives nor sends.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace palmbots {
 
-// Whether a robot's program runs.
+// Whether a robot's program runs, and how.
 enum class ProgramState : std::uint8_t {
   running,
   frozen,   // not stepped; the command stays
@@ -28,6 +28,7 @@ enum class ProgramState : std::uint8_t {
   booting,  // runs, for the first time since it was off
 };
 
+// The schedule of faults of one carry.
 class Faults {
  public:
   Faults() = default;
@@ -36,7 +37,7 @@ class Faults {
     Faults faults;
     faults.seed_ = seed;
     for (std::size_t i = 0; i < spec.fault_count; ++i) faults.add(spec, spec.faults[i]);
-    // Random reboots: any robot, any time of a carry at nominal speed.
+    // Random reboots: any robot, at any time within the duration of a carry at nominal speed.
     const double length =
         spec.distance / (0.5 * (spec.robots[left].speed + spec.robots[right].speed));
     for (std::uint32_t i = 0; i < spec.random_reboots; ++i) {
@@ -51,7 +52,7 @@ class Faults {
 
   bool any() const { return count_ > 0; }
 
-  // Whether there are no others than robots that are off for a while.
+  // True if all faults are reboots.
   bool are_reboots() const {
     for (std::size_t i = 0; i < count_; ++i) {
       if (list_[i].kind != FaultKind::reboot) return false;
@@ -59,7 +60,7 @@ class Faults {
     return true;
   }
 
-  // Whether any of them is a sensor's.
+  // True if any fault affects a sensor.
   bool corrupts_readings() const {
     for (std::size_t i = 0; i < count_; ++i) {
       if (list_[i].is_sensors()) return true;
@@ -67,8 +68,8 @@ class Faults {
     return false;
   }
 
-  // Whether a robot's program runs at a tick, by the schedule alone: never `boots`
-  // (ProgramMonitor).
+  // The state of a robot's program at a tick, by the schedule alone. Never `booting`, which
+  // ProgramMonitor determines.
   ProgramState program_state(std::uint32_t tick, std::size_t side) const {
     ProgramState state = ProgramState::running;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -91,7 +92,7 @@ class Faults {
     return false;
   }
 
-  // The first tick after this one that robots and station are not sure to pass as usual.
+  // The first later tick at which a robot's program or the station may fail or return.
   std::uint32_t next_outage(std::uint32_t tick) const {
     std::uint32_t next = ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -103,7 +104,7 @@ class Faults {
     return next;
   }
 
-  // The first tick after this one at which program_state() may say something else.
+  // The first later tick at which program_state() may return another value.
   std::uint32_t next_change(std::uint32_t tick, std::size_t side) const {
     std::uint32_t next = ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -116,7 +117,7 @@ class Faults {
     return next;
   }
 
-  // What a sensor says at a tick where it should say `sign`.
+  // The reading of a sensor at a tick at which it should read `sign`.
   Sign reading(std::uint32_t tick, std::size_t side, Sign sign) const {
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
@@ -137,9 +138,9 @@ class Faults {
     std::size_t side;
     std::uint32_t from;
     std::uint32_t to;        // the first tick after it
-    std::uint32_t off_from;  // from which on the robot rests and will boot
+    std::uint32_t off_from;  // the tick from which on the robot rests and will boot
     Sign reads;
-    std::uint64_t flicker_words;  // of 2³²
+    std::uint64_t flicker_words;  // threshold of 2³²
 
     bool is_sensors() const { return kind == FaultKind::stuck || kind == FaultKind::flicker; }
     bool covers(std::uint32_t tick) const { return tick >= from && tick < to; }
@@ -159,17 +160,17 @@ class Faults {
     f.flicker_words = static_cast<std::uint64_t>(fault.rate * 4294967296.0);
   }
 
-  static constexpr std::size_t capacity = max_faults + 8;  // the schedule's, and random ones
+  static constexpr std::size_t capacity = max_faults + 8;  // scheduled and random ones
   std::array<Fault, capacity> list_{};
   std::size_t count_ = 0;
   std::uint64_t seed_ = 0;
 };
 
-// Which robots have been off since they last ran. A program that was off boots when it runs next,
-// whatever has kept it from running meanwhile.
+// Records which robots have been off since they last ran. A program that was off boots when it runs
+// next, whatever else has kept it from running meanwhile.
 class ProgramMonitor {
  public:
-  // Asked once a tick and robot.
+  // To be called once per tick and robot.
   ProgramState program_state(const Faults& faults, std::uint32_t tick, std::size_t side) {
     const ProgramState state = next_program_state(faults, tick, side);
     if (state == ProgramState::off) was_off_[side] = true;
@@ -177,7 +178,7 @@ class ProgramMonitor {
     return state;
   }
 
-  // What program_state() will say in the tick to come.
+  // The value that program_state() will return in the coming tick.
   ProgramState next_program_state(const Faults& faults, std::uint32_t tick,
                                   std::size_t side) const {
     const ProgramState state = faults.program_state(tick, side);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is measured during a carry: how it ended, where the contacts were, the corrections.
+// Metrics of a carry: its outcome, the contact coordinates, the corrections and the contact events.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 
 namespace palmbots {
 
+// How a carry ended.
 enum class Outcome : std::uint8_t { running, delivered, dropped, stalled };
 
 constexpr const char* name_of(Outcome outcome) {
@@ -18,9 +19,9 @@ constexpr const char* name_of(Outcome outcome) {
   return names[static_cast<int>(outcome)];
 }
 
-// One correction, in ticks. `robot` and `assistant` as in CorrectionActivity; of the distributed
-// algorithm's (a) and (b) the assistant is the partner from when it is in (c), or in (b) too:
-// before that, and where a message was lost, nobody assists.
+// One correction, in ticks. `robot` and `assistant` are as in CorrectionActivity. In (a) and (b) of
+// the distributed algorithm the partner becomes the assistant when it enters (c), or (b) too.
+// Before that, and if a message was lost, nobody assists.
 struct Correction {
   char name;
   std::int8_t robot;
@@ -29,11 +30,11 @@ struct Correction {
   std::uint32_t end;
 };
 
-// As many corrections as are kept one by one; more are counted only.
+// Number of corrections stored one by one; further ones are only counted.
 inline constexpr std::size_t max_corrections = 512;
 
-// A time during which the object rested on more, or on something else, than its two contact
-// vertices: how it began, and in ticks when.
+// A period during which the object touches the palms with more than its two contact vertices, or
+// with other points: how it began, and when [ticks].
 struct ContactEventRow {
   ContactKind kind;
   std::size_t side;
@@ -41,15 +42,16 @@ struct ContactEventRow {
   double end;
 };
 
-// As many of them as are kept one by one; more are counted only.
+// Number of contact events stored one by one; further ones are only counted.
 inline constexpr std::size_t max_contact_events = 128;
 
-// Corrections of one robot that alternate in sign and follow each other at once: a dead band too
-// narrow for latency and speed sends (a) into (d) and back for ever (PROTOCOL, "Dead band").
+// Number of corrections that make a limit cycle: corrections of one robot that alternate in sign
+// and follow each other at once. It occurs if the dead band is too narrow for latency and speed, so
+// that (a) leads to (d) and back forever (PROTOCOL, "Dead band").
 inline constexpr std::uint32_t limit_cycle_length = 8;
 
-// What is measured every tick. Squares are added up in Real for a block of ticks, and the blocks in
-// double.
+// Statistics taken every tick. Squares are summed in Real over a block of ticks, and the blocks are
+// summed in double.
 template <class Real>
 struct ContactStatistics {
   PerSide<Real> square_sum;  // of the contact coordinates [m²]
@@ -64,6 +66,7 @@ struct ContactStatistics {
   }
 };
 
+// All metrics of one carry.
 class Metrics {
  public:
   Outcome outcome = Outcome::running;
@@ -73,23 +76,23 @@ class Metrics {
   PerSide<double> peak{};        // largest |p| [m]
   std::uint32_t samples = 0;
   PerSide<std::uint32_t> waiting_ticks{};
-  PerSide<std::uint32_t> waits_since{};  // the tick from which on it has waited without a break
+  PerSide<std::uint32_t> waits_since{};  // first tick of the present wait
   PerSide<bool> limit_cycle{};
   std::uint32_t bumps = 0;
   std::uint32_t corrections = 0;
   std::uint32_t longest_correction = 0;          // [ticks]
-  std::array<Correction, max_corrections> rows;  // the first `corrections` of them; not cleared
+  std::array<Correction, max_corrections> rows;  // not cleared: `corrections` are valid
   std::uint32_t settle_ticks = 0;
   std::uint32_t contact_events = 0;
   std::array<ContactEventRow, max_contact_events>
-      contact_event_rows;  // the first `touches` of them; not cleared
+      contact_event_rows;  // the first of them; the rest is not cleared
 
   // Root mean square of a contact coordinate [m].
   double rms(std::size_t side) const {
     return samples == 0 ? 0 : std::sqrt(square_sum[side] / samples);
   }
 
-  // The tally of `ticks` more ticks; it begins anew.
+  // Adds the statistics of `ticks` more ticks and resets them.
   template <class Real>
   void collect(ContactStatistics<Real>& statistics, std::uint32_t ticks) {
     samples += ticks;
@@ -100,7 +103,8 @@ class Metrics {
     }
   }
 
-  // After the controllers have run; in ticks without a note they do what they did before.
+  // To be called after the controllers have run. In ticks without a call they do the same as
+  // before.
   template <class Team>
   void note(std::uint32_t tick, const Team& team) {
     const PerSide<char> names{team.name(left), team.name(right)};
@@ -116,7 +120,8 @@ class Metrics {
     noted_ = tick;
   }
 
-  // After the world has moved. Of several times within one tick the last is told.
+  // To be called after the world has moved. If several contact events fall into one tick, only
+  // the last one is counted and stored.
   template <class Real>
   void observe(std::uint32_t tick, const ContactEventCounter<Real>& now, bool lasts) {
     if (now.count == seen_ && !in_contact_event_) return;
@@ -132,7 +137,7 @@ class Metrics {
     if (!lasts) end_contact_event(double(tick) + double(now.ended));
   }
 
-  // The carry is over: what is still open ends here.
+  // To be called at the end of the carry: ends what is still open.
   void close(std::uint32_t tick) {
     if (in_contact_event_) end_contact_event(time_ticks);
     for (const std::size_t side : {left, right}) {
@@ -162,12 +167,12 @@ class Metrics {
     std::uint32_t length = 0;
   };
 
-  // A robot has come into another case than it was in the tick before.
+  // A robot has entered another case than in the tick before.
   template <class Team>
   void take_note(std::uint32_t tick, const Team& team, const PerSide<char>& names) {
     for (const std::size_t side : {left, right}) follow(tick, side, team.activity(side));
     for (const std::size_t side : {left, right}) {
-      // Still in (c) from a correction before is no answer to this one.
+      // A robot still in (c) from an earlier correction does not answer this one.
       const bool answers = names[side] == 'c' && names_[side] != 'c';
       const char helped = open_[other(side)].name;
       if ((answers && (helped == 'a' || helped == 'b')) || (helped == 'b' && names[side] == 'b')) {
@@ -205,7 +210,7 @@ class Metrics {
     rows[row].end = tick;
     const std::uint32_t length = tick - rows[row].start;
     if (length > longest_correction) longest_correction = length;
-    // Correcting one contact may put the other off again: 5, 6, 3, 5, 6, 3, …
+    // Correcting one contact may move the other off centre again: 5, 6, 3, 5, 6, 3, …
     for (LimitCycleDetector& last : last_) last.ended = tick;
   }
 
@@ -218,10 +223,10 @@ class Metrics {
   }
 
   bool in_contact_event_ = false;
-  std::uint32_t seen_ = 0;  // of the world's touches
+  std::uint32_t seen_ = 0;  // contact events of the world that have been counted
   PerSide<CorrectionTracker> open_{};
   PerSide<bool> waits_{};
-  std::uint32_t noted_ = 0;  // the tick of the last note
+  std::uint32_t noted_ = 0;  // the tick of the last call of note()
   PerSide<char> names_{' ', ' '};
   PerSide<LimitCycleDetector> last_{};
 };

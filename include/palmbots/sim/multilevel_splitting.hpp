@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chance of something rare, by multilevel splitting with fixed effort.
+// Multilevel splitting with fixed effort: estimates the probability of a rare event.
 //
-// A process that rarely gets to the top first has to get half-way: of those that do, copies are
-// made, which go on from there with random numbers of their own. With N runs in every stage, of
-// which r_k reach the next level and d_k hit the top before they do,
+// A process that rarely reaches the top must first get half-way. Runs that do so are copied, and
+// the copies continue with random numbers of their own. With N runs in every stage, of which r_k
+// reach the next level and d_k hit the top before they do,
 //
 //     P = Σ_k (r_0 / N) ⋯ (r_{k−1} / N) · d_k / N
 //
-// is an unbiased estimate of the chance to hit the top, whatever the levels are; they only decide
-// how much it scatters. Source: Garvels, "The splitting method in rare event simulation" (2000),
-// section 2.2; Botev and Kroese, "Efficient Monte Carlo simulation via the generalized splitting
-// method" (2012), section 3.
+// is an unbiased estimate of the probability to hit the top. The levels affect only its variance.
+// Sources: Garvels, "The splitting method in rare event simulation" (2000), section 2.2; Botev and
+// Kroese, "Efficient Monte Carlo simulation via the generalized splitting method" (2012), section
+// 3.
 //
 // A Process is a value with
 //
-//     RunStatus step()          one step; `finished` when it can no longer hit
+//     RunStatus step()     one step; `finished` when it can no longer hit
 //     double height()      how near to the top it is
-//     void fork(seed)      from here on the random numbers of this seed
+//     void fork(seed)      continues with the random numbers of this seed
 #pragma once
 
 #include <algorithm>
@@ -29,16 +29,16 @@
 
 namespace palmbots {
 
-// Whether a process still climbs.
+// Whether a process is still running, and whether it hit the top.
 enum class RunStatus : std::uint8_t { running, finished, hit };
 
-// What became of the runs of one stage.
+// The results of the runs of one stage.
 struct Stage {
   std::uint32_t reached = 0;  // the next level
-  std::uint32_t hits = 0;     // of the top, without a look at the level in between
+  std::uint32_t hits = 0;     // of the top, without reaching the next level first
 };
 
-// A seed for each run, and the number of its parent among so many.
+// The seed of a run, and the number of its parent among `parents` many.
 struct ResampledRun {
   std::uint64_t seed;
   std::size_t parent;
@@ -51,14 +51,14 @@ struct ResampledRun {
   }
 };
 
-// make(seed) is a process at its start.
+// make(seed) returns a process at its start.
 template <class Process, class Make>
 class Splitting {
  public:
   Splitting(Make make, std::uint64_t seed, std::uint32_t effort)
       : make_(std::move(make)), seed_(seed), effort_(effort) {}
 
-  // One estimate, independent of that of any other replicate.
+  // One estimate. Replicates are independent of each other.
   std::vector<Stage> replicate(std::uint32_t number, const std::vector<double>& levels) {
     std::vector<Stage> stages(levels.size() + 1);
     std::vector<Process> parents;
@@ -70,7 +70,8 @@ class Splitting {
     return stages;
   }
 
-  // Levels of which each is reached by about `share` of the runs from the one before.
+  // Chooses the levels such that each is reached by about `share` of the runs from the level
+  // before.
   std::vector<double> choose_levels(double share) {
     std::vector<double> levels;
     std::vector<Process> parents;
@@ -81,10 +82,10 @@ class Splitting {
       run(pilot, k, parents, never, stage, &tops);
       std::sort(tops.begin(), tops.end(), std::greater<>());
       const double level = tops[static_cast<std::size_t>(share * effort_)];
-      if (!(level < never) || !(level > last)) break;  // the top itself, or no way up
+      if (!(level < never) || !(level > last)) break;  // the top itself, or unreachable
       stage = {};
       parents = run(pilot, k, parents, level, stage, nullptr);
-      if (parents.empty()) break;  // who came there was over with that step
+      if (parents.empty()) break;  // every run that reached the level ended with that step
       last = level;
       levels.push_back(level);
     }
@@ -95,10 +96,11 @@ class Splitting {
 
  private:
   static constexpr double never = std::numeric_limits<double>::infinity();
-  static constexpr std::uint32_t pilot = ~0U;  // the number of the replicate that finds the levels
+  static constexpr std::uint32_t pilot = ~0U;  // the replicate that chooses the levels
   static constexpr std::uint32_t most_levels = 64;
 
-  // All runs of a stage; gives back those that reached the level, and the height of each in `tops`.
+  // Runs all processes of a stage. Returns those that reached the level; `tops` gets the greatest
+  // height of each run.
   std::vector<Process> run(std::uint32_t number, std::uint32_t k,
                            const std::vector<Process>& parents, double level, Stage& stage,
                            std::vector<double>* tops) {
@@ -116,7 +118,7 @@ class Splitting {
       }
       if (status == RunStatus::hit) {
         ++stage.hits;
-      } else if (top >= level && status == RunStatus::running) {  // what is over has no way on
+      } else if (top >= level && status == RunStatus::running) {  // the run can go on
         ++stage.reached;
         reached.push_back(std::move(process));
       }

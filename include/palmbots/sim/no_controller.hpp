@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The team of carries without a controller.
+// Team without a controller.
 #pragma once
 
 #include "palmbots/sim/team.hpp"
 
 namespace palmbots {
 
-// No controller: the palms stay steep and the robots keep their nominal speed.
+// Without a controller the palms stay steep and the robots keep their nominal speed.
 struct NoController {
   LinkTotals link_totals{};
   static constexpr bool half_moves = false;

@@ -16,7 +16,7 @@
 
 namespace palmbots {
 
-// One message, for the log. One that is lost, or comes damaged, has received == 0.
+// One message, for the log. A message that is lost or arrives damaged has received == 0.
 struct SentMessage {
   std::uint32_t sent;
   std::uint32_t received;
@@ -25,24 +25,27 @@ struct SentMessage {
   MessageKind kind;
 };
 
-// Counts of messages. What was not lost is delivered, and so is each copy, damaged or not.
+// Counts of messages. Every message that is not lost counts as delivered, and so does each copy,
+// damaged or not.
 struct LinkCounts {
   std::uint32_t sent = 0;
   std::uint32_t lost = 0;
   std::uint32_t duplicated = 0;
-  std::uint32_t late = 0;      // heard by the resilient algorithm, but too old to count
-  std::uint32_t rejected = 0;  // damaged; by that algorithm also a copy, or older than one heard
+  std::uint32_t late = 0;      // received by the resilient algorithm, but too old to count
+  std::uint32_t rejected = 0;  // damaged; in the resilient algorithm also copies and outdated ones
 };
 
+// Counts of messages over all links, and for each link.
 struct LinkTotals {
   std::uint32_t sent = 0;
   std::uint32_t lost = 0;
-  // From the left robot, from the right one, from the station to the left and to the right one.
+  // In this order: from the left robot, from the right one, from the station to the left one, to
+  // the right one.
   std::array<LinkCounts, 4> links{};
 };
 
-// What a team knows of the radio: posts messages on links and counts them. Of two that send in one
-// tick, each does so at a random instant of it; if they overlap neither is heard.
+// A team's access to the radio: posts messages on links and counts them. Two stations that send in
+// one tick do so at random instants of it. If their messages overlap, both are lost.
 class Radio {
  public:
   Radio(const Channel& channel, std::uint64_t seed, std::size_t leader)
@@ -53,16 +56,17 @@ class Radio {
 
   std::size_t leader() const { return leader_; }
 
-  // From here on the random numbers of another seed.
+  // Continues with the random numbers of another seed.
   void fork(std::uint64_t seed) { seed_ = seed; }
 
-  // How long every message takes that is not lost, if they all take the same time and losses are
-  // all that befalls them [ticks]; else 0.
+  // The delay of every message [ticks], if all have the same delay and the only disturbance is
+  // loss; else 0.
   std::uint32_t steady_delay() const { return channel_.is_steady() ? channel_.longest() : 0; }
-  // A message is lost where a random word is below this.
+  // A message is lost if a 32-bit random word is below this number.
   std::uint64_t loss_words() const { return channel_.loss_words; }
 
-  // Before a tick's messages: whether those of two stations that both send in it collide.
+  // To be called before a tick's messages: true if those of two stations that both send in it
+  // collide.
   bool collide(std::uint32_t tick) const {
     if (channel_.airtime_ticks <= 0) return false;
     const Words words = draw(seed_, tick, Stream::collision);
@@ -70,8 +74,8 @@ class Radio {
     return (apart < 0 ? -apart : apart) < channel_.airtime_ticks;
   }
 
-  // Sends from `sender` (0, 1: robots, 2: station) to a robot, or to the station; returns the tick
-  // of arrival, 0 if it is lost.
+  // Sends from `sender` (0, 1: robots, 2: station) to a robot or to the station. Returns the tick
+  // of arrival, or 0 if the message is lost.
   template <class Payload>
   std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
                      std::size_t sender, std::size_t robot, bool collides,
@@ -80,8 +84,7 @@ class Radio {
     ++link_totals.sent;
     ++counts.sent;
     if (plain_delay_ > 0 && link.has_room()) return link.put(tick + plain_delay_, payload);
-    // The robot that leads has the first lane, so that the mirrored carry draws the mirrored
-    // numbers.
+    // The leading robot has the first lane, so that the mirrored carry draws the mirrored numbers.
     const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
     const Words words =
         channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
@@ -111,8 +114,9 @@ class Radio {
   }
 
  private:
-  // Whether the message comes damaged and is turned away: it is made into its packet, some bytes of
-  // which become noise, and the receiver's decoder reads what is left of it (wire/codec.hpp).
+  // True if the message arrives damaged and is rejected. The message is encoded as a packet, some
+  // of its bytes are replaced by noise, and the receiver's decoder reads the result
+  // (wire/codec.hpp).
   template <class Payload>
   bool damages(const Payload& payload, std::uint32_t tick, std::size_t sender, std::size_t robot,
                std::uint32_t lane, std::uint32_t number) const {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A radio as real ones are: latency and jitter, losses one by one and in bursts, copies, messages
-// that overtake each other, dead directions, and collisions of two that send at once.
+// Radio channel: latency and jitter, single losses and bursts, copies, reordering, dead directions,
+// and collisions of two stations that send at once.
 //
-// Time is counted in control ticks. A message sent at tick k is there for the receiver at tick
-// k + ⌈(latency + jitter u)/T⌉, u uniform in [0, 1), at least one tick later and, unless the link
-// reorders, not before the message sent ahead of it.
+// Time is counted in control ticks. A message sent at tick k is available to the receiver at tick k
+// + ⌈(latency + jitter u)/T⌉, with u uniform in [0, 1). That is at least one tick later and, unless
+// the link reorders, not before the message sent ahead of it.
 //
-// Bursts are Gilbert's two-state process in continuous time: a link is dead for spells of mean
-// length m, and is so for a share s of the time, whoever sends how often. Seen Δ later, a link that
-// was dead (x = 1) or not (x = 0) is dead with probability s + (x − s) e^(−Δ/((1 − s) m)).
-// Source: E. N. Gilbert, "Capacity of a burst-noise channel", 1960; E. O. Elliott, 1963. What is
-// lost while a link is not dead is Elliott's addition (`loss`).
+// Bursts are Gilbert's two-state process in continuous time. A link is dead for periods of mean
+// length m, and for a share s of the time, regardless of how often messages are sent. Observed Δ
+// later, a link that was dead (x = 1) or not (x = 0) is dead with probability s + (x − s) e^(−Δ/((1
+// − s) m)). Sources: E. N. Gilbert, "Capacity of a burst-noise channel", 1960; E. O. Elliott, 1963.
+// Losses while a link is not dead are Elliott's addition (`loss`).
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace palmbots {
 
-// Nothing that this station sends arrives, from one tick up to another.
+// A period, from one tick until before another, in which no message of this sender arrives.
 struct Outage {
   std::uint32_t sender = 0;  // 0: the left robot, 1: the right one, 2: the station
   std::uint32_t from = 0;
@@ -31,19 +31,20 @@ struct Outage {
 
 inline constexpr std::size_t max_outages = 16;
 
-// What befalls one message, by plan: it is lost, comes later, or comes once more later.
+// A scheduled fault of one message: it is lost, delayed, or duplicated with a delay.
 enum class MessageEffect : std::uint32_t { lost = 0, late = 1, copied = 2 };
 
+// A scheduled fault of one message.
 struct MessageFault {
   std::uint32_t sender = 0;   // 0: the left robot, 1: the right one
-  std::uint32_t message = 0;  // of all that it sends, from 1
+  std::uint32_t message = 0;  // number among all that it sends, from 1
   MessageEffect effect = MessageEffect::lost;
-  std::uint32_t late = 0;  // ticks on top of the link's own delay
+  std::uint32_t late = 0;  // ticks in addition to the link's own delay
 };
 
 inline constexpr std::size_t max_message_faults = 16;
 
-// How a link delays and loses.
+// The delays and losses of a link.
 struct Channel {
   double latency_ticks = 0;
   double jitter_ticks = 0;
@@ -53,7 +54,7 @@ struct Channel {
   bool reorders = false;
   double burst_share = 0;
   double burst_rate = 0;     // 1/((1 − s) m), per tick
-  double airtime_ticks = 0;  // two that send in one tick collide if they are closer than that
+  double airtime_ticks = 0;  // two messages of one tick collide if they are closer than this
   std::array<Outage, max_outages> outages{};
   std::size_t outage_count = 0;
   std::array<MessageFault, max_message_faults> message_faults{};
@@ -67,7 +68,7 @@ struct Channel {
     return channel;
   }
 
-  // A probability as a number of 32-bit words.
+  // A probability as a threshold for 32-bit words.
   static constexpr std::uint64_t words_of(double rate) {
     return static_cast<std::uint64_t>(rate * 4294967296.0);
   }
@@ -75,9 +76,9 @@ struct Channel {
   constexpr bool is_random() const {
     return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0;
   }
-  // Does every message arrive, unharmed and once, after the same time?
+  // True if every message arrives, undamaged and once, after the same delay.
   constexpr bool is_plain() const { return !is_random() && is_steady(); }
-  // The same but for those that are lost, of which each is by itself?
+  // The same, except that messages may be lost independently of each other.
   constexpr bool is_steady() const {
     const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
     return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
@@ -93,7 +94,7 @@ struct Channel {
     return false;
   }
 
-  // What befalls the n-th message of a robot, or null.
+  // The scheduled fault of the n-th message of a robot, or null.
   constexpr const MessageFault* message_fault(std::size_t sender, std::uint32_t n) const {
     for (std::size_t i = 0; i < message_fault_count; ++i) {
       if (message_faults[i].sender == sender && message_faults[i].message == n)
@@ -106,31 +107,32 @@ struct Channel {
     return ticks(unit_uniform<double>(words[1]));
   }
 
-  // The delay at a share of the jitter. 0.07 / 0.01 is a little more than 7: a billionth of a tick
-  // is rounding, not delay.
+  // The delay for a share of the jitter [ticks]. A billionth of a tick is rounding, not delay: 0.07
+  // / 0.01 is a little more than 7.
   constexpr std::uint32_t ticks(double share) const {
     const double delay = latency_ticks + jitter_ticks * share - 1e-9;
     const auto whole = static_cast<std::uint32_t>(delay > 0 ? delay : 0);
     return delay > whole ? whole + 1 : (whole > 0 ? whole : 1);
   }
 
-  // The longest delay there is.
+  // The longest possible delay [ticks].
   constexpr std::uint32_t longest() const { return ticks(1.0); }
 };
 
-// Longest delay in ticks that a link can hold, one message a tick.
+// The longest delay that a link can hold, with one message per tick [ticks].
 inline constexpr std::uint32_t max_delay_ticks = 240;
 
+// One direction of a radio connection: a queue of messages under way, in order of arrival.
 template <class Payload>
 class Link {
  public:
-  // Returns the tick of arrival, or 0 if the message is lost. A full line loses the message.
+  // Returns the tick of arrival, or 0 if the message is lost. A full queue loses the message.
   std::uint32_t send(std::uint32_t now, Payload payload, const Channel& channel,
                      const Words& words) {
     return takes(now, channel, words) ? put(now, payload, channel, words) : 0;
   }
 
-  // Whether a message that is sent now will arrive: no burst, no loss, and there is room.
+  // True if a message that is sent now will arrive: no burst, no loss, and room in the queue.
   bool takes(std::uint32_t now, const Channel& channel, const Words& words) {
     if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return false;
     return !channel.loses(words) && has_room();
@@ -138,22 +140,22 @@ class Link {
 
   bool has_room() const { return tail_ - head_ < capacity; }
 
-  // Puts one that will on its way; returns the tick of arrival.
+  // Queues a message that will arrive. Returns the tick of arrival.
   std::uint32_t put(std::uint32_t now, const Payload& payload, const Channel& channel,
                     const Words& words) {
     return put(now + channel.ticks(words), payload, channel.reorders);
   }
 
-  // The same, at a given tick.
+  // The same, with a given tick of arrival.
   std::uint32_t put(std::uint32_t due, const Payload& payload) { return put(due, payload, false); }
 
-  // The same message once more, by plan. What is sent later waits for it, unless the link reorders.
+  // Sends a scheduled copy of the message. Later messages wait for it, unless the link reorders.
   void send_again(std::uint32_t now, Payload payload, const Channel& channel, const Words& words) {
     if (has_room()) put(now + channel.ticks(words), payload, channel.reorders);
   }
 
-  // The same message once more, if it is doubled; returns whether it is. Of the words below the
-  // threshold, where the word lies is as good as another draw.
+  // Sends a copy of the message if it is duplicated by chance, and returns true if so. The position
+  // of the word below the threshold is uniform, so it serves as a further draw.
   bool send_copy(std::uint32_t now, Payload payload, const Channel& channel, const Words& words) {
     if (words[3] >= channel.duplicate_words || !has_room()) return false;
     const double share = double(words[3]) / double(channel.duplicate_words);
@@ -172,19 +174,19 @@ class Link {
     first_due_ = head_ == tail_ ? never : line_[head_ % capacity].due;
   }
 
-  // When the oldest message that is still on its way arrives; never, if none is. Nothing arrives
-  // before it: the line is in order of arrival.
+  // The tick at which the oldest message still under way arrives, or `never`. No other message
+  // arrives before it, because the queue is in order of arrival.
   std::uint32_t next_arrival(std::uint32_t now) const {
     return first_due_ > now ? first_due_ : never;
   }
 
-  // Forgets all that has arrived: nobody listened.
+  // Discards everything that has arrived while the receiver was off.
   void drop(std::uint32_t now) {
     while (oldest(now) != nullptr) pop();
   }
 
-  // For periodic state packets: takes all that have arrived and copies the newest to `state`.
-  // Returns whether there was one.
+  // For periodic state packets: removes all that have arrived and copies the newest to `state`.
+  // Returns true if there was one.
   bool newest(std::uint32_t now, Payload& state) {
     bool any = false;
     while (const Payload* packet = oldest(now)) {
@@ -207,10 +209,10 @@ class Link {
 
   bool in_burst(std::uint32_t now, const Channel& channel, std::uint32_t word) {
     const double share = channel.burst_share;
-    // Before the first message nothing is known.
-    const double memory = told_ ? exp_minus(channel.burst_rate * double(now - seen_)) : 0.0;
+    // Before the first message the state of the burst process is unknown.
+    const double memory = observed_ ? exp_minus(channel.burst_rate * double(now - seen_)) : 0.0;
     const double chance = share + ((burst_ ? 1.0 : 0.0) - share) * memory;
-    told_ = true;
+    observed_ = true;
     seen_ = now;
     burst_ = unit_uniform<double>(word) < chance;
     return burst_;
@@ -232,13 +234,13 @@ class Link {
     return due;
   }
 
-  std::array<Waiting, capacity> line_;  // deliberately not cleared: head_ and tail_ say what counts
+  std::array<Waiting, capacity> line_;  // not cleared: head_ and tail_ delimit the valid part
   std::uint32_t head_ = 0;
   std::uint32_t tail_ = 0;
   std::uint32_t first_due_ = never;  // when the oldest arrives
   std::uint32_t last_due_ = 0;
-  std::uint32_t seen_ = 0;  // when the burst process was last looked at
-  bool told_ = false;
+  std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
+  bool observed_ = false;
   bool burst_ = false;
 };
 

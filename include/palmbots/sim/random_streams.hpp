@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which random numbers of a carry are drawn for which purpose (base/philox.hpp).
+// Streams of random numbers: which stream of a carry's draws serves which purpose
+// (base/philox.hpp).
 #pragma once
 
 #include <cstdint>
 
 namespace palmbots {
 
-// What a draw is for. The number is part of every published trace: append, never renumber.
+// The purpose of a draw. The number is part of every published trace: append, never renumber.
 struct Stream {
   enum Number : std::uint32_t {
     noise = 0,
@@ -19,7 +20,7 @@ struct Stream {
   };
 };
 
-// What is random in every tick is drawn, and metrics are added up, for so many ticks at once.
+// Number of ticks for which random numbers are drawn, and metrics are summed, at once.
 inline constexpr std::uint32_t block_ticks = 64;
 
 }  // namespace palmbots

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of a carry besides its metrics: nothing, a hash, or every tick.
+// Recorders: what is stored of a carry besides its metrics, that is nothing, a hash, or every tick.
 //
-// A row is the state at the start of a tick with the readings, commands and speeds of that tick;
-// the last row is the state at the end. The hash takes the bits of every row as doubles, so that
-// two traces with equal hashes are equal.
+// A row is the state at the start of a tick with the readings, commands and speeds of that tick.
+// The last row is the state at the end. The hash covers the bits of every row as doubles, so equal
+// hashes mean equal traces (up to collisions).
 #pragma once
 
 #include <bit>
@@ -13,6 +13,7 @@
 
 namespace palmbots {
 
+// Stores nothing.
 struct NoRecorder {
   void make_room() {}
   void message(const SentMessage&) {}
@@ -55,7 +56,7 @@ struct Row {
   PerSide<std::int8_t> sign;
   PerSide<char> name;  // case
   PerSide<std::int8_t> motion;
-  PerSide<double> lift;  // of the contact vertices above their palms
+  PerSide<double> lift;  // of the contact vertices above their palms [m]
 
   template <class Visit>
   void numbers(Visit visit) const {
@@ -68,6 +69,7 @@ struct Row {
   }
 };
 
+// The row of the present tick.
 template <class Carry>
 Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   Row row{};
@@ -87,7 +89,7 @@ Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   return row;
 }
 
-// Keeps the hash only.
+// Stores only the hash.
 class HashRecorder {
  public:
   void make_room() {}
@@ -113,7 +115,7 @@ class HashRecorder {
   TraceHash hash_;
 };
 
-// Keeps every row and message as well. Memory grows between ticks, never inside one.
+// Stores every row and message as well. Memory grows between ticks, never inside one.
 class TraceRecorder : public HashRecorder {
  public:
   void make_room() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How two resilient robots are wired together: beacons, receivers, and what outlives a reboot.
+// Team of the resilient algorithm: two controllers with their beacons and receivers, and the data
+// that survives a reboot.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 namespace palmbots {
 
-// Two robots that broadcast beacons to each other, on leases (control/resilient.hpp).
+// Two robots that broadcast beacons to each other, with leases (control/resilient.hpp).
 class ResilientTeam {
  public:
   static constexpr bool half_moves = false;
@@ -67,7 +68,7 @@ class ResilientTeam {
   void fork(std::uint64_t seed) { radio_.fork(seed); }
   void close(std::uint32_t) {}
 
-  // The next tick in which something happens by itself.
+  // The next tick at which a robot acts without a new observation or message.
   std::uint32_t next_decision_tick(std::uint32_t tick) const {
     std::uint32_t next = ~0U;
     for (const std::size_t side : {left, right}) {
@@ -85,13 +86,13 @@ class ResilientTeam {
   const Resilient& robot(std::size_t side) const { return robots_[side]; }
   const Resilient::Times& times() const { return times_; }
 
-  // Whether the robots' clocks are the carry's.
+  // True if the robots' clocks run like the carry's.
   bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
   const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
 
  private:
-  // The ticks since a robot's last step, in which all went on as before.
+  // Advances a robot by the ticks since its last step, in which nothing changed.
   void catch_up(std::uint32_t tick, std::size_t side) {
     const auto rested = static_cast<std::uint16_t>(tick - stepped_[side] - 1);
     stepped_[side] = tick;
@@ -100,9 +101,9 @@ class ResilientTeam {
     receivers_[side].tick(rested);
   }
 
-  // The next tick in which a robot has something to do by itself: a beacon is due, a time is over,
-  // or its program stops or starts to run. A clock that is not the carry's own is stepped in every
-  // tick, and so is a program that is frozen: when it goes on it learns how long it was.
+  // The next tick in which a robot acts on its own: a beacon is due, a time limit is reached, or
+  // its program stops or starts to run. A robot whose clock differs from the carry's is stepped in
+  // every tick. So is a frozen program, because it learns how long it was frozen when it continues.
   std::uint32_t due(std::uint32_t tick, std::size_t side) const {
     const ProgramState state =
         faults_.any() ? faults_.program_state(tick, side) : ProgramState::running;
@@ -114,13 +115,13 @@ class ResilientTeam {
     return std::min(tick + 1 + quiet, change);
   }
 
-  // The follower is the one that yields, wherever it stands.
+  // The follower is the robot that yields, on either side.
   static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
                          bool assisted = false) {
     return Resilient(times, side != leader, assisted);
   }
 
-  // Everything that has arrived goes through the receiver; the controller gets the newest.
+  // Everything that has arrived is passed to the receiver; the controller gets the newest message.
   Resilient::Input hear(std::uint32_t tick, std::size_t side, const RobotObservation& sensed,
                         std::uint16_t elapsed) {
     BeaconReceiver& receiver = receivers_[side];
@@ -141,7 +142,7 @@ class ResilientTeam {
             receiver.age()};
   }
 
-  // Whether a robot's program runs; one that boots knows its epoch and whether it assisted.
+  // True if a robot's program runs. A program that boots knows its epoch and whether it assisted.
   bool runs(std::uint32_t tick, std::size_t side) {
     const ProgramState state = monitor_.program_state(faults_, tick, side);
     if (state == ProgramState::off) {
@@ -158,15 +159,15 @@ class ResilientTeam {
 
   Resilient::Times times_;
   PerSide<Resilient> robots_;
-  PerSide<std::uint32_t> epoch_{1, 1};  // this and assisted_ outlive a reboot
+  PerSide<std::uint32_t> epoch_{1, 1};  // epoch_ and assisted_ survive a reboot
   PerSide<bool> assisted_{};
   PerSide<BeaconReceiver> receivers_{BeaconReceiver(1), BeaconReceiver(1)};
   PerSide<double> rate_;     // of the robots' clocks
-  PerSide<double> clock_{};  // ticks of theirs not yet stepped
+  PerSide<double> clock_{};  // ticks of these clocks not yet stepped
   PerSide<Link<Beacon>> inbox_;
   PerSide<std::uint32_t> stepped_{~0U, ~0U};  // the tick of a robot's last step
-  PerSide<std::uint32_t> due_{};        // and of its next one, if it senses and hears nothing new
-  PerSide<RobotObservation> sensed_{};  // in that step
+  PerSide<std::uint32_t> due_{};              // tick of the next step if the input stays the same
+  PerSide<RobotObservation> sensed_{};        // observation in the last step
   PerSide<MessageKind> messages_{};
   PerSide<bool> ready_{};
   PerSide<Command> commands_{{{Palm::steep, Move::hold, true}, {Palm::steep, Move::hold, true}}};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both robots of a carry without its world: sensors, controllers and radio, what commands come to,
-// how a carry ends, and what is measured.
+// The two robots and their shared radio, without a contact model: sensing, decisions, actuation,
+// termination and metrics.
 //
-// Whoever has a world drives them: Carry the quasistatic one of its own, CoSimulation one that
-// somebody else moves.
+// A `Carry` drives them with the quasistatic world; a `CoSimulation` lets an external simulator do
+// so.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@
 
 namespace palmbots {
 
+// Base of `Carry` and `CoSimulation`. Real is the precision of the robots' motion.
 template <class Real, Team AnyTeam>
 class RobotPair {
  public:
@@ -45,7 +46,7 @@ class RobotPair {
   const PerSide<Real>& speeds() const { return robots_.speeds; }
   const PerSide<Command>& commands() const { return commands_; }
 
-  // The speed a command asks of a robot, in the world's x direction.
+  // The speed that a command requests of a robot, in the world's x direction [m/s].
   Real wanted(std::size_t side, Command command) const {
     const Real away = outward<Real>(side) * full_move_[side];
     const Real move =
@@ -54,12 +55,12 @@ class RobotPair {
   }
 
  protected:
-  // The robot that leads has the first word of a tick, wherever it stands, so that the mirrored
-  // carry draws the mirrored numbers.
+  // The leading robot has the first word of a tick, on either side, so that the mirrored carry
+  // draws the mirrored numbers.
   std::size_t leader() const { return leader_of(spec_); }
   std::size_t rank(std::size_t side) const { return side == leader() ? 0 : 1; }
 
-  // What the sensors say of palms touched there, in this tick.
+  // The readings of the sensors in this tick, with the palms touched at these coordinates.
   PerSide<Sign> read(const PerSide<Real>& touched) const {
     PerSide<Sign> signs{};
     Words words{};
@@ -75,21 +76,22 @@ class RobotPair {
     return signs;
   }
 
-  // The speed that the wheels go for, along the direction of travel.
+  // The set point of the wheel speed, along the direction of travel [m/s].
   Real goal_speed(std::size_t side, Command command) const {
     return robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, command));
   }
 
-  // Whether they say the same as long as the palms are touched in the same stretches.
+  // True if the readings depend only on the zones in which the palms are touched.
   bool reads_truly() const {
     return !tactile_.has_false_readings() && !faults_.corrupts_readings();
   }
 
-  // Takes in what the robots sense. Is there anything for the team to do? Otherwise this tick is as
-  // the one before: they sense what they sensed, and the team has nothing to do by itself.
+  // Takes in the observations. Returns true if the team has to be stepped. Otherwise this tick is
+  // like the one before: the observations are the same, and the team does not act on its own.
   [[gnu::always_inline]] bool notice(const PerSide<RobotObservation>& sensed) {
     bool is_news = tick_ >= next_decision_tick_;
-    // Field by field: a copy of the whole would wait for fields that have only just been written.
+    // Copies field by field: a copy of the whole struct would stall on fields that have only just
+    // been written.
     on_both_sides([&](std::size_t side) {
       is_news |= !(sensed[side] == sensed_[side]);
       sensed_[side].sign = sensed[side].sign;
@@ -98,8 +100,8 @@ class RobotPair {
     return is_news;
   }
 
-  // The team runs, log(SentMessage) gets what it sends, and what it commands is obeyed. Tells
-  // whether the commands are new.
+  // Steps the team and executes its commands; log(SentMessage) is called for each message. Returns
+  // true if the commands are new.
   template <class Log>
   bool think(Log&& log) {
     const PerSide<Command>& commands = team_.step(tick_, sensed_, log);
@@ -113,8 +115,8 @@ class RobotPair {
 
   void collect() { metrics_.collect(statistics_, tick_ - metrics_.samples); }
 
-  // The end of a tick of which the world did `fraction`, up to `end` if that is something;
-  // `before`: where the midpoint was.
+  // Ends a tick of which the world executed `fraction`, with drop reason `reason` if there is one.
+  // `before` is the midpoint at the start of the tick [m].
   void finish_tick(DropReason reason, double fraction, Real before) {
     const double gone = double(robots_.midpoint) * spec_.direction;
     if (reason != DropReason::none) {
@@ -135,7 +137,7 @@ class RobotPair {
     if (done()) close();
   }
 
-  // The object is no longer held when a tick begins.
+  // The object is no longer held at the start of a tick.
   void drop() {
     metrics_.outcome = Outcome::dropped;
     metrics_.time_ticks = double(tick_);
@@ -149,8 +151,8 @@ class RobotPair {
     metrics_.close(tick_);
   }
 
-  // Out of line, so that a tick need not wait for the controllers: commands seldom change, and the
-  // processor guesses that they did not.
+  // Out of line, so that a tick does not wait for the controllers: commands seldom change, and the
+  // branch predictor assumes that they did not.
   [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
     for (const std::size_t side : {left, right}) {
       const bool turns = commands[side].palm != commands_[side].palm;
@@ -165,8 +167,8 @@ class RobotPair {
     }
   }
 
-  // A correction that follows the last one within this time belongs to the same run of corrections:
-  // twice the time that messages and palms take.
+  // A correction that follows the last one within this time belongs to the same series of
+  // corrections. The time is twice the delay of messages and palms [ticks].
   std::uint32_t settle_ticks() const {
     double turn = 0;
     for (const PalmSpec& palm : spec_.palms) {
@@ -187,7 +189,7 @@ class RobotPair {
   TactileSensor<Real> tactile_;
   PerSide<RobotObservation> sensed_{};
   std::uint32_t next_decision_tick_ =
-      0;  // the next tick at which the team is asked whatever is sensed
+      0;  // the next tick at which the team is stepped regardless of the observations
   ContactStatistics<Real> statistics_{};
   std::uint32_t tick_ = 0;
   Metrics metrics_;

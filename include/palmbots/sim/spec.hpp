@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that defines a carry, as plain numbers in SI units and radians: what a scene becomes.
+// The specification of a carry: everything that defines it, as plain numbers in SI units and
+// radians.
 //
-// Trivially copyable, so that a spec can be handed on as bytes. Numbers are double here whatever
-// the precision of the carry; whoever fills it in has validated it.
+// Trivially copyable, so that a spec can be passed on as bytes. Numbers are double here whatever
+// the precision of the carry. The code that fills in a spec must validate it.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +15,30 @@
 
 namespace palmbots {
 
+// A palm: lengths in m, angles in rad, `friction` is μ.
 struct PalmSpec {
   double length = 0.15;
-  double offset = 0;  // of the surface from the pivot
+  double offset = 0;  // of the surface from the pivot [m]
   double friction = 0.3;
   double shallow = 0;
   double steep = 0;
   double rate = 0;  // [rad/s]
 };
 
+// A robot: speeds in m/s, acceleration in m/s², noise_tau (correlation time of the noise) in s.
 struct RobotSpec {
   double speed = 0.06;
   double correction = 0.03;
   double acceleration = 0.5;
   double max_speed = 0.2;
-  double noise = 0.01;  // stationary standard deviation
+  double noise = 0.01;  // stationary standard deviation [m/s]
   double noise_tau = 0.5;
   double bias = 0;
-  double clock_drift = 0;  // share by which its clock runs fast
+  double clock_drift = 0;  // share by which its clock runs too fast
 };
 
-// A sudden shift of one contact, when the pair has come `at` far, or at time `at`.
+// A sudden shift of one contact, when the pair has travelled the distance `at`, or at the time
+// `at`.
 struct BumpSpec {
   std::uint32_t side = 0;
   std::uint32_t by_time = 0;
@@ -42,7 +46,8 @@ struct BumpSpec {
   double shift = 0;  // [m], outward
 };
 
-// How a robot, a sensor or the station fails. The number is part of the spec: append.
+// How a robot, a sensor or the station fails. The number is part of the spec: append, never
+// renumber.
 enum class FaultKind : std::uint32_t {
   reboot = 0,
   freeze = 1,
@@ -51,6 +56,7 @@ enum class FaultKind : std::uint32_t {
   station = 4
 };
 
+// A scheduled fault: its kind, side, start and duration.
 struct FaultSpec {
   FaultKind kind = FaultKind::reboot;
   std::uint32_t side = 0;
@@ -60,14 +66,14 @@ struct FaultSpec {
   double rate = 0;         // flicker: the probability that a reading is random
 };
 
-// Nothing that the sender sends arrives.
+// A period in which no message of this sender arrives.
 struct OutageSpec {
   std::uint32_t sender = 0;  // 0: left, 1: right, 2: the station
   double from = 0;           // [s]
   double to = 0;             // [s]
 };
 
-// What befalls one message of a robot (MessageEffect, in its order).
+// A scheduled fault of one message of a robot (kinds as in MessageEffect).
 struct MessageFaultSpec {
   std::uint32_t sender = 0;
   std::uint32_t message = 0;  // from 1
@@ -79,6 +85,7 @@ inline constexpr std::size_t max_faults = 32;
 inline constexpr std::size_t max_bumps = 64;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 
+// The complete specification of one carry: lengths in m, times in s, angles in rad.
 struct Spec {
   double width = 0;
   double com_left = 0;
@@ -97,32 +104,32 @@ struct Spec {
   double duplicate = 0;
   double corruption = 0;
   std::uint32_t reorders = 0;
-  double burst_share = 0;  // of the time in which a link is dead
+  double burst_share = 0;  // share of the time in which a link is dead
   double burst_mean = 0.1;
   double airtime = 0;  // 0: no collisions
   double beacon = 0.05;
-  double lease = 0;  // 0: what ResilientTiming::of takes
+  double lease = 0;  // 0: the value computed by ResilientTiming
   std::array<OutageSpec, max_outages> outages{};
   std::size_t outage_count = 0;
   std::array<MessageFaultSpec, max_message_faults> message_faults{};
   std::size_t message_fault_count = 0;
-  double watchdog = 0.1;  // after that without a step a robot is brought to rest and reboots
+  double watchdog = 0.1;  // time without a step after which a robot is stopped and reboots [s]
   std::array<FaultSpec, max_faults> faults{};
   std::size_t fault_count = 0;
-  std::uint32_t random_reboots = 0;  // in each carry
-  double reboot = 0.5;               // what one of them takes
+  std::uint32_t random_reboots = 0;  // number per carry
+  double reboot = 0.5;               // duration of each [s]
   double distance = 1.5;
   double slope = 0;           // specific force towards −x
-  double inertia = 1;         // 0: accelerations do not count, as the paper assumes
-  double inertia_lag = 0.05;  // the time over which they are averaged [s]
+  double inertia = 1;         // 0: accelerations have no effect, as the paper assumes
+  double inertia_lag = 0.05;  // time constant of their average [s]
   double direction = 1;       // +1: the right robot leads, −1: the left one
   std::uint64_t timeout_ticks = 5000;
   double start[2]{};
   std::array<BumpSpec, max_bumps> bumps{};
   std::size_t bump_count = 0;
   double bump_rate = 0;    // random bumps per metre and robot
-  double bump_max = 0;     // largest random shift
-  double safe_reach = -1;  // see ModelParams; whoever fills in a spec may leave it out
+  double bump_max = 0;     // largest random shift [m]
+  double safe_reach = -1;  // see ModelParams; optional
 };
 
 }  // namespace palmbots

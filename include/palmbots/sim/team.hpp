@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How controllers and radio are wired together: what every team provides. The teams are two robots
-// that exchange messages (sim/distributed_team.hpp), two and a station (sim/centralized_team.hpp),
-// two that broadcast beacons (sim/resilient_team.hpp), and none (sim/no_controller.hpp). A carry
-// gives a team the signs and the state of the palms every tick and gets commands.
+// Teams: the interface of controllers and radio to a carry, which passes observations to the team
+// every tick and gets commands.
+//
+// The teams are two robots that exchange messages (sim/distributed_team.hpp), two robots and a
+// station (sim/centralized_team.hpp), two robots that broadcast beacons (sim/resilient_team.hpp),
+// and no controller (sim/no_controller.hpp).
 #pragma once
 
 #include <concepts>
@@ -15,7 +17,7 @@
 
 namespace palmbots {
 
-// What a team sees of one robot at a tick.
+// A team's observation of one robot at a tick.
 struct RobotObservation {
   Sign sign;
   bool palm_at_target;  // the palm has reached the angle last commanded
@@ -23,8 +25,8 @@ struct RobotObservation {
   constexpr bool operator==(const RobotObservation&) const = default;
 };
 
-// A correction as far as it shows from outside: its case, and who takes part. Where the robots
-// agree by messages nobody assists when it starts: the partner comes in later, or never (Metrics).
+// A correction as seen from outside: its case, and who takes part. Where the robots agree by
+// messages, nobody assists at the start: the partner joins later, or never (Metrics).
 struct CorrectionActivity {
   static constexpr std::int8_t nobody = -1;
   static constexpr std::int8_t both = 2;
@@ -35,24 +37,24 @@ struct CorrectionActivity {
   PerSide<std::int8_t> sense{};  // of each contact: +1 positive, −1 negative, 0 left alone
 };
 
-// What every team provides.
+// The interface of every team.
 template <class T>
 concept Team =
     requires(T team, const T& known, std::uint32_t tick, const PerSide<RobotObservation>& sensed,
              void (*log)(const SentMessage&), std::uint64_t seed, std::size_t side) {
-      // Both robots move, at half the correction speed each.
+      // True if both robots move, at half the correction speed each.
       { T::half_moves } -> std::convertible_to<bool>;
-      // Takes it that a palm that it commands to turn is not there yet in the next tick: then it is
-      // news only if it is.
+      // True if the team assumes that a palm it has just commanded is not yet at its target in the
+      // next tick. In that case only a palm that *is* at its target wakes the controllers.
       { T::expects_turns } -> std::convertible_to<bool>;
       { known.link_totals } -> std::convertible_to<LinkTotals>;
-      // One tick: observations to commands; log gets every message that is sent.
+      // One tick: turns observations into commands. `log` is called for every message that is sent.
       { team.step(tick, sensed, log) } -> std::convertible_to<PerSide<Command>>;
-      // The next tick at which it has something to do even if the robots sense what they sense now.
+      // The next tick at which the team acts even if the observations stay the same.
       { known.next_decision_tick(tick) } -> std::same_as<std::uint32_t>;
-      // The carry ends before this tick: counts what went on in ticks that had no step.
+      // The carry ends before this tick: counts the messages of ticks that had no step.
       team.close(tick);
-      // From here on the random numbers of another seed.
+      // Continues with the random numbers of another seed.
       team.fork(seed);
       { known.name(side) } -> std::same_as<char>;  // the case, ' ': none
       { known.waits(side) } -> std::same_as<bool>;
@@ -60,7 +62,7 @@ concept Team =
       { known.activity(side) } -> std::same_as<CorrectionActivity>;
     };
 
-// What a robot in a case of Table 2 corrects. (c) assists and is no correction of its own.
+// What a robot corrects in a case of Table 2. In (c) it assists and makes no correction of its own.
 inline CorrectionActivity activity_of(char name, std::size_t side) {
   PerSide<std::int8_t> sense{};
   const auto self = static_cast<std::int8_t>(side);
@@ -72,7 +74,7 @@ inline CorrectionActivity activity_of(char name, std::size_t side) {
   }
 }
 
-// What a robot does while its program does not run: its wheels stop, its palm stays.
+// The command of a robot while its program does not run: its wheels stop, its palm stays.
 inline Command switched_off(const Command& before) { return {before.palm, Move::hold, true}; }
 
 }  // namespace palmbots

@@ -1,45 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two properties the algorithms stand on, and the centres of mass for which they hold.
+// COM bounds: the properties on which the algorithms rely, and the centres of mass for which they
+// hold.
 //
 //   property 1: driven together, the contact on the shallow palm slides up, the steep one sticks;
 //   property 2: driven apart, the contact on the steep palm slides down, the shallow one sticks;
-//   property 0: both stick at all (ST–ST), at every pair of angles the palms pass through.
+//   property 0: both stick (ST–ST), at every pair of angles the palms pass through.
 //
-// Each is two comparisons of the squeezes at which cone edges let go. Two forces along cone edges
-// meet in a point, and what a comparison asks is on which side of that point the line of gravity
-// passes (Erdmann's construction; points B, D, L₁, R₁, R₂ of the paper's Figure 4, which need no
-// case for φ > θ when compared as squeezes). So at one object angle all comparisons bound the same
-// number, the COM's place across the line of gravity:
+// Each property consists of two comparisons of the squeezes at which contacts start to slip on cone
+// edges. Two forces along cone edges meet in a point, and a comparison states on which side of that
+// point the line of gravity passes. This is Erdmann's construction, with the points B, D, L₁, R₁,
+// R₂ of the paper's Figure 4. Compared as squeezes, they need no special case for φ > θ. So at one
+// object angle all comparisons bound the same number, the COM's position across the line of
+// gravity:
 //
 //     ξ = (c_x (dx − s dy) − c_y (dy + s dx)) / (w √(1 + s²))   [m]
 //
-// With l, r the edges (lateral, vertical) and A = l.lat r.vert, B = l.vert r.lat,
-// C = l.vert r.vert, D = l.lat r.lat, the squeeze at l exceeds that at r iff
+// With l, r the edges (lateral, vertical) and A = l.lat r.vert, B = l.vert r.lat, C = l.vert
+// r.vert, D = l.lat r.lat, the squeeze at l exceeds that at r iff
 //
 //     (A + B) √(1 + s²) ξ < dx (A − s C) + dy (D − s B)
 //
-// which is `tie` of mechanics/equilibrium.hpp solved for the COM. It is linear in tan ϑ, so over a
-// region of contacts only the two extreme object angles count.
+// This is `slip_order` of mechanics/equilibrium.hpp solved for the COM. It is linear in tan ϑ, so
+// over a region of contacts only the two extreme object angles matter.
 //
 // Uncertain friction: H at an edge grows with the edge's lean (while the COM is between the
-// contacts), so each comparison has its own worst pair of frictions, known beforehand.
-// Sources: MECHANICS sections 2–4; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
+// contacts). So the worst pair of frictions of each comparison is known beforehand. Sources:
+// MECHANICS sections 2–4; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
 #pragma once
 
 #include "palmbots/mechanics/holding_conditions.hpp"
 
 namespace palmbots {
 
-// "The squeeze at the shallow palm's edge is at most (shallow_first) or at least the steep one's."
+// One comparison: the squeeze at the shallow palm's edge is at most that at the steep one's
+// (shallow_first), or at least that (otherwise).
 struct Comparison {
   SlipDirection shallow;
   SlipDirection steep;
   bool shallow_first;
 };
 
+// A property as two comparisons, and which edges must bound the squeeze.
 struct Property {
   Comparison needs[2];
-  bool shallow_lets_go;  // the edge that slides must bound the squeeze, or nothing lets go
+  bool shallow_lets_go;  // the edge that slides must bound the squeeze, or nothing slides
   bool steep_lets_go;
 };
 
@@ -55,22 +59,23 @@ inline constexpr Property properties[3] = {
 };
 // clang-format on
 
-// What is known about friction: an interval for each palm. If `common`, both palms have the same
-// coefficient, whichever of the interval it is.
+// The known bounds of friction: an interval for each palm. If `common`, both palms have the same
+// coefficient, which may lie anywhere in the interval.
 template <class Real>
 struct Friction {
   PerSide<Interval<Real>> palms;
   bool common;
 };
 
+// The edge of the friction cone on which a contact slides in this direction.
 template <class Real>
 constexpr ConeEdge<Real> edge_of(const PalmAngle<Real>& palm, SlipDirection slide, Real friction) {
   const FrictionCone<Real> cone = friction_cone<Real>({palm.sin, palm.cos}, friction);
   return slide == SlipDirection::up ? cone.up : cone.down;
 }
 
-// What bounds a band: one of the property's two comparisons, a vertical force that would be
-// negative, or an edge that is wedged and never lets go.
+// The constraint that binds at an end of an interval: one of the property's two comparisons, a
+// vertical force that would become negative, or an edge that is wedged and never slides.
 enum class BindingConstraint : std::uint8_t {
   nothing,
   first,
@@ -80,7 +85,7 @@ enum class BindingConstraint : std::uint8_t {
   wedged
 };
 
-// The permitted COMs at one object angle: low ≤ x c_x + y c_y ≤ high, with (x, y) of length 1. [m]
+// The permitted COMs at one object angle [m]: low ≤ x c_x + y c_y ≤ high, with (x, y) of length 1.
 template <class Real>
 struct ComInterval {
   Real x;
@@ -90,13 +95,13 @@ struct ComInterval {
   BindingConstraint low_by;
   BindingConstraint high_by;
 
-  // The distance of a COM from the nearer bound; negative outside. [m]
+  // The distance of a COM from the nearer bound [m]; negative outside.
   constexpr Real slack(Real com_x, Real com_y) const {
     const Real place = x * com_x + y * com_y;
     return place - low < high - place ? place - low : high - place;
   }
 
-  // The permitted c_x at this c_y.
+  // The permitted c_x [m] at this c_y.
   constexpr Interval<Real> com_x(Real com_y) const {
     return {(low - y * com_y) / x, (high - y * com_y) / x};
   }
@@ -118,8 +123,8 @@ constexpr void add_roots(const Real (&c)[3], Interval<Real> within, Real (&found
   if (q != Real(0)) add(c[0] / q);
 }
 
-// The common frictions at which a comparison can be worst: where the bound N / S on ξ, both
-// quadratic in μ, is extreme, and where it changes sides.
+// The common frictions at which a comparison can be worst: where the bound N / S on ξ is extreme,
+// and where it changes sides. Both N and S are quadratic in μ.
 template <class Real>
 constexpr int worst_frictions(const PerSide<PalmAngle<Real>>& palms, SlipDirection slide_left,
                               SlipDirection slide_right, Interval<Real> friction, Real slope,
@@ -153,6 +158,8 @@ constexpr int worst_frictions(const PerSide<PalmAngle<Real>>& palms, SlipDirecti
 
 }  // namespace detail
 
+// The COMs for which a property holds at these palm angles and this contact vector, with the palm
+// of the side `shallow` as the shallow one.
 template <class Real>
 constexpr ComInterval<Real> com_interval(const Property& property, std::size_t shallow,
                                          const PerSide<PalmAngle<Real>>& palms,
@@ -182,8 +189,7 @@ constexpr ComInterval<Real> com_interval(const Property& property, std::size_t s
     if (left_wedged || right_wedged) {
       const bool shallow_wedged = shallow == left ? left_wedged : right_wedged;
       const bool steep_wedged = shallow == left ? right_wedged : left_wedged;
-      // An edge that has to let go must bound the squeeze; another one that does not is no
-      // hindrance.
+      // An edge that has to slide must bound the squeeze. Another edge need not.
       possible = possible && !(shallow_wedged && property.shallow_lets_go) &&
                  !(steep_wedged && property.steep_lets_go);
       return;
@@ -223,8 +229,8 @@ constexpr ComInterval<Real> com_interval(const Property& property, std::size_t s
                                                 friction.palms[left], slope, dx, dy, worst);
       for (int k = 0; k < count; ++k) compare(need, by, {worst[k], worst[k]});
     } else {
-      // The squeeze at an edge grows with its lean: an up edge leans more with more friction, a
-      // down edge with less. The worst is the edge that should be lower at its highest.
+      // The squeeze at an edge grows with its lean. An up edge leans more with more friction, a
+      // down edge with less. The worst case has the edge that should be lower at its highest.
       PerSide<Real> mu{};
       mu[shallow] = (need.shallow == SlipDirection::up) == need.shallow_first
                         ? friction.palms[shallow].high
@@ -247,8 +253,8 @@ constexpr ComInterval<Real> com_interval(const Property& property, std::size_t s
 template <class Real>
 using Region = PerSide<Interval<Real>>;
 
-// Property 1 is for correcting a negative contact on the shallow palm, property 2 for a positive
-// one on the steep palm; `beyond` is how far past p = 0 a correction runs on.
+// Property 1 is needed to correct a negative contact on the shallow palm, property 2 to correct a
+// positive one on the steep palm. `beyond` is how far past p = 0 a correction continues [m].
 template <class Real>
 constexpr Region<Real> region_of(int property, std::size_t shallow, Region<Real> contacts,
                                  Real beyond) {
@@ -263,7 +269,7 @@ constexpr Region<Real> region_of(int property, std::size_t shallow, Region<Real>
   return contacts;
 }
 
-// The height differences dy of the contacts over a region (the paper's z, equation 1). [m]
+// The height differences dy of the contacts over a region [m] (the paper's z, equation 1).
 template <class Real>
 constexpr Interval<Real> rise_over(const Region<Real>& contacts,
                                    const PerSide<PalmAngle<Real>>& palms,
@@ -279,12 +285,13 @@ constexpr Interval<Real> rise_over(const Region<Real>& contacts,
   return {height[right].low - height[left].high, height[right].high - height[left].low};
 }
 
+// The smallest interval that contains both.
 template <class Real>
 constexpr Interval<Real> hull(Interval<Real> p, Interval<Real> q) {
   return {p.low < q.low ? p.low : q.low, p.high > q.high ? p.high : q.high};
 }
 
-// The span at a height difference; not a number when the object cannot reach.
+// The contact vector at a height difference [m]; not a number if the object cannot reach.
 template <class Real>
 ContactVector<Real> contact_vector_at(Real rise, Real width) {
   return {std::sqrt((width - rise) * (width + rise)), rise};

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything under which the properties have to hold, and the COMs for which they do.
+// Operating envelope: the conditions under which the properties have to hold, and the COMs for
+// which they do.
 //
 // An envelope is a box: the COM's height, each palm's friction, the slope and the contacts each lie
-// in an interval. The result is the interval of c_x, at exactly given palm angles, that is
-// permitted everywhere in the box. Its bounds are monotone or linear in each quantity alone
-// (stability/com_bounds.hpp), so the corners of the box decide; errors of the palm angles are not
-// in it, they are taken as further pairs of angles.
+// in an interval. The result is the interval of c_x that is permitted everywhere in the box, at
+// exactly given palm angles. Its bounds are monotone or linear in each quantity alone
+// (stability/com_bounds.hpp), so the corners of the box decide. Errors of the palm angles are not
+// part of the box; they are treated as further pairs of angles.
 //
-// The operating region: with a palm tilted to shallow, either its own contact is to be corrected
-// (property 1's region) or the partner's (property 2's); with both palms alike, any contacts.
-// Sources: MECHANICS sections 3 and 5; paper, sections 3.3 and 3.4.
+// The operating region: with one palm tilted to shallow, either its own contact is to be corrected
+// (property 1's region) or the partner's (property 2's). With both palms at the same angle, the
+// contacts may be anywhere. Sources: MECHANICS sections 3 and 5; paper, sections 3.3 and 3.4.
 #pragma once
 
 #include "palmbots/stability/com_bounds.hpp"
 
 namespace palmbots {
 
+// The envelope: intervals of all quantities, and the geometry that is exactly known.
 template <class Real>
 struct OperatingEnvelope {
   Real width;            // w [m]
@@ -24,8 +26,8 @@ struct OperatingEnvelope {
   Friction<Real> friction;
   Interval<Real> slope;  // s [1]
   Region<Real> contacts;
-  Real beyond;                     // how far past p = 0 a correction runs on [m]
-  PerSide<ClearCone<Real>> clear;  // the object's outline as the palms see it
+  Real beyond;                     // how far past p = 0 a correction continues [m]
+  PerSide<ClearCone<Real>> clear;  // of the object's outline, for each palm
 };
 
 // The two angles between which each palm is switched.
@@ -37,9 +39,9 @@ struct AnglePair {
 
 namespace detail {
 
-inline constexpr int turn_steps = 8;  // a turning palm is looked at at so many angles
+inline constexpr int turn_steps = 8;  // number of angles at which a turning palm is evaluated
 
-// What a property permits at two extreme height differences.
+// The c_x [m] that a property permits at two extreme height differences.
 template <class Real>
 Interval<Real> com_x_at(const OperatingEnvelope<Real>& envelope, const Property& property,
                         std::size_t shallow, const PerSide<PalmAngle<Real>>& palms,
@@ -72,7 +74,7 @@ Interval<Real> operating_rise(const OperatingEnvelope<Real>& envelope, std::size
 
 }  // namespace detail
 
-// The c_x that property 1 or 2 permits everywhere, with the given palm shallow. [m]
+// The c_x [m] that property 1 or 2 permits everywhere, with the given palm shallow.
 template <class Real>
 Interval<Real> com_x_of(const OperatingEnvelope<Real>& envelope, int property, std::size_t shallow,
                         const PerSide<AnglePair<Real>>& angles) {
@@ -86,7 +88,7 @@ Interval<Real> com_x_of(const OperatingEnvelope<Real>& envelope, int property, s
 
 namespace detail {
 
-// Is everything the same seen from the other side?
+// True if the envelope is its own mirror image.
 template <class Real>
 constexpr bool symmetric(const OperatingEnvelope<Real>& e, const PerSide<AnglePair<Real>>& angles) {
   const auto same = [](Interval<Real> p, Interval<Real> q) {
@@ -99,13 +101,15 @@ constexpr bool symmetric(const OperatingEnvelope<Real>& e, const PerSide<AnglePa
          angles[left].steep.angle == angles[right].steep.angle;
 }
 
-// If so, what one side permits the other one does in the mirror.
+// For a symmetric envelope: intersects the interval of one side with its mirror image, which is
+// that of the other side.
 template <class Real>
 constexpr Interval<Real> and_mirrored(const OperatingEnvelope<Real>& e, Interval<Real> com_x,
                                       bool mirror) {
   return mirror ? intersect(com_x, {e.width - com_x.high, e.width - com_x.low}) : com_x;
 }
 
+// True if `part` lies inside `all`.
 template <class Real>
 constexpr bool contains(Interval<Real> all, Interval<Real> part) {
   return all.low <= part.low && part.high <= all.high;
@@ -113,8 +117,8 @@ constexpr bool contains(Interval<Real> all, Interval<Real> part) {
 
 }  // namespace detail
 
-// The c_x for which the object is held (property 0) while one palm turns between its angles and the
-// other one is steep, and with both palms shallow. [m]
+// The c_x [m] for which the object is held (property 0) while one palm turns between its angles and
+// the other one is steep, and with both palms shallow.
 template <class Real>
 Interval<Real> com_x_held(const OperatingEnvelope<Real>& envelope,
                           const PerSide<AnglePair<Real>>& angles) {
@@ -143,7 +147,7 @@ Interval<Real> com_x_held(const OperatingEnvelope<Real>& envelope,
   return detail::and_mirrored(envelope, permitted, mirror);
 }
 
-// The height differences over all contacts and any pair of angles between shallow and steep. [m]
+// The height differences [m] over all contacts and all pairs of angles between shallow and steep.
 template <class Real>
 Interval<Real> rise_at_any_angles(const OperatingEnvelope<Real>& envelope,
                                   const PerSide<AnglePair<Real>>& angles) {
@@ -157,9 +161,10 @@ Interval<Real> rise_at_any_angles(const OperatingEnvelope<Real>& envelope,
   return rise;
 }
 
-// The same, no wider and much quicker: the squeeze at an edge grows with the palm's angle, so the
-// shallow palm's edges against the steep one's over all heights that any pair of angles reaches
-// are the worst. Most angles need no closer look.
+// A sufficient test for the same: an interval that is never wider, and much faster to compute. The
+// squeeze at an edge grows with the palm's angle. So the worst case is the shallow palm's edges
+// against the steep one's, over all heights that any pair of angles reaches. For most angles this
+// test is enough.
 template <class Real>
 Interval<Real> com_x_held_surely(const OperatingEnvelope<Real>& envelope,
                                  const PerSide<AnglePair<Real>>& angles) {
@@ -175,9 +180,9 @@ Interval<Real> com_x_held_surely(const OperatingEnvelope<Real>& envelope,
   return permitted;
 }
 
-// The c_x for which both properties hold with either palm as the shallow one, and the object is
-// held throughout. Where `wanted` is not within it the result is only no narrower, which saves
-// work. [m]
+// The c_x [m] for which both properties hold with either palm as the shallow one, and the object is
+// held throughout. Where `wanted` is not inside it, the result may be wider than the exact
+// interval, which saves work.
 template <class Real>
 Interval<Real> com_x_all(const OperatingEnvelope<Real>& envelope,
                          const PerSide<AnglePair<Real>>& angles, Interval<Real> wanted) {
@@ -198,14 +203,15 @@ Interval<Real> com_x_all(const OperatingEnvelope<Real>& envelope,
   return intersect(permitted, com_x_held(envelope, angles));
 }
 
-// By how much the outline clears both palms, anywhere in the operating region: the least angle by
-// which object or palm would have to turn until an edge lies on a palm's line. The palms count as
-// endless. [rad]
+// The clearance of the outline from both palms, anywhere in the operating region [rad]: the least
+// angle by which object or palm would have to turn until an edge lies on a palm's line. The palms
+// count as infinitely long.
 template <class Real>
 Real clearance_margin(const OperatingEnvelope<Real>& envelope,
                       const PerSide<AnglePair<Real>>& angles) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
-  // The tangents of the angle between palm and object: the extremes over all that is looked at.
+  // The extremes of the tangent of the angle between palm and object, over all configurations
+  // evaluated.
   PerSide<Interval<Real>> seen{Interval<Real>{inf, -inf}, Interval<Real>{inf, -inf}};
   bool within = true;
   const auto look = [&](const PerSide<PalmAngle<Real>>& palms, Interval<Real> rise) {
@@ -213,7 +219,7 @@ Real clearance_margin(const OperatingEnvelope<Real>& envelope,
       const ContactVector<Real> contact_vector = contact_vector_at(dy, envelope.width);
       for (const std::size_t side : {left, right}) {
         const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);
-        within = within && r.inward > Real(0);  // not so when the object cannot reach, too
+        within = within && r.inward > Real(0);  // also false if the object cannot reach
         const Real tangent = r.normal / r.inward;
         seen[side] = hull(seen[side], {tangent, tangent});
       }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far from the middle of their palms both contacts may be without a look at what ends a carry.
+// Safe reach: how far from the middle of their palms both contacts may be without evaluating the
+// conditions that end a carry.
 //
-// Found once per scene, so that the world need not check its ends in every tick: |p| up to the safe
-// reach on both palms, at any pair of angles between shallow and steep, is certain to be held. For
-// then every height difference of the contacts lies within those of the extreme angles, and over
-// all of these the sufficient conditions of stability/operating_envelope.hpp hold.
+// It is computed once per scene, so that the world need not check those conditions in every tick.
+// With |p| up to the safe reach on both palms the object is held at any pair of angles between
+// shallow and steep. The reason is that every height difference of the contacts lies within those
+// of the extreme angles, and over all of these the sufficient conditions of
+// stability/operating_envelope.hpp hold.
 #pragma once
 
 #include <cmath>
@@ -16,11 +18,11 @@ namespace palmbots {
 
 namespace detail {
 
-// Is the object certainly held with both |p| ≤ extent?
+// Sufficient test that the object is held with both |p| ≤ extent [m].
 inline bool held_within(const Model<double>& model, const PerSide<AnglePair<double>>& angles,
                         double extent) {
   for (const std::size_t side : {left, right}) {
-    // A contact near the pivot of a palm with an offset is not highest or lowest at an extreme
+    // On a palm with an offset, a contact near the pivot is not highest or lowest at an extreme
     // angle.
     const PalmAngle<double>& steep = angles[side].steep;
     if (extent * steep.cos < std::abs(model.offset[side]) * steep.sin) return false;
@@ -50,11 +52,11 @@ inline bool held_within(const Model<double>& model, const PerSide<AnglePair<doub
 
 }  // namespace detail
 
-// The safe reach at any angles between the given ones [m], with a hundredth to spare for rounding;
-// −1: none.
+// The safe reach at any angles between the given ones [m], reduced by one percent as a margin for
+// rounding. −1 if there is none.
 inline double safe_reach(const Model<double>& model, const PerSide<AnglePair<double>>& angles) {
   for (const AnglePair<double>& palm : angles) {
-    // Squeezes and heights grow with the angle from level on only.
+    // Squeezes and heights grow with the angle only from the horizontal on.
     if (!(palm.shallow.angle >= 0 && palm.shallow.angle < palm.steep.angle)) return -1;
   }
   const double longest = model.half_length[left] < model.half_length[right]

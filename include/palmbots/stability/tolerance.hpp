@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of one quantity's error a pair of palm angles tolerates, over an envelope.
+// Tolerance: the error of one quantity that a pair of palm angles tolerates over an envelope.
 //
-// The COM's tolerance is closed: the distance of the stated c_x from the nearer end of the
+// The COM's tolerance has a closed form: the distance of the stated c_x from the nearer end of the
 // permitted interval. For the other quantities the envelope is widened by ±δ until the stated c_x
-// is no longer permitted (or, where angles or contacts widen, the outline touches a palm). A wider
-// envelope permits less, so bisection finds the largest δ.
-// Source: MECHANICS sections 3 and 4.
+// is no longer permitted, or, if angles or contacts are widened, until the outline touches a palm.
+// A wider envelope permits less, so bisection finds the largest δ. Source: MECHANICS sections 3 and
+// 4.
 #pragma once
 
 #include "palmbots/stability/operating_envelope.hpp"
 
 namespace palmbots {
 
+// The quantities whose error can be bounded.
 enum class Quantity : std::uint8_t { com, friction, slope, contacts, angle };
 
 namespace detail {
 
-// The envelope widened by δ, but not beyond what has a meaning.
+// The envelope widened by δ, limited to values that are physically possible.
 template <class Real>
 constexpr OperatingEnvelope<Real> widened(OperatingEnvelope<Real> envelope, Quantity quantity,
                                           Real by) {
@@ -38,12 +39,14 @@ constexpr OperatingEnvelope<Real> widened(OperatingEnvelope<Real> envelope, Quan
   return envelope;
 }
 
+// True if the envelope permits the whole interval of c_x.
 template <class Real>
 bool permits(const OperatingEnvelope<Real>& envelope, Interval<Real> com_x,
              const PerSide<AnglePair<Real>>& angles) {
   return contains(com_x_all(envelope, angles, com_x), com_x);
 }
 
+// The same with palm angles that are wrong by up to `error` [rad], including the clearance.
 template <class Real>
 bool permits_errors(const OperatingEnvelope<Real>& envelope, Interval<Real> com_x,
                     const PerSide<AnglePair<Real>>& angles, Real error) {
@@ -64,7 +67,8 @@ bool permits_errors(const OperatingEnvelope<Real>& envelope, Interval<Real> com_
 
 }  // namespace detail
 
-// The tolerance of one quantity, up to `most`; negative where not even the stated envelope holds.
+// The tolerance of one quantity, up to `most`. Negative if the stated envelope itself does not
+// hold.
 template <class Real>
 Real tolerance(const OperatingEnvelope<Real>& envelope, Interval<Real> com_x, Quantity quantity,
                Real most, const PerSide<AnglePair<Real>>& angles) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the controllers say, as packets of the wire (wire/packet.hpp), and back.
+// Converts messages of the controllers to packets (wire/packet.hpp) and back.
 //
-// A message of the resilient algorithm goes as a letter of the alphabet: I idle (TiltDown), R
-// request (TiltUp), G grant (Ack), D in case (d) (Closing), W palm up but not granted (Raised). Its
-// stamp is boot epoch and control tick, and the tick is the packet's sequence number: it only
-// rises, and an echo of it tells an age without any memory of when it was sent
-// (control/beacon.hpp).
+// A message of the resilient algorithm is encoded as one letter: I idle (TiltDown), R request
+// (TiltUp), G grant (Ack), D in case (d) (Closing), W palm up but not granted (Raised). Its stamp
+// is boot epoch and control tick. The tick is the packet's sequence number: it only rises, and an
+// echo of it gives an age without a record of when it was sent (control/beacon.hpp).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@
 
 namespace palmbots::wire {
 
-// From whom to whom, and when, all but what is said.
+// Everything in a packet except its kind and payload: sender, receiver and stamps.
 struct PacketHeader {
   Role sender;
   Role receiver;
@@ -26,6 +25,7 @@ struct PacketHeader {
   SequenceNumber heard;
 };
 
+// A packet with this header, kind and payload.
 constexpr Packet sealed(const PacketHeader& e, PacketKind kind, std::uint8_t payload) {
   return {kind, e.sender, e.receiver, e.pair, e.sent, e.heard, payload};
 }
@@ -50,7 +50,7 @@ constexpr std::uint8_t payload(const palmbots::Beacon& beacon) {
       Beacon{alphabet[static_cast<std::size_t>(beacon.message)], beacon.stopped, beacon.ready});
 }
 
-// A beacon has stamps of its own, which take the place of the envelope's.
+// A beacon carries its own stamps, which replace those of the header.
 constexpr Packet packet_of(const palmbots::Beacon& beacon, const PacketHeader& e) {
   Packet packet = sealed(e, PacketKind::beacon, payload(beacon));
   packet.sent = {beacon.sent.epoch, beacon.sent.tick};
@@ -58,7 +58,7 @@ constexpr Packet packet_of(const palmbots::Beacon& beacon, const PacketHeader& e
   return packet;
 }
 
-// The beacon in a packet of that kind that was accepted.
+// The beacon in an accepted packet of kind `beacon`.
 constexpr palmbots::Beacon beacon_in(const Packet& packet) {
   const Beacon said = beacon_of(packet.payload);
   MessageKind message = MessageKind::none;
@@ -72,11 +72,13 @@ constexpr palmbots::Beacon beacon_in(const Packet& packet) {
           {packet.heard.epoch, packet.heard.sequence}};
 }
 
-// Puts the beacon of a packet that an end received into a robot's receiver; returns whether it is
-// news. An unanswered beacon is: it is the newest, and of no age (`BeaconReceiver::age`), so the
-// partner is silent until it answers. Left out, the beacon before it would count as the newest
-// although the partner, told by the echo of this one, thinks it forgotten. For the same reason
-// robots that run the resilient algorithm say nothing but beacons to each other.
+// Passes the beacon of a received packet to a robot's receiver. Returns true if it counts.
+//
+// A beacon with the verdict `no_session` counts too. It is the newest and has unknown age
+// (`BeaconReceiver::age`), so the partner is treated as silent until it answers. If it were
+// ignored, the beacon before it would still count as the newest, although this robot's packets
+// acknowledge the new one and the partner therefore regards the old one as forgotten. For the same
+// reason robots that run the resilient algorithm send each other only beacons.
 constexpr bool hear(BeaconReceiver& receiver, const Decoded& received) {
   const bool counts =
       received.verdict == Verdict::accepted || received.verdict == Verdict::no_session;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The packet of every controller, byte by byte: 28 bytes, little-endian, tagged
+// The packet of every controller, byte by byte: 28 bytes, little-endian, authenticated
 // (docs/reference/wire.md).
 //
-// One packet says one thing: a message of the distributed algorithm, a beacon of the resilient one,
-// a report or a command of the centralized one, or hello, "I am up". What it says is one byte.
-// Around it stand who says it to whom, its own stamp (wire/replay_window.hpp), the newest stamp
-// that the sender had heard from the receiver, and a SipHash-2-4 tag over all of this under the key
-// of the pair. `decode` takes nothing but exactly what `encode` makes; whether it is new is another
-// matter (wire/endpoint.hpp).
+// One packet carries one item: a message of the distributed algorithm, a beacon of the resilient
+// one, a report or a command of the centralized one, or hello, which announces a boot. This payload
+// is one byte. The other fields are sender and receiver, the packet's own stamp
+// (wire/replay_window.hpp), the newest stamp that the sender had received from the receiver, and a
+// SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts exactly the byte
+// sequences that `encode` produces; wire/endpoint.hpp decides whether a packet is new.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace palmbots::wire {
 
-// A field's place in a packet.
+// The position of a field in a packet.
 struct Field {
   const char* name;
   std::size_t offset;  // [bytes]
@@ -43,13 +43,16 @@ inline constexpr Field layout[] = {
     version_field,  kind_field,        roles_field,          pair_field,    epoch_field,
     sequence_field, heard_epoch_field, heard_sequence_field, payload_field, tag_field};
 
+// Version of the packet format; the tag covers the first `tagged_size` bytes.
 inline constexpr std::uint8_t version = 1;
 inline constexpr std::size_t tagged_size = tag_field.offset;
 inline constexpr std::size_t packet_size = tag_field.offset + tag_field.size;
 
+// The 128-bit key of a pair, and the bytes of a packet.
 using Key = std::array<std::uint8_t, 16>;
 using Bytes = std::array<std::uint8_t, packet_size>;
 
+// Who sends or receives a packet.
 enum class Role : std::uint8_t { left, right, station };
 inline constexpr std::size_t role_count = 3;
 
@@ -58,6 +61,7 @@ constexpr const char* name_of(Role role) {
   return names[static_cast<int>(role)];
 }
 
+// What a packet carries.
 enum class PacketKind : std::uint8_t { hello, message, beacon, report, command };
 
 constexpr const char* name_of(PacketKind kind) {
@@ -65,33 +69,34 @@ constexpr const char* name_of(PacketKind kind) {
   return names[static_cast<int>(kind)];
 }
 
-// The last epoch that fits.
+// The largest epoch that fits into its field.
 inline constexpr std::uint32_t max_epoch = 0xFFFFFF;
 
+// A decoded packet.
 struct Packet {
   PacketKind kind;
   Role sender;
   Role receiver;
   std::uint16_t pair;
   SequenceNumber sent;
-  SequenceNumber heard;  // the newest of the receiver's that the sender had heard since its boot
-  std::uint8_t payload;  // what it says, by kind (below)
+  SequenceNumber heard;  // newest stamp from the receiver since the sender's boot
+  std::uint8_t payload;  // meaning depends on the kind (below)
 
   constexpr bool operator==(const Packet&) const = default;
 };
 
-// What becomes of a packet. The first that fits counts. All before `bad_tag` are decided by bytes
-// of which nobody knows yet who wrote them: they tell what the packet claims, no more.
+// The outcome of decoding a packet: the first that fits. All verdicts before `bad_tag` depend on
+// bytes that are not yet authenticated, so they describe only what the packet claims.
 enum class Verdict : std::uint8_t {
   accepted,
   wrong_version,
   too_short,
   too_long,
-  wrong_pair,      // of another pair
-  wrong_receiver,  // to another receiver
+  wrong_pair,      // meant for another pair
+  wrong_receiver,  // meant for another receiver
   bad_tag,         // the tag is wrong
-  malformed,       // the tag is right, but the sender says what makes no sense
-  stale,           // older than the newest, or that one again (wire/replay_window.hpp)
+  malformed,       // the tag is right, but the content is invalid
+  stale,           // older than the newest, or a repetition of it (wire/replay_window.hpp)
   no_session,      // not sent in answer to the receiver's present boot (wire/endpoint.hpp)
 };
 inline constexpr std::size_t verdict_count = 10;
@@ -103,12 +108,12 @@ constexpr const char* name_of(Verdict verdict) {
   return names[static_cast<int>(verdict)];
 }
 
-// --- Payloads: each kind's meaning as a byte, and back. What a byte must not be, `means` tells.
+// --- Payloads: each kind's content as a byte, and back. `means` rejects invalid bytes.
 
 constexpr std::uint8_t payload(MessageKind message) { return static_cast<std::uint8_t>(message); }
 
-// A beacon: its letter of the alphabet (ASCII), I, R, G, D or W; in bit 5, which makes it a small
-// one, whether the robot is ready to travel; and in bit 7 whether it rests.
+// A beacon. The letter is I, R, G, D or W in ASCII. Bit 5, the lower-case bit of ASCII, is set if
+// the robot is ready to travel. Bit 7 is set if it rests.
 struct Beacon {
   char letter;
   bool stopped;
@@ -148,7 +153,7 @@ constexpr Command command_of(std::uint8_t payload) {
   return {static_cast<Palm>(payload & 1), static_cast<Move>(payload >> 1)};
 }
 
-// Whether a payload means something.
+// True if the payload is valid for this kind.
 constexpr bool means(PacketKind kind, std::uint8_t payload) {
   switch (kind) {
     case PacketKind::hello: return payload == 0;
@@ -163,7 +168,8 @@ constexpr bool means(PacketKind kind, std::uint8_t payload) {
   return false;
 }
 
-// Whether one says such a thing to the other: robots talk to each other or with the station.
+// True if this sender may send a packet of this kind to this receiver. Robots talk to each other or
+// with the station.
 constexpr bool on_speaking_terms(PacketKind kind, Role sender, Role receiver) {
   if (sender > Role::station || receiver > Role::station || sender == receiver) return false;
   switch (kind) {
@@ -176,11 +182,12 @@ constexpr bool on_speaking_terms(PacketKind kind, Role sender, Role receiver) {
   return false;
 }
 
-// Whether something can bear this stamp: neither part of it is 0, which stands for never.
+// True if the stamp is valid. Neither part may be 0, which stands for "never".
 constexpr bool dated(const SequenceNumber& stamp) {
   return stamp.epoch >= 1 && stamp.epoch <= max_epoch && stamp.sequence >= 1;
 }
 
+// True if the packet may be sent: roles, stamps and payload are valid.
 constexpr bool well_formed(const Packet& packet) {
   return on_speaking_terms(packet.kind, packet.sender, packet.receiver) &&
          means(packet.kind, packet.payload) && dated(packet.sent) &&
@@ -189,19 +196,20 @@ constexpr bool well_formed(const Packet& packet) {
 
 // --- The packet.
 
+// Writes a number into a field, the least significant byte first.
 constexpr void put(Bytes& bytes, Field field, std::uint64_t value) {
   for (std::size_t i = 0; i < field.size; ++i) {
     bytes[field.offset + i] = static_cast<std::uint8_t>(value >> 8 * i);
   }
 }
 
-// A field of a text that is known to be long enough.
+// Reads a field. The bytes must be long enough.
 template <class Number>
 constexpr Number get(std::span<const std::uint8_t> bytes, Field field) {
   return static_cast<Number>(little_endian(bytes.subspan(field.offset, field.size)));
 }
 
-// Writes the packet; false, and nothing written, if it is not well formed.
+// Writes the packet. Returns false and writes nothing if it is not well formed.
 constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   if (!well_formed(packet)) return false;
   const auto sender = static_cast<unsigned>(packet.sender);
@@ -220,20 +228,21 @@ constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   return true;
 }
 
-// Whether two tags are equal, in a time that does not tell where they differ: the halves are joined
-// before the one comparison, also where words have 32 bits.
+// True if two tags are equal, in a time that does not depend on where they differ. The halves are
+// joined before the one comparison, also on machines with 32-bit words.
 constexpr bool same_tag(std::uint64_t a, std::uint64_t b) {
   const std::uint64_t difference = a ^ b;
   return static_cast<std::uint32_t>(difference | difference >> 32) == 0;
 }
 
+// The result of decoding.
 struct Decoded {
   Verdict verdict;
-  Packet packet;  // all zero unless accepted, or unanswered (wire/endpoint.hpp)
+  Packet packet;  // all zero unless accepted or no_session (wire/endpoint.hpp)
 };
 
-// What a receiver of a pair makes of some bytes. The version comes first, so that another one may
-// have another length.
+// Decodes a packet for a receiver of a pair. The version is checked first, because another version
+// may have another length.
 constexpr Decoded decode(std::span<const std::uint8_t> bytes, const Key& key, std::uint16_t pair,
                          Role receiver) {
   if (bytes.empty()) return {Verdict::too_short, {}};

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which packets are new: each sender numbers its packets, each receiver takes only higher numbers.
+// Replay protection: each sender numbers its packets, and each receiver accepts only higher
+// numbers.
 //
 // A packet's stamp is (epoch, sequence), compared in this order. The epoch counts the sender's
-// boots and outlives them: a sender keeps the last one in permanent memory and writes the next one
-// there *before* its first packet, so no stamp is ever used twice under a key. The sequence starts
-// at 1 in every epoch and ends where it would wrap: after 2³² − 1 packets (497 days at 100 a
-// second) the next number is 0, which no packet may bear, and the sender is silent until it enters
-// the next epoch, as at a boot. After 2²⁴ − 1 epochs, or when the counter is lost, the pair needs a
-// new key.
+// boots and survives them. A sender stores the last epoch in permanent memory, and writes the next
+// one there *before* its first packet, so no stamp is ever used twice under a key. The sequence
+// starts at 1 in every epoch. After 2³² − 1 packets (497 days at 100 per second) the next number
+// would be 0, which is not valid. The sender then stays silent until it enters the next epoch, as
+// at a boot. After 2²⁴ − 1 epochs, or when the counter is lost, the pair needs a new key.
 #pragma once
 
 #include <compare>
@@ -15,6 +15,7 @@
 
 namespace palmbots::wire {
 
+// A packet's stamp. Epoch 0 stands for "never".
 struct SequenceNumber {
   std::uint32_t epoch = 0;
   std::uint32_t sequence = 0;
@@ -22,11 +23,11 @@ struct SequenceNumber {
   constexpr auto operator<=>(const SequenceNumber&) const = default;
 };
 
-// What a receiver remembers of one sender: the newest stamp it took. The first one is newer than
-// none. Never goes back.
+// The newest stamp accepted from one sender. It never goes back. Initially any valid stamp is
+// newer.
 class ReplayWindow {
  public:
-  // Whether the stamp is newer than all taken before; then it is taken.
+  // Accepts the stamp if it is newer than all accepted before. Returns true if it was accepted.
   constexpr bool accept(const SequenceNumber& stamp) {
     if (stamp <= newest_) return false;
     newest_ = stamp;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// SipHash-2-4: a keyed tag of 64 bits over a short text (Aumasson and Bernstein, "SipHash: a fast
+// SipHash-2-4: a keyed 64-bit tag for short inputs (Aumasson and Bernstein, "SipHash: a fast
 // short-input PRF", INDOCRYPT 2012).
 //
-// Made for short inputs and small machines: additions, rotations and exclusive ors of 64-bit words,
-// no tables, no branch and no address that depends on the key or the text. Bytes are read one by
-// one, the least significant first, so the result is the same whatever the machine's byte order.
+// It is designed for short inputs and small machines. It uses additions, rotations and exclusive
+// ors of 64-bit words. There are no tables, and no branch or address depends on the key or the
+// input. Bytes are read one by one, the least significant first, so the result does not depend on
+// the machine's byte order.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 
 namespace palmbots {
 
-// The four words of state; the constants of the start spell "somepseudorandomlygeneratedbytes".
+// The four words of state. The initial constants spell "somepseudorandomlygeneratedbytes".
 struct SipState {
   std::uint64_t v0, v1, v2, v3;
 
@@ -41,14 +42,14 @@ struct SipState {
   }
 };
 
-// Up to eight bytes as a number, the least significant first.
+// Up to eight bytes as a number, the least significant byte first.
 constexpr std::uint64_t little_endian(std::span<const std::uint8_t> bytes) {
   std::uint64_t word = 0;
   for (std::size_t i = bytes.size(); i > 0; --i) word = word << 8 | bytes[i - 1];
   return word;
 }
 
-// The tag of a text under a key of 128 bits.
+// The tag of an input under a 128-bit key.
 constexpr std::uint64_t siphash24(const std::array<std::uint8_t, 16>& key,
                                   std::span<const std::uint8_t> text) {
   const std::span<const std::uint8_t> halves = key;
@@ -58,7 +59,7 @@ constexpr std::uint64_t siphash24(const std::array<std::uint8_t, 16>& key,
                  k1 ^ 0x7465646279746573};
   const std::size_t size = text.size();
   for (; text.size() >= 8; text = text.subspan(8)) state.absorb(little_endian(text.first(8)));
-  // The last word: what is left, zeros, and in the highest byte the length modulo 256.
+  // The last word: the remaining bytes, zeros, and the length modulo 256 in the highest byte.
   state.absorb(little_endian(text) | std::uint64_t{size} << 56);
   state.v2 ^= 0xff;
   state.rounds(4);

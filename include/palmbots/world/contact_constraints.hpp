@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the object is while it rests on more, or on something else, than its two contact vertices.
+// Contact constraints: the position of the object while it rests on more contacts than its two
+// contact vertices, or on other ones.
 //
-// Unknown are the coordinates p of the contact vertices along their palms and their heights
-// ("lift") above them; the loop (mechanics/loop_closure.hpp) relates them, and so does every
-// contact: what touches has no gap, what sticks keeps its place. With as many equations as unknowns
-// the object's place follows from the separation and the palm angles alone. The equations are
-// solved to rounding by Newton's method with exact derivatives; nothing is integrated, so nothing
-// drifts.
+// The unknowns are the coordinates p of the contact vertices along their palms and their heights
+// ("lift") above them. The loop (mechanics/loop_closure.hpp) relates them, and so does every
+// contact: a closed contact has no gap, and a sticking one keeps its place. With as many equations
+// as unknowns the object's position follows from the separation and the palm angles alone. The
+// equations are solved to rounding by Newton's method with exact derivatives. Nothing is
+// integrated, so nothing drifts.
 //
-// All equations are in m², that is times w. Seen from a palm, (inward, normal) is the vector from
-// its own contact vertex to the other one. Source: MECHANICS sections 1, 5, 6.
+// All equations are multiplied by w, so their unit is m². In a palm's frame, (inward, normal) is
+// the vector from its own contact vertex to the other one. Source: MECHANICS sections 1, 5, 6.
 #pragma once
 
 #include "palmbots/base/small_linear.hpp"
@@ -17,11 +18,12 @@
 
 namespace palmbots {
 
-// What is nearer than this, times w, touches while the world moves: states are exact there.
+// A gap (times w) below this counts as closed while the world moves, because states are exact
+// there.
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
-// A contact that stays: a vertex of the outline on a palm's plate, or a palm's tip on an edge.
+// A contact that persists: a vertex of the outline on a palm's plate, or a palm's tip on an edge.
 template <class Real>
 struct ActiveContact {
   std::size_t side;
@@ -29,7 +31,7 @@ struct ActiveContact {
   std::size_t feature;  // as in ContactPoint
   Real end;             // of a tip: its coordinate on the palm [m]
   bool sticks;
-  Real at;  // where it is, for as long as it sticks: on the palm, or on the edge; times w
+  Real at;  // place while it sticks: on the palm or on the edge, times w
 
   constexpr bool is(const ContactPoint<Real>& p) const {
     return p.support.side == side && p.feature == feature && p.palm_end == tip &&
@@ -37,15 +39,15 @@ struct ActiveContact {
   }
 };
 
-// All contacts that stay. None: the two contact vertices and nothing else, as in
-// world/quasistatic_world.hpp.
+// All contacts that persist. If there are none, the object rests on its two contact vertices alone,
+// as in world/quasistatic_world.hpp.
 template <class Real>
 struct ContactConstraints {
   std::array<ActiveContact<Real>, max_supports> active{};
   std::size_t count = 0;
   std::size_t first =
       left;  // the palm that is computed first, so that the mirrored problem rounds alike
-  Real alike = Real(0);  // w (p − p of the other), if nothing else says which contact gives way
+  Real alike = Real(0);  // w (p − p of the other), if nothing else decides which contact slides
   bool full = false;     // the gaps alone leave no freedom
 
   constexpr bool none() const { return count == 0; }
@@ -53,7 +55,7 @@ struct ContactConstraints {
 
 namespace detail {
 
-// The equations of one state: the unknowns are a step of (p, lift) on the first palm and on the
+// The equations of one state. The unknowns are a step of (p, lift) on the first palm and on the
 // second.
 template <class Real>
 class Equations {
@@ -68,7 +70,7 @@ class Equations {
       : model_(model), configuration_(configuration), first_(first), width_(model.object.width) {
     const PalmAngle<Real>& own = configuration.palms[first];
     const PalmAngle<Real>& partner = configuration.palms[other(first)];
-    // Of the sum of both angles, between the palms' planes.
+    // Sine and cosine of the sum of both angles, that is of the angle between the palms' planes.
     sin_ = own.sin * partner.cos + partner.sin * own.cos;
     cos_ = own.cos * partner.cos - own.sin * partner.sin;
     const ContactVector<Real> vertices =
@@ -100,7 +102,7 @@ class Equations {
             sum(t.along_by, -e.nx, t.height_by, -e.ny)};
   }
 
-  // Where the contact is: of a vertex on its palm, of a tip along its edge; less `h.at`.
+  // The place of the contact minus `h.at`: of a vertex on its palm, of a tip along its edge.
   Equation place(const ActiveContact<Real>& h) const {
     const Vertex<Real>& v = model_.outline.vertices[h.feature];
     const Real along = v.along[h.side];
@@ -116,7 +118,7 @@ class Equations {
     return {(t.along * e.ny - t.height * e.nx) - h.at, sum(t.along_by, e.ny, t.height_by, -e.nx)};
   }
 
-  // Both vertices move alike along their palms.
+  // Both vertices move by the same amount along their palms.
   Equation alike(Real at) const {
     const auto& p = configuration_.contacts;
     return {width_ * (p[first_] - p[other(first_)]) - at, {width_, Real(0), -width_, Real(0)}};
@@ -125,7 +127,7 @@ class Equations {
   std::size_t slot(std::size_t side) const { return side == first_ ? 0 : 2; }
 
  private:
-  // A tip seen along the object from the contact vertex, times w.
+  // The position of a tip in the object's frame, from the contact vertex, times w.
   struct Tip {
     Real along;
     Real height;
@@ -196,12 +198,13 @@ class Equations {
   PerSide<PalmFrameVector<Real>> vectors_{};
 };
 
+// True if the contact is that of the palm's own contact vertex.
 template <class Real>
 constexpr bool is_own(const Model<Real>& model, const ActiveContact<Real>& h) {
   return !h.tip && h.feature == model.outline.contact[h.side];
 }
 
-// The equations of the constraints, those of its gaps first.
+// The equations of the constraints. Those of the gaps come first.
 template <class Real>
 EchelonForm<Real> echelon(const Model<Real>& model, const ContactConstraints<Real>& constraints,
                           const Configuration<Real>& configuration, bool gaps_only) {
@@ -229,7 +232,7 @@ EchelonForm<Real> echelon(const Model<Real>& model, const ContactConstraints<Rea
 
 }  // namespace detail
 
-// Remembers where the contacts are, and whether the gaps alone leave no freedom.
+// Stores the places of the contacts, and whether the gaps alone leave no freedom.
 template <class Real>
 void remember(const Model<Real>& model, const Configuration<Real>& configuration,
               ContactConstraints<Real>& constraints) {
@@ -242,7 +245,8 @@ void remember(const Model<Real>& model, const Configuration<Real>& configuration
   constraints.full = detail::echelon(model, constraints, configuration, true).full();
 }
 
-// Moves the object to where the constraints hold it; false where that is not near to where it is.
+// Moves the object to where the constraints hold it. Returns false if that is not near its present
+// position.
 template <class Real>
 bool settle(const Model<Real>& model, const ContactConstraints<Real>& constraints,
             Configuration<Real>& configuration) {
@@ -259,7 +263,7 @@ bool settle(const Model<Real>& model, const ContactConstraints<Real>& constraint
     configuration.lift[first] -= step[1];
     configuration.contacts[other(first)] -= step[2];
     configuration.lift[other(first)] -= step[3];
-    // The last steps are rounding; they do not become smaller.
+    // The last steps are rounding and do not become smaller.
     if (most <= epsilon * width ||
         (most < contact_tolerance<Real> * width && most >= Real(0.5) * last)) {
       break;
@@ -271,7 +275,7 @@ bool settle(const Model<Real>& model, const ContactConstraints<Real>& constraint
     const ActiveContact<Real>& h = constraints.active[i];
     if (!detail::is_own(model, h)) continue;
     configuration.lift[h.side] = Real(0);
-    // What sticks keeps every bit.
+    // A sticking contact keeps every bit of its coordinate.
     const Real moved = configuration.contacts[h.side] - before.contacts[h.side];
     const Real slack = Real(64) * epsilon * width;
     if (h.sticks && moved < slack && moved > -slack) {
@@ -281,8 +285,8 @@ bool settle(const Model<Real>& model, const ContactConstraints<Real>& constraint
   return true;
 }
 
-// Where a palm is touched, outward from the foot of its pivot: at its contact vertex if that is on
-// it.
+// The coordinate at which a palm is touched, outward from the foot of its pivot [m]: that of its
+// contact vertex if this is on the palm.
 template <class Real>
 Real felt(const Model<Real>& model, const ContactConstraints<Real>& constraints,
           const Configuration<Real>& configuration, std::size_t side) {

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step of the world in which more happens than one contact sliding: cut into pieces of one
-// regime.
+// Event step: a step of the world in which more happens than one contact sliding. It is cut into
+// pieces of one regime each.
 //
-// In a regime the sliding coordinates are closed-form functions of the time within the step. What
-// ends it, and where it ends, is the root of a condition along them:
+// In a regime the sliding coordinates are closed-form functions of the time within the step. The
+// event that ends it is the root of a condition along them:
 //
 //   reversal   the palms stop driving the contact points together and start driving them apart
 //              (this can happen inside a step only while a palm turns);
-//   tie        the squeezes at which the two contacts let go become equal. Where each slider drives
-//              towards the other's region both slide from there on and keep them equal; where one
-//              drives on into its own region it alone slides; where either would (a symmetric
-//              object closed on by equal palms), both slide and stay equal, by rule;
+//   tie        the squeezes at which the two contacts slip become equal. If each contact, sliding
+//              alone, moves towards the other's region, both slide from there on and keep the
+//              squeezes equal. If one moves on into its own region, it slides alone. If either would
+//              (a symmetric object closed on by equal palms), both slide and stay equal, by rule;
 //   end        the object is no longer held by its two vertices alone: the carry is over, or a
-//              further contact closes, which the world looks into.
+//              further contact closes, which the world then handles.
 //
-// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically,
-// so that a look at the end of the step misses nothing. While a palm turns, a step is cut into
-// pieces of at most 1° for the same look.
+// At fixed angles every condition is a bound on dy / dx, along which a regime moves monotonically.
+// A check at the end of the step therefore misses no event. While a palm turns, a step is cut into
+// pieces of at most 1° for the same check.
 //
 // Source: MECHANICS sections 1, 2, 5, 6.
 #pragma once
@@ -49,13 +49,13 @@ struct EventStep {
     ContactVector<Real> contact_vector;
   };
 
-  // What decides, in one direction, which contact lets go.
+  // The quantities that decide, in one direction, which contact slips first.
   struct SlipOnset {
-    PerSide<bool> wedged;  // that contact does not, in this direction
-    Real left_first;       // > 0: the left one does first; < 0: the right one; of unwedged ones
+    PerSide<bool> wedged;  // that contact does not slip in this direction
+    Real left_first;       // > 0: the left one slips first; < 0: the right one; of unwedged ones
   };
 
-  static constexpr int max_reversals = 16;  // in a step: a bound on work
+  static constexpr int max_reversals = 16;  // per step: limits the work
 
   static constexpr Real sense_of(SlipDirection direction) {
     return Real(static_cast<int>(direction));
@@ -71,7 +71,7 @@ struct EventStep {
     int reversals = 0;
     for (result.segments = 1;; ++result.segments) {
       const bool iteration_limit =
-          result.segments >= 200;  // a bound on work; tests show it is not met
+          result.segments >= 200;  // limits the work; tests show that it is not reached
       const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
       if (!known) direction = direction_at(now, goal);
       known = false;
@@ -88,8 +88,7 @@ struct EventStep {
       }
       look = max_event_interval();
       const auto at = [&, slider = slider](Real t) { return state(t, slider, direction, now); };
-      // A contact right at its pivot, on a palm that turns, would go to and fro by a rounding
-      // error.
+      // A contact exactly at its pivot, on a palm that turns, would alternate by a rounding error.
       const bool reverses = reversals < max_reversals;
       const auto [event, when] =
           first_event(done, goal, now, then, slider, direction, iteration_limit, reverses, at);
@@ -101,7 +100,7 @@ struct EventStep {
           done = goal;
           break;
         case Event::end: {
-          // The reason is read where it first applies, the state where it last did not.
+          // The reason is evaluated where it first applies, the state where it last does not.
           const Real over = std::nextafter(when, Real(2));
           result.reason = reason_at(at(over < goal ? over : goal));
           return finish(result, at(when), when, slider, direction);
@@ -130,8 +129,8 @@ struct EventStep {
     Real when;
   };
 
-  // The earliest event between `done` and `goal`, given the state now, and at `goal` if there were
-  // none.
+  // The earliest event between `done` and `goal`, given the state now and the state at `goal` if
+  // there were no event.
   template <class At>
   StepEvent first_event(Real done, Real goal, const State& now, const State& then,
                         SlidingContact slider, SlipDirection direction, bool iteration_limit,
@@ -246,14 +245,14 @@ struct EventStep {
             left_first(slip_order(pushed, edges[left], edges[right]), direction, s.contact_vector)};
   }
 
-  // ≥ 0 while the sliding contact is still the one that lets go first.
+  // ≥ 0 while the sliding contact is still the one that slips first.
   Real own_choice(const State& s, SlidingContact slider, SlipDirection direction) const {
     const SlipOnset first = slip_onset(s, direction);
     if (first.wedged[left] || first.wedged[right]) return Real(0);
     return slider == SlidingContact::on_left ? first.left_first : -first.left_first;
   }
 
-  // What slides, and where that leads by `goal`.
+  // A choice of sliding contacts, and the state at `goal` that results.
   struct Choice {
     SlidingContact slider;
     State then;
@@ -270,7 +269,7 @@ struct EventStep {
     if (world.tied != sense_of(direction) && first.left_first != Real(0)) {
       return with(first.left_first > Real(0) ? SlidingContact::on_left : SlidingContact::on_right);
     }
-    // On the tie: does one slider, alone, go on into its own region?
+    // On a tie: checks whether one contact, sliding alone, moves on into its own region.
     const Choice one = with(SlidingContact::on_left);
     const Choice another = with(SlidingContact::on_right);
     const bool one_goes_on = own_choice(one.then, one.slider, direction) > Real(0);
@@ -280,7 +279,7 @@ struct EventStep {
     return with(SlidingContact::both);
   }
 
-  // Both contacts moved the way this direction allows.
+  // True if both contacts moved as this direction allows.
   bool legal(const State& now, const State& then, SlipDirection direction) const {
     const Real sense = direction == SlipDirection::up ? Real(1) : Real(-1);
     const auto& p = now.configuration.contacts;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can happen at one instant while the object rests on more, or on something else, than its two
-// contact vertices: which contacts stay, and which of those stick.
+// Motions at one instant, while the object rests on more contacts than its two contact vertices or
+// on other ones: which contacts persist, and which of those stick.
 //
-// The motions that all contacts together can make, and that are in balance
-// (mechanics/twist_feasibility.hpp), decide. Where several motions are possible the rules are:
+// The motions that all contacts together can make and that balance decide
+// (mechanics/twist_feasibility.hpp). Where several motions are possible these rules apply:
 //
-//   - as many contacts stay as can, and both vertices before anything else;
-//   - with both palms flush and parallel the object may slide along either: along both alike where
-//     that is in balance, else along the one that it is;
-//   - else the first in a fixed order, the palm with the further contact first.
+//   - as many contacts persist as possible, and both vertices take precedence over all others;
+//   - with both palms flush and parallel the object may slide along either: along both by the same
+//     amount if that balances, else along the one that balances;
+//   - otherwise the first in a fixed order, the palm with the further contact first.
 //
 // Source: MECHANICS sections 5, 6.
 #pragma once
@@ -20,7 +20,8 @@
 
 namespace palmbots {
 
-// How the robots move during a step, or how fast: change of the separation, turns of the palms.
+// The motion of the robots during a step, or its rate: change of the separation, turns of the
+// palms.
 template <class Real>
 struct Drive {
   Real change;
@@ -31,7 +32,7 @@ struct Drive {
   }
 };
 
-// One instant: all contacts, and what may happen to them.
+// One instant: all contacts, and the motions that are possible there.
 template <class Real>
 class InstantMotions {
  public:
@@ -60,7 +61,7 @@ class InstantMotions {
     }
     for (std::size_t i = 0; i < kept; ++i) {
       const ContactPoint<Real>& p = found_.points[i];
-      // A vertex that slides over a palm's end hands over to the tip while that is almost closed.
+      // A vertex that slides over a palm's end hands over to the tip when the tip is almost closed.
       counts[i] = counts[i] || counted[p.support.side] == 0;
       if (counts[i]) further[p.support.side] += own(p) ? 0 : 1;
     }
@@ -79,25 +80,26 @@ class InstantMotions {
     }
   }
 
-  // Is the object held, whatever moves, and is no palm in it? none, or why not.
+  // `none` if the object is held, whatever moves, and no palm penetrates it; otherwise the reason.
   DropReason check() const {
     PerSide<bool> touched{};
     for (std::size_t i = 0; i < supports_.count; ++i) {
       const ContactPoint<Real>& p = point(i);
       touched[p.support.side] = true;
-      // A vertex this near to a palm's end (nanometres) and that end are one contact.
+      // A vertex this near to a palm's end (nanometres) and that end count as one contact.
       const Real half = model_.half_length[p.support.side] -
                         Real(200) * closed_tolerance<Real> * model_.object.width;
       const Real at = configuration_.contacts[p.support.side];
       if (own(p) && !(at >= -half && at <= half)) return DropReason::off_palm;
     }
     if (!touched[left] || !touched[right]) return DropReason::lifting;
-    // Less than what touches: a corner goes deeper into a palm than the palm goes into the corner.
+    // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
+    // penetrates the corner.
     const Real near = closed_tolerance<Real> * model_.object.width / Real(64);
     if (found_.sunk[left] > near || found_.sunk[right] > near) return DropReason::flush;
     const Real slope = model_.object.slope;
     if (balances(supports_, Motions{}, slope)) return DropReason::none;
-    // Does the line of gravity pass beside all contacts?
+    // Checks whether the line of gravity passes beside all contacts.
     PerSide<bool> beside{true, true};
     for (std::size_t i = 0; i < supports_.count; ++i) {
       const Real x = supports_.at[i].x - slope * supports_.at[i].y;
@@ -107,7 +109,8 @@ class InstantMotions {
     return beside[left] || beside[right] ? DropReason::tipping : DropReason::sliding;
   }
 
-  // Does the motion that the constraints describe continue? How the vertices move.
+  // True if the motion that the constraints state continues to occur. `motion` gets the motion of
+  // the vertices.
   bool goes_on(const ContactConstraints<Real>& constraints, ContactMode& motion) const {
     HeldAs held_as{};
     if (!find(constraints, held_as)) return false;
@@ -125,24 +128,24 @@ class InstantMotions {
     return same;
   }
 
-  // Can the object move as the constraints say while all other contacts leave, whatever is in
-  // balance?
+  // True if the object can move as the constraints state while all other contacts leave. Balance
+  // does not matter.
   bool can_keep(const ContactConstraints<Real>& constraints) const {
     HeldAs held_as{};
     if (!find(constraints, held_as)) return false;
     bool possible = false;
     Twists<Real>(supports_, velocities_).each([&](const Motions& m) {
-      bool as_said = stay_and_leave(m, held_as);
+      bool as_stated = stay_and_leave(m, held_as);
       for (std::size_t i = 0; i < supports_.count && !constraints.full; ++i) {
-        as_said =
-            as_said && !(held_as[i] != nullptr && held_as[i]->sticks && m[i] != Motion::stick);
+        as_stated =
+            as_stated && !(held_as[i] != nullptr && held_as[i]->sticks && m[i] != Motion::stick);
       }
-      possible = possible || as_said;
+      possible = possible || as_stated;
     });
     return possible;
   }
 
-  // Are the constraints all that touches?
+  // True if the constraints contain all closed contacts.
   bool is_all(const ContactConstraints<Real>& constraints) const {
     HeldAs held_as{};
     return find(constraints, held_as) && supports_.count == constraints.count;
@@ -154,10 +157,10 @@ class InstantMotions {
     ContactMode motion;
   };
 
-  // What happens next at a state; no constraints: the object continues on its two vertices alone.
-  // Where several contacts close at one instant, as an edge and a palm that turn through level
-  // together do, rounding lets some of them close a little earlier. With those alone a palm may
-  // seem to be left: what is almost closed then counts as well.
+  // What happens next at a state. Several contacts may close at one instant, for example when an
+  // edge and a palm turn through level together. Rounding then closes some of them a little
+  // earlier, and with those alone a palm may seem to lose the object. In that case contacts that
+  // are almost closed count as well.
   static Decision decide(const Model<Real>& model, const Configuration<Real>& configuration,
                          const Drive<Real>& drive, const ContactConstraints<Real>& constraints,
                          Real push) {
@@ -170,6 +173,7 @@ class InstantMotions {
     return second.reason == DropReason::none ? second : first;
   }
 
+  // What happens next. Without constraints the object continues on its two vertices alone.
   Decision decision() const {
     Decision decision{check(), {}, {}};
     if (decision.reason != DropReason::none) return decision;
@@ -199,14 +203,14 @@ class InstantMotions {
     return decision;
   }
 
-  // All contacts, where there are more than the two vertices; each may slide.
+  // All contacts, if there are more than the two vertices. Each may slide.
   ContactConstraints<Real> all() const {
     Motions m{};
     m.fill(Motion::up);
     return further() == max_supports ? ContactConstraints<Real>{} : constraints_at(m);
   }
 
-  // The first contact that is no contact vertex.
+  // The kind of the first contact that is not a contact vertex.
   ContactKind kind() const {
     const std::size_t i = further();
     if (i == max_supports) return ContactKind::none;
@@ -218,7 +222,7 @@ class InstantMotions {
   }
 
  private:
-  // By the contacts counted here: the constraint that each of them is, if any.
+  // For each contact that counts: its constraint, or null.
   using HeldAs = std::array<const ActiveContact<Real>*, max_supports>;
 
   // Fills `held_as`; false unless every constraint still touches.
@@ -233,7 +237,7 @@ class InstantMotions {
     return found == constraints.count;
   }
 
-  // Do exactly the contacts of the constraints stay?
+  // True if exactly the contacts of the constraints stay in this motion.
   bool stay_and_leave(const Motions& m, const HeldAs& held_as) const {
     for (std::size_t i = 0; i < supports_.count; ++i) {
       if ((m[i] != Motion::leave) != (held_as[i] != nullptr)) return false;
@@ -245,8 +249,8 @@ class InstantMotions {
   bool own(const ContactPoint<Real>& p) const {
     return !p.palm_end && p.feature == model_.outline.contact[p.support.side];
   }
-  // The palm with more contacts besides its vertex; the mirror must not matter, and left comes
-  // first only where all is alike.
+  // The palm with more contacts besides its vertex. The choice must be the same in the mirrored
+  // problem; left comes first only if both sides are equal.
   std::size_t leading(const PerSide<std::size_t>& beside,
                       const PerSide<std::size_t>& stuck = {}) const {
     const auto ranks = [&](std::size_t side) {
@@ -285,7 +289,7 @@ class InstantMotions {
     return max_supports;
   }
 
-  // Of a palm's first contact that stays.
+  // The motion of each palm's first contact that persists.
   ContactMode motion_in(const Motions& m) const {
     ContactMode motion{};
     PerSide<bool> known{};
@@ -315,7 +319,7 @@ class InstantMotions {
     return constraints;
   }
 
-  // The motions in balance under the push; where there are none, without it.
+  // The motions that balance under the push or, if there are none, without it.
   template <class Found>
   void each(Found found) const {
     bool any = false;

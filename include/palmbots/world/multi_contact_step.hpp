@@ -83,8 +83,8 @@ struct MultiContactStep {
         forced = by_force;
         continue;
       }
-      // The reason is read where it first applies. Where what slides has only just come to rest or
-      // begun to move, its rate is still nothing: then a little later.
+      // Find out why, as early as possible. Just when a contact comes to rest or begins to slide,
+      // its rate is within rounding of zero and nothing can be decided; look a little later then.
       Real over = std::nextafter(when, Real(2));
       for (Real later = (goal - when) * Real(1e-12);; later *= Real(8)) {
         Configuration<Real> past{};
@@ -97,7 +97,7 @@ struct MultiContactStep {
       by_force = false;
       forced = ++decisions > most_decisions;
       if (decisions > 4 * most_decisions) {
-        result.reason = DropReason::jammed;  // nothing that can be told apart goes on
+        result.reason = DropReason::jammed;  // no motion can be distinguished that continues
         return result;
       }
     }

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quasistatic world: exact motion of the contacts while the robots move and the palms turn.
 //
-// A step changes the separation and the palm angles linearly. Nothing is integrated: in every
+// A step changes the separation and the palm angles linearly. Nothing is integrated. In every
 // regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
-// constraint at any instant, and a contact that sticks is never written, so it cannot drift. Where
-// one contact slides through a whole step, world/single_slip_step.hpp takes it; where the regime
-// changes, world/event_step.hpp. Where a further contact closes, world/multi_contact_step.hpp takes
-// over until it opens again.
+// constraint at any instant. A contact that sticks is never written, so it cannot drift. If one
+// contact slides through a whole step, world/single_slip_step.hpp computes it; if the regime
+// changes, world/event_step.hpp does. If a further contact closes, world/multi_contact_step.hpp
+// takes over until it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
-// (MECHANICS section 4). It decides only which contact lets go first. It is small, but so is what
-// it competes with: with φ near θ the lower ends of the squeeze intervals are close to zero and to
-// each other, and a symmetric object under no push at all stays symmetric for ever, which no real
-// one does. What ends a carry is judged without it.
+// (MECHANICS section 4). It affects only which contact slips first. It is small, but so are the
+// quantities it competes with: with φ near θ the lower ends of the squeeze intervals are close to
+// zero and to each other. Without a push a symmetric object would stay symmetric forever, which no
+// real object does. The conditions that end a carry are evaluated without the push.
 //
 // Source: MECHANICS sections 1, 2, 4, 5, 6.
 #pragma once
@@ -21,6 +21,7 @@
 
 namespace palmbots {
 
+// The world of one carry.
 template <class Real>
 class World {
  public:
@@ -33,7 +34,8 @@ class World {
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
   ContactVector<Real> contact_vector() const { return state_.contact_vector; }
-  // Where the palms are touched: p of the contact vertex as long as that is on the palm.
+  // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
+  // the palm [m].
   PerSide<Real> touched() const {
     if (constraints_.none()) return state_.configuration.contacts;
     return {felt(model_, constraints_, state_.configuration, left),
@@ -41,15 +43,16 @@ class World {
   }
   const Advance<Real>& last() const { return last_; }
 
-  // What is moving, to be taken out and put back by whoever moves several worlds in lockstep.
+  // The moving state, for a caller that runs several worlds in lockstep and copies states out and
+  // back.
   const WorldState<Real>& state() const { return state_; }
   void set_state(const WorldState<Real>& state) { state_ = state; }
 
-  // What the object rests on; none: its two contact vertices.
+  // The contacts on which the object rests; `none()` if these are its two contact vertices.
   const ContactConstraints<Real>& constraints() const { return constraints_; }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
 
-  // Why the object is not held where it is now (none: it is).
+  // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
     if (!constraints_.none())
@@ -63,7 +66,8 @@ class World {
     return now.kind() == ContactKind::none || adds_contact(found) ? reason : found;
   }
 
-  // A sudden shift of contacts; the robots under them are displaced so that the loop stays closed.
+  // Shifts the contacts suddenly, by `by` [m]. The robots are displaced so that the loop stays
+  // closed.
   DropReason shift(const PerSide<Real>& by) {
     Configuration<Real>& now = state_.configuration;
     for (const std::size_t side : {left, right}) now.contacts[side] += by[side];
@@ -77,7 +81,7 @@ class World {
   }
 
   // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
-  // Returns what happened, valid until the next step.
+  // Returns the events of the step; the reference is valid until the next step.
   const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
     const ModelParams<Real>& params = model_;
     const SingleSlipStep<Real> step = step_single_slip(params, state_, change, angles, push);
@@ -94,7 +98,8 @@ class World {
     return last_;
   }
 
-  // The same where the common step (world/single_slip_step.hpp) has been tried, and left it undone.
+  // The same, for a step that the common step (world/single_slip_step.hpp) has tried and left
+  // undone.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     last_ = go(change, angles);
     state_.multi_contact = Real(constraints_.none() ? 0 : 1);
@@ -102,15 +107,15 @@ class World {
   }
 
  private:
-  static constexpr int most_changes = 6;  // of the constraints in a step: a bound on work
+  static constexpr int most_changes = 6;  // of the constraints per step: limits the work
 
-  // A whole step, by turns upon the two vertices alone and under other constraints.
+  // A whole step, alternately on the two vertices alone and under other constraints.
   [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& angles) {
     Configuration<Real>& configuration = state_.configuration;
     const Real goal = configuration.separation + change;
     Drive<Real> drive{change, {}};
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
-    Real released = Real(-1);  // when the object came back upon its two vertices
+    Real released = Real(-1);  // when the object returned to its two vertices
     bool by_force = false;
     for (int changes = 0;; ++changes) {
       for (const std::size_t side : {left, right}) {
@@ -143,8 +148,8 @@ class World {
         }
         total.reason = decision.reason;
         constraints_ = decision.constraints;
-        // What balance opens and the vertices' motion closes all the same (by rounding, or because
-        // they slide by turns) stays for the rest of the step.
+        // A contact may open by balance and still be closed by the motion of the vertices, because
+        // of rounding or because they slide alternately. It persists for the rest of the step.
         by_force = decision.reason == DropReason::none && constraints_.none() &&
                    (again || changes > most_changes);
         if (by_force) constraints_ = now.all();

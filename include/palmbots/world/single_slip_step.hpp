@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The common step of the world, without ceremony: one contact slides through the whole step.
+// The common step of the world: one contact slides through the whole step.
 //
-// Written for one carry or for several side by side (base/simd_lanes.hpp), without a branch that
-// lanes could not share. What few steps need, a look at all that holds the object and a tie on the
-// way, comes in a second half: several packs of lanes make the first one in turn, and a processor
-// that guesses wrong which of them need the other has nothing else under way that is lost. Where
-// anything else goes on (a reversal, an end, both edges wedged), nothing is changed, and the world
-// takes the step apart (world/quasistatic_world.hpp).
+// It is written for one carry or for several side by side (base/simd_lanes.hpp), without branches
+// that lanes could not share. Few steps need the second half, which evaluates all conditions that
+// hold the object and ties inside the step. Several packs of lanes execute the first half in turn,
+// so that a branch misprediction in the second half does not discard work of the first. If anything
+// else happens (a reversal, an end, both edges wedged), nothing is changed, and the world takes the
+// step apart (world/quasistatic_world.hpp).
 //
 // Source: MECHANICS sections 1, 2, 6.
 #pragma once
@@ -16,20 +16,20 @@
 
 namespace palmbots {
 
-// How far a palm turns between two looks for events.
+// The largest turn of a palm between two checks for events [rad].
 template <class Real>
 inline constexpr Real longest_turn = radians_per_degree<Real>;
 
-// What a step did, where it is done.
+// The result of a step, in the lanes where it is done.
 template <class V>
 struct SingleSlipStep {
   MaskOf<V> done;
   MaskOf<V> closing;   // the contact slid up, otherwise down
   MaskOf<V> on_left;   // it was the left contact, otherwise the right one
   MaskOf<V> switched;  // the other one slid before it, up to a tie
-  // For the second half: where the step is done if the object is held, where there is a tie on the
-  // way, and how far the contact that lets go first does so before the other, at its begin and at
-  // its end.
+  // For the second half: `unsure` are the lanes where the step is done if the object is held, and
+  // `ties` the lanes with a tie inside the step. The leads state by how much the first contact to
+  // slip does so before the other, at the start and at the end of the step.
   MaskOf<V> unsure;
   MaskOf<V> ties;
   V lead_before;
@@ -50,8 +50,8 @@ constexpr PerSide<FrictionCone<V>> cones_at(const ModelParams<V>& params,
 
 }  // namespace detail
 
-// Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly,
-// under a push: the first half, which fills in `step` but for `switched`.
+// The first half: changes the separation by `change` [m] and turns the palms to `angles` [rad],
+// both linearly, under a push. It fills in `step` except `switched`.
 template <class V>
 [[gnu::always_inline]] inline void step_single_slip(const ModelParams<V>& params,
                                                     const Kinematics<V>& from,
@@ -63,7 +63,7 @@ template <class V>
   const PerSide<V>& contacts = from.configuration.contacts;
   const Moments<V> pushed = moments_under(params.object, push);
   const bool some_tied = any(slip_state.tied != V(0));
-  // Ties lie elsewhere under another push.
+  // A different push moves the ties.
   if (some_tied) slip_state.tied = select(push != slip_state.push, V(0), slip_state.tied);
   slip_state.push = push;
   const PerSide<V> turn{angles[left] - palms[left].angle, angles[right] - palms[right].angle};
@@ -82,8 +82,7 @@ template <class V>
   const V way = select(closing, V(1), V(-1));
   const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, way);
   const SlipOrder<V> before = slip_order(pushed, edges[left], edges[right]);
-  const V left_behind =
-      before.at(from.contact_vector) * way;  // < 0: the left contact slides sooner
+  const V left_behind = before.at(from.contact_vector) * way;  // < 0: the left contact slips first
   const Mask on_left = left_behind < V(0);
   Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
   good = good & (slip_state.multi_contact == V(0));
@@ -96,8 +95,7 @@ template <class V>
   if (some_turn) {
     const V longest(longest_turn<typename ScalarOf<V>::type>);
     on_both_sides([&](std::size_t side) { good = good & within(turn[side], longest); });
-    // A palm that does not turn has its sine and cosine already: what is found anew are the same
-    // bits.
+    // For a palm that does not turn, the recomputed sine and cosine have the same bits as before.
     if (any(left_turns)) turned[left] = PalmAngle<V>::at(angles[left]);
     if (any(right_turns)) turned[right] = PalmAngle<V>::at(angles[right]);
   }
@@ -130,7 +128,8 @@ template <class V>
   });
   to.contact_vector = alone.contact_vector;
   if (some_tied) slip_state.tied = select(good, V(0), slip_state.tied);
-  // Field by field: a copy of the whole would wait for fields that have only just been written.
+  // Copies field by field: a copy of the whole struct would stall on fields that have only just
+  // been written.
   step.done = good;
   step.closing = closing;
   step.on_left = on_left;
@@ -140,8 +139,8 @@ template <class V>
   step.lead = lead;
 }
 
-// The second half of a step that is not done everywhere. Where it is not done then either,
-// everything is where it was.
+// The second half of a step that is not done in all lanes. In lanes where it is still not done
+// afterwards, nothing has changed.
 template <class V>
 [[gnu::noinline, gnu::flatten]] void finish_single_slip(const ModelParams<V>& params,
                                                         const Kinematics<V>& from,
@@ -161,7 +160,7 @@ template <class V>
       const Mask wedges = wedged(side, edges[side], to.contact_vector.dx, to.contact_vector.dy);
       wanted = wanted & reached & (!wedges);
     });
-    // Mostly it is so at all ties. What comes next need not wait for that: a branch is guessed.
+    // The step is mostly done at all ties. A predicted branch lets the following work start early.
     if (all(wanted | !step.ties)) [[likely]]
       wanted = step.ties;
     const SlipSwitch<V> over = switch_slip<V>(
@@ -170,8 +169,8 @@ template <class V>
     step.switched = over.done;
     step.on_left = step.on_left ^ over.done;
     good = good | over.done;
-    // Wherever there is a tie, though it may not be done there: then it is put back, and nobody has
-    // waited.
+    // Written at every tie, even where the step may not be done. Those lanes are restored later, so
+    // that nothing waits for the result.
     on_both_sides([&](std::size_t side) {
       after[side] = select(step.ties, over.end.contacts[side], after[side]);
       held = held & (within(after[side], params.safe_reach) | !step.ties);
@@ -179,7 +178,7 @@ template <class V>
     to.contact_vector = {select(step.ties, over.end.contact_vector.dx, to.contact_vector.dx),
                          select(step.ties, over.end.contact_vector.dy, to.contact_vector.dy)};
   }
-  // Few contacts are ever out of the safe reach; only then all conditions are looked at.
+  // Few contacts are outside the safe reach. Only then all conditions are evaluated.
   if (any(good & (!held))) {
     held = held | certainly_held(params, detail::cones_at(params, turned), turned, after,
                                  to.contact_vector);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step on whose way the contact that slides comes to a tie, and the other one slides on from
-// there.
+// A step in which the sliding contact reaches a tie, and the other contact slides on from there.
 //
-// While palms turn this is the commonest thing to happen inside a step, so it is written as the
-// common step is (world/single_slip_step.hpp), for one carry or for several side by side. It does
-// what world/event_step.hpp does, which takes whatever else there is.
+// While palms turn this is the most frequent event inside a step. It is therefore written like the
+// common step (world/single_slip_step.hpp), for one carry or for several side by side. It gives the
+// same result as world/event_step.hpp, which handles all other events.
 //
 // Source: MECHANICS sections 1, 2, 6.
 #pragma once
@@ -15,27 +14,28 @@
 
 namespace palmbots {
 
-// A step in which the contact that lets go first slides: the left one, or the right one.
+// The input: a step in which the contact that slips first slides, the left one or the right one.
 template <class V>
 struct SlipSwitchInput {
   MaskOf<V> on_left;
   V way;  // +1: contacts slide up, −1: down
   V change;
-  const PerSide<PalmAngle<V>>& turned;  // the palms at its end
+  const PerSide<PalmAngle<V>>& turned;  // the palms at the end of the step
   V push;
-  V lead;       // > 0: how far the sliding contact lets go before the other, at its begin …
-  V lead_then;  // … and at its end, < 0 where there is a tie
+  V lead;       // > 0: lead of the sliding contact over the other at the start
+  V lead_then;  // the same at the end; < 0 where there is a tie
 };
 
+// The result: where the step is done, and the contacts at its end.
 template <class V>
 struct SlipSwitch {
   MaskOf<V> done;
   Slipped<V> end;
 };
 
-// Where `wanted`, hands over once; `done` tells where that is all that happens. Wanted may be where
-// the contact that slides, if it slid on up to the end, would still be held, with neither edge
-// wedged.
+// Switches once, in the lanes `wanted`. `done` is true in the lanes where nothing else happens. A
+// lane may be wanted if the object would still be held, with neither edge wedged, if the sliding
+// contact continued to the end.
 template <class V>
 [[gnu::noinline, gnu::flatten]] SlipSwitch<V> switch_slip(const ModelParams<V>& params,
                                                           const Configuration<V>& from,
@@ -46,7 +46,8 @@ template <class V>
   const PerSide<PalmAngle<V>>& turned = step.turned;
   const PerSide<V> turn{turned[left].angle - from.palms[left].angle,
                         turned[right].angle - from.palms[right].angle};
-  // How far the contact that slid first still lets go before the other; 0 where an edge is wedged.
+  // The lead of the contact that slid first over the other, that is by how much it slips first; 0
+  // where an edge is wedged.
   const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms,
                            const ContactVector<V>& contact_vector) {
     const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, step.way);
@@ -57,7 +58,7 @@ template <class V>
     });
     return lead;
   };
-  // Of a palm that does not turn these are the sine and the cosine that it has.
+  // For a palm that does not turn these are the sine and cosine that it already has.
   const auto palms_at = [&](V t) {
     PerSide<PalmAngle<V>> palms;
     on_both_sides([&](std::size_t side) {
@@ -70,8 +71,8 @@ template <class V>
                 params.offset, params.object.width);
   };
 
-  // The last state that still leads, next to the tie. (At the step's begin nobody looks, but lanes
-  // that are done and have found none.)
+  // The last state that still leads, next to the tie. The start of the step is evaluated only in
+  // lanes that are done and have found no tie.
   PerSide<V> contacts = from.contacts;
   V lead(0);
   bracketed_root(wanted, V(0), step.lead, V(1), step.lead_then, [&](V t) {
@@ -80,8 +81,8 @@ template <class V>
     const V now = lead_at(palms, there.contact_vector);
     const Mask leads = (now >= V(0)) & (t > V(0));
     lead = select(leads, now, lead);
-    // Mostly it does wherever it matters. What comes next need not wait for that: a branch is
-    // guessed.
+    // The lead mostly holds in all lanes that matter. A predicted branch lets the following work
+    // start early.
     if (all(leads | !wanted)) [[likely]] {
       contacts = there.contacts;
     } else {
