@@ -276,7 +276,7 @@ def test_duplicate_cases_are_reported(number: int) -> None:
 # The command.
 
 
-def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+def run_command(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
     status = cli.run(["derive", *words])
     return status, capsys.readouterr().out
 
@@ -285,23 +285,23 @@ def test_command_prints_the_rules(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    status, out = told(capsys)
+    status, out = run_command(capsys)
     assert status == cli.DONE
     assert out.startswith("DERIVED  the rules are Table 2's (a), (c) and (d)")
     for line in ("Move away until p ≤ 0", "(a)∥(a)  (+, +)", "Where distributed departs"):
         assert line in out
     assert "palms turning" not in out
-    assert "palms turning" in told(capsys, "--counterexamples")[1]
+    assert "palms turning" in run_command(capsys, "--counterexamples")[1]
 
 
 def test_the_command_refuses_a_faulty_policy(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out = told(capsys, "--policy", "as-printed", "--controllers", "none")
+    status, out = run_command(capsys, "--policy", "as-printed", "--controllers", "none")
     assert status == cli.FAILED
     assert "case 7 never moves anything: (+, −) stays for ever" in out
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out = told(capsys, "--json", "--controllers", "distributed, resilient")
+    status, out = run_command(capsys, "--json", "--controllers", "distributed, resilient")
     done = json.loads(out)
     assert status == cli.DONE
     assert done["is_table_2"] is True

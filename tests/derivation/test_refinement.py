@@ -197,7 +197,7 @@ def test_a_transcript_is_the_shortest(found: dict[str, Refinement]) -> None:
 
 
 class Stub:
-    """Robots in turn, without letters; palms stay steep. `move` tells from the own sign."""
+    """Robots in turn, without messages; palms stay steep. `moves`: direction per own sign."""
 
     def __init__(self, moves: dict[int, str]) -> None:
         self.moves = moves
@@ -266,9 +266,9 @@ def test_what_the_resilient_step_refuses(seen: tuple[int, bool, int, bool, bool,
 
 def closing(robot: int, signs: tuple[int, int], palms: Palms, **changes: Any) -> str | None:
     """The permission of a motion of a robot in (d), both robots there if not said otherwise."""
-    told: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}
-    motion = Motion(signs, palms, told["direction"], False)
-    turn = Turn(robot, (0, 0), told["cases"], palms, motion, told["begins"], "")
+    keys: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}
+    motion = Motion(signs, palms, keys["direction"], False)
+    turn = Turn(robot, (0, 0), keys["cases"], palms, motion, keys["begins"], "")
     return Permissions(POLICY).level(turn, motion)
 
 

@@ -79,9 +79,9 @@ def test_log_and_replay_keep_contact_events(tmp_path: Path) -> None:
 
 def test_summary_contains_contact_events() -> None:
     keys = [word for k, v in OVER.items() for word in ("--set", f"{k}={v}")]
-    told = CliRunner().invoke(build_app(), ["carry", "--world", "mujoco", *keys])
-    assert "1 period with more than two contacts, " in told.stdout
-    assert "first: flush, left palm, at 0.30 s" in " ".join(told.stdout.split())
+    shown = CliRunner().invoke(build_app(), ["carry", "--world", "mujoco", *keys])
+    assert "1 period with more than two contacts, " in shown.stdout
+    assert "first: flush, left palm, at 0.30 s" in " ".join(shown.stdout.split())
 
 
 def test_finished_episode_has_contact_events() -> None:

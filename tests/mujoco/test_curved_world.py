@@ -184,7 +184,7 @@ def test_controllers_are_unchanged(controller: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"task.slope_deg": 2.0}, "task.slope_deg: 2 would tilt palms sideways"),
         ({"mujoco.ridges": [{"at_m": 0.4, "height_m": 0.003}]}, "mujoco.ridges: lie across"),
@@ -195,8 +195,8 @@ def test_controllers_are_unchanged(controller: str) -> None:
         ({"object": "plank", "task.path.radius_m": 0.26}, "too tight for robots"),
     ],
 )
-def test_slope_and_ridges_on_a_curved_path_are_refused(keys: dict[str, Any], told: str) -> None:
-    with pytest.raises(pb.SceneError, match=told):
+def test_slope_and_ridges_on_a_curved_path_are_refused(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(pb.SceneError, match=message):
         line_of(load_scene(scene_with(), keys))
 
 

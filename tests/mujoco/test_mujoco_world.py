@@ -145,8 +145,8 @@ def test_released_object_is_reported() -> None:
         ends.append(apart._end(apart._contacts(), (True, True)))
     assert "off-palm" in ends
     gone = world_of()
-    told = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
-    assert told[20] == "" and told[29] == "lifting"
+    reasons = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
+    assert reasons[20] == "" and reasons[29] == "lifting"
 
 
 def test_light_pressure_closes_no_switch() -> None:

@@ -173,7 +173,7 @@ def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("0,0\n1,1\n", "has 2 points; allowed: 3 to 10000 points"),
         ("0,0\n1;1\n2,2\n", 'has "1;1" in line 2, which is not a point'),
@@ -184,18 +184,18 @@ def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
     ],
 )
 def test_bad_files_are_refused_in_one_line(
-    text: str | bytes | None, told: str, tmp_path: File
+    text: str | bytes | None, message: str, tmp_path: File
 ) -> None:
     file = tmp_path / "way.csv"
     if text is not None:
         file.write_bytes(text.encode() if isinstance(text, str) else text)
     with pytest.raises(SceneError) as refusal:
         load_scene("paper", {"task.path.file": str(file)})
-    assert told in str(refusal.value) and "\n" not in str(refusal.value)
+    assert message in str(refusal.value) and "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"waypoints_m": [[0, 0], [1, 0]]}, "has 2 items; allowed: a list of 3 to 10000"),
         ({"waypoints_m": [[0, 0], [1, 0], [1, 0.001]]}, "is 0.001 m from the waypoint before it"),
@@ -208,23 +208,23 @@ def test_bad_files_are_refused_in_one_line(
         ({"kind": "arc", "radius": 1.0}, "did you mean task.path.radius_m?"),
     ],
 )
-def test_bad_paths_are_refused_in_one_line(keys: dict[str, Any], told: str) -> None:
+def test_bad_paths_are_refused_in_one_line(keys: dict[str, Any], message: str) -> None:
     with pytest.raises(SceneError) as refusal:
         load_scene("paper", {f"task.path.{key}": value for key, value in keys.items()})
     assert str(refusal.value).startswith("overrides: task.path.")
-    assert told in str(refusal.value)
+    assert message in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("points", "told"),
+    ("points", "message"),
     [
         ([[0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]], "too tight for robots 0.25 m apart"),
         ([[0, 0], [1, 0], [0, 0]], "turns back on the spot"),
         ([[-999, 0], [0, 300], [999, 0]], "lead 2086 m far; allowed: at most 2000"),
     ],
 )
-def test_waypoints_with_too_small_radii_are_refused(points: list, told: str) -> None:
-    with pytest.raises(SceneError, match=told):
+def test_waypoints_with_too_small_radii_are_refused(points: list, message: str) -> None:
+    with pytest.raises(SceneError, match=message):
         curve(waypoints_m=points)
 
 
@@ -243,9 +243,9 @@ def test_the_planar_world_refuses_a_curved_path_in_one_line(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run([command, "--set", "task.path.kind=arc"]) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
-    assert "allowed: straight, or carry --world mujoco" in told.err
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
+    assert "allowed: straight, or carry --world mujoco" in printed.err
 
 
 @pytest.mark.parametrize(
@@ -261,6 +261,6 @@ def test_a_study_of_curved_paths_is_refused_before_anything_is_written(
     (tmp_path / "curves.toml").write_text(text + "[seeds]\ncount = 2\n")
     out = tmp_path / "results"
     assert cli.run(["study", str(tmp_path / "curves.toml"), "--out", str(out)]) == 2
-    told = capsys.readouterr()
-    assert told.err.count("\n") == 1 and "is a curved path" in told.err
+    printed = capsys.readouterr()
+    assert printed.err.count("\n") == 1 and "is a curved path" in printed.err
     assert not out.exists()

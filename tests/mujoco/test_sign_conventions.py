@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which side, which sign, which number: what symmetric scenes cannot tell apart.
+"""Which side, which sign, which number: what symmetric scenes cannot distinguish.
 
 Every state here is put together by hand, so that its answer is known without the dynamic world.
 """
@@ -212,7 +212,7 @@ def test_slip_is_of_both_wheels_of_that_robot() -> None:
     assert world._wheel_slips((0.01, 0.02)) == pytest.approx((2 * radius - 0.01, radius - 0.02))
 
 
-# --- what is told -------------------------------------------------------------------------------
+# --- what is logged -----------------------------------------------------------------------------
 
 
 def test_log_fields_are_named_after_variable_and_unit() -> None:

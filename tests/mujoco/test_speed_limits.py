@@ -82,10 +82,10 @@ def test_the_command_reports_and_draws(
     monkeypatch.setattr(speed, "FACTORS", (1.0, 4.0))
     short = ["--set", "task.distance_m=0.3", "--carries", "1"]
     assert cli.run(["speed-limits", *short, "--out", str(tmp_path), "--json"]) == 0
-    told: dict[str, Any] = json.loads(capsys.readouterr().out)
-    assert len(told["limits"]) == 4 and len(told["paces"]) == 2
-    assert told["paces"][1]["speed_m_s"] == pytest.approx(0.24)
-    assert told["max_acceleration_m_s2"] == pb.analyze("paper").max_acceleration_m_s2
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert len(result["limits"]) == 4 and len(result["paces"]) == 2
+    assert result["paces"][1]["speed_m_s"] == pytest.approx(0.24)
+    assert result["max_acceleration_m_s2"] == pb.analyze("paper").max_acceleration_m_s2
     with Image.open(tmp_path / "speed.png") as picture:
         assert picture.width > 1000
         assert len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50

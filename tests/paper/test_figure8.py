@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Section 5.2 and Figure 8: the story of one run, retold by the built-in scene `figure8`.
 
-The text says that "the robots executed 6 corrective actions in this time period" and then tells of
+The text says that "the robots executed 6 corrective actions in this time period" and then describes
 seven, which the figure letters A to G. The scene follows the letters.
 """
 

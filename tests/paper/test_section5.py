@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What section 5 of the paper tells, and three general-purpose engines confirm: the distributed
+"""What section 5 of the paper reports, and three general-purpose engines confirm: the distributed
 algorithm keeps the box, no algorithm loses it, and latency hurts the centralized one."""
 
 import numpy as np

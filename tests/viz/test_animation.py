@@ -118,8 +118,8 @@ def test_a_palette_too_large_is_refused(tmp_path):
 def test_an_mp4_has_every_frame(tmp_path, short):
     animation.save(short, tmp_path / "c.mp4")
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json"]
-    told = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
-    stream = json.loads(told.stdout)["streams"][0]
+    probe = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
+    stream = json.loads(probe.stdout)["streams"][0]
     shown = int(float(short.trace["time"][-1]) * 10) + 2
     assert int(stream["nb_read_frames"]) == pytest.approx(shown + 20, abs=1)
     assert (stream["width"], stream["pix_fmt"]) == (900, "yuv420p")

@@ -119,11 +119,11 @@ def test_what_a_beacon_repeats_has_no_name() -> None:
     done = pb.carry("paper", "resilient", overrides={"task.distance_m": 0.3})
     figure = sequence_chart.draw(done)
     assert sum(len(arrows(panel)) for panel in figure.axes) == len(done.message_log)
-    told = {"left": "", "right": ""}
+    last = {"left": "", "right": ""}
     news = 0
     for m in done.message_log:
-        news += m.kind != told[m.sender]
-        told[m.sender] = m.kind
+        news += m.kind != last[m.sender]
+        last[m.sender] = m.kind
     assert len([name for name in names(figure) if not name.startswith("(")]) == news
     assert news < len(done.message_log) / 4
 

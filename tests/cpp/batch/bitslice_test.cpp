@@ -226,7 +226,7 @@ Seen test_every_team_goes_as_it_does_alone() {
       }
     }
     const CarryMask are_new = bits->step(tick, sensed, programs, lost);
-    const BitslicedCommand& told = bits->commands();
+    const BitslicedCommand& bitsliced = bits->commands();
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
       const auto bit = [&](RobotMask both, std::size_t side) { return (both[side] >> i & 1) != 0; };
@@ -244,10 +244,10 @@ Seen test_every_team_goes_as_it_does_alone() {
         seen.travelled += commands[left].stop ? 0 : 1;
       }
       for (const std::size_t side : {left, right}) {
-        CHECK(bit(told.shallow, side) == (commands[side].palm == Palm::shallow));
-        CHECK(bit(told.away, side) == (commands[side].move == Move::away));
-        CHECK(bit(told.closer, side) == (commands[side].move == Move::closer));
-        CHECK(bit(told.stop, side) == commands[side].stop);
+        CHECK(bit(bitsliced.shallow, side) == (commands[side].palm == Palm::shallow));
+        CHECK(bit(bitsliced.away, side) == (commands[side].move == Move::away));
+        CHECK(bit(bitsliced.closer, side) == (commands[side].move == Move::closer));
+        CHECK(bit(bitsliced.stop, side) == commands[side].stop);
       }
     }
   }

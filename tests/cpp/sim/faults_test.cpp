@@ -26,11 +26,11 @@ void check_host(std::initializer_list<FaultSpec> faults, std::size_t side, const
   ProgramMonitor monitor;
   for (std::uint32_t tick = 0; wanted[tick] != 0; ++tick) {
     const ProgramState state = monitor.program_state(schedule, tick, side);
-    const char told = state == ProgramState::running  ? 'r'
-                      : state == ProgramState::frozen ? 'f'
-                      : state == ProgramState::off    ? 'o'
-                                                      : 'b';
-    CHECK(told == wanted[tick]);
+    const char observed = state == ProgramState::running  ? 'r'
+                          : state == ProgramState::frozen ? 'f'
+                          : state == ProgramState::off    ? 'o'
+                                                          : 'b';
+    CHECK(observed == wanted[tick]);
   }
 }
 

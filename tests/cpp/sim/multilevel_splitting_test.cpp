@@ -108,8 +108,8 @@ void test_levels_are_reached_by_the_wanted_share() {
   }
 }
 
-// Half of them end in the very step in which they come to the level, and can no longer hit: whoever
-// goes on with one of those would see it hit at once. The others hit every fourth time.
+// Half of them end in the very step in which they come to the level, and can no longer hit: a resampling
+// that continues one of those would see it hit at once. The others hit every fourth time.
 struct Lapse {
   std::uint64_t seed;
   int at = 0;
@@ -194,7 +194,7 @@ void test_a_replicate_depends_on_its_number_alone() {
   CHECK(differs);
 }
 
-// No two runs have one seed, whatever tells them apart, and every parent has its share of them.
+// No two runs have one seed, whatever distinguishes them, and every parent has its share of them.
 void test_branches() {
   constexpr std::size_t parents = 7;
   std::set<std::uint64_t> seeds;

@@ -134,7 +134,7 @@ void test_capacity() {
 }
 
 // A link is dead for the share of time that was asked for, in spells of the mean length that was
-// asked for, whoever sends how often.
+// asked for, however often each robot sends.
 void test_bursts() {
   for (const std::uint32_t every : {1U, 3U}) {
     Channel channel = Channel::of(0.02, 0, 0, 0.01);

@@ -161,7 +161,7 @@ struct Counter {
   Distributed::Output step(Distributed::Input in) {
     ++steps;
     heard += in.message != MessageKind::none ? 1 : 0;
-    const auto move = static_cast<Move>(1 + (steps - 1) % 2);  // so that commands tell the step
+    const auto move = static_cast<Move>(1 + (steps - 1) % 2);  // each step has its own command
     return {{Palm::shallow, move}, asks ? MessageKind::tilt_up : MessageKind::none, true};
   }
   Distributed::StateOutput now() const {
@@ -180,8 +180,8 @@ Faults fault_of(FaultKind kind, std::uint32_t side, double at, double lasts) {
   return Faults::of(spec, 0);
 }
 
-// Off for ticks 10 to 14: it rests with the palm as told, hears nothing of what comes meanwhile,
-// and begins anew in tick 15, with what comes then.
+// Off for ticks 10 to 14: it rests with the palm as commanded, hears nothing of what comes
+// meanwhile, and begins anew in tick 15, with what comes then.
 void test_a_robot_that_reboots_has_forgotten() {
   DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, Channel::of(0.03, 0, 0, 0.01), 0,
                                 right, fault_of(FaultKind::reboot, left, 0.1, 0.05));
@@ -199,7 +199,8 @@ void test_a_robot_that_reboots_has_forgotten() {
   }
 }
 
-// Frozen for ticks 10 to 13 it goes on as told before; then the watchdog makes it rest and reboot.
+// Frozen for ticks 10 to 13 it continues its last command; then the watchdog makes it rest and
+// reboot.
 void test_a_frozen_robot_goes_on_until_the_watchdog_bites() {
   DistributedTeam<Counter> team({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
                                 fault_of(FaultKind::freeze, right, 0.1, 0.08));
@@ -245,7 +246,7 @@ void test_a_robot_of_the_station_that_reboots() {
   for (std::uint32_t tick = 0; tick < 90; ++tick) {
     const auto out = alone.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
     if (tick >= 70) CHECK((out[right] == Command{Palm::steep, Move::hold}));
-    if (tick >= 70) CHECK((out[left] == Command{Palm::steep, Move::away}));  // as told last
+    if (tick >= 70) CHECK((out[left] == Command{Palm::steep, Move::away}));  // the last command
   }
 }
 
