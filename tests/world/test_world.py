@@ -66,7 +66,7 @@ def test_motion_is_that_of_an_independent_integrator(script: str, rig: str) -> N
 
 
 def test_opening_with_phi_above_theta_slides_both_and_levels_the_object() -> None:
-    """MECHANICS section 2: along opening the choice can alternate; then both slide."""
+    """While the palms open, the contact to slide can alternate; then both slide."""
     spec, w = world(start__left_m=0.02)
     assert math.atan(spec.palms[0].friction) > STEEP
     end, _, left, right, _ = w.advance(0.03, (STEEP, STEEP))
