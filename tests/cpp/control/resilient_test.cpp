@@ -111,8 +111,8 @@ void test_counters_do_not_wrap() {
   }
 }
 
-// Newest only: a copy, an older one, one of an earlier life are rejected; a new life is newer.
-void test_ear() {
+// Duplicates, older beacons and beacons of an earlier boot are rejected; a new boot is newer.
+void test_receiver_accepts_newest_beacon_only() {
   BeaconReceiver receiver(1);
   receiver.tick(10);
   CHECK(receiver.age() == unknown_age);
@@ -152,5 +152,5 @@ void test_ear() {
 int main() {
   test_agrees_with_oracle();
   test_counters_do_not_wrap();
-  test_ear();
+  test_receiver_accepts_newest_beacon_only();
 }
