@@ -158,7 +158,7 @@ def test_package_mcap_decodes_every_channel(path):
     assert dict(decoded)["/left"].palm_rad > 0
 
 
-def test_a_carry_log_is_small_and_quickly_written(tmp_path):
+def test_carry_log_is_small_and_quickly_written(tmp_path):
     write_log(pb.carry("paper", seed=0), tmp_path / "c.mcap")
     assert (tmp_path / "c.mcap").stat().st_size < 1e6
 

@@ -103,7 +103,7 @@ def test_short_interruptions_do_not_split_a_contact_event() -> None:
     assert tracker.rows(0.205) == [(1, "tip", 0.01, 0.05), (1, "flush", 0.20, 0.205)]
 
 
-def test_an_edge_along_the_palm_is_flush_and_a_slanting_one_meets_the_tip() -> None:
+def test_edge_along_the_palm_is_flush_and_slanting_edge_is_tip() -> None:
     scene = pb.load_scene("paper", TIP)
     at = layout(scene)
     level = (1, 0, 0, 0, 1, 0, 0, 0, 1)

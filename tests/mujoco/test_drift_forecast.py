@@ -23,7 +23,7 @@ def scene_with(changes: dict[str, Any] | None = None) -> Scene:
 
 
 @pytest.mark.parametrize("radius", [2.0, 1.0])
-def test_what_is_predicted_happens_within_a_factor_of_two(radius: float) -> None:
+def test_observed_drift_is_within_a_factor_of_two_of_the_forecast(radius: float) -> None:
     """Twelve seeds on more paths are benchmarks/bench_curves.py."""
     scene = scene_with({"task.path.radius_m": radius})
     known = Forecast(scene)
@@ -37,7 +37,7 @@ def test_what_is_predicted_happens_within_a_factor_of_two(radius: float) -> None
 
 
 @pytest.mark.parametrize("radius", [2.0, 1.0, 0.7])
-def test_the_mean_is_what_mujoco_showed(radius: float) -> None:
+def test_mean_forecast_agrees_with_recorded_mujoco_carries(radius: float) -> None:
     """Over the twelve seeds that benchmarks/bench_curves.py has carried there."""
     with (ROOT / "benchmarks" / "results" / "curves.csv").open() as stream:
         rows = [r for r in csv.DictReader(stream) if r["case"] == f"25 s on R = {radius:g} m"]
@@ -49,7 +49,7 @@ def test_the_mean_is_what_mujoco_showed(radius: float) -> None:
     assert predicted.mean_m == pytest.approx(seen, rel=0.1)
 
 
-def test_an_s_drifts_out_and_back() -> None:
+def test_drift_on_an_s_goes_out_and_back() -> None:
     s = {"task.path.kind": "s", "task.path.angle_deg": 45.0, "task.distance_m": 2.2}
     drift = Forecast(scene_with(s)).seed(0).mean(axis=1)
     least = int(drift.argmin())

@@ -119,7 +119,7 @@ def test_bad_input_is_one_line(
     assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
 
 
-def test_the_wrist_reaches_every_angle_that_a_scene_may_have() -> None:
+def test_wrist_reaches_every_angle_of_a_valid_scene() -> None:
     alone: Any = mj.MjModel.from_xml_string(robot_urdf(SCENE, "left"))
     low, high = alone.joint("wrist").range
     steep = math.radians(17.0)

@@ -51,7 +51,7 @@ def place(image: Image.Image, near: tuple[int, int, int], within: int = 40) -> n
 BOX, LEFT_PALM, RIGHT_PALM, WHEEL = (212, 180, 100), (0, 95, 150), (186, 82, 5), (26, 26, 26)
 
 
-def test_a_picture_shows_box_palms_and_wheels_where_they_are(done: Carry) -> None:
+def test_picture_shows_box_palms_and_wheels_in_place(done: Carry) -> None:
     with VideoRenderer(done, SMALL) as studio:
         image = studio.picture(50)
     assert image.size == SMALL
@@ -195,7 +195,7 @@ def test_missing_screen_or_renderer_is_refused_in_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_interrupted_it_leaves_no_half_of_a_film(tmp_path: Path) -> None:
+def test_interrupted_video_leaves_no_partial_file(tmp_path: Path) -> None:
     """Ctrl-C, which a terminal sends to ffmpeg too, after the still and five frames."""
     process = subprocess.Popen(
         at_call.command(

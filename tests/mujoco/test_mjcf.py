@@ -117,7 +117,7 @@ def test_masses_are_the_scenes() -> None:
     assert model.body_subtreemass[0] == pytest.approx(2 * 2.77 + 0.5)
 
 
-def test_a_slope_turns_gravity_and_a_way_back_mirrors_it() -> None:
+def test_slope_rotates_gravity_and_backward_travel_mirrors_it() -> None:
     for direction, sense in (("forward", 1.0), ("backward", -1.0)):
         scene = load_scene("paper", {"task.slope_deg": 3.0, "task.direction": direction})
         gravity = compiled(scene)[0].opt.gravity

@@ -143,7 +143,7 @@ def test_unsupported_scenes_are_refused_in_one_line(arguments: list[str], messag
     assert message in ran.stderr and ran.stderr.count("\n") == 1
 
 
-def test_without_mujoco_one_line_says_what_to_install() -> None:
+def test_missing_mujoco_is_reported_in_one_line() -> None:
     hide = "import sys; sys.modules['mujoco'] = None; from palmbots.cli.main import main; main()"
     ran = subprocess.run(
         [sys.executable, "-c", hide, "carry", "--world", "mujoco"],

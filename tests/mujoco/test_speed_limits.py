@@ -19,7 +19,7 @@ from palmbots.mujoco.validation.trials import State
 from palmbots.scene.scene import Scene, load_scene
 
 
-def test_acceleration_enters_as_a_slope_does() -> None:
+def test_acceleration_acts_like_a_slope() -> None:
     """An acceleration a and a floor whose slope has the tangent a / g: the same squeezes."""
     scene = trials.scene_of(Scene(), State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0)))
     flat = trials.spec_of(scene)
@@ -68,7 +68,7 @@ def test_the_dynamic_world_departs_where_the_closed_form_says(
     assert limit.slides == ("left" if closing else "right")
 
 
-def test_a_limit_beyond_the_search_is_none() -> None:
+def test_limit_beyond_the_search_range_is_none() -> None:
     assert speed._edge(lambda _: True, 0.5, 5) is None
     assert speed._edge(lambda a: a < 1.234, 0.5, 20) == pytest.approx(1.234, abs=1e-5)
     # What is the same again further on does not hide the first edge.

@@ -102,7 +102,7 @@ def test_expectations_are_those_of_the_modes() -> None:
             )
 
 
-def test_a_state_near_a_switch_line_is_not_decisive() -> None:
+def test_state_near_a_switch_line_is_not_decisive() -> None:
     on_it = State(0.3, 0.125, (15.0, 15.0), (0.0, 0.0))
     off_it = State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0))
     sure = [
@@ -115,7 +115,7 @@ def test_a_state_near_a_switch_line_is_not_decisive() -> None:
     assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
 
 
-def test_it_holds_only_if_all_of_it_does(done: Validation) -> None:
+def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
     """Each of the three alone spoils it, right beyond its limit; peers do not count."""
     own, *peers = done.agreement
     pair = done.pairs[0]

@@ -24,7 +24,7 @@ def shares(kind: str, dims: int, n: int, seed: int) -> NDArray[np.float64]:
     return sample(dims, n, seed)
 
 
-def test_a_grid_is_every_combination_the_last_key_fastest() -> None:
+def test_grid_has_every_combination_with_the_last_key_fastest() -> None:
     found = points(
         vary={
             "radio.latency_s": [0.0, 0.1],
@@ -37,7 +37,7 @@ def test_a_grid_is_every_combination_the_last_key_fastest() -> None:
     assert found.dims == ("radio.latency_s", "robot.noise_m_s")
 
 
-def test_a_logarithmic_axis() -> None:
+def test_logarithmic_axis_is_geometrically_spaced() -> None:
     span = {"from": 0.001, "to": 0.1, "steps": 5, "scale": "log"}
     found = points(vary={"radio.latency_s": span})
     assert found.column("radio.latency_s") == pytest.approx(np.geomspace(0.001, 0.1, 5), rel=1e-11)
@@ -48,7 +48,7 @@ def test_study_without_varied_keys_has_one_point() -> None:
     assert (found.shape, found.values, found.dims) == ((1,), ((),), ("point",))
 
 
-def test_entries_of_a_list_beside_other_keys() -> None:
+def test_list_entries_vary_beside_other_keys() -> None:
     """Two entries of one list, the second first, and a key that has nothing to do with it."""
     found = points(
         vary={
@@ -105,7 +105,7 @@ def test_saltelli_points_keep_their_seed() -> None:
     assert (one != other).any()
 
 
-def test_ranges_of_a_design_and_lists_in_it() -> None:
+def test_design_fills_ranges_and_balances_lists() -> None:
     found = points(
         vary={
             "radio.latency_s": {"from": 0.1, "to": 0.2},
@@ -122,7 +122,7 @@ def test_ranges_of_a_design_and_lists_in_it() -> None:
     assert found.column("object").count("box") == 32
 
 
-def test_too_many_points() -> None:
+def test_too_many_points_are_refused() -> None:
     span = {"from": 0.0, "to": 0.1, "steps": 2000}
     with pytest.raises(PalmbotsError, match="4000000 points in all; allowed: at most 1000000"):
         points(vary={"radio.latency_s": span, "robot.noise_m_s": span})

@@ -19,7 +19,7 @@ def points(**table: Any) -> Points:
     return design_points(load_plan(table))
 
 
-def test_a_curved_path_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+def test_curved_path_is_refused_before_writing(tmp_path: Path) -> None:
     table = {"vary": {"task.path": [{"kind": "straight"}, {"kind": "arc", "radius_m": 3.0}]}}
     with pytest.raises(SceneError, match=r"^study: point 1 \(task.path = .*is a curved path"):
         pb.study(table, tmp_path / "study")
@@ -199,7 +199,7 @@ def test_scene_object_and_scene_name_are_recognized() -> None:
 
 
 @pytest.mark.parametrize("carries", [0, 1.5, True, "many"])
-def test_bad_numbers_of_carries(carries: Any) -> None:
+def test_invalid_number_of_carries_is_refused(carries: Any) -> None:
     with pytest.raises(SceneError, match=r"^carries: value is .*; allowed: 1 to 1000000000$"):
         load_plan({}, carries)
 
@@ -216,7 +216,7 @@ def test_bad_numbers_of_carries(carries: Any) -> None:
         (["STUDY", "--out", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
     ],
 )
-def test_bad_arguments(
+def test_invalid_arguments_are_refused(
     arguments: list[str],
     words: list[str],
     tmp_path: Path,
