@@ -19,5 +19,5 @@ def processor() -> str:
 
 def compiler() -> str:
     """The C++ compiler's name and version."""
-    told = subprocess.run(["g++", "--version"], capture_output=True, text=True, check=False)
-    return told.stdout.splitlines()[0]
+    version = subprocess.run(["g++", "--version"], capture_output=True, text=True, check=False)
+    return version.stdout.splitlines()[0]

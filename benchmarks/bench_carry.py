@@ -89,19 +89,19 @@ def main() -> None:
         results = [task.carry(engine(), seed) for seed in range(SEEDS)]
         dropped = sum(r.outcome == "dropped" for r in results)
         rms = 1e3 * statistics.mean(r.rms_m for r in results)
-        told = f"{dropped} of {SEEDS} dropped, rms {rms:.1f} mm"
+        result = f"{dropped} of {SEEDS} dropped, rms {rms:.1f} mm"
         rows.append(
             (f"{name}, engine alone", version,
-             1e6 * statistics.median(r.engine_s for r in results), told)
+             1e6 * statistics.median(r.engine_s for r in results), result)
         )  # fmt: skip
         rows.append(
             (f"{name}, with its loop in Python", version,
-             1e6 * statistics.median(r.total_s for r in results), told)
+             1e6 * statistics.median(r.total_s for r in results), result)
         )  # fmt: skip
     base = rows[0][2]
     table = Table("one carry of 25 s", "version", "µs", "ratio", "carried")
-    for what, version, us, told in rows:
-        table.add_row(what, version, f"{us:,.0f}", f"{us / base:,.2f}", told)
+    for what, version, us, result in rows:
+        table.add_row(what, version, f"{us:,.0f}", f"{us / base:,.2f}", result)
     console.print(table)
 
     machine, built = processor(), compiler()
@@ -112,9 +112,9 @@ def main() -> None:
         out.writerow(
             ["what", "version", "us", "ratio", "carried", "machine", "python", "compiler", "date"]
         )
-        for what, version, us, told in rows:
+        for what, version, us, result in rows:
             out.writerow(
-                [what, version, f"{us:.1f}", f"{us / base:.3f}", told, machine,
+                [what, version, f"{us:.1f}", f"{us / base:.3f}", result, machine,
                  platform.python_version(), built,
                  datetime.date.today().isoformat()]
             )  # fmt: skip

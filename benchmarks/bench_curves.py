@@ -83,7 +83,7 @@ def main() -> None:
                 drift = math.nan if foreseen is None else np.abs(foreseen.seed(seed)).max()
                 rows.append(row | {"predicted_mm": round(1e3 * float(drift), 2)})
                 bar.advance(task)
-    tell(rows)
+    print_rows(rows)
     with RESULTS.open("w", newline="") as stream:
         table = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
         table.writeheader()
@@ -109,7 +109,7 @@ def carried(name: str, scene: Scene, seed: int) -> dict[str, Any]:
     }
 
 
-def tell(rows: list[dict[str, Any]]) -> None:
+def print_rows(rows: list[dict[str, Any]]) -> None:
     """The table of docs/guide/mujoco.md. What is seen, and its ratio to what was predicted, is of
     carries that arrived: the drift of an object that fell says where it fell."""
     table = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0))
@@ -119,14 +119,14 @@ def tell(rows: list[dict[str, Any]]) -> None:
     for name in CASES:
         cases = [row for row in rows if row["case"] == name]
         whole = [row for row in cases if row["outcome"] == "delivered"]
-        told = [row["predicted_mm"] for row in cases]
+        predicted = [row["predicted_mm"] for row in cases]
         seen = [float(row["seen_mm"]) for row in whole]
         ratio = [float(row["seen_mm"]) / row["predicted_mm"] for row in whole]
         lips = "palm.lip_height_m" in CASES[name]
         table.add_row(
             name,
             f"{len(whole)} of {len(cases)}",
-            *(("lips", "") if lips else (f"{np.mean(told):.1f}", f"{max(told):.1f}")),
+            *(("lips", "") if lips else (f"{np.mean(predicted):.1f}", f"{max(predicted):.1f}")),
             *((f"{np.mean(seen):.1f}", f"{max(seen):.1f}") if seen else ("–", "")),
             f"{min(ratio):.2f} to {max(ratio):.2f}" if ratio and not lips else "–",
         )

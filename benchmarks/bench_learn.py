@@ -68,7 +68,7 @@ def played(env: Any, policy: Any) -> list[EpisodeResult]:
 def main() -> None:
     """Measure, print, write."""
     console = Console(width=110)
-    told = (processor(), __version__, datetime.date.today().isoformat())
+    origin = (processor(), __version__, datetime.date.today().isoformat())
     rows: list[tuple[object, ...]] = []
     for world in STEPS:
         for ticks in (1, 10):
@@ -97,7 +97,7 @@ def main() -> None:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("what", "world", "ticks_per_step", "policy", "noise_m_s", "value",
                         "delivered", "n", "machine", "palmbots", "date"))  # fmt: skip
-        table.writerows((*row, *told) for row in rows)
+        table.writerows((*row, *origin) for row in rows)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What losses do to the resilient algorithm and to Table 2: many carries at each loss rate.
 
-    .venv/bin/python benchmarks/bench_loss.py [CARRIES]        10 000 each unless told
+    .venv/bin/python benchmarks/bench_loss.py [CARRIES]        10 000 each by default
 
 Half of the losses are single, half come in bursts of 0.1 s; 5 % of the packets come twice, 30 ms of
 jitter lets them overtake, and one robot reboots in every carry of the resilient algorithm. Writes

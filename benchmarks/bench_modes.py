@@ -123,8 +123,8 @@ def main() -> None:
         )  # fmt: skip
 
     table = Table("one state", "version", "for", "ns", "ratio", "answers")
-    for what, of, ns, per, told in rows:
-        table.add_row(what, of, per, f"{ns:,.1f}", f"{ns / rows[0][2]:,.1f}", told)
+    for what, of, ns, per, answers in rows:
+        table.add_row(what, of, per, f"{ns:,.1f}", f"{ns / rows[0][2]:,.1f}", answers)
     console.print(table)
     machine, built, python = processor(), compiler(), platform.python_version()
     console.print(f"{machine}; Python {python}, NumPy {np.__version__}")
@@ -135,9 +135,9 @@ def main() -> None:
             ["what", "version", "for", "ns", "ratio", "answers",
              "machine", "python", "numpy", "compiler", "date"]
         )  # fmt: skip
-        for what, of, ns, per, told in rows:
+        for what, of, ns, per, answers in rows:
             out.writerow(
-                [what, of, per, f"{ns:.1f}", f"{ns / rows[0][2]:.2f}", told,
+                [what, of, per, f"{ns:.1f}", f"{ns / rows[0][2]:.2f}", answers,
                  machine, python, np.__version__, built, datetime.date.today().isoformat()]
             )  # fmt: skip
     console.print(f"wrote {RESULTS}")

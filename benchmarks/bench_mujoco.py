@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The dynamic world: what a carry takes, and whether its carries end as the quasistatic ones.
 
-    .venv/bin/python benchmarks/bench_mujoco.py [SEEDS]        at higher noise; 360 unless told
+    .venv/bin/python benchmarks/bench_mujoco.py [SEEDS]        at higher noise; 360 seeds by default
 
 Carries of the default scene at several frictions, and at higher noise, where carries begin to fail,
 in both worlds over the same seeds. Prints tables and writes benchmarks/results/mujoco.csv.

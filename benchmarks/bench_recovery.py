@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long the resilient algorithm needs after a fault until both robots travel again.
 
-    .venv/bin/python benchmarks/bench_recovery.py [CARRIES]        50 each unless told
+    .venv/bin/python benchmarks/bench_recovery.py [CARRIES]        50 each by default
 
 Each carry of the default scene has three faults of a kind, at 3, 9 and 15 s, of one robot. Counted
-is the time from the end of a fault until both are told to travel: until they hear each other again
-and have corrected, standing, what the stop has shifted. Seeds are 0, 1, …; the counts depend on
-nothing but the version.
+is the time from the end of a fault until both are commanded to travel. By then they hear each other
+again and have corrected, standing, what the stop has shifted. Seeds are 0, 1, …; the counts
+depend on nothing but the version.
 """
 
 import sys
@@ -37,8 +37,8 @@ def main() -> None:
     print("fault     for   faults  median     95 %  longest")
     for kind in ("reboot", "freeze"):
         for for_s in (0.05, 0.3, 2.0):
-            told = [stood_s(kind, r, for_s, s) for r in ("left", "right") for s in range(n)]
-            stood = np.ravel(told)
+            durations = [stood_s(kind, r, for_s, s) for r in ("left", "right") for s in range(n)]
+            stood = np.ravel(durations)
             median, most = np.quantile(stood, [0.5, 0.95])
             print(
                 f"{kind:8}{for_s:4.2f} s{stood.size:9}{median:6.2f} s{most:7.2f} s"

@@ -128,7 +128,7 @@ def main() -> None:
     possible = (apart + alone.main) / (alone.main + (apart + alone.writer) / 2)
     said = run(MANY, 2)
     assert said["carries"] == 10_000_000
-    told = (
+    results = (
         ("36 000 carries, 1 thread", round(one, 3), "s"),
         ("36 000 carries, 2 threads", round(two, 3), "s"),
         ("scaling, by the clock", round(one / two, 2), "1"),
@@ -143,7 +143,7 @@ def main() -> None:
     with RESULT.open("w", newline="") as stream:
         writer = csv.DictWriter(stream, ["what", "value", "unit", *where])
         writer.writeheader()
-        for what, value, unit in told:
+        for what, value, unit in results:
             print(f"{what:36} {value} {unit}")
             writer.writerow({"what": what, "value": value, "unit": unit} | where)
 

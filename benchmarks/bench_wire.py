@@ -69,9 +69,9 @@ def main() -> None:
         out = csv.writer(file)
         out.writerow(["instructions of one", *LEVELS, "bytes", "processor", "compiler", "date"])
         for what, *counts in rows:
-            told = (f"{count:.0f}" for count in counts)
+            cells = (f"{count:.0f}" for count in counts)
             today = datetime.date.today().isoformat()
-            out.writerow([what, *told, PACKET_SIZE, platform.machine(), compiler(), today])
+            out.writerow([what, *cells, PACKET_SIZE, platform.machine(), compiler(), today])
     console.print(f"wrote {RESULTS}")
 
 

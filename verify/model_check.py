@@ -186,8 +186,8 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     transcript = ""
     if trails:
         replay = [pan, "-r", str(trails[0])]
-        told = subprocess.run(replay, cwd=place, env=environment, capture_output=True, text=True)
-        transcript = _transcript(run, told.stdout)
+        shown = subprocess.run(replay, cwd=place, env=environment, capture_output=True, text=True)
+        transcript = _transcript(run, shown.stdout)
     return Finding(
         run,
         violated=_violated(run, text),
@@ -218,7 +218,7 @@ def _violated(run: Run, text: str) -> str | None:
 
 
 def _transcript(run: Run, replay: str) -> str:
-    """What the model tells of a trail: a line a cycle, and indented what befell the robots."""
+    """The model's account of a trail: a line a cycle, then, indented, the events of each robot."""
     lines = [f"{run.says}: {run.fails} is violated", ""]
     for line in replay.splitlines():
         if re.match(r" {0,3}\d+  left|      \w.*[^;{]$", line) and "parameter(" not in line:
@@ -249,7 +249,7 @@ def check(found: Finding) -> str | None:
         return f"expected {run.fails or 'it to hold'}, got {found.violated or 'no end'}"
     if run.fails is not None:
         kept = golden(run).read_text() if golden(run).exists() else ""
-        return None if kept == found.transcript else f"not what {golden(run).name} tells"
+        return None if kept == found.transcript else f"does not agree with {golden(run).name}"
     pin = pinned().get(run.name)
     return None if pin == (found.states, found.transitions) else f"pinned are {pin}"
 

@@ -48,7 +48,7 @@ MOVE = {"away": "separate", "closer": "closer"}
 def table1() -> str:
     """The eight cases of the centralized algorithm."""
 
-    def told(action: tuple[str, str, str]) -> str:
+    def steps_of(action: tuple[str, str, str]) -> str:
         move, who, until = action
         if move == "hold":
             return ""
@@ -59,7 +59,7 @@ def table1() -> str:
     rows = ["| case | p_L | p_R | tilt up | then | then |", "|---|---|---|---|---|---|"]
     for number, (signs, tilt, first, second) in enumerate(_core.table1(), 1):
         cells = [*(SIGN[s] for s in signs), "" if tilt == "none" else tilt]
-        rows.append(f"| {number} | {' | '.join([*cells, told(first), told(second)])} |")
+        rows.append(f"| {number} | {' | '.join([*cells, steps_of(first), steps_of(second)])} |")
     return "\n".join(rows)
 
 

@@ -210,7 +210,7 @@ nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
       lock.unlock();
       {
         const nb::gil_scoped_acquire acquire;
-        // Ctrl-C, or an exception of whoever watches: what is finished is kept.
+        // Ctrl-C, or an exception in the progress callback: finished carries are kept.
         if (PyErr_CheckSignals() != 0) {
           PyErr_Clear();
           interrupted = true;

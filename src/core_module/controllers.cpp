@@ -19,7 +19,7 @@ namespace palmbots::bindings {
 
 namespace {
 
-// All that a controller remembers, to tell its states apart. Where the compiler cannot clear
+// All that a controller remembers, to distinguish its states. Where the compiler cannot clear
 // padding, one state may show as several, never several as one.
 template <class Controller>
 nb::bytes memory(Controller controller) {

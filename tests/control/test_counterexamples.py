@@ -76,7 +76,7 @@ FAILS = {
 }
 
 
-def letters_told(transcript: str) -> dict[str, list[str]]:
+def messages_in(transcript: str) -> dict[str, list[str]]:
     """The messages of each robot in a transcript, in order; lost ones are marked."""
     table: dict[str, list[str]] = {"left": [], "right": []}
     pattern = r"^ +(left|right) sends (\w+)(, lost)?"
@@ -85,7 +85,7 @@ def letters_told(transcript: str) -> dict[str, list[str]]:
     return table
 
 
-def letters_sent(carry: pb.simulation.Carry) -> dict[str, list[str]]:
+def messages_sent(carry: pb.simulation.Carry) -> dict[str, list[str]]:
     """The same for a carry."""
     sent: dict[str, list[str]] = {"left": [], "right": []}
     for m in carry.message_log:
@@ -109,8 +109,8 @@ def test_carry_fails_like_the_counterexample(path: Path) -> None:
 )
 def test_robots_send_the_messages_of_the_counterexample(path: Path) -> None:
     """Message by message, up to the end of the transcript."""
-    result = letters_told((KEPT / f"{path.stem}.txt").read_text())
-    sent = letters_sent(pb.carry(str(path), "distributed"))
+    result = messages_in((KEPT / f"{path.stem}.txt").read_text())
+    sent = messages_sent(pb.carry(str(path), "distributed"))
     for robot, letters in result.items():
         assert sent[robot][: len(letters)] == letters
 

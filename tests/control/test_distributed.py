@@ -114,7 +114,7 @@ STORIES: dict[str, tuple[list[int], list[tuple[int, int, int]], tuple[str, str, 
 }
 
 
-def told(cases: str) -> str:
+def runs_merged(cases: str) -> str:
     """Consecutive equal cases count once."""
     return "".join(name for name, _ in groupby(cases))
 
@@ -124,7 +124,7 @@ def test_conversations_of_the_paper(name: str) -> None:
     start, bumps, (letters, left, right) = STORIES[name]
     duet = Duet(list(start))
     duet.run(bumps=bumps)
-    assert duet.story() == (letters, told(left), told(right))
+    assert duet.story() == (letters, runs_merged(left), runs_merged(right))
     assert duet.rests()
 
 
@@ -136,7 +136,7 @@ def test_timing_does_not_change_a_conversation(name: str, delay: int, turn: int)
     duet = Duet(list(start), delay=delay, turn=turn)
     duet.run(400, bumps)
     assert sorted(duet.letters) == sorted(letters.split())
-    assert duet.story()[1:] == (told(left), told(right))
+    assert duet.story()[1:] == (runs_merged(left), runs_merged(right))
     assert duet.state == [IDLE, IDLE]
     assert duet.inbox == [[], []]
 

@@ -88,7 +88,7 @@ def assert_guards_are_true(done: Derivation) -> None:
         assert guard.dropped == (stays and len(step.owners) == 1), guard
 
 
-def test_a_guard_is_dropped_if_and_only_if_that_contact_cannot_move() -> None:
+def test_guard_is_dropped_if_and_only_if_its_contact_cannot_move() -> None:
     assert_guards_are_true(derive(table_1()))
 
 
@@ -114,7 +114,7 @@ def test_guards_of_any_policy(policy: Policy) -> None:
 
 
 @given(policies)
-def test_the_mirror_image_of_a_policy_gives_the_mirror_image_of_its_rules(policy: Policy) -> None:
+def test_mirrored_policy_gives_mirrored_rules(policy: Policy) -> None:
     done, image = derive(policy), derive(mirrored(policy))
     assert {
         (done.rules[n], tuple(sorted(1 - r for r in who))) for n, who in done.robots.items()
@@ -149,7 +149,7 @@ def test_findings_about_moves_are_true(policy: Policy) -> None:
             here = ends
 
 
-def test_a_dropped_guard_costs_nothing() -> None:
+def test_each_rule_corrects_its_own_contact_wherever_the_other_is() -> None:
     """Each rule, from any place of the other contact, corrects its own and leaves the other."""
     for rule in derive(table_1()).rules.values():
         palms = ANGLE[rule.palms[0]], ANGLE[rule.palms[1]]
@@ -192,7 +192,7 @@ def test_a_mirrored_policy_gives_the_same_rules() -> None:
     assert derive(mirrored(table_1())).programs == derive(table_1()).programs
 
 
-def test_a_case_that_is_missing() -> None:
+def test_missing_case_is_reported_even_if_the_rules_correct_it() -> None:
     done = derive(without(7))
     assert done.is_table_2
     assert done.findings == ["(+, −) has no case in the policy; the rules correct it"]
@@ -206,7 +206,7 @@ def test_no_positive_contact_is_ever_corrected() -> None:
     assert [c.rules for c in done.conflicts] == [("d", "d")]
 
 
-def test_half_a_policy() -> None:
+def test_rule_of_one_robot_only_is_reported() -> None:
     """Without cases 2 and 8 the right robot does not correct a positive contact."""
     done = derive(without(2, 8))
     assert done.robots == {"a": (0,), "d": (0, 1)}
@@ -224,7 +224,7 @@ def test_the_wrong_palm() -> None:
     assert (1, 1) not in done.sources["a"]
 
 
-def test_a_move_that_never_ends_gives_no_rule() -> None:
+def test_move_that_never_ends_gives_no_rule() -> None:
     """Closing does not bring a positive contact to 0."""
     move = Move("closer", (Until(0, "≤"),))
     done = derive(changed(1, tilt=0, moves=(move,)))
@@ -232,14 +232,14 @@ def test_a_move_that_never_ends_gives_no_rule() -> None:
     assert sorted(done.rules) == ["a", "d"]
 
 
-def test_without_a_palm_up_the_guard_stays() -> None:
+def test_guard_is_kept_if_no_palm_is_up() -> None:
     done = derive(changed(3, tilt=None))
     guard = next(g for g in done.guards if g.case == 3)
     assert (guard.dropped, guard.reason) == (False, "either may slide")
     assert (3, 1) in [(step.case, step.number) for step in done.joint]
 
 
-def test_other_guards_other_rules() -> None:
+def test_other_guards_give_other_rules() -> None:
     """A policy that lets go of a positive contact only once it is negative."""
     late = replace(table_1()[0].moves[0], until=(Until(0, "≥"),))
     done = derive(changed(1, moves=(late,)))
@@ -276,7 +276,7 @@ def test_duplicate_cases_are_reported(number: int) -> None:
 # The command.
 
 
-def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+def run_command(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
     status = cli.run(["derive", *words])
     return status, capsys.readouterr().out
 
@@ -285,23 +285,23 @@ def test_command_prints_the_rules(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    status, out = told(capsys)
+    status, out = run_command(capsys)
     assert status == cli.DONE
     assert out.startswith("DERIVED  the rules are Table 2's (a), (c) and (d)")
     for line in ("Move away until p ≤ 0", "(a)∥(a)  (+, +)", "Where distributed departs"):
         assert line in out
     assert "palms turning" not in out
-    assert "palms turning" in told(capsys, "--counterexamples")[1]
+    assert "palms turning" in run_command(capsys, "--counterexamples")[1]
 
 
-def test_the_command_refuses_a_faulty_policy(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out = told(capsys, "--policy", "as-printed", "--controllers", "none")
+def test_command_refuses_a_faulty_policy(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out = run_command(capsys, "--policy", "as-printed", "--controllers", "none")
     assert status == cli.FAILED
     assert "case 7 never moves anything: (+, −) stays for ever" in out
 
 
-def test_json(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out = told(capsys, "--json", "--controllers", "distributed, resilient")
+def test_json_contains_the_derivation(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out = run_command(capsys, "--json", "--controllers", "distributed, resilient")
     done = json.loads(out)
     assert status == cli.DONE
     assert done["is_table_2"] is True

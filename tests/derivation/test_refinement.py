@@ -116,7 +116,7 @@ def test_every_motion_of_the_policy_and_its_rules_improves(found: dict[str, Refi
         assert departure.kind.strays == (not all(improves(*m[:3]) for m in departure.motions))
 
 
-def test_a_policy_that_does_not_move_does_not_permit_motion() -> None:
+def test_policy_without_moves_permits_no_motion() -> None:
     """The station against Table 1 as printed: it moves where that stands still."""
     printed = derive(as_printed())
     station = check_refinement(system_of("centralized"), printed)
@@ -125,7 +125,7 @@ def test_a_policy_that_does_not_move_does_not_permit_motion() -> None:
     assert departure.motions == {Motion((1, -1), ("steep", "shallow"), "closer", False)}
 
 
-def test_a_smaller_policy_permits_less(found: dict[str, Refinement]) -> None:
+def test_smaller_policy_permits_fewer_motions(found: dict[str, Refinement]) -> None:
     fewer: Policy = table_1()[:6]
     station = check_refinement(system_of("centralized"), derive(fewer))
     assert len(station.permitted["policy"]) == 6
@@ -136,7 +136,7 @@ def test_a_smaller_policy_permits_less(found: dict[str, Refinement]) -> None:
 
 
 @pytest.mark.parametrize("index", range(7))
-def test_a_transcript_is_a_run_of_table_2(index: int, found: dict[str, Refinement]) -> None:
+def test_transcript_is_a_run_of_table_2(index: int, found: dict[str, Refinement]) -> None:
     departure = found["distributed"].departures[index]
     p, states, inboxes = departure.start, [0, 0], [[], []]
     palms, left = [STEEP, STEEP], [0, 0]
@@ -170,7 +170,7 @@ def test_a_transcript_is_a_run_of_table_2(index: int, found: dict[str, Refinemen
     assert departure.run[-1].motion in departure.motions
 
 
-def test_a_transcript_is_the_shortest(found: dict[str, Refinement]) -> None:
+def test_transcript_is_the_shortest_run(found: dict[str, Refinement]) -> None:
     """By breadth: no shorter run ends with a motion of that kind."""
     permissions = Permissions(POLICY)
     for controller in ("distributed", "resilient"):
@@ -197,7 +197,7 @@ def test_a_transcript_is_the_shortest(found: dict[str, Refinement]) -> None:
 
 
 class Stub:
-    """Robots in turn, without letters; palms stay steep. `move` tells from the own sign."""
+    """Robots in turn, without messages; palms stay steep. `moves`: direction per own sign."""
 
     def __init__(self, moves: dict[int, str]) -> None:
         self.moves = moves
@@ -259,20 +259,22 @@ def test_memory_distinguishes_the_states_of_a_controller(make: Any, seen: Any) -
 
 
 @pytest.mark.parametrize("seen", [(2, True, 0, False, False, 2), (0, True, 6, False, False, 2)])
-def test_what_the_resilient_step_refuses(seen: tuple[int, bool, int, bool, bool, int]) -> None:
+def test_resilient_step_refuses_values_out_of_range(
+    seen: tuple[int, bool, int, bool, bool, int],
+) -> None:
     with pytest.raises(IndexError, match=r"sign is -1, 0 or 1; message is 0 to 5"):
         _core.Resilient(7, 9, 2, True).step(*seen)
 
 
 def closing(robot: int, signs: tuple[int, int], palms: Palms, **changes: Any) -> str | None:
     """The permission of a motion of a robot in (d), both robots there if not said otherwise."""
-    told: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}
-    motion = Motion(signs, palms, told["direction"], False)
-    turn = Turn(robot, (0, 0), told["cases"], palms, motion, told["begins"], "")
+    keys: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}
+    motion = Motion(signs, palms, keys["direction"], False)
+    turn = Turn(robot, (0, 0), keys["cases"], palms, motion, keys["begins"], "")
     return Permissions(POLICY).level(turn, motion)
 
 
-def test_what_nothing_orders_is_permitted_and_no_more() -> None:
+def test_only_unordered_rules_are_permitted_at_once() -> None:
     up: Palms = ("shallow", "shallow")
     assert closing(0, (-1, 0), up) == "at once"
     assert closing(0, (-1, 0), ("shallow", "turning")) == "at once"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Positions in the world frame: MECHANICS section 1, by hand and on real carries."""
+"""Positions in the world frame, computed by hand and on real carries (docs/theory/notation.md)."""
 
 import math
 

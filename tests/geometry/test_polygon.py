@@ -181,7 +181,7 @@ def bits(frame) -> list[str]:
 
 
 @given(objects())
-def test_the_frame_of_a_mirrored_object_is_mirrored_to_the_bit(item):
+def test_frame_of_a_mirrored_object_is_mirrored_exactly(item):
     vertices = [(x, y) for x, y in item["vertices_m"]]
     left, right = item["contacts"]
     com = tuple(item["com_m"])

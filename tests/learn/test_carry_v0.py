@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The environment: PettingZoo's own tests, and what it promises besides."""
+"""The environment: PettingZoo's own tests, observations, rewards, seeds and state."""
 
 import copy
 import json
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -12,23 +10,18 @@ import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
 from pettingzoo.utils.conversions import aec_to_parallel
 
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import PalmbotsError
 from palmbots.learn import carry_v0
 from palmbots.learn.spaces import ACTION, OBSERVATION, action
+from short_episodes import SHORT, ended, short
 
-SHORT = {"task.distance_m": 0.1}
-
-
-def short(**keys: Any) -> Any:
-    return carry_v0.parallel_env("paper", overrides=SHORT, **keys)
-
-
-# Recommendations that it does not follow: agents are called as everywhere here, and an action has
-# parts that mean something.
+# PettingZoo recommends other names of agents and other action spaces. Agents are named after their
+# sides as everywhere in palmbots, and an action has several components.
 pytestmark = [
     pytest.mark.filterwarnings("ignore:We recommend agents to be named:UserWarning"),
     pytest.mark.filterwarnings("ignore:Action space for each agent probably:UserWarning"),
 ]
+
 KINDS = [
     {},
     {"messages": False},
@@ -128,15 +121,6 @@ def test_without_messages_the_radio_is_silent() -> None:
     assert env.carry().messages == 0
 
 
-def ended(env: Any, seed: int, move: str = "hold") -> tuple[Any, ...]:
-    env.reset(seed=seed)
-    last: tuple[Any, ...] = ()
-    while env.agents:
-        order = action("steep", move)  # type: ignore[arg-type]
-        last = env.step(dict.fromkeys(env.agents, order))
-    return last
-
-
 def test_termination_truncation_and_outcome() -> None:
     quiet = {"robot.noise_m_s": 0.0, "task.distance_m": 0.1}
     _, rewards, terminal, cut, infos = ended(carry_v0.parallel_env(overrides=quiet), 0)
@@ -221,112 +205,6 @@ def test_render_shows_the_present_state() -> None:
     assert short().render() is None
 
 
-@pytest.mark.parametrize(
-    ("keys", "says"),
-    [
-        ({"world": "gazebo"}, 'world: value is "gazebo"; allowed: quasistatic, mujoco'),
-        ({"messages": "no"}, 'messages: value is "no"; allowed: true, false'),
-        ({"record": "x"}, 'record: value is "x"; allowed: true, false'),
-        ({"rewards": 3}, "rewards: value is 3; allowed: carry_v0.RewardWeights"),
-        ({"ticks_per_step": 0}, "ticks_per_step: value is 0; allowed: 1 to 1000"),
-        ({"ticks_per_step": True}, "ticks_per_step: value is true; allowed: 1 to 1000"),
-        ({"render_mode": "human"}, 'render_mode: value is "human"; allowed: rgb_array, or None'),
-        ({"overrides": {"robot.speed": 1}}, "robot.speed"),
-    ],
-)
-def test_invalid_argument_is_refused(keys: dict[str, Any], says: str) -> None:
-    with pytest.raises(PalmbotsError) as caught:
-        carry_v0.parallel_env(**keys)
-    assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_object_that_is_not_held_is_refused() -> None:
-    with pytest.raises(SceneError, match=r"not held at the start \(sliding\)"):
-        carry_v0.parallel_env(overrides={"palm.friction": 0.01, "object.com_m": [0.2, 0.04]})
-
-
-@pytest.mark.parametrize(
-    "action", [[0, 3, 0], [0, 0], [0, 0, 0, 0], [-1, 0, 0], 5, None, ["a", 0, 0]]
-)
-def test_invalid_action_is_refused_and_changes_nothing(action: Any) -> None:
-    env = short()
-    env.reset(seed=0)
-    before = env.state()
-    with pytest.raises(
-        PalmbotsError, match=r"action of right: .* allowed: palm 0 to 1, move 0 to 2"
-    ):
-        env.step({"left": [0, 0, 0], "right": action})
-    assert (env.state() == before).all()
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"overides": {"start.left_m": 0.03}}, "overides.*did you mean overrides"),
-        ({"start.left_m": 0.03}, "start.left_m.*allowed: overrides"),
-        ({"overrides": {}, 3: 4}, "3.*allowed: overrides"),
-        ("overrides", "allowed: {overrides"),
-        ({"overrides": 3}, "overrides"),
-    ],
-)
-def test_misspelt_option_is_refused(options: Any, words: str) -> None:
-    """And the seeds of later episodes are as if it had not been asked for."""
-    env, other = short(), short()
-    env.reset(seed=5)
-    other.reset(seed=5)
-    with pytest.raises(PalmbotsError, match=words):
-        env.reset(seed=6, options=options)
-    assert env.reset()[1] == other.reset()[1]
-
-
-def test_wrong_calls_are_refused() -> None:
-    env = short()
-    with pytest.raises(PalmbotsError, match="call reset first"):
-        env.state()
-    with pytest.raises(SceneError, match=r"noise"):
-        env.reset(options={"overrides": {"noise": 1}})
-    for seed in (-1, 2**64, 0.5, True):
-        with pytest.raises(PalmbotsError, match=r"seed: .* allowed"):
-            env.reset(seed=seed)  # type: ignore[arg-type]
-    env.reset(seed=2**64 - 1)
-    with pytest.raises(PalmbotsError, match="but it has not ended"):
-        env.carry()
-    ended(env, 0)
-    assert env.carry().trace is None
-    with pytest.raises(PalmbotsError, match="its carry was returned before"):
-        env.carry()
-    wrong: list[dict[str, Any]] = [{"progress": -1}, {"letter": float("nan")}, {"dropped": "much"}]
-    for weights in wrong:
-        with pytest.raises(PalmbotsError, match=r"^rewards\.\w+: value is .*; allowed: at least 0"):
-            carry_v0.RewardWeights(**weights)
-
-
-@pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
-def test_step_without_an_episode_is_refused(world: str) -> None:
-    """Before the first reset, and after close, with and without actions."""
-    env = short(world=world)
-    still = dict.fromkeys(env.possible_agents, action("steep", "hold"))
-    for _ in range(2):
-        for actions in (still, {}):
-            with pytest.raises(PalmbotsError, match="there is no episode yet; call reset first"):
-                env.step(actions)
-        env.reset(seed=0)
-        assert env.step(still)[0].keys() == {"left", "right"}
-        env.close()
-
-
-@pytest.mark.parametrize("name", ["middle", "Left", "", 0])
-def test_action_of_an_unknown_agent_is_refused_and_nothing_happens(name: Any) -> None:
-    env = short()
-    env.reset(seed=0)
-    before = env.state()
-    still = dict.fromkeys(env.agents, action("steep", "hold"))
-    with pytest.raises(PalmbotsError, match=r"there is no agent .*; allowed: left, right"):
-        env.step({**still, name: action("steep", "hold")})
-    assert (env.state() == before).all()
-    env.step(still)
-
-
 def test_seeds_of_infos_survive_floats_and_json() -> None:
     """The own seeds of 200 episodes: none loses a digit as a 64-bit float, and each repeats its
     episode."""
@@ -382,20 +260,6 @@ def test_state_has_left_before_right_and_positive_rise_upwards() -> None:
     env.reset(seed=0, options={"overrides": {"start.left_m": -0.03, "start.right_m": 0.03}})
     # Palms rise outward: an object whose right contact is farther out is higher there.
     assert env.state()[5] == pytest.approx(0.06 * np.sin(np.radians(15)), rel=0.05)
-
-
-def test_missing_pettingzoo_is_reported_in_one_line() -> None:
-    program = (
-        "import sys; sys.modules['pettingzoo'] = None\n"
-        "from palmbots.errors import PalmbotsError\n"
-        "try:\n    from palmbots.learn import carry_v0\n"
-        "except PalmbotsError as error:\n    print(error)"
-    )
-    caught = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert caught.stdout.startswith("learn: the package pettingzoo is missing; run: ")
-    assert caught.stdout.count("\n") == 1
 
 
 def test_vector_environment_equals_single_ones() -> None:

@@ -158,7 +158,7 @@ def test_package_mcap_decodes_every_channel(path):
     assert dict(decoded)["/left"].palm_rad > 0
 
 
-def test_a_carry_log_is_small_and_quickly_written(tmp_path):
+def test_carry_log_is_small_and_quickly_written(tmp_path):
     write_log(pb.carry("paper", seed=0), tmp_path / "c.mcap")
     assert (tmp_path / "c.mcap").stat().st_size < 1e6
 
@@ -171,8 +171,8 @@ def test_every_truncation_is_noticed(tmp_path, path):
     cut = tmp_path / "cut.mcap"
     for length in {*range(0, len(data), 997), *range(40), *range(len(data) - 400, len(data))}:
         cut.write_bytes(data[:length])
-        told = refusal(cut)
-        assert told == "the file is empty" if length == 0 else told
+        reason = refusal(cut)
+        assert reason == "the file is empty" if length == 0 else reason
 
 
 def test_every_changed_byte_is_noticed(tmp_path, path):
@@ -305,7 +305,7 @@ def test_refusals_when_writing(tmp_path, done):
     assert list(tmp_path.iterdir()) == []
 
 
-# --- replay tells what differs -----------------------------------------------------------------
+# --- replay states what differs -----------------------------------------------------------------
 
 
 def differing(tmp_path, done, **changes):
@@ -323,8 +323,8 @@ def test_the_first_sample_that_differs_is_named(tmp_path, done):
     trace["midpoint"][30] = 0.5
     trace["palm"][21, 0] = np.nextafter(float(trace["palm"][21, 0]), 1.0)
     trace["contact"][21, 1] = float(trace["contact"][21, 1]) + 1.0
-    told = differing(tmp_path, done, trace=trace)
-    assert told.startswith("sample 21 (t = 0.21 s): contact right was 1.0")
+    report = differing(tmp_path, done, trace=trace)
+    assert report.startswith("sample 21 (t = 0.21 s): contact right was 1.0")
     trace = done.trace.copy(deep=True)
     trace["case"][21, 0] = "x"
     assert "case left was 'x'" in differing(tmp_path, done, trace=trace)
@@ -338,12 +338,12 @@ def test_other_differences_are_named(tmp_path, done):
     assert differing(tmp_path, done, message_log=moved) == "message_log: number 1 differs"
     gone = done.corrections[:-1]
     number = len(done.corrections)
-    told = differing(tmp_path, done, corrections=gone)
-    assert told == f"corrections: number {number} differs"
+    report = differing(tmp_path, done, corrections=gone)
+    assert report == f"corrections: number {number} differs"
     assert differing(tmp_path, done, outcome="stalled").startswith("outcome was 'stalled'")
     assert differing(tmp_path, done, trace_hash="0" * 16).startswith("trace_hash was 0000")
-    told = differing(tmp_path, done, outcome="stalled", version="0.0.1")
-    assert told.endswith(f"(logged by version 0.0.1, run again by {done.version})")
+    report = differing(tmp_path, done, outcome="stalled", version="0.0.1")
+    assert report.endswith(f"(logged by version 0.0.1, run again by {done.version})")
 
 
 def test_log_with_unknown_controller_world_or_precision_is_refused(tmp_path, done):

@@ -63,7 +63,7 @@ def test_triangles_cover_the_polygon(outline):
 
 
 @pytest.mark.parametrize("outline", [BOX, ARROW, ALONG, COMB])
-def test_a_prism_is_closed_and_faces_outward(outline):
+def test_prism_is_closed_and_faces_outward(outline):
     """Gauss: the volume under outward faces is area × depth only if all of them face outward."""
     corners = np.array(prism_triangles(Prism(outline, 0.5))).reshape(-1, 3, 3)
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
@@ -126,7 +126,7 @@ def test_the_robot_description_is_one_tree(done):
     assert shapes == {"box", "cylinder", "sphere"}
 
 
-def test_a_ros_string_is_cdr():
+def test_ros_string_is_encoded_as_cdr():
     data = ros_string("θ")
     assert data[:4] == b"\x00\x01\x00\x00"
     (length,) = struct.unpack_from("<I", data, 4)

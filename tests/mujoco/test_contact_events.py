@@ -79,9 +79,9 @@ def test_log_and_replay_keep_contact_events(tmp_path: Path) -> None:
 
 def test_summary_contains_contact_events() -> None:
     keys = [word for k, v in OVER.items() for word in ("--set", f"{k}={v}")]
-    told = CliRunner().invoke(build_app(), ["carry", "--world", "mujoco", *keys])
-    assert "1 period with more than two contacts, " in told.stdout
-    assert "first: flush, left palm, at 0.30 s" in " ".join(told.stdout.split())
+    shown = CliRunner().invoke(build_app(), ["carry", "--world", "mujoco", *keys])
+    assert "1 period with more than two contacts, " in shown.stdout
+    assert "first: flush, left palm, at 0.30 s" in " ".join(shown.stdout.split())
 
 
 def test_finished_episode_has_contact_events() -> None:
@@ -103,7 +103,7 @@ def test_short_interruptions_do_not_split_a_contact_event() -> None:
     assert tracker.rows(0.205) == [(1, "tip", 0.01, 0.05), (1, "flush", 0.20, 0.205)]
 
 
-def test_an_edge_along_the_palm_is_flush_and_a_slanting_one_meets_the_tip() -> None:
+def test_edge_along_the_palm_is_flush_and_slanting_edge_is_tip() -> None:
     scene = pb.load_scene("paper", TIP)
     at = layout(scene)
     level = (1, 0, 0, 0, 1, 0, 0, 0, 1)

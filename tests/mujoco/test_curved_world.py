@@ -75,7 +75,7 @@ def test_the_object_rolls_as_both_palms_ask(radius: float) -> None:
     assert roll == pytest.approx(wanted, rel=0.12)
 
 
-def test_a_change_of_curvature_shifts_the_object_backward() -> None:
+def test_change_of_curvature_shifts_the_object_backward() -> None:
     """Up to width × d × |Δκ| / 4 for contacts that do not give; seen is about 0.63 of it."""
     scene = load_scene(scene_with(angle_deg=40.0), {"robot.noise_m_s": 0.0})
     done = pb.carry(scene, "none", world="mujoco", overrides={"task.distance_m": 0.6})
@@ -98,7 +98,7 @@ def test_it_drifts_outward_and_the_mirror_image_likewise(mirrored: bool) -> None
     assert (x < 0) == mirrored and y > 0.1
 
 
-def test_on_a_straight_path_nothing_is_across(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lateral_coordinate_is_zero_on_a_straight_path(monkeypatch: pytest.MonkeyPatch) -> None:
     done = pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.1})
     assert type(world_of(done.scene)) is MujocoWorld
     assert done.trace is not None
@@ -184,7 +184,7 @@ def test_controllers_are_unchanged(controller: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"task.slope_deg": 2.0}, "task.slope_deg: 2 would tilt palms sideways"),
         ({"mujoco.ridges": [{"at_m": 0.4, "height_m": 0.003}]}, "mujoco.ridges: lie across"),
@@ -195,12 +195,12 @@ def test_controllers_are_unchanged(controller: str) -> None:
         ({"object": "plank", "task.path.radius_m": 0.26}, "too tight for robots"),
     ],
 )
-def test_slope_and_ridges_on_a_curved_path_are_refused(keys: dict[str, Any], told: str) -> None:
-    with pytest.raises(pb.SceneError, match=told):
+def test_slope_and_ridges_on_a_curved_path_are_refused(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(pb.SceneError, match=message):
         line_of(load_scene(scene_with(), keys))
 
 
-def test_a_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:
+def test_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:
     points = {"task.path.waypoints_m": [[0, 0], [0.4, 0.02], [0.8, 0.2]], "task.distance_m": 0.3}
     done = pb.carry("paper", world="mujoco", seed=4, overrides=points)
     pb.write_log(done, tmp_path / "carry.mcap")

@@ -23,7 +23,7 @@ def scene_with(changes: dict[str, Any] | None = None) -> Scene:
 
 
 @pytest.mark.parametrize("radius", [2.0, 1.0])
-def test_what_is_predicted_happens_within_a_factor_of_two(radius: float) -> None:
+def test_observed_drift_is_within_a_factor_of_two_of_the_forecast(radius: float) -> None:
     """Twelve seeds on more paths are benchmarks/bench_curves.py."""
     scene = scene_with({"task.path.radius_m": radius})
     known = Forecast(scene)
@@ -31,23 +31,25 @@ def test_what_is_predicted_happens_within_a_factor_of_two(radius: float) -> None
         done = pb.carry(scene, world="mujoco", seed=seed, record=False)
         assert done.outcome == "delivered" and done.lateral_peak_m is not None
         seen = max(map(abs, done.lateral_peak_m.values()))
-        told = float(np.abs(known.seed(seed)).max())
-        assert told / 2 < seen < told * 2
+        predicted = float(np.abs(known.seed(seed)).max())
+        assert predicted / 2 < seen < predicted * 2
         assert min(done.lateral_peak_m.values()) == pytest.approx(-seen)  # outward of a left turn
 
 
 @pytest.mark.parametrize("radius", [2.0, 1.0, 0.7])
-def test_the_mean_is_what_mujoco_showed(radius: float) -> None:
+def test_mean_forecast_agrees_with_recorded_mujoco_carries(radius: float) -> None:
     """Over the twelve seeds that benchmarks/bench_curves.py has carried there."""
     with (ROOT / "benchmarks" / "results" / "curves.csv").open() as stream:
         rows = [r for r in csv.DictReader(stream) if r["case"] == f"25 s on R = {radius:g} m"]
     assert [row["outcome"] for row in rows] == ["delivered"] * 12
     seen = 1e-3 * float(np.mean([float(row["seen_mm"]) for row in rows]))
-    told = forecast(scene_with({"task.path.radius_m": radius, "task.distance_m": 1.75}), seeds=12)
-    assert told.mean_m == pytest.approx(seen, rel=0.1)
+    predicted = forecast(
+        scene_with({"task.path.radius_m": radius, "task.distance_m": 1.75}), seeds=12
+    )
+    assert predicted.mean_m == pytest.approx(seen, rel=0.1)
 
 
-def test_an_s_drifts_out_and_back() -> None:
+def test_drift_on_an_s_goes_out_and_back() -> None:
     s = {"task.path.kind": "s", "task.path.angle_deg": 45.0, "task.distance_m": 2.2}
     drift = Forecast(scene_with(s)).seed(0).mean(axis=1)
     least = int(drift.argmin())
@@ -95,17 +97,17 @@ def test_narrow_palms_are_warned_of_and_refused(
         return
     sets = [f"--set={k}={v}" for k, v in (ARC | changes).items()]
     assert cli.run(["carry", "--world", "mujoco", *sets]) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
     assert (
-        "task.path: the object would drift" in told.err
-        and "--allow-drift-beyond-budget" in told.err
+        "task.path: the object would drift" in printed.err
+        and "--allow-drift-beyond-budget" in printed.err
     )
     assert cli.run(["carry", "--world", "mujoco", "--allow-drift-beyond-budget", *sets]) == 1
-    told = capsys.readouterr()
-    assert told.out.startswith("lateral drift, forecast over 16 seeds")
-    assert "warning: the worst seed uses 11 of the 4 mm" in told.err
-    assert "DROPPED" in told.out
+    printed = capsys.readouterr()
+    assert printed.out.startswith("lateral drift, forecast over 16 seeds")
+    assert "warning: the worst seed uses 11 of the 4 mm" in printed.err
+    assert "DROPPED" in printed.out
 
 
 def test_lips_that_jam_are_refused_and_others_keep_the_budget() -> None:
@@ -124,9 +126,9 @@ def test_lips_that_jam_are_refused_and_others_keep_the_budget() -> None:
 def test_command_reports_forecast_and_result(capsys: pytest.CaptureFixture[str]) -> None:
     sets = [f"--set={k}={v}" for k, v in (ARC | {"task.distance_m": 0.5}).items()]
     assert cli.run(["carry", "--world", "mujoco", "--json", *sets]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert set(told["lateral_peak_m"]) == {"left", "right"}
-    assert told["drift_forecast"]["verdict"] == "kept" and told["drift_forecast"]["seeds"] == 16
+    result = json.loads(capsys.readouterr().out)
+    assert set(result["lateral_peak_m"]) == {"left", "right"}
+    assert result["drift_forecast"]["verdict"] == "kept" and result["drift_forecast"]["seeds"] == 16
     assert cli.run(["carry", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["lateral_peak_m"] is None and told["drift_forecast"] is None
+    result = json.loads(capsys.readouterr().out)
+    assert result["lateral_peak_m"] is None and result["drift_forecast"] is None

@@ -60,11 +60,12 @@ def test_the_base_of_the_urdf_is_the_body_of_the_mjcf(side: Side) -> None:
     root = ET.fromstring(robot_urdf(SCENE, side))
     part = root.find("link[@name='base']/inertial")
     assert part is not None
-    told = {child.tag: child.attrib for child in part}
+    inertial = {child.tag: child.attrib for child in part}
     body = whole.body(f"{side}_body")
-    assert float(told["mass"]["value"]) == pytest.approx(body.mass[0])
-    assert [float(x) for x in told["origin"]["xyz"].split()] == pytest.approx(body.ipos)
-    assert [float(told["inertia"][n]) for n in ("ixx", "iyy", "izz")] == pytest.approx(body.inertia)
+    assert float(inertial["mass"]["value"]) == pytest.approx(body.mass[0])
+    assert [float(x) for x in inertial["origin"]["xyz"].split()] == pytest.approx(body.ipos)
+    moments = [float(inertial["inertia"][n]) for n in ("ixx", "iyy", "izz")]
+    assert moments == pytest.approx(body.inertia)
     caster = root.find("link[@name='base']/collision/geometry/sphere/../../origin")
     assert caster is not None
     place = [float(x) for x in caster.attrib["xyz"].split()]
@@ -87,9 +88,9 @@ def test_the_command_writes_both(tmp_path: Path, capsys: pytest.CaptureFixture[s
         ["export", "--mjcf", str(scene), "--urdf", str(robot), "--robot", "right", "--json",
          "--set", "object=tray"]
     )  # fmt: skip
-    told = json.loads(capsys.readouterr().out)
+    result = json.loads(capsys.readouterr().out)
     assert status == 0
-    assert (told["mjcf"], told["urdf"]) == (str(scene), str(robot))
+    assert (result["mjcf"], result["urdf"]) == (str(scene), str(robot))
     model: Any = mj.MjModel.from_xml_path(str(scene))
     assert model.body("object").mass[0] == pytest.approx(0.4)
     assert model.nu == 14
@@ -102,7 +103,7 @@ def test_the_command_writes_both(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ([], "--mjcf FILE, --urdf FILE or both"),
         (["--urdf", "x.urdf", "--robot", "middle"], "allowed: left, right"),
@@ -111,14 +112,14 @@ def test_the_command_writes_both(tmp_path: Path, capsys: pytest.CaptureFixture[s
     ],
 )
 def test_bad_input_is_one_line(
-    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["export", *arguments]) == 2
     ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
 
 
-def test_the_wrist_reaches_every_angle_that_a_scene_may_have() -> None:
+def test_wrist_reaches_every_angle_of_a_valid_scene() -> None:
     alone: Any = mj.MjModel.from_xml_string(robot_urdf(SCENE, "left"))
     low, high = alone.joint("wrist").range
     steep = math.radians(17.0)

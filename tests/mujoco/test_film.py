@@ -51,7 +51,7 @@ def place(image: Image.Image, near: tuple[int, int, int], within: int = 40) -> n
 BOX, LEFT_PALM, RIGHT_PALM, WHEEL = (212, 180, 100), (0, 95, 150), (186, 82, 5), (26, 26, 26)
 
 
-def test_a_picture_shows_box_palms_and_wheels_where_they_are(done: Carry) -> None:
+def test_picture_shows_box_palms_and_wheels_in_place(done: Carry) -> None:
     with VideoRenderer(done, SMALL) as studio:
         image = studio.picture(50)
     assert image.size == SMALL
@@ -100,11 +100,11 @@ def test_video_lasts_as_long_as_the_carry(done: Carry, tmp_path: Path) -> None:
     seen: list[float] = []
     save_film(done, tmp_path / "c.mp4", size=TINY, on_progress=seen.append)
     asked = "stream=width,height:format=duration"
-    told = subprocess.run(
+    probe = subprocess.run(
         ["ffprobe", "-v", "error", "-show_entries", asked, "-of", "json", tmp_path / "c.mp4"],
         capture_output=True, check=True,
     )  # fmt: skip
-    facts = json.loads(told.stdout)
+    facts = json.loads(probe.stdout)
     assert (facts["streams"][0]["width"], facts["streams"][0]["height"]) == TINY
     assert float(facts["format"]["duration"]) == pytest.approx(done.time_s + 2.0, abs=0.2)
     assert seen == sorted(seen) and seen[-1] == 1.0
@@ -157,7 +157,7 @@ def test_carry_without_states_has_no_video(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--video", "--out", "x"], "needs --world mujoco"),
         (["--world", "mujoco", "--video"], "--video needs --out DIR"),
@@ -165,15 +165,15 @@ def test_carry_without_states_has_no_video(tmp_path: Path) -> None:
     ],
 )
 def test_options_without_their_requirement_are_refused(
-    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["carry", *arguments]) == 2
     ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
 
 
 @pytest.mark.parametrize(
-    ("option", "environment", "told"),
+    ("option", "environment", "message"),
     [
         ("--video", {"MUJOCO_GL": "disable"}, "video: cannot render: "),
         ("--video", {"MUJOCO_GL": "glfw", "DISPLAY": ""}, "video: cannot render: "),
@@ -183,7 +183,7 @@ def test_options_without_their_requirement_are_refused(
     ],
 )
 def test_missing_screen_or_renderer_is_refused_in_one_line(
-    option: str, environment: dict[str, str], told: str, tmp_path: Path
+    option: str, environment: dict[str, str], message: str, tmp_path: Path
 ) -> None:
     """Before it carries, and with nothing written, not even MuJoCo's own log."""
     ran = subprocess.run(
@@ -191,11 +191,11 @@ def test_missing_screen_or_renderer_is_refused_in_one_line(
         env=os.environ | environment, capture_output=True, text=True, check=False, cwd=tmp_path,
     )  # fmt: skip
     assert (ran.returncode, ran.stdout) == (2, "")
-    assert ran.stderr.count("\n") == 1 and told in ran.stderr
+    assert ran.stderr.count("\n") == 1 and message in ran.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-def test_interrupted_it_leaves_no_half_of_a_film(tmp_path: Path) -> None:
+def test_interrupted_video_leaves_no_partial_file(tmp_path: Path) -> None:
     """Ctrl-C, which a terminal sends to ffmpeg too, after the still and five frames."""
     process = subprocess.Popen(
         at_call.command(
@@ -208,8 +208,8 @@ def test_interrupted_it_leaves_no_half_of_a_film(tmp_path: Path) -> None:
     assert list(tmp_path.glob("*.part"))
     os.killpg(process.pid, signal.SIGINT)
     process.send_signal(signal.SIGCONT)
-    told = process.communicate(timeout=60)
-    assert (process.returncode, *told) == (130, "", f"{INTERRUPTION_LINE}\n")
+    output = process.communicate(timeout=60)
+    assert (process.returncode, *output) == (130, "", f"{INTERRUPTION_LINE}\n")
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"carry.png", "carry.mcap", "message_sequence.png", "carry-3d.png"}
 

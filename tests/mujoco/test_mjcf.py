@@ -117,7 +117,7 @@ def test_masses_are_the_scenes() -> None:
     assert model.body_subtreemass[0] == pytest.approx(2 * 2.77 + 0.5)
 
 
-def test_a_slope_turns_gravity_and_a_way_back_mirrors_it() -> None:
+def test_slope_rotates_gravity_and_backward_travel_mirrors_it() -> None:
     for direction, sense in (("forward", 1.0), ("backward", -1.0)):
         scene = load_scene("paper", {"task.slope_deg": 3.0, "task.direction": direction})
         gravity = compiled(scene)[0].opt.gravity
@@ -147,13 +147,13 @@ def test_control_periods_are_whole_steps(period: float, step: float, steps: int)
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "told"),
+    ("key", "value", "message"),
     [
         ("mujoco.step_s", 0.1, "from 0.0001 to 0.005"),
         ("mujoco.ridges", [{"at_m": 1.0, "height_m": 0.03, "length_m": 0.05}], "twice height_m"),
         ("mujoco.wheels", 4, "mujoco.wheels"),
     ],
 )
-def test_keys_out_of_range_are_refused(key: str, value: object, told: str) -> None:
-    with pytest.raises(pb.SceneError, match=told):
+def test_keys_out_of_range_are_refused(key: str, value: object, message: str) -> None:
+    with pytest.raises(pb.SceneError, match=message):
         load_scene("paper", {key: value})

@@ -86,11 +86,13 @@ def expected(v: float, rate: float) -> float:
 
 
 @pytest.mark.parametrize(("v", "rate"), [(0.02, 50.0), (0.04, 50.0), (0.04, 25.0)])
-def test_a_take_over_takes_as_long_as_friction_lets_it(v: float, rate: float) -> None:
+def test_switch_of_the_sliding_contact_takes_the_time_that_friction_permits(
+    v: float, rate: float
+) -> None:
     """Where v is 4 cm/s the right contact slides 4 to 6 mm further."""
     assert seen(v, rate) == pytest.approx(expected(v, rate), rel=0.15)
 
 
-def test_slow_robots_leave_next_to_nothing_of_it() -> None:
+def test_slide_during_the_switch_is_negligible_at_low_speed() -> None:
     """As v to the power of 1.5: that is why the worlds agree at 0.5 cm/s."""
     assert seen(0.005, 50.0) < 2.5e-4

@@ -42,7 +42,7 @@ def test_trace_has_the_common_variables_and_those_of_mujoco(done: Carry) -> None
     angle = trace["palm"]
     lift = (trace["force"] * np.cos(angle) - trace["friction_force"] * np.sin(angle)).sum("side")
     assert float(lift.mean()) == pytest.approx(0.5 * 9.80665, rel=0.01)
-    # What the robots do is what they are told, with noise, and adds up to the way.
+    # The measured speed is the commanded speed plus noise; its sum is the distance travelled.
     period = done.scene.control.period_s
     way = trace["speed"].mean("side").to_numpy()[:-1].sum() * period
     assert way == pytest.approx(done.distance_m, abs=0.003)
@@ -130,20 +130,20 @@ def test_progress_and_watch_are_called() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--precision", "float"], 'precision (world mujoco): value is "float"; allowed: double'),
         (["--set", "bumps.rate_per_m=1"], "mujoco.ridges"),
         (["--world", "moon"], "allowed: quasistatic, mujoco"),
     ],
 )
-def test_unsupported_scenes_are_refused_in_one_line(arguments: list[str], told: str) -> None:
+def test_unsupported_scenes_are_refused_in_one_line(arguments: list[str], message: str) -> None:
     ran = palmbots("carry", "--world", "mujoco", *arguments)
     assert (ran.returncode, ran.stdout) == (2, "")
-    assert told in ran.stderr and ran.stderr.count("\n") == 1
+    assert message in ran.stderr and ran.stderr.count("\n") == 1
 
 
-def test_without_mujoco_one_line_says_what_to_install() -> None:
+def test_missing_mujoco_is_reported_in_one_line() -> None:
     hide = "import sys; sys.modules['mujoco'] = None; from palmbots.cli.main import main; main()"
     ran = subprocess.run(
         [sys.executable, "-c", hide, "carry", "--world", "mujoco"],
@@ -160,9 +160,9 @@ def test_the_command_prints_one_object_and_writes_everything(tmp_path: Path) -> 
         "--out", str(tmp_path), "--animation", "none",
     )  # fmt: skip
     assert ran.returncode == 0, ran.stderr
-    told = json.loads(ran.stdout)
-    assert (told["world"], told["outcome"]) == ("mujoco", "delivered")
-    assert told["scene"]["mujoco"]["body_kg"] == 3.0
+    result = json.loads(ran.stdout)
+    assert (result["world"], result["outcome"]) == ("mujoco", "delivered")
+    assert result["scene"]["mujoco"]["body_kg"] == 3.0
     assert {p.name for p in tmp_path.iterdir()} >= {"carry.png", "carry.mcap"}
 
 

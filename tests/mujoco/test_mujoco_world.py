@@ -66,7 +66,7 @@ def test_unequal_wheels_do_not_lead_astray() -> None:
     assert 0.0 < max(map(abs, world.measured.yaw)) < math.radians(0.3)
 
 
-def test_an_object_that_comes_sideways_loses_no_support() -> None:
+def test_object_that_moves_sideways_keeps_its_support() -> None:
     """Wheels that differ by a tenth shift the object by 0.8 mm across palms that it overlaps by
     15 mm on either side."""
     keys = {"mujoco.wheel_radius_mismatch": 0.1, "task.distance_m": 0.3}
@@ -94,7 +94,7 @@ def test_robots_on_a_slope_neither_roll_nor_lag() -> None:
     assert world.advance - before == pytest.approx(0.0, abs=2e-4)
 
 
-def test_a_ridge_pitches_each_robot_once_a_wheel() -> None:
+def test_ridge_pitches_each_robot_once_per_wheel() -> None:
     world = world_of({"mujoco.ridges": [{"at_m": 0.4, "height_m": 0.003, "length_m": 0.05}]})
     pitches = []
     for _ in range(850):
@@ -145,8 +145,8 @@ def test_released_object_is_reported() -> None:
         ends.append(apart._end(apart._contacts(), (True, True)))
     assert "off-palm" in ends
     gone = world_of()
-    told = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
-    assert told[20] == "" and told[29] == "lifting"
+    reasons = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
+    assert reasons[20] == "" and reasons[29] == "lifting"
 
 
 def test_light_pressure_closes_no_switch() -> None:
@@ -154,7 +154,7 @@ def test_light_pressure_closes_no_switch() -> None:
     assert signs({"start.left_m": 0.03, "mujoco.switch_force_n": 100.0}) == {0}
 
 
-def test_force_below_the_switches_is_a_warning_and_no_drop() -> None:
+def test_force_below_the_switch_limit_gives_a_warning_and_no_drop() -> None:
     keys = {"mujoco.switch_force_n": 100.0, "task.distance_m": 0.1}
     done = pb.carry("paper", world="mujoco", record=False, overrides=keys)
     assert (done.outcome, done.corrections) == ("delivered", ())

@@ -26,7 +26,7 @@ def curve(**keys: Any) -> Curve:
 
 @pytest.mark.parametrize("radius", [0.25, 1.0, 4.0])
 @pytest.mark.parametrize("turn", ["left", "right"])
-def test_an_arc_is_a_circle_between_two_clothoids(radius: float, turn: str) -> None:
+def test_arc_is_a_circle_between_two_clothoids(radius: float, turn: str) -> None:
     ease, side = 0.1, 1.0 if turn == "left" else -1.0
     arc = curve(kind="arc", radius_m=radius, turn=turn, transition_m=ease, angle_deg=90.0)
     spots = [arc.at(s) for s in np.linspace(ease + 0.002, arc.length - ease - 0.002, 57)]
@@ -51,7 +51,7 @@ def test_an_arc_is_a_circle_between_two_clothoids(radius: float, turn: str) -> N
     assert math.dist((after.x, after.y), (spots[-1].x, spots[-1].y)) > 2.0
 
 
-def test_an_s_ends_as_it_began_but_to_the_side() -> None:
+def test_s_path_ends_parallel_to_its_start() -> None:
     s = curve(kind="s", radius_m=1.0, angle_deg=45.0)
     end = s.at(s.length)
     assert end.heading == pytest.approx(0.0, abs=1e-6)
@@ -61,11 +61,11 @@ def test_an_s_ends_as_it_began_but_to_the_side() -> None:
     assert s.sharpest == pytest.approx(1.0)
 
 
-def test_an_arc_without_an_angle_goes_on_beyond_the_task() -> None:
+def test_arc_without_an_angle_extends_beyond_the_task() -> None:
     assert curve(kind="arc", radius_m=0.5).length > 3.0
 
 
-def test_a_wide_arc_is_no_longer_than_the_task_needs() -> None:
+def test_wide_arc_is_no_longer_than_the_task() -> None:
     wide = curve_of(Path.model_validate({"kind": "arc", "radius_m": 10_000.0}), 1.5, 0.25)
     assert 1.5 < wide.length < 30
     assert wide.at(1.0).curvature == pytest.approx(1e-4)
@@ -82,7 +82,7 @@ def test_before_and_behind_the_curve_the_path_is_straight() -> None:
     assert (before.x, before.y, before.heading, before.curvature) == (-1.5, 0.0, 0.0, 0.0)
 
 
-def test_waypoints_on_a_circle_make_that_circle_and_every_one_is_passed() -> None:
+def test_path_through_waypoints_on_a_circle_is_that_circle() -> None:
     angles = np.linspace(0.0, 2.0, 25)
     turned, (ox, oy) = 0.7, (3.0, -1.0)  # in any frame
     points = [(math.sin(a), 1 - math.cos(a)) for a in angles]
@@ -137,7 +137,7 @@ def test_heading_and_curvature_are_derivatives_of_the_place() -> None:
         assert (b.heading - a.heading) / (2 * h) == pytest.approx(mid.curvature, abs=0.02)
 
 
-def test_a_mirrored_path_is_the_mirror_image() -> None:
+def test_mirrored_path_is_the_mirror_image() -> None:
     for keys in (
         {"kind": "arc", "angle_deg": 60.0},
         {"kind": "s", "turn": "right"},
@@ -156,7 +156,7 @@ def test_a_mirrored_path_is_the_mirror_image() -> None:
 # --- files and refusals -------------------------------------------------------------------------
 
 
-def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
+def test_file_of_waypoints_is_stored_as_points(tmp_path: File) -> None:
     file = tmp_path / "way.csv"
     file.write_text("# x,y in m\n0,0\n 1.0, 0.2\n\n2,1\n")
     scene = load_scene("paper", {"task.path.file": str(file)})
@@ -173,7 +173,7 @@ def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("0,0\n1,1\n", "has 2 points; allowed: 3 to 10000 points"),
         ("0,0\n1;1\n2,2\n", 'has "1;1" in line 2, which is not a point'),
@@ -184,18 +184,18 @@ def test_a_file_of_waypoints_is_kept_as_points(tmp_path: File) -> None:
     ],
 )
 def test_bad_files_are_refused_in_one_line(
-    text: str | bytes | None, told: str, tmp_path: File
+    text: str | bytes | None, message: str, tmp_path: File
 ) -> None:
     file = tmp_path / "way.csv"
     if text is not None:
         file.write_bytes(text.encode() if isinstance(text, str) else text)
     with pytest.raises(SceneError) as refusal:
         load_scene("paper", {"task.path.file": str(file)})
-    assert told in str(refusal.value) and "\n" not in str(refusal.value)
+    assert message in str(refusal.value) and "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"waypoints_m": [[0, 0], [1, 0]]}, "has 2 items; allowed: a list of 3 to 10000"),
         ({"waypoints_m": [[0, 0], [1, 0], [1, 0.001]]}, "is 0.001 m from the waypoint before it"),
@@ -208,27 +208,27 @@ def test_bad_files_are_refused_in_one_line(
         ({"kind": "arc", "radius": 1.0}, "did you mean task.path.radius_m?"),
     ],
 )
-def test_bad_paths_are_refused_in_one_line(keys: dict[str, Any], told: str) -> None:
+def test_bad_paths_are_refused_in_one_line(keys: dict[str, Any], message: str) -> None:
     with pytest.raises(SceneError) as refusal:
         load_scene("paper", {f"task.path.{key}": value for key, value in keys.items()})
     assert str(refusal.value).startswith("overrides: task.path.")
-    assert told in str(refusal.value)
+    assert message in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("points", "told"),
+    ("points", "message"),
     [
         ([[0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]], "too tight for robots 0.25 m apart"),
         ([[0, 0], [1, 0], [0, 0]], "turns back on the spot"),
         ([[-999, 0], [0, 300], [999, 0]], "lead 2086 m far; allowed: at most 2000"),
     ],
 )
-def test_waypoints_with_too_small_radii_are_refused(points: list, told: str) -> None:
-    with pytest.raises(SceneError, match=told):
+def test_waypoints_with_too_small_radii_are_refused(points: list, message: str) -> None:
+    with pytest.raises(SceneError, match=message):
         curve(waypoints_m=points)
 
 
-def test_without_scipy_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_scipy_is_reported_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
@@ -239,13 +239,13 @@ def test_without_scipy_one_line_says_what_to_install(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(
     "command", ["carry", "compare", "analyze", "certify", "design", "drop-rate"]
 )
-def test_the_planar_world_refuses_a_curved_path_in_one_line(
+def test_planar_world_refuses_a_curved_path_in_one_line(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run([command, "--set", "task.path.kind=arc"]) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
-    assert "allowed: straight, or carry --world mujoco" in told.err
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
+    assert "allowed: straight, or carry --world mujoco" in printed.err
 
 
 @pytest.mark.parametrize(
@@ -255,12 +255,12 @@ def test_the_planar_world_refuses_a_curved_path_in_one_line(
         'scene = "paper"\n[vary]\ntask.path.kind = ["straight", "arc"]\n',
     ],
 )
-def test_a_study_of_curved_paths_is_refused_before_anything_is_written(
+def test_study_of_curved_paths_is_refused_before_writing(
     text: str, tmp_path: File, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "curves.toml").write_text(text + "[seeds]\ncount = 2\n")
     out = tmp_path / "results"
     assert cli.run(["study", str(tmp_path / "curves.toml"), "--out", str(out)]) == 2
-    told = capsys.readouterr()
-    assert told.err.count("\n") == 1 and "is a curved path" in told.err
+    printed = capsys.readouterr()
+    assert printed.err.count("\n") == 1 and "is a curved path" in printed.err
     assert not out.exists()

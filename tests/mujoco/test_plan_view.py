@@ -44,7 +44,7 @@ def test_the_plan_shows_tracks_and_object_where_they_were(done: Carry) -> None:
     assert panel.get_aspect() == 1.0
 
 
-def test_the_plan_is_a_picture(done: Carry, tmp_path: Path) -> None:
+def test_plan_view_is_written_as_an_image(done: Carry, tmp_path: Path) -> None:
     plan_view.save(done, tmp_path / "plan.png")
     with Image.open(tmp_path / "plan.png") as image:
         pixels = np.asarray(image.convert("RGB"), dtype=int)
@@ -93,7 +93,7 @@ def test_plan_view_of_a_straight_path_is_refused() -> None:
         plan_view.draw(straight)
 
 
-def test_the_command_writes_the_plan_and_removes_an_old_one(
+def test_command_writes_the_plan_and_removes_an_old_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     common = ["carry", "--world", "mujoco", "--out", str(tmp_path), "--animation", "none"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which side, which sign, which number: what symmetric scenes cannot tell apart.
+"""Which side, which sign, which number: what symmetric scenes cannot distinguish.
 
 Every state here is put together by hand, so that its answer is known without the dynamic world.
 """
@@ -93,13 +93,13 @@ def test_robots_weigh_like_the_boxes_and_discs_they_are() -> None:
 
 
 @pytest.mark.parametrize(("direction", "sense"), [("forward", 1), ("backward", -1)])
-def test_ridges_lie_ahead_on_the_way(direction: str, sense: int) -> None:
+def test_ridges_lie_ahead_in_the_direction_of_travel(direction: str, sense: int) -> None:
     ridge = {"at_m": 0.4, "height_m": 0.004, "length_m": 0.06}
     m = compiled({"mujoco.ridges": [ridge], "task.direction": direction})
     assert m.geom("ridge_1").pos[0] == pytest.approx(sense * 0.4)
 
 
-def test_the_wheel_on_a_robot_s_left_is_the_larger_one() -> None:
+def test_left_wheel_of_each_robot_is_the_larger_one() -> None:
     m = compiled({"mujoco.wheel_radius_mismatch": 0.02})
     for side in SIDES:
         port, starboard = (m.geom(f"{side}_{w}").size[0] for w in ("port", "starboard"))
@@ -178,7 +178,7 @@ def test_pitch_is_outward_end_up_and_yaw_anticlockwise() -> None:
     assert np.degrees(world.measured.yaw) == pytest.approx([4.0, -5.0], abs=1e-6)
 
 
-def test_an_object_whose_right_end_is_up_has_risen() -> None:
+def test_object_with_its_right_end_up_has_a_positive_rise() -> None:
     world = world_of()
     turned(world, "object", (0, 1, 0), -3.0)
     sight = world.sight()
@@ -212,7 +212,7 @@ def test_slip_is_of_both_wheels_of_that_robot() -> None:
     assert world._wheel_slips((0.01, 0.02)) == pytest.approx((2 * radius - 0.01, radius - 0.02))
 
 
-# --- what is told -------------------------------------------------------------------------------
+# --- what is logged -----------------------------------------------------------------------------
 
 
 def test_log_fields_are_named_after_variable_and_unit() -> None:

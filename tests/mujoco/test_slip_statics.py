@@ -98,7 +98,7 @@ def test_another_minimizer_finds_the_same(
 
 @pytest.mark.parametrize("beta", [0.01, 0.05, 0.125])
 @pytest.mark.parametrize("friction", [0.2, 0.3, 0.5])
-def test_at_equal_angles_it_is_a_closed_form(beta: float, friction: float) -> None:
+def test_lateral_slip_at_equal_angles_has_a_closed_form(beta: float, friction: float) -> None:
     """No warp, and both contacts at their limit, so that nothing resists turning: across the palm
     friction and the slope of the weight balance, μ (v/u + sin β) = −sin θ sin β."""
     pair = Pair((friction, friction), (0.5, 0.5), 0.25, 0.0343, 0.0, 1e-3)
@@ -107,7 +107,7 @@ def test_at_equal_angles_it_is_a_closed_form(beta: float, friction: float) -> No
     assert float(found.rate) == pytest.approx(wanted, rel=0.05)
 
 
-def test_on_a_straight_path_nothing_slips_sideways() -> None:
+def test_lateral_slip_is_zero_on_a_straight_path() -> None:
     for angles in ((SHALLOW, STEEP), (STEEP, STEEP)):
         found = slip(BOX, angles, 0.0, [True, False])
         assert np.abs(found.across).max() < 1e-3
@@ -124,7 +124,7 @@ def test_left_and_right_are_mirror_images() -> None:
 # --- against MuJoCo -----------------------------------------------------------------------------
 
 
-def test_contacts_give_way_as_springs_do() -> None:
+def test_contacts_are_compliant_like_springs() -> None:
     """With palms askew the loads at both ends of an edge differ by the warp over the give."""
     scene = load_scene("paper", {"task.path.kind": "arc", "task.path.radius_m": 4.0})
     give = contact_compliance(scene)
@@ -166,7 +166,9 @@ def closed(radius: float, angles: tuple[float, float], closing: bool) -> np.ndar
 
 
 @pytest.mark.parametrize(("radius", "known"), [(4.0, -0.065), (2.0, -0.19), (1.0, -0.43)])
-def test_a_correction_in_mujoco_slips_as_statics_say(radius: float, known: float) -> None:
+def test_lateral_slip_of_a_mujoco_correction_agrees_with_statics(
+    radius: float, known: float
+) -> None:
     """The numbers of docs/guide/mujoco.md."""
     beta = math.asin(BOX.apart / 2 / radius)
     seen = closed(radius, (SHALLOW, STEEP), True)

@@ -19,7 +19,7 @@ from palmbots.mujoco.validation.trials import State
 from palmbots.scene.scene import Scene, load_scene
 
 
-def test_acceleration_enters_as_a_slope_does() -> None:
+def test_acceleration_acts_like_a_slope() -> None:
     """An acceleration a and a floor whose slope has the tangent a / g: the same squeezes."""
     scene = trials.scene_of(Scene(), State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0)))
     flat = trials.spec_of(scene)
@@ -68,7 +68,7 @@ def test_the_dynamic_world_departs_where_the_closed_form_says(
     assert limit.slides == ("left" if closing else "right")
 
 
-def test_a_limit_beyond_the_search_is_none() -> None:
+def test_limit_beyond_the_search_range_is_none() -> None:
     assert speed._edge(lambda _: True, 0.5, 5) is None
     assert speed._edge(lambda a: a < 1.234, 0.5, 20) == pytest.approx(1.234, abs=1e-5)
     # What is the same again further on does not hide the first edge.
@@ -82,10 +82,10 @@ def test_the_command_reports_and_draws(
     monkeypatch.setattr(speed, "FACTORS", (1.0, 4.0))
     short = ["--set", "task.distance_m=0.3", "--carries", "1"]
     assert cli.run(["speed-limits", *short, "--out", str(tmp_path), "--json"]) == 0
-    told: dict[str, Any] = json.loads(capsys.readouterr().out)
-    assert len(told["limits"]) == 4 and len(told["paces"]) == 2
-    assert told["paces"][1]["speed_m_s"] == pytest.approx(0.24)
-    assert told["max_acceleration_m_s2"] == pb.analyze("paper").max_acceleration_m_s2
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert len(result["limits"]) == 4 and len(result["paces"]) == 2
+    assert result["paces"][1]["speed_m_s"] == pytest.approx(0.24)
+    assert result["max_acceleration_m_s2"] == pb.analyze("paper").max_acceleration_m_s2
     with Image.open(tmp_path / "speed.png") as picture:
         assert picture.width > 1000
         assert len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50

@@ -16,7 +16,7 @@ def switches(**changes: float) -> Switches:
     return Switches(load_scene("paper", keys).mujoco)
 
 
-def test_a_switch_closes_where_it_is_pressed_and_stays_closed_through_a_hop() -> None:
+def test_switch_closes_under_force_and_stays_closed_during_a_hop() -> None:
     palm = switches(switch_debounce_s=0.05)
     assert not palm.closed
     palm.update(0.10, [(0.0, 0.0), (2.0, 0.02)])
@@ -27,7 +27,7 @@ def test_a_switch_closes_where_it_is_pressed_and_stays_closed_through_a_hop() ->
     assert not palm.closed
 
 
-def test_without_debounce_a_hop_opens_it_at_once() -> None:
+def test_switch_without_debounce_opens_at_a_hop() -> None:
     palm = switches(switch_debounce_s=0.0)
     palm.update(0.10, [(2.0, 0.02)])
     assert palm.closed

@@ -25,7 +25,7 @@ from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
 
-# What MuJoCo does unless it is told otherwise.
+# MuJoCo's defaults.
 PLAIN = Engine(
     palm=Contact((0.02, 1.0), (0.9, 0.95, 0.001)),
     cone="pyramidal",
@@ -93,16 +93,16 @@ def test_expectations_are_those_of_the_modes() -> None:
         for closing, pair in ((True, found.closing), (False, found.opening)):
             assert pair is not None
             slides = {"left": pair[0] != "ST", "right": pair[1] != "ST"}
-            told = trials.expected(trials.spec_of(scene), closing)
+            moving = trials.expected(trials.spec_of(scene), closing)
             assert (
-                told
+                moving
                 == {(True, False): "left", (False, True): "right", (True, True): "both"}[
                     slides["left"], slides["right"]
                 ]
             )
 
 
-def test_a_state_near_a_switch_line_is_not_decisive() -> None:
+def test_state_near_a_switch_line_is_not_decisive() -> None:
     on_it = State(0.3, 0.125, (15.0, 15.0), (0.0, 0.0))
     off_it = State(0.3, 0.125, (5.0, 15.0), (0.0, 0.0))
     sure = [
@@ -115,7 +115,7 @@ def test_a_state_near_a_switch_line_is_not_decisive() -> None:
     assert [palm.friction for palm in spec.palms] == [0.3, 0.3]  # as it was
 
 
-def test_it_holds_only_if_all_of_it_does(done: Validation) -> None:
+def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
     """Each of the three alone spoils it, right beyond its limit; peers do not count."""
     own, *peers = done.agreement
     pair = done.pairs[0]
@@ -134,9 +134,9 @@ def test_it_holds_only_if_all_of_it_does(done: Validation) -> None:
 
 
 def test_delivery_rates_are_reported(done: Validation) -> None:
-    told = done.delivery
-    assert (told.n, told.delivered) == (2, 2) and told.interval[1] == 1.0
-    assert told.known == 1.0  # at the default noise nothing is dropped
+    delivery = done.delivery
+    assert (delivery.n, delivery.delivered) == (2, 2) and delivery.interval[1] == 1.0
+    assert delivery.known == 1.0  # at the default noise nothing is dropped
 
 
 @pytest.mark.parametrize(("noise", "least", "most"), [(0.04, 0.6, 0.95), (0.05, 0.3, 0.8)])
@@ -158,15 +158,15 @@ def test_at_high_noise_both_worlds_deliver_as_often(
 def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["validate", "--states", "3", "--carries", "1", "--out", str(tmp_path)]
     status = cli.run([*arguments, "--set", "task.distance_m=0.1", "--json"])
-    told = json.loads(capsys.readouterr().out)
-    assert status == (0 if told["holds"] else 1)
-    assert len(told["carries"]) == 1 and len(told["agreement"]) == 3
+    result = json.loads(capsys.readouterr().out)
+    assert status == (0 if result["holds"] else 1)
+    assert len(result["carries"]) == 1 and len(result["agreement"]) == 3
     picture = Image.open(tmp_path / "validation.png")
     assert picture.width > 1000 and len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--states", "0"], "states: value is 0; allowed: 1 to 720"),
         (["--carries", "0"], "carries: value is 0; allowed: 1 to 1000"),
@@ -175,11 +175,11 @@ def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFix
     ],
 )
 def test_bad_input_is_one_line(
-    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["validate", *arguments]) == 2
     ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and told in ran.err
+    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
 
 
 class Holding:

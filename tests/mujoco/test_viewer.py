@@ -55,8 +55,8 @@ def screen(tmp_path: Path) -> Iterator[tuple[str, Path]]:
         pass_fds=[write], stderr=subprocess.DEVNULL,
     )  # fmt: skip
     os.close(write)
-    with os.fdopen(read) as told:
-        number = told.readline().strip()
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
     try:
         yield f":{number}", tmp_path / "Xvfb_screen0"
     finally:
@@ -126,13 +126,13 @@ def test_terminal_shows_the_speed_relative_to_real_time() -> None:
         env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
     )  # fmt: skip
     os.close(theirs)
-    told = b""
+    output = b""
     try:
         while piece := os.read(ours, 4096):
-            told += piece
-    except OSError:  # so Linux tells that the other end is closed
+            output += piece
+    except OSError:  # Linux reports the closed other end in this way
         pass
     os.close(ours)
     assert run.wait() == 0
-    factors = [float(x) for x in re.findall(r"carrying, ([\d.]+) × real time", told.decode())]
+    factors = [float(x) for x in re.findall(r"carrying, ([\d.]+) × real time", output.decode())]
     assert factors and 0.1 < factors[-1] < 1000

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Section 5.2 and Figure 8: the story of one run, retold by the built-in scene `figure8`.
 
-The text says that "the robots executed 6 corrective actions in this time period" and then tells of
+The text says that "the robots executed 6 corrective actions in this time period" and then describes
 seven, which the figure letters A to G. The scene follows the letters.
 """
 
@@ -29,7 +29,7 @@ def commanded(run: Carry, label: str, side: str) -> np.ndarray:
     return during.commanded.to_numpy() - NOMINAL
 
 
-def test_delivered_in_six_and_a_half_seconds(run):
+def test_figure8_is_delivered_in_six_and_a_half_seconds(run):
     assert run.outcome == "delivered"
     assert run.time_s == pytest.approx(6.5, abs=0.15)
     assert all(c.end_s < 6.5 for c in run.corrections)
@@ -84,7 +84,7 @@ def test_order_of_messages(run):
         assert ack.received_s < tilt_down.sent_s
 
 
-def test_a_the_right_robot_moves_only_after_the_acknowledgment(run):
+def test_correction_a_right_robot_moves_only_after_the_acknowledgment(run):
     speeds = run.trace.sel(side="right").commanded.to_numpy()
     moved = float(run.trace.time[np.flatnonzero(speeds != NOMINAL)[0]])
     ack = next(m for m in run.message_log if m.kind == "Ack")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What section 5 of the paper tells, and three general-purpose engines confirm: the distributed
+"""What section 5 of the paper reports, and three general-purpose engines confirm: the distributed
 algorithm keeps the box, no algorithm loses it, and latency hurts the centralized one."""
 
 import numpy as np
@@ -99,7 +99,7 @@ def test_how_often_the_box_drops_does_not_hang_on_the_control_period(n: int) -> 
     assert delivered(0.0025, 0.0) > delivered(0.02, 0.0) + 0.15
 
 
-def test_accelerations_take_part_in_what_slides() -> None:
+def test_accelerations_influence_which_contact_slides() -> None:
     """Without them an exactly symmetric object stays symmetric for ever, both contacts equal to
     the last bit, and even an uncorrected carry rarely drops; the three engines drop 8 of 12."""
     still = many("none", task__inertia=False)

@@ -217,7 +217,7 @@ def test_with_either_palm_shallow_the_symmetric_part_is_left() -> None:
 
 @pytest.mark.parametrize(("friction", "tangent", "above"), [(0.3, -4.5, True), (0.5, 6.8, False)])
 def test_golden_cases_beyond_the_steep_angle(friction: float, tangent: float, above: bool) -> None:
-    """MECHANICS section 3: where G(L⁺, R⁻) ≤ 0, with φ > θ_steep; (8) read literally is wrong."""
+    """Where G(L⁺, R⁻) ≤ 0, with φ > θ_steep, equation (8) read literally is wrong."""
     at = situation(friction)
     form = next(f for f in at.forms(1, "left", at.palms("left")) if f.name == "second")
     assert -form.p / form.q == pytest.approx(tangent, abs=0.05)

@@ -186,7 +186,7 @@ def run_case(what: str, p: Contacts) -> Contacts:
 
 
 @pytest.mark.parametrize("p", [(1, -1), (2, -1), (1, -2), (2, -2)])
-def test_case_7_as_printed_moves_nothing(p: Contacts) -> None:
+def test_case_7_as_printed_has_no_motion(p: Contacts) -> None:
     """p_R ≤ 0 and p_L ≥ 0 hold on entry, so the printed case ends where it began, for ever."""
     assert run_case(PRINTED[7][1], p) == p
     assert run_case(CASE_7[1], p) == (0, 0)

@@ -120,7 +120,7 @@ def test_bump_past_the_end_of_the_palm_drops_the_object() -> None:
     assert carry.time_s == pytest.approx(2.0)
 
 
-def test_a_bump_that_drops_the_object_ends_its_corrections() -> None:
+def test_bump_that_drops_the_object_ends_its_corrections() -> None:
     script = [{"robot": "left", "at_s": 3.0, "shift_m": 0.2}]
     carry = carried("distributed", bumps__script=script, robot__right__bias_m_s=-0.02)
     assert (carry.outcome, carry.time_s) == ("dropped", 3.0)

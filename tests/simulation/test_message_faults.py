@@ -21,7 +21,7 @@ def carried(*script: dict[str, Any], **overrides: Any) -> pb.simulation.Carry:
     )
 
 
-def told(done: pb.simulation.Carry) -> list[tuple[str, str, float | None]]:
+def transits(done: pb.simulation.Carry) -> list[tuple[str, str, float | None]]:
     """Sender, kind, and transit time of each message."""
     return [
         (m.sender, m.kind, None if m.received_s is None else round(m.received_s - m.sent_s, 6))
@@ -30,7 +30,7 @@ def told(done: pb.simulation.Carry) -> list[tuple[str, str, float | None]]:
 
 
 def test_empty_script_changes_nothing() -> None:
-    assert told(carried()) == [
+    assert transits(carried()) == [
         ("right", "TiltUp", 0.05),
         ("left", "Ack", 0.05),
         ("right", "TiltDown", 0.05),
@@ -39,14 +39,14 @@ def test_empty_script_changes_nothing() -> None:
 
 def test_scripted_loss_removes_the_message() -> None:
     carry = carried({"sender": "right", "message": 2, "effect": "lost"})
-    assert told(carry)[:2] == told(carried())[:2]
-    assert told(carry)[2] == ("right", "TiltDown", None)
+    assert transits(carry)[:2] == transits(carried())[:2]
+    assert transits(carry)[2] == ("right", "TiltDown", None)
     assert carry.messages_lost == 1
 
 
 def test_scripted_delay_delays_the_message() -> None:
     carry = carried({"sender": "left", "message": 1, "effect": "delayed", "delay_s": 0.7})
-    assert told(carry) == [
+    assert transits(carry) == [
         ("right", "TiltUp", 0.05),
         ("left", "Ack", 0.75),
         ("right", "TiltDown", 0.05),
@@ -58,8 +58,8 @@ def test_scripted_duplicate_repeats_the_message() -> None:
     """A second TiltUp raises the assistant's palm again, although no robot needs it."""
     mishap = {"sender": "right", "message": 1, "effect": "duplicated", "delay_s": 1.5}
     carry = carried(mishap, **{"radio.reorder": True})  # what follows does not wait for the copy
-    assert told(carry)[:3] == told(carried())
-    assert told(carry)[3:] == [("left", "Ack", 0.05)]
+    assert transits(carry)[:3] == transits(carried())
+    assert transits(carry)[3:] == [("left", "Ack", 0.05)]
     assert carry.messages_lost == 0
     assert carry.trace is not None
     assert carry.trace["case"].sel(side="left").to_numpy()[-1] == "c"
@@ -73,7 +73,7 @@ def test_mirrored_scene_has_a_mirrored_script() -> None:
     there = pb.carry(scene, "distributed")
     back = pb.carry(scene.mirrored(), "distributed")
     exchanged = {"left": "right", "right": "left"}
-    assert [(exchanged[s], letter, took) for s, letter, took in told(back)] == told(there)
+    assert [(exchanged[s], letter, took) for s, letter, took in transits(back)] == transits(there)
 
 
 @pytest.mark.parametrize(

@@ -148,13 +148,13 @@ def test_student_quantiles_are_those_of_scipy(freedom: int) -> None:
 def test_estimate_depends_on_the_seed_and_not_on_threads() -> None:
     keys = {"robot.noise_m_s": 0.018, "task.distance_m": 0.3}
 
-    def tell(seed: int, threads: int) -> pb.simulation.DropRate:
+    def estimate(seed: int, threads: int) -> pb.simulation.DropRate:
         return estimate_drop_rate(
             overrides=keys, seed=seed, relative_half_width=1.0, effort=50, threads=threads
         )
 
-    assert tell(0, 1) == tell(0, 2) == tell(0, 3)
-    assert tell(0, 1).drop_rate != tell(1, 1).drop_rate
+    assert estimate(0, 1) == estimate(0, 2) == estimate(0, 3)
+    assert estimate(0, 1).drop_rate != estimate(1, 1).drop_rate
 
 
 def test_drop_rate_falls_with_the_noise() -> None:
@@ -195,7 +195,7 @@ def test_command_prints_rate_and_levels() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("--relative-error-percent", "0.5"), "allowed: 1 to 100"),
         (("--effort", "3"), "effort"),
@@ -206,11 +206,11 @@ def test_command_prints_rate_and_levels() -> None:
     ],
 )
 def test_bad_input_is_one_line(
-    arguments: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]
+    arguments: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["drop-rate", *arguments]) == 2
     result = capsys.readouterr()
     assert result.out == ""
     assert result.err.count("\n") == 1
-    assert told in result.err
+    assert message in result.err
     assert "allowed" in result.err

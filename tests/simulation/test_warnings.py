@@ -24,24 +24,26 @@ QUIET: dict[str, Any] = {
 }
 
 
-def told(controller: str = "distributed", latency_s: float = 0.05, **keys: Any) -> tuple[str, ...]:
+def warnings_of(
+    controller: str = "distributed", latency_s: float = 0.05, **keys: Any
+) -> tuple[str, ...]:
     scene = load_scene("paper", {"radio.latency_s": latency_s, "radio.jitter_s": 0.1})
     return warnings_after(SimpleNamespace(**QUIET | keys), scene, resolve(controller))
 
 
 def test_no_warning_without_cause() -> None:
-    assert told() == told("resilient") == told("centralized") == ()
+    assert warnings_of() == warnings_of("resilient") == warnings_of("centralized") == ()
 
 
 def test_truncated_lists_give_a_warning() -> None:
-    assert told(correction_count=3) == ("3 corrections; only the first are listed",)
-    assert told(contact_event_count=2) == ("2 contact events; only the first are listed",)
+    assert warnings_of(correction_count=3) == ("3 corrections; only the first are listed",)
+    assert warnings_of(contact_event_count=2) == ("2 contact events; only the first are listed",)
 
 
 def test_limit_cycle_names_the_side() -> None:
-    (one,) = told(limit_cycle=(False, True))
+    (one,) = warnings_of(limit_cycle=(False, True))
     assert one.startswith("limit cycle: the right robot")
-    assert len(told(limit_cycle=(True, True))) == 2
+    assert len(warnings_of(limit_cycle=(True, True))) == 2
 
 
 @pytest.mark.parametrize(("lasts", "latency_s", "warned"), [
@@ -52,18 +54,18 @@ def test_waiting_warns_after_two_seconds_and_the_radio_delay(
 ) -> None:
     """Two seconds, and the longest radio delay in both directions, jitter included."""
     hanging: dict[str, Any] = {"hanging": ((1.0, lasts, "Ack"), (2.0, 0.0, ""))}
-    result = told(latency_s=latency_s, messages_lost=1, **hanging)
+    result = warnings_of(latency_s=latency_s, messages_lost=1, **hanging)
     assert len(result) == warned
     for one in result:
         assert one == (
             "left has waited since 1.0 s for an Ack that does not arrive (a message was lost)"
         )
-    assert told(latency_s=latency_s, **hanging) == ()
+    assert warnings_of(latency_s=latency_s, **hanging) == ()
 
 
 def test_standing_robots_of_resilient_give_a_warning() -> None:
     """Only with the resilient algorithm, and only if the carry timed out."""
-    assert told("resilient", stopped=(True, False)) == ()
-    (one,) = told("resilient", stopped=(True, False), outcome="stalled")
+    assert warnings_of("resilient", stopped=(True, False)) == ()
+    (one,) = warnings_of("resilient", stopped=(True, False), outcome="stalled")
     assert one.startswith("the left robot stands")
-    assert told(stopped=(True, False), outcome="stalled") == ()
+    assert warnings_of(stopped=(True, False), outcome="stalled") == ()

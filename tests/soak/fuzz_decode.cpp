@@ -132,7 +132,7 @@ void script(Input steps) {
   struct Memory {
     std::size_t booted = 0;
     std::size_t newest = 0;     // when the newest packet taken was sent, in this life
-    std::size_t heard = never;  // the partner's boot as that packet tells
+    std::size_t heard = never;  // the partner's boot according to that packet
     std::size_t accepted = 0;   // when the newest packet ever accepted was sent
     std::uint32_t epoch = 1;
   };

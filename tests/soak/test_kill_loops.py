@@ -51,9 +51,9 @@ def test_killed_at_random_instants_the_result_is_the_same(
         assert before <= marks(root)
         if process.returncode == 0 or (len(marks(root)) > 60 and rng.random() < 0.3):
             shutil.rmtree(root)
-    told = said_here(*arguments)
-    assert told["hash"] == whole
-    assert told["carries"] == 9600
+    result = said_here(*arguments)
+    assert result["hash"] == whole
+    assert result["carries"] == 9600
     assert not [path for path in root.rglob("*") if path.suffix in (".part", ".partial")]
 
 

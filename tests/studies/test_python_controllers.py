@@ -122,7 +122,7 @@ def test_cost_of_a_controller_in_python_is_measured_by_single_carries() -> None:
     assert cost.by_controller["Table2"] > 3 * cost.by_controller["distributed"]
 
 
-def test_what_makes_no_controller_is_refused(tmp_path: Path) -> None:
+def test_invalid_controller_is_refused(tmp_path: Path) -> None:
     for one, words in ((3, "value is 3"), (dict, "has no step"), (Still(), "Still")):
         with pytest.raises(PalmbotsError, match=words) as caught:
             pb.study({**TABLE, "controllers": [one]}, tmp_path / "study")

@@ -92,7 +92,7 @@ def test_damaged_file_is_reported(copy: Path, fault: Callable[[Path, random.Rand
     pb.open_study(alone)
 
 
-def test_running_a_damaged_study_again_mends_it(copy: Path, small: Path) -> None:
+def test_rerun_repairs_a_damaged_study(copy: Path, small: Path) -> None:
     rng = random.Random(1)
     for k, name in enumerate(ARRAYS):
         (flip, truncate, remove)[k % 3](rng.choice(chunk_files(copy, name)), rng)

@@ -47,7 +47,7 @@ def said(*arguments: object, **options: Any) -> dict[str, Any]:
 
 
 def study_here(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """The same command in this process: without the start, where nothing befalls the process."""
+    """Run the same command in this process, for tests that leave the process unharmed."""
     out, error = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
         status = cli.run(["study", *map(str, arguments)])

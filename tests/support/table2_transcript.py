@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from abstract_world import ACK, AWAY, CLOSER, HOLD, NONE, SHALLOW, STEEP, TILT_DOWN, TILT_UP, StepIn
 
-# The columns of the table from the line on that tells them apart, one cell's line after the other.
+# The columns of the table, each from its first distinguishing line on. A cell's lines in order.
 COLUMNS = {
     # "If p > 0: Send TiltUp, Wait for message"
     "request": ["Send TiltUp", "Wait for message"],
@@ -34,7 +34,7 @@ LETTERS = {"TiltUp": TILT_UP, "TiltDown": TILT_DOWN, "Ack": ACK}
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot that reads the table: column, line, and the angle its palm was last told."""
+    """A robot that reads the table: column, line, and the last commanded angle of its palm."""
 
     column: str | None = None
     line: int = 0

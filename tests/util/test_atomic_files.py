@@ -59,20 +59,20 @@ def test_full_disk_is_one_line(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_refuses_a_missing_folder(tmp_path):
+def test_missing_folder_is_refused(tmp_path):
     with pytest.raises(PalmbotsError) as error:
         write_whole(tmp_path / "none" / "log", "x")
     assert only_line(error).endswith("No such file or directory")
 
 
-def test_refuses_a_file_as_parent(tmp_path):
+def test_file_as_parent_is_refused(tmp_path):
     write_whole(tmp_path / "file", "x")
     with pytest.raises(PalmbotsError) as error:
         write_whole(tmp_path / "file" / "log", "x")
     assert "cannot be written" in only_line(error)
 
 
-def test_refuses_a_folder_and_a_device(tmp_path):
+def test_folder_and_device_are_refused(tmp_path):
     with pytest.raises(PalmbotsError) as error:
         write_whole(tmp_path, "x")
     assert only_line(error).endswith("it is a folder")
@@ -81,7 +81,7 @@ def test_refuses_a_folder_and_a_device(tmp_path):
     assert only_line(error).endswith("it is not a regular file")
 
 
-def test_follows_a_link_and_refuses_a_circle_of_links(tmp_path):
+def test_link_is_followed_and_circular_links_are_refused(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_whole(tmp_path / "link", "x")
     assert (tmp_path / "target").read_text() == "x"
@@ -111,7 +111,7 @@ def test_folder(tmp_path):
     only_line(error)
 
 
-def test_a_folder_is_checked_before_anything_is_made(tmp_path):
+def test_folder_is_checked_without_being_created(tmp_path):
     (tmp_path / "file").write_text("")
     check_folder(tmp_path)
     check_folder(tmp_path / "new" / "newer")
@@ -148,7 +148,7 @@ def test_link_is_set_aside_without_its_target(tmp_path):
 
 
 @pytest.mark.parametrize("make", [folder, check_folder])
-def test_an_empty_name_is_no_folder(make, tmp_path, monkeypatch):
+def test_empty_folder_name_is_refused(make, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(PalmbotsError, match="allowed: a name") as error:
         make("")

@@ -35,7 +35,7 @@ def frames_of(path):
     "controller",
     ["distributed", *(pytest.param(c, marks=pytest.mark.soak) for c in ("none", "centralized"))],
 )
-def test_a_gif_runs_in_real_time(tmp_path, controller):
+def test_gif_runs_in_real_time(tmp_path, controller):
     done = pb.carry("paper", controller, seed=0, overrides={"task.distance_m": 0.2})
     assert done.trace is not None
     reports: list[tuple[int, int]] = []
@@ -51,7 +51,7 @@ def test_a_gif_runs_in_real_time(tmp_path, controller):
 
 
 @pytest.mark.soak
-def test_the_paper_carry_makes_a_small_file(tmp_path):
+def test_animation_of_the_paper_carry_is_small(tmp_path):
     animation.save(pb.carry("paper", seed=1), tmp_path / "c.gif")
     assert (tmp_path / "c.gif").stat().st_size < 4e6
 
@@ -79,7 +79,7 @@ def test_unusual_scenes(tmp_path, overrides):
     assert frames_of(tmp_path / "c.gif")
 
 
-def test_a_long_carry_is_shown_faster(tmp_path):
+def test_long_carry_is_shown_faster(tmp_path):
     slow = {"task.distance_m": 1.5, "robot.speed_m_s": 0.01}  # 150 s, shown in 50
     done = pb.carry("paper", "distributed", overrides=slow)
     animation.save(done, tmp_path / "c.gif", fps=1)
@@ -108,18 +108,18 @@ def test_frames_survive_the_gif(tmp_path):
     assert {duration for _, duration in read} == {40}
 
 
-def test_a_palette_too_large_is_refused(tmp_path):
+def test_too_large_palette_is_refused(tmp_path):
     full = Image.new("P", (1, 1))
     full.putpalette(list(itertools.repeat(0, 768)))
     with open(tmp_path / "c.gif", "wb") as stream, pytest.raises(ValueError, match="at most 255"):
         GifWriter(stream, full)
 
 
-def test_an_mp4_has_every_frame(tmp_path, short):
+def test_mp4_has_every_frame(tmp_path, short):
     animation.save(short, tmp_path / "c.mp4")
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json"]
-    told = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
-    stream = json.loads(told.stdout)["streams"][0]
+    probe = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
+    stream = json.loads(probe.stdout)["streams"][0]
     shown = int(float(short.trace["time"][-1]) * 10) + 2
     assert int(stream["nb_read_frames"]) == pytest.approx(shown + 20, abs=1)
     assert (stream["width"], stream["pix_fmt"]) == (900, "yuv420p")
@@ -145,7 +145,7 @@ def test_ffmpeg_of_the_package_imageio_ffmpeg_is_used(tmp_path, short, monkeypat
     assert (tmp_path / "c.mp4").read_bytes()[4:8] == b"ftyp"
 
 
-def test_without_ffmpeg_an_mp4_is_refused(tmp_path, short, monkeypatch):
+def test_mp4_without_ffmpeg_is_refused(tmp_path, short, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(PalmbotsError, match=r"needs the program ffmpeg.*or write \.gif"):

@@ -54,7 +54,7 @@ def test_assistance_is_marked_from_the_trace(delivered):
     assert "(c)" in texts(figure8.draw(delivered))
 
 
-def test_a_window_shows_its_corrections_only(delivered):
+def test_time_window_shows_its_corrections_only(delivered):
     figure = figure8.draw(delivered, window=(0.0, 6.5))
     shown = {text.split(" ")[0] for text in texts(figure)}
     for c in delivered.corrections:
@@ -64,7 +64,7 @@ def test_a_window_shows_its_corrections_only(delivered):
 
 
 @pytest.mark.parametrize("window", [(2.0, 1.0), (0.0, float("nan")), (100.0, 200.0)])
-def test_an_empty_window_is_refused(delivered, window):
+def test_empty_time_window_is_refused(delivered, window):
     with pytest.raises(PalmbotsError, match="window"):
         figure8.draw(delivered, window=window)
 
@@ -86,7 +86,7 @@ def test_drop_is_stated_in_the_figure(dropped):
     assert overlaps(figure) == []
 
 
-def test_a_centralized_carry_shows_its_cases():
+def test_figure_of_a_centralized_carry_shows_its_cases():
     figure = figure8.draw(pb.carry("paper", "centralized", seed=0))
     assert any(text.endswith("(1)") for text in texts(figure))
     assert overlaps(figure) == []

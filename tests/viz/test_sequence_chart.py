@@ -115,20 +115,20 @@ def test_time_runs_on_from_column_to_column() -> None:
     assert sum(len(arrows(panel)) for panel in figure.axes) == done.messages
 
 
-def test_what_a_beacon_repeats_has_no_name() -> None:
+def test_repeated_beacon_message_has_no_label() -> None:
     done = pb.carry("paper", "resilient", overrides={"task.distance_m": 0.3})
     figure = sequence_chart.draw(done)
     assert sum(len(arrows(panel)) for panel in figure.axes) == len(done.message_log)
-    told = {"left": "", "right": ""}
+    last = {"left": "", "right": ""}
     news = 0
     for m in done.message_log:
-        news += m.kind != told[m.sender]
-        told[m.sender] = m.kind
+        news += m.kind != last[m.sender]
+        last[m.sender] = m.kind
     assert len([name for name in names(figure) if not name.startswith("(")]) == news
     assert news < len(done.message_log) / 4
 
 
-def test_a_reboot_is_marked() -> None:
+def test_reboot_is_marked() -> None:
     broken = [{"kind": "reboot", "robot": "left", "at_s": 0.5, "duration_s": 0.2}]
     changes = LOST_ACK | {"faults.script": broken}
     figure = sequence_chart.draw(pb.carry("paper", "distributed", overrides=changes))

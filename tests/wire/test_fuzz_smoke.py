@@ -23,14 +23,14 @@ def run(target: Path, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
-def test_no_input_breaks_a_law(tmp_path: Path) -> None:
+def test_random_inputs_satisfy_the_packet_rules(tmp_path: Path) -> None:
     done = run(program("wire/fuzz_decode"), tmp_path)
     assert done.returncode == 0, done.stderr[-3000:]
     assert "stat::number_of_executed_units: 30" in done.stderr
 
 
 @pytest.mark.parametrize("defect", DEFECTS)
-def test_a_planted_defect_is_found(defect: str, tmp_path: Path) -> None:
+def test_fuzzer_finds_planted_defects(defect: str, tmp_path: Path) -> None:
     """The same short run finds what somebody might break in a header."""
     done = run(program(f"wire/fuzz_decode-{defect}"), tmp_path)
     assert done.returncode == TRAPPED, done.stderr[-3000:]

@@ -31,9 +31,9 @@ def go(w: _core.World, change: float, left_deg: float, right_deg: float, parts: 
     start, goal = w.palms, (math.radians(left_deg), math.radians(right_deg))
     for k in range(1, parts):
         left, right = (a + k / parts * (b - a) for a, b in zip(start, goal, strict=True))
-        told = w.advance(change / parts, (left, right))
-        if told[0]:
-            return told
+        step = w.advance(change / parts, (left, right))
+        if step[0]:
+            return step
     return w.advance(change / parts, goal)
 
 
@@ -191,9 +191,9 @@ def moved(w: _core.World, script: list[Step], mirror: bool = False):
     for change, left, right, push in script:
         if mirror:
             left, right, push = right, left, -push
-        told = w.advance(change, (math.radians(left), math.radians(right)), push)
-        yield told
-        if told[0]:
+        step = w.advance(change, (math.radians(left), math.radians(right)), push)
+        yield step
+        if step[0]:
             return
 
 
@@ -214,7 +214,8 @@ EQUAL_BY_SLIDING = load_scene(
     AT_PIVOTS,
     {"palm.friction": 0.3, "palm.right.friction": 0.3, "start.right_m": 0.001953125},
 )
-# What alone tells left from right: a push, the last bit of an outline, the order of its edges.
+# In each of these one thing alone distinguishes left from right: a push, the last bit of an
+# outline, the order of its edges.
 PUSHED = load_scene(EQUAL_BY_SLIDING, {"start.right_m": 0.0, "palm.pivot_offset_m": 0.0})
 STRIPS = load_scene(
     {"object": "box-strips"},
@@ -240,7 +241,7 @@ TO_AND_FRO = [(0.0, 15, 15, 0.0), (0.004, -5, -5, 0.0), (0.004, 25, 25, 0.0), (0
 
 
 def is_its_own_mirror_image(spec: _core.Spec) -> bool:
-    """Whether nothing but where the contacts are tells left from right."""
+    """Whether left and right differ in the contact positions only."""
     left, right = (
         [getattr(palm, name) for name in dir(palm) if not name.startswith("_")]
         for palm in spec.palms
@@ -270,8 +271,8 @@ def test_a_mirrored_world_moves_mirrored_to_the_bit(scene: Scene, script: list[S
         assert a[:2] == b[:2]
         alike = image and palms[0] == palms[1] and left == right and push == 0
         if alike and there.contacts == back.contacts != back.contacts[::-1]:
-            # Both came through a state that is its own mirror image: there nothing tells left from
-            # right, and left leads by rule.
+            # Both came through a state that is its own mirror image: there nothing distinguishes
+            # left from right, and left leads by rule.
             return
         assert there.contacts == back.contacts[::-1]
         assert there.lift == back.lift[::-1]
@@ -334,14 +335,14 @@ def test_no_drift_at_rest_upon_three_contacts_and_in_common_motion() -> None:
 LEVEL = {"palm.shallow_deg": 0, "palm.length_m": 0.2, "task.distance_m": 0.6}
 
 
-def test_a_carry_goes_on_and_tells_of_it(tmp_path) -> None:
+def test_carry_continues_after_a_further_contact_and_logs_it(tmp_path) -> None:
     done = pb.carry("paper", controller="distributed", seed=3, overrides=LEVEL, record=True)
     assert done.contact_events
     assert {t.kind for t in done.contact_events} <= {"flush", "tip"}
     for a, b in zip(done.contact_events, done.contact_events[1:], strict=False):
         assert a.start_s <= a.end_s <= b.start_s <= b.end_s <= done.time_s
-    told = done.summary()["contact_events"][0]
-    assert set(told) == {"robot", "kind", "start_s", "end_s"}
+    event = done.summary()["contact_events"][0]
+    assert set(event) == {"robot", "kind", "start_s", "end_s"}
     assert done.trace is not None
     lifted = done.trace["vertex_height"].max(dim="side") > 0
     during = np.zeros(lifted.sizes["time"], bool)

@@ -66,7 +66,7 @@ def test_motion_is_that_of_an_independent_integrator(script: str, rig: str) -> N
 
 
 def test_opening_with_phi_above_theta_slides_both_and_levels_the_object() -> None:
-    """MECHANICS section 2: along opening the choice can alternate; then both slide."""
+    """While the palms open, the contact to slide can alternate; then both slide."""
     spec, w = world(start__left_m=0.02)
     assert math.atan(spec.palms[0].friction) > STEEP
     end, _, left, right, _ = w.advance(0.03, (STEEP, STEEP))
@@ -143,14 +143,14 @@ def test_whatever_happens_in_a_step_happens_in_its_order() -> None:
         change = rng.uniform(-0.15, 0.15)
         turns = [math.radians(rng.uniform(-12, 6)) * (rng.random() < 0.7) for _ in range(2)]
         end, fraction, *_, parts = once.advance(change, (STEEP + turns[0], STEEP + turns[1]))
-        told, when = "", 1.0
+        reason, when = "", 1.0
         for k in range(1, 101):
             goal = (STEEP + k / 100 * turns[0], STEEP + k / 100 * turns[1])
-            told, part, *_ = often.advance(change / 100, goal)
-            if told:
+            reason, part, *_ = often.advance(change / 100, goal)
+            if reason:
                 when = (k - 1 + part) / 100
                 break
-        assert end == told
+        assert end == reason
         assert fraction == pytest.approx(when, abs=1e-6)
         assert once.contacts == pytest.approx(often.contacts, abs=1e-6)
         seen[end] = seen.get(end, 0) + 1
@@ -195,7 +195,7 @@ def test_the_contact_that_sticks_keeps_every_bit() -> None:
     for _ in range(20_000):
         before = w.contacts
         _, _, left, right, pieces = w.advance(float(rng.normal(0, 1e-4)), (SHALLOW, STEEP))
-        if pieces > 1:  # then `motion` tells of the last piece only
+        if pieces > 1:  # then `motion` describes the last piece only
             continue
         for motion, old, new in zip((left, right), before, w.contacts, strict=True):
             if motion == 0:

@@ -85,7 +85,7 @@ stamp older(stamp s) {
   return s.age < stale ? s : stamp{};
 }
 
-// A beacon without a fresh echo tells that the partner is silent, whatever else it says.
+// A beacon without a fresh echo reports that the partner is silent, whatever else it says.
 void shorten(beacon& b, int receiver) {
   if (b.life == 0 || b.heard.life == pair.life[receiver]) return;
   b.heard = {};
@@ -139,7 +139,7 @@ Step step_of(int side, int choice, int turned, int elapsed) {
   return step;
 }
 
-// All of a step that anybody can tell later.
+// The effects of a step that can be observed later.
 struct Outcome {
   mind after;
   palmbots::Command command;

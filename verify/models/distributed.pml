@@ -51,7 +51,7 @@ c_code {
 byte ARMED;     /* sum of the above */
 byte START;     /* contacts start, and bumps leave them, up to so many cells off the zero zone */
 byte SPEED;     /* cells that a robot moves in a cycle */
-byte LATENCY;   /* age of what the sensors tell: 0, 1 or 2 cycles */
+byte LATENCY;   /* age of the sensor readings: 0, 1 or 2 cycles */
 byte COAST;     /* cycles that the wheels run on after a command: 0 or 1 */
 byte LOSE_CASE; /* the case and … */
 byte LOSE;      /* … the message of the send that may be lost, once */
@@ -79,7 +79,7 @@ short at;        /* where it feels its contact */
 byte heard;
 byte sent[2];
 byte case_of[2]; /* of the send */
-byte told;       /* the palm's command */
+byte turn_to;    /* the palm's command */
 bool taken;
 bool stray;
 bool stirred;    /* something changed */
@@ -109,7 +109,7 @@ inline step()
     c_code {
       struct deed done = robot_step(now.who, (now.at >= now.WIDTH) - (now.at < 0), now.heard,
                                     now.turning[now.who] == 0);
-      now.told = done.palm;
+      now.turn_to = done.palm;
       now.wheels[now.who] = done.move;
       now.sent[now.who] = done.send;
       now.case_of[now.who] = done.row_case;
@@ -121,8 +121,8 @@ inline step()
     :: taken -> air[who]?heard
     :: else
     fi;
-    turn(who, told);
-    at = 0; heard = 0; told = 0; taken = 0
+    turn(who, turn_to);
+    at = 0; heard = 0; turn_to = 0; taken = 0
   }
 }
 

@@ -83,7 +83,7 @@ bool loner;     /* namely this one */
 byte who;
 int choices;
 byte choice;
-byte told;
+byte turn_to;
 byte case_of[2];
 short net;
 byte k;
@@ -131,13 +131,13 @@ inline step()
     :: choice < NAP ->
          c_code {
            struct deed done = robot_step(now.who, now.choice, now.turning[now.who] == 0, now.missed[now.who] + 1);
-           now.told = done.palm;
+           now.turn_to = done.palm;
            now.wheels[now.who] = done.move;
            now.rest[now.who] = (now.SKEW > 0 || now.SPAN > 0) && done.stop;
          };
-         missed[who] = 0; fainted[who] = fainted[who] && told == STEEP
+         missed[who] = 0; fainted[who] = fainted[who] && turn_to == STEEP
     :: else ->
-         told = palm[who];
+         turn_to = palm[who];
          missed[who]++
     fi;
     if
@@ -145,9 +145,9 @@ inline step()
     :: wheels[who] == 0 && coasts[who] > 0 -> coasts[who]--
     :: else -> rolls[who] = 0
     fi;
-    turn(who, told);
+    turn(who, turn_to);
     fainted[who] = fainted[who] && !down(who);
-    choices = 0; choice = 0; told = 0
+    choices = 0; choice = 0; turn_to = 0
   }
 }
 

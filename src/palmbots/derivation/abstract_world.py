@@ -107,7 +107,7 @@ def _sign(p: int) -> int:
     return (p > 0) - (p < 0)
 
 
-def _told(palm: tuple[int, int], command: int) -> tuple[int, int]:
+def _after_turn(palm: tuple[int, int], command: int) -> tuple[int, int]:
     """A palm after a turn with this command."""
     return (command, _TURNING) if command != palm[0] else (command, max(0, palm[1] - 1))
 
@@ -155,7 +155,7 @@ class _Pair:
                 continue
             sign, turned = _sign(state.p[robot]), state.palms[robot][1] == 0
             minds, palm, move, said = self.hear(state.minds, robot, sign, turned)
-            palms = _both(state.palms, robot, _told(state.palms[robot], palm))
+            palms = _both(state.palms, robot, _after_turn(state.palms[robot], palm))
             wheels = _both(state.wheels, robot, move)
             direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
             signs = (_sign(state.p[0]), _sign(state.p[1]))
@@ -266,7 +266,7 @@ class _Centralized:
             for sign, (palm, turning) in zip(signs, state.palms, strict=True)
         )
         memory, (left, move, right, _) = self._station.step(state.minds, *reports)
-        palms = _told(state.palms[0], left), _told(state.palms[1], right)
+        palms = _after_turn(state.palms[0], left), _after_turn(state.palms[1], right)
         direction = _MOVES[move]
         motion = None if direction is None else Motion(signs, _shown(palms), direction, False)
         number = self._station.robot(memory).case_number

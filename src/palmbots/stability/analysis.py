@@ -4,7 +4,7 @@
 With properties 1 and 2 (paper, section 2) the algorithms can steer the contacts. The paper assumes
 property 0, that the object is held while a palm turns. Each property is evaluated with either palm
 as the shallow one and for all contacts of a region, by default the whole palms.
-Source: paper, sections 3.2 to 3.4; MECHANICS sections 2 to 5.
+Source: paper, sections 3.2 to 3.4; docs/theory/stability.md.
 """
 
 from __future__ import annotations

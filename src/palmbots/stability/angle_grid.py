@@ -4,7 +4,7 @@
 The core evaluates each pair exactly, so the best pair is the best of the whole grid. A pair is
 admissible if its tolerance is positive, which means that properties 0, 1 and 2 hold with either
 palm shallow, if the outline clears the palms, and if the two angles differ by a given minimum.
-Source: MECHANICS sections 3 and 5; paper, section 5.1.
+Source: docs/theory/stability.md; paper, section 5.1.
 """
 
 import math

@@ -12,7 +12,7 @@ As seen from its contact vertex, the palm extends inward to its tip and outward 
 along a line at the angle α = θ ± ϑ to the object. A piece of the outline within reach of an end
 excludes an interval of α. The interior angle at the contact vertex excludes an interval for palms
 of any length. The distance from such an interval changes at most as fast as α, and decreases as the
-palm gets longer: this gives the bound over a part. Source: MECHANICS section 5.
+palm gets longer: this gives the bound over a part. Source: docs/theory/stability.md.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 `clearance` names the state of the smallest margin. From it one palm is turned, while the contacts
 and the other palm stay, until the outline just touches that palm, or, where the outline overlaps
 it, until it no longer does. Reported are the contacts of that state, whether friction holds the
-object on them, and what happens when the robots drive. Source: MECHANICS section 5.
+object on them, and what happens when the robots drive. Source: docs/theory/stability.md.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ and slope every condition of a property is P dx + Q dy ≥ 0. It bounds tan ϑ =
 at k = w tan ϑ / √(1 + tan² ϑ) in the paper's z (k_B and k_D of equations 6 to 8). The formulas use
 only + − ×, so each form is a polynomial of degree at most two in friction, COM or slope, and a
 condition begins or ceases to hold at its roots. An array in place of a number gives the forms at
-several values. Source: MECHANICS sections 2 to 4.
+several values. Source: docs/theory/mechanics.md and stability.md.
 """
 
 import math

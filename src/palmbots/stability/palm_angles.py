@@ -3,7 +3,7 @@
 
 The contacts for which the properties have to hold are those that the scene's zones, speeds,
 latencies and tilt times imply at each pair of angles (`reaction_region`), or given ones. The result
-contains a certificate for the tolerance. Source: MECHANICS sections 3 and 5; paper, section 5.1
+contains a certificate for the tolerance. Source: docs/theory/stability.md; paper, section 5.1
 ("shallow enough that our system would have enough time to react").
 """
 

@@ -46,9 +46,9 @@ int looks_at(Function f, double steeper) {
   return looks;
 }
 
-// A tick's condition is nearly straight: bent by a thousandth.
+// The condition of a tick is nearly linear; its curvature is a thousandth.
 template <class Real>
-void test_few_looks_where_it_is_smooth(int most) {
+void test_smooth_functions_need_few_evaluations(int most) {
   for (int i = 0; i < 20000; ++i) {
     const auto at = Real(uniform());
     const auto bend = Real(0.002 * (uniform() - 0.5));
@@ -64,9 +64,9 @@ void test_few_looks_where_it_is_smooth(int most) {
   }
 }
 
-// Far more bent than a tick's.
+// Much more curved than the condition of a tick.
 template <class Real>
-void test_bent_functions() {
+void test_strongly_curved_functions() {
   for (int i = 0; i < 20000; ++i) {
     const auto at = Real(uniform());
     const auto bend = Real(std::pow(10.0, 2.0 - 4.0 * uniform()));
@@ -80,7 +80,7 @@ void test_bent_functions() {
 }
 
 template <class Real>
-void test_nasty_functions() {
+void test_steep_and_discontinuous_functions() {
   for (int i = 0; i < 2000; ++i) {
     const auto at = Real(uniform());
     if (at == Real(0)) continue;
@@ -99,7 +99,7 @@ void test_nasty_functions() {
 }
 
 template <class Real>
-void test_what_begins_at_its_root() {
+void test_bracket_that_starts_at_a_root() {
   const auto never = [](Real) -> Real {
     CHECK(false);
     return Real(0);
@@ -149,7 +149,7 @@ void test_lanes() {
 }
 
 template <class Real>
-void test_last_holding() {
+void test_bisect_last_true() {
   for (int i = 0; i < 1000; ++i) {
     const auto last = Real(uniform());
     const auto holds = [=](Real t) { return t <= last; };
@@ -159,11 +159,11 @@ void test_last_holding() {
 
 template <class Real>
 void test_all(int most_looks) {
-  test_few_looks_where_it_is_smooth<Real>(most_looks);
-  test_bent_functions<Real>();
-  test_nasty_functions<Real>();
-  test_what_begins_at_its_root<Real>();
-  test_last_holding<Real>();
+  test_smooth_functions_need_few_evaluations<Real>(most_looks);
+  test_strongly_curved_functions<Real>();
+  test_steep_and_discontinuous_functions<Real>();
+  test_bracket_that_starts_at_a_root<Real>();
+  test_bisect_last_true<Real>();
 }
 
 }  // namespace

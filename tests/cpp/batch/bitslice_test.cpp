@@ -226,7 +226,7 @@ Seen test_every_team_goes_as_it_does_alone() {
       }
     }
     const CarryMask are_new = bits->step(tick, sensed, programs, lost);
-    const BitslicedCommand& told = bits->commands();
+    const BitslicedCommand& bitsliced = bits->commands();
     for (int i = 0; i < 64; ++i) {
       Alone<Team>& alone = all[static_cast<std::size_t>(i)];
       const auto bit = [&](RobotMask both, std::size_t side) { return (both[side] >> i & 1) != 0; };
@@ -244,10 +244,10 @@ Seen test_every_team_goes_as_it_does_alone() {
         seen.travelled += commands[left].stop ? 0 : 1;
       }
       for (const std::size_t side : {left, right}) {
-        CHECK(bit(told.shallow, side) == (commands[side].palm == Palm::shallow));
-        CHECK(bit(told.away, side) == (commands[side].move == Move::away));
-        CHECK(bit(told.closer, side) == (commands[side].move == Move::closer));
-        CHECK(bit(told.stop, side) == commands[side].stop);
+        CHECK(bit(bitsliced.shallow, side) == (commands[side].palm == Palm::shallow));
+        CHECK(bit(bitsliced.away, side) == (commands[side].move == Move::away));
+        CHECK(bit(bitsliced.closer, side) == (commands[side].move == Move::closer));
+        CHECK(bit(bitsliced.stop, side) == commands[side].stop);
       }
     }
   }
@@ -255,10 +255,10 @@ Seen test_every_team_goes_as_it_does_alone() {
   return seen;
 }
 
-// Where messages may be lost or take one time or another, or robots fail in other ways than these,
-// teams do not go in bits.
+// Teams cannot run bitsliced if messages may be lost or have varying delays, or if robots fail in
+// other ways than these.
 template <class Team>
-void test_who_goes_in_bits(bool with_reboots) {
+void test_supported_teams(bool with_reboots) {
   const auto goes = [](const Channel& channel, const Faults& faults = {}) {
     return BitslicedTeam<Team>::supports(team_over<Team>(channel, faults, 0));
   };
@@ -287,8 +287,8 @@ void test_who_goes_in_bits(bool with_reboots) {
   }
 }
 
-// Leases and clocks with which the resilient algorithm goes in bits.
-void test_which_times_go_in_bits() {
+// Leases and clocks with which the resilient algorithm can run bitsliced.
+void test_supported_times_and_clocks_of_the_resilient_algorithm() {
   const auto goes = [](const Resilient::Times& times, const PerSide<double>& drift) {
     const Channel channel = Channel::of(0.05, 0, 0, 0.01);
     return BitslicedTeam<ResilientTeam>::supports(ResilientTeam(times, drift, channel, 0, left));
@@ -313,8 +313,8 @@ int main() {
   CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
   for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
   CHECK(peers.travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
-  test_who_goes_in_bits<DistributedTeam<Robot>>(false);
-  test_who_goes_in_bits<CentralizedTeam>(true);
-  test_who_goes_in_bits<ResilientTeam>(true);
-  test_which_times_go_in_bits();
+  test_supported_teams<DistributedTeam<Robot>>(false);
+  test_supported_teams<CentralizedTeam>(true);
+  test_supported_teams<ResilientTeam>(true);
+  test_supported_times_and_clocks_of_the_resilient_algorithm();
 }

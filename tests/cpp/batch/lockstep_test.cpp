@@ -269,7 +269,7 @@ void be_quick(Spec& spec, std::size_t i) {
     (i % 2 != 0 ? palm.shallow : palm.rate) = i % 2 != 0 ? palm.steep : 100;
 }
 
-// Objects that rest on more than their two vertices, and sensors that tell how far beyond a palm's
+// Objects that rest on more than their two vertices, and sensors that report how far beyond a palm's
 // end.
 void reach_beyond(Spec& spec, std::size_t i) {
   set_long_palms(spec, i % 2 != 0);
@@ -342,7 +342,7 @@ void test_rare_cases(Make make) {
   for (std::size_t i = 0; i < free.size(); ++i) test_lockstep<Real>(make, free, 1, i);
 }
 
-// Told to stop, it does, within a block of ticks.
+// A run that is asked to stop does so within a block of ticks.
 void test_stop() {
   const Spec spec = paper_spec();
   auto lockstep = std::make_unique<Lockstep<double, lanes_of<double>, NoController>>();

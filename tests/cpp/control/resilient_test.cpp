@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resilient controller step by step against a telling of it in plain conditions, over random
+// The resilient controller step by step against an oracle written as plain conditions, over random
 // inputs that reach every state with every sign and message.
 #include "palmbots/control/resilient.hpp"
 
@@ -27,8 +27,8 @@ bool same(const Resilient::Output& a, const Resilient::Output& b) {
          a.send == b.send && a.assists == b.assists;
 }
 
-// Steps in which nothing happens: as many as told, and all at once they are what they are one by
-// one.
+// quiet() returns a number of steps in which nothing happens. Skipping them at once gives the same
+// controller as taking them one by one.
 void check_rest(const Resilient& now, Sign sign, bool palm_at_target, Seen& seen) {
   const std::uint16_t quiet = now.quiet(sign, palm_at_target);
   const auto step = [&](Resilient& robot) {
@@ -77,7 +77,7 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
   }
 }
 
-void test_like_the_telling() {
+void test_agrees_with_oracle() {
   Seen seen;
   std::uint64_t seed = 0;
   for (const Resilient::Times times :
@@ -111,8 +111,8 @@ void test_counters_do_not_wrap() {
   }
 }
 
-// Newest only: a copy, an older one, one of an earlier life are rejected; a new life is newer.
-void test_ear() {
+// Duplicates, older beacons and beacons of an earlier boot are rejected; a new boot is newer.
+void test_receiver_accepts_newest_beacon_only() {
   BeaconReceiver receiver(1);
   receiver.tick(10);
   CHECK(receiver.age() == unknown_age);
@@ -136,7 +136,7 @@ void test_ear() {
   receiver.tick(60000);
   receiver.tick(60000);
   CHECK(receiver.accept(beacon(2, 3, {1, 13})));
-  CHECK(receiver.age() == unknown_age);  // longer ago than can be told
+  CHECK(receiver.age() == unknown_age);  // longer ago than an age can state
   const Beacon mine = receiver.beacon(MessageKind::tilt_up, true, false);
   CHECK(mine.sent.epoch == 1 && mine.sent.tick == 120013);
   CHECK(mine.heard.epoch == 2 && mine.heard.tick == 3 && mine.stopped && !mine.ready);
@@ -150,7 +150,7 @@ void test_ear() {
 }  // namespace
 
 int main() {
-  test_like_the_telling();
+  test_agrees_with_oracle();
   test_counters_do_not_wrap();
-  test_ear();
+  test_receiver_accepts_newest_beacon_only();
 }

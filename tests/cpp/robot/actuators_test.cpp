@@ -44,8 +44,8 @@ void test_acceleration_and_speed_limit() {
   CHECK(wheels.speed == Real(-0.1));
 }
 
-// The calibration error is no part of the limits: it is what the robot does not know.
-void test_bias() {
+// The limits do not apply to the calibration error, which the robot does not know.
+void test_calibration_error_is_not_limited() {
   Wheels<double> wheels{1.0, 0.2, 0.013, 0.0, 0.0};
   CHECK(wheels.step(0.06, 0) == 0.06 + 0.013);
   CHECK(wheels.step(0.2, 0) == 0.2 + 0.013);
@@ -218,7 +218,7 @@ int main() {
   test_push_of_noise();
   test_acceleration_and_speed_limit<double>();
   test_acceleration_and_speed_limit<float>();
-  test_bias();
+  test_calibration_error_is_not_limited();
   test_noise_against_closed_forms();
   test_wrist<double>();
   test_wrist<float>();

@@ -67,8 +67,8 @@ void test_scripted_bumps() {
   CHECK(!Bumps::any(spec) && happen(spec, 1, 100, 1.0).empty());
 }
 
-// All that a spec can have.
-void test_as_many_as_there_may_be() {
+// As many bumps as a spec can have.
+void test_maximum_number_of_bumps() {
   Spec spec;
   spec.period = 0.5;
   for (std::size_t i = 0; i < max_bumps; ++i) {
@@ -134,7 +134,7 @@ void test_scripted_and_random() {
 
 int main() {
   test_scripted_bumps();
-  test_as_many_as_there_may_be();
+  test_maximum_number_of_bumps();
   test_random_bumps();
   test_scripted_and_random();
 }

@@ -103,8 +103,8 @@ void test_no_allocation_by_any_team() {
   }
 }
 
-// The counter does count: a trace needs memory, outside the ticks.
-void test_the_counter_counts() {
+// Checks the counter itself: a trace allocates memory, outside the ticks.
+void test_allocations_are_counted() {
   const long before = allocations;
   TraceRecorder trace;
   trace.make_room();
@@ -149,9 +149,9 @@ struct Restless {
   static inline long steps = 0;
 };
 
-// Robots that are asked only when they have something to do carry as those that are always asked,
-// whatever the radio does.
-void test_robots_that_rest_miss_nothing() {
+// Robots that are stepped only when they have something to do carry like robots that are stepped in
+// every tick, on any radio.
+void test_sleeping_robots_carry_like_robots_stepped_every_tick() {
   Spec spec = paper_spec();
   for (PalmSpec& palm : spec.palms) palm.offset = 0.01;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -204,9 +204,9 @@ bool same_links(const LinkTotals& a, const LinkTotals& b) {
   return a.sent == b.sent && a.lost == b.lost;
 }
 
-// A station that rests decides and counts as one that does not, on any radio; on a plain one it
-// rests.
-void test_a_station_that_rests_misses_nothing() {
+// A station that may sleep decides and counts like one that is stepped in every tick, on any radio.
+// On a plain radio it does sleep.
+void test_sleeping_station_equals_one_stepped_every_tick() {
   Spec spec = paper_spec();
   long all = 0;
   long asked = 0;
@@ -278,9 +278,9 @@ struct CountedPeers : ResilientTeam {
   static inline long steps = 0;
 };
 
-// Robots on leases that rest decide, say and hear what robots do that are stepped in every tick, on
-// any radio, whatever fails.
-void test_peers_that_rest_miss_nothing() {
+// Resilient robots that sleep decide, send and receive the same as robots that are stepped in every
+// tick, on any radio and with any faults.
+void test_sleeping_resilient_robots_equal_those_stepped_every_tick() {
   Spec spec = paper_spec();
   const Resilient::Times times{5, 52, 69, 6, 6};
   long ticks = 0;
@@ -351,12 +351,12 @@ void test_forks_of_any_team() {
 }  // namespace
 
 int main() {
-  test_the_counter_counts();
+  test_allocations_are_counted();
   test_no_allocation_by_any_team();
   test_paper_box_arrives();
-  test_robots_that_rest_miss_nothing();
-  test_a_station_that_rests_misses_nothing();
-  test_peers_that_rest_miss_nothing();
+  test_sleeping_robots_carry_like_robots_stepped_every_tick();
+  test_sleeping_station_equals_one_stepped_every_tick();
+  test_sleeping_resilient_robots_equal_those_stepped_every_tick();
   test_forks_of_any_team();
   test_a_fork_draws_its_own_bumps();
 }

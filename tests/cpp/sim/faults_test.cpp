@@ -26,15 +26,15 @@ void check_host(std::initializer_list<FaultSpec> faults, std::size_t side, const
   ProgramMonitor monitor;
   for (std::uint32_t tick = 0; wanted[tick] != 0; ++tick) {
     const ProgramState state = monitor.program_state(schedule, tick, side);
-    const char told = state == ProgramState::running  ? 'r'
-                      : state == ProgramState::frozen ? 'f'
-                      : state == ProgramState::off    ? 'o'
-                                                      : 'b';
-    CHECK(told == wanted[tick]);
+    const char observed = state == ProgramState::running  ? 'r'
+                          : state == ProgramState::frozen ? 'f'
+                          : state == ProgramState::off    ? 'o'
+                                                          : 'b';
+    CHECK(observed == wanted[tick]);
   }
 }
 
-void test_hosts() {
+void test_program_states_of_scripted_faults() {
   constexpr auto reboot = FaultKind::reboot;
   constexpr auto freeze = FaultKind::freeze;
   check_host({{reboot, 0, 0.03, 0.02, 0, 0}}, left, "rrroobrr");
@@ -145,7 +145,7 @@ void test_next_change() {
 }  // namespace
 
 int main() {
-  test_hosts();
+  test_program_states_of_scripted_faults();
   test_station_and_sensors();
   test_random_reboots();
   test_next_outage();

@@ -58,8 +58,8 @@ void test_a_correction_with_its_assistant() {
   CHECK(is(metrics.rows[0], 'a', left, right, 10, 40));
 }
 
-// Who is still in (c) from the correction before has not come to assist the next one.
-void test_still_assisting_is_no_answer() {
+// A robot that is still in (c) from the previous correction does not assist the next one yet.
+void test_robot_still_in_c_does_not_assist_the_next_correction() {
   Metrics metrics;
   Script team;
   team.in(right, 'a', 1);
@@ -80,7 +80,7 @@ void test_still_assisting_is_no_answer() {
 
 // Both ask: (a) becomes (b), one correction of each, each assisted by the other. (d) has no
 // assistant.
-void test_both_ask() {
+void test_crossing_requests_are_one_correction_each() {
   Metrics metrics;
   Script team;
   team.in(left, 'a', 1);
@@ -194,8 +194,8 @@ void test_a_cycle_of_both() {
   CHECK(metrics.rows[0].robot == CorrectionActivity::both && metrics.corrections == 8);
 }
 
-// More corrections than are kept are counted, and change none that is.
-void test_more_than_are_kept() {
+// Corrections beyond the capacity of the list are counted and do not change the list.
+void test_corrections_beyond_the_list_are_counted() {
   Metrics metrics;
   Script team;
   for (std::uint32_t i = 0; i < max_corrections + 3; ++i) {
@@ -214,7 +214,7 @@ void test_more_than_are_kept() {
   }
 }
 
-void test_touches() {
+void test_contact_events_are_recorded() {
   Metrics metrics;
   ContactEventCounter<double> now;
   metrics.observe(3, now, false);
@@ -275,14 +275,14 @@ void test_squares_and_peaks() {
 
 int main() {
   test_a_correction_with_its_assistant();
-  test_still_assisting_is_no_answer();
-  test_both_ask();
+  test_robot_still_in_c_does_not_assist_the_next_correction();
+  test_crossing_requests_are_one_correction_each();
   test_waiting();
   test_limit_cycle();
   test_no_cycle_without_a_sign();
   test_a_cycle_of_both();
-  test_more_than_are_kept();
-  test_touches();
+  test_corrections_beyond_the_list_are_counted();
+  test_contact_events_are_recorded();
   test_squares_and_peaks<double>();
   test_squares_and_peaks<float>();
 }

@@ -79,7 +79,7 @@ void check_estimates(Make make, const std::vector<double>& levels, double chance
   CHECK(error > 0);
 }
 
-void test_unbiased_whatever_the_levels() {
+void test_estimate_is_unbiased_at_any_levels() {
   const auto ruin = [](std::uint64_t seed) { return Ruin{0.3, 16, seed}; };
   const double chance = ruin(0).chance();
   CHECK(chance < 2e-6);
@@ -89,7 +89,7 @@ void test_unbiased_whatever_the_levels() {
   check_estimates(easy, {}, easy(0).chance(), 0.02);
 }
 
-void test_a_leap_over_levels_loses_nothing() {
+void test_leaps_over_levels_are_unbiased() {
   const auto leaps = [](std::uint64_t seed) { return Leaps{seed}; };
   check_estimates(leaps, {1, 2, 3, 4, 5, 6, 7, 8}, Leaps::chance(0), 0.05);
   check_estimates(leaps, {4}, Leaps::chance(0), 0.05);
@@ -108,8 +108,8 @@ void test_levels_are_reached_by_the_wanted_share() {
   }
 }
 
-// Half of them end in the very step in which they come to the level, and can no longer hit: whoever
-// goes on with one of those would see it hit at once. The others hit every fourth time.
+// Half of them end in the very step in which they come to the level, and can no longer hit: a resampling
+// that continues one of those would see it hit at once. The others hit every fourth time.
 struct Lapse {
   std::uint64_t seed;
   int at = 0;
@@ -130,7 +130,7 @@ struct Lapse {
   void fork(std::uint64_t other) { seed = other; }
 };
 
-void test_what_is_over_does_not_go_on() {
+void test_finished_runs_are_not_resampled() {
   const auto make = [](std::uint64_t seed) { return Lapse{seed}; };
   check_estimates(make, {1}, 0.125, 0.05);
   Splitting<Lapse, decltype(make)> splitting(make, 3, 1000);
@@ -150,7 +150,7 @@ struct Flat {
   }
 };
 
-void test_levels_rise_or_end() {
+void test_levels_rise_or_the_run_ends() {
   const auto make = [](std::uint64_t seed) { return Flat{seed}; };
   Splitting<Flat, decltype(make)> splitting(make, 3, 50);
   CHECK(splitting.choose_levels(0.2).size() <= 1);
@@ -194,7 +194,7 @@ void test_a_replicate_depends_on_its_number_alone() {
   CHECK(differs);
 }
 
-// No two runs have one seed, whatever tells them apart, and every parent has its share of them.
+// No two runs have one seed, whatever distinguishes them, and every parent has its share of them.
 void test_branches() {
   constexpr std::size_t parents = 7;
   std::set<std::uint64_t> seeds;
@@ -227,10 +227,10 @@ void test_branches() {
 
 int main() {
   test_branches();
-  test_unbiased_whatever_the_levels();
-  test_a_leap_over_levels_loses_nothing();
-  test_what_is_over_does_not_go_on();
-  test_levels_rise_or_end();
+  test_estimate_is_unbiased_at_any_levels();
+  test_leaps_over_levels_are_unbiased();
+  test_finished_runs_are_not_resampled();
+  test_levels_rise_or_the_run_ends();
   test_steps_are_counted_and_the_pilot_is_apart();
   test_levels_are_reached_by_the_wanted_share();
   test_a_replicate_depends_on_its_number_alone();

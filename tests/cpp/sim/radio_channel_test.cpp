@@ -134,7 +134,7 @@ void test_capacity() {
 }
 
 // A link is dead for the share of time that was asked for, in spells of the mean length that was
-// asked for, whoever sends how often.
+// asked for, however often each robot sends.
 void test_bursts() {
   for (const std::uint32_t every : {1U, 3U}) {
     Channel channel = Channel::of(0.02, 0, 0, 0.01);
@@ -211,8 +211,8 @@ void test_copies() {
   CHECK(std::abs(delay / copies - 7.5) < 5 * 2.9 / std::sqrt(double(copies)));
 }
 
-// A line that is full takes no copy either, and keeps what it has.
-void test_a_full_line_takes_no_copy() {
+// A full line also rejects duplicates, and keeps its messages.
+void test_full_line_rejects_duplicates() {
   Channel slow{double(palmbots::max_delay_ticks), 0, 0};
   slow.duplicate_words = Channel::words_of(1.0);
   slow.reorders = true;
@@ -235,8 +235,8 @@ void test_a_full_line_takes_no_copy() {
   CHECK(*full.oldest(600) == 8);
 }
 
-// Any one chance is reason enough to draw.
-void test_what_is_random() {
+// A channel is random if any of its probabilities is above 0.
+void test_channel_with_any_probability_is_random() {
   const Channel plain = Channel::of(0.05, 0, 0, 0.01);
   CHECK(!plain.is_random());
   CHECK(Channel::of(0.05, 0.01, 0, 0.01).is_random());
@@ -270,7 +270,7 @@ int main() {
   test_bursts();
   test_reordering();
   test_copies();
-  test_a_full_line_takes_no_copy();
-  test_what_is_random();
+  test_full_line_rejects_duplicates();
+  test_channel_with_any_probability_is_random();
   test_outages();
 }

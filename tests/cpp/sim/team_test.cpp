@@ -64,7 +64,7 @@ void test_mirror(Team forward, Team backward, std::uint64_t seed) {
   if (!there.empty()) CHECK(lost == forward.link_totals.lost);
 }
 
-void test_mirror_of_both_teams() {
+void test_teams_are_mirror_symmetric() {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     for (const Channel& channel : {Channel::of(0.05, 0, 0, 0.01), Channel::of(0.02, 0.06, 0, 0.01),
                                    Channel::of(0.02, 0.06, 0.01, 0.01)}) {
@@ -91,7 +91,7 @@ struct Probe {
 };
 
 // A message is there ⌈latency⌉ ticks after it was sent, oldest first, and stays until it is read.
-void test_letters_wait_to_be_read() {
+void test_messages_wait_until_read() {
   std::vector<MessageKind> left_got;
   std::vector<MessageKind> right_got;
   DistributedTeam<Probe> team(
@@ -119,7 +119,7 @@ int ticks_to_answer(Channel channel, std::uint64_t seed) {
   return -1;
 }
 
-void test_station_needs_two_latencies_and_loss_only_delays() {
+void test_answer_of_the_station_takes_two_latencies_and_loss_delays_it() {
   CHECK(ticks_to_answer(Channel::of(0, 0, 0, 0.01), 0) == 2);
   CHECK(ticks_to_answer(Channel::of(0.05, 0, 0, 0.01), 0) == 10);
   CHECK(ticks_to_answer(Channel::of(0.20, 0, 0, 0.01), 0) == 40);
@@ -141,7 +141,7 @@ void test_station_needs_two_latencies_and_loss_only_delays() {
 }
 
 // With everything lost the station is silent and the robots keep palms and speed.
-void test_nothing_heard_nothing_done() {
+void test_robots_keep_palms_and_speed_without_reception() {
   CentralizedTeam team(Channel::of(0.05, 0, 1, 0.01), 0, right);
   for (std::uint32_t tick = 0; tick < 100; ++tick) {
     const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::negative, true}}}, ignore);
@@ -153,139 +153,7 @@ void test_nothing_heard_nothing_done() {
   CHECK(team.link_totals.sent == 200 && team.link_totals.lost == 200);
 }
 
-// A robot that counts its steps since it was made, and asks all the time.
-struct Counter {
-  std::uint32_t steps = 0;
-  std::uint32_t heard = 0;
-  bool asks = false;
-  Distributed::Output step(Distributed::Input in) {
-    ++steps;
-    heard += in.message != MessageKind::none ? 1 : 0;
-    const auto move = static_cast<Move>(1 + (steps - 1) % 2);  // so that commands tell the step
-    return {{Palm::shallow, move}, asks ? MessageKind::tilt_up : MessageKind::none, true};
-  }
-  Distributed::StateOutput now() const {
-    Distributed::StateOutput doing = Distributed::outputs[0];
-    doing.name = static_cast<char>('0' + heard);
-    return doing;
-  }
-};
-
-Faults fault_of(FaultKind kind, std::uint32_t side, double at, double lasts) {
-  Spec spec{};
-  spec.period = 0.01;
-  spec.watchdog = 0.04;
-  spec.faults[0] = {kind, side, at, lasts, 0, 0};
-  spec.fault_count = 1;
-  return Faults::of(spec, 0);
-}
-
-// Off for ticks 10 to 14: it rests with the palm as told, hears nothing of what comes meanwhile,
-// and begins anew in tick 15, with what comes then.
-void test_a_robot_that_reboots_has_forgotten() {
-  DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, Channel::of(0.03, 0, 0, 0.01), 0,
-                                right, fault_of(FaultKind::reboot, left, 0.1, 0.05));
-  for (std::uint32_t tick = 0; tick < 20; ++tick) {
-    const auto out = team.step(tick, {}, ignore);
-    const bool off = tick >= 10 && tick < 15;
-    CHECK(out[left].stop == off && !out[right].stop);
-    CHECK(out[left].palm == Palm::shallow);
-    const std::uint32_t step = tick < 10 ? tick : tick - 15;  // of the same life, from 0
-    if (!off) CHECK(out[left].move == static_cast<Move>(1 + step % 2));
-    if (off) CHECK(out[left].move == Move::hold);
-    // One message a tick from tick 3 on; those of ticks 10 to 14 came to nobody.
-    const std::uint32_t heard = tick < 10 ? (tick < 3 ? 0 : tick - 2) : (off ? 7 : tick - 14);
-    CHECK(team.name(left) == static_cast<char>('0' + heard));
-  }
-}
-
-// Frozen for ticks 10 to 13 it goes on as told before; then the watchdog makes it rest and reboot.
-void test_a_frozen_robot_goes_on_until_the_watchdog_bites() {
-  DistributedTeam<Counter> team({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
-                                fault_of(FaultKind::freeze, right, 0.1, 0.08));
-  for (std::uint32_t tick = 0; tick < 25; ++tick) {
-    const auto out = team.step(tick, {}, ignore);
-    CHECK(out[right].stop == (tick >= 14 && tick < 18));
-    if (tick >= 9 && tick < 14) CHECK(out[right].move == Move::closer);  // of the tenth step
-    if (tick == 18) CHECK(out[right].move == Move::away);                // of the first
-  }
-  // One that ends before that has only stood still.
-  DistributedTeam<Counter> brief({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
-                                 fault_of(FaultKind::freeze, right, 0.1, 0.03));
-  for (std::uint32_t tick = 0; tick < 25; ++tick) {
-    const auto out = brief.step(tick, {}, ignore);
-    const std::uint32_t step = tick < 10 ? tick : (tick < 13 ? 9 : tick - 3);
-    CHECK(!out[right].stop && out[right].move == static_cast<Move>(1 + step % 2));
-  }
-}
-
-// Case 1: the right palm is up. The right robot, off for ticks 60 to 69, then does nothing until
-// the next command has come; a command that came while it was off is gone.
-void test_a_robot_of_the_station_that_reboots() {
-  CentralizedTeam team(Channel::of(0.05, 0, 0, 0.01), 0, right,
-                       fault_of(FaultKind::reboot, right, 0.6, 0.1));
-  std::uint32_t before = 0;
-  for (std::uint32_t tick = 0; tick < 90; ++tick) {
-    const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
-    const bool off = tick >= 60 && tick < 70;
-    CHECK(out[right].stop == off && !out[left].stop);
-    if (tick >= 12 && tick < 70) CHECK(out[right].palm == Palm::shallow);
-    if (off) CHECK(out[right].move == Move::hold);
-    // Commands come every tick; that of tick 70 too.
-    if (tick >= 70) CHECK(out[right].palm == Palm::shallow && out[right].move == Move::away);
-    const std::uint32_t reports = team.link_totals.links[right].sent;
-    CHECK(reports == before + (off ? 0 : 1));
-    before = reports;
-  }
-  // One that hears nothing afterwards drives on, palm steep.
-  Channel dead = Channel::of(0.05, 0, 0, 0.01);
-  dead.outages[0] = {2, 60, 1000};
-  dead.outage_count = 1;
-  CentralizedTeam alone(dead, 0, right, fault_of(FaultKind::reboot, right, 0.6, 0.1));
-  for (std::uint32_t tick = 0; tick < 90; ++tick) {
-    const auto out = alone.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
-    if (tick >= 70) CHECK((out[right] == Command{Palm::steep, Move::hold}));
-    if (tick >= 70) CHECK((out[left] == Command{Palm::steep, Move::away}));  // as told last
-  }
-}
-
-// What comes while the station is lost, ticks 10 to 29, comes to nobody: that the left contact was
-// off then, and that its robot is silent since. A station that was there all along acts on it.
-void test_a_lost_station_hears_nothing() {
-  Channel channel = Channel::of(0.05, 0, 0, 0.01);
-  channel.outages[0] = {0, 23, 1000};
-  channel.outage_count = 1;
-  for (const bool lost : {false, true}) {
-    CentralizedTeam team(channel, 0, right,
-                         lost ? fault_of(FaultKind::station, left, 0.1, 0.2) : Faults());
-    bool acts = false;
-    for (std::uint32_t tick = 0; tick < 60; ++tick) {
-      const Sign sign = tick >= 12 && tick < 23 ? Sign::positive : Sign::zero;
-      team.step(tick, {{{sign, true}, {Sign::zero, true}}}, ignore);
-      acts = acts || team.name(left) != ' ';
-    }
-    CHECK(acts == !lost);
-  }
-}
-
-// Messages that are sent at once collide as they overlap: with airtime a of a tick in 1 − (1 − a)²
-// of all ticks. A robot that is off does not disturb the other.
-void test_collisions() {
-  Channel channel = Channel::of(0.05, 0, 0, 0.01);
-  channel.airtime_ticks = 0.3;
-  DistributedTeam<Counter> team({Counter{0, 0, true}, Counter{0, 0, true}}, channel, 1, right);
-  constexpr int n = 20000;
-  for (std::uint32_t tick = 0; tick < n; ++tick) team.step(tick, {}, ignore);
-  const LinkCounts& there = team.link_totals.links[left];
-  CHECK(there.sent == n && there.lost == team.link_totals.links[right].lost);
-  const double share = there.lost / double(n);
-  CHECK(share > 0.51 - 5 * 0.0036 && share < 0.51 + 5 * 0.0036);
-  CentralizedTeam station(channel, 1, right, fault_of(FaultKind::reboot, right, 0, 100));
-  for (std::uint32_t tick = 0; tick < 1000; ++tick) station.step(tick, {}, ignore);
-  CHECK(station.link_totals.links[left].sent == 1000 && station.link_totals.links[left].lost == 0);
-}
-
-// The two directions lose by chances of their own, and so do up and down.
+// Losses are independent in both directions between robots, and from and to the station.
 void test_links_are_independent() {
   CentralizedTeam team(Channel::of(0.05, 0, 0.5, 0.01), 2, right);
   constexpr int n = 4000;
@@ -307,8 +175,8 @@ void test_links_are_independent() {
   }
 }
 
-// Whose inbox is full does not get the rest, over a plain radio either.
-void test_a_full_line_loses() {
+// A robot whose inbox is full loses further messages, over a plain radio too.
+void test_full_inbox_loses_further_messages() {
   const Radio radio(Channel::of(0.03, 0, 0, 0.01), 0, right);
   Link<MessageKind> link;
   LinkTotals link_totals{};
@@ -325,10 +193,10 @@ void test_a_full_line_loses() {
   CHECK(link.oldest(1000) == nullptr);
 }
 
-// Robots on leases that are asked only when they want to be, or sense something else, do and say in
-// every tick what those do that are stepped in every tick: those with a clock that is not the
-// carry's, and as good as exact. Whatever they sense, whatever fails.
-void test_peers_sleep_through_nothing() {
+// Resilient robots that are stepped only at their next decision tick, or when a reading changes,
+// command and send in every tick the same as robots that are stepped in every tick. The latter have
+// clocks of their own with an error near 0. Readings and faults are random.
+void test_sleeping_resilient_team_equals_one_stepped_every_tick() {
   constexpr double restless = 1e-12;
   int slept = 0;
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
@@ -390,16 +258,11 @@ void test_peers_sleep_through_nothing() {
 }  // namespace
 
 int main() {
-  test_mirror_of_both_teams();
-  test_letters_wait_to_be_read();
-  test_station_needs_two_latencies_and_loss_only_delays();
-  test_nothing_heard_nothing_done();
-  test_a_robot_that_reboots_has_forgotten();
-  test_a_frozen_robot_goes_on_until_the_watchdog_bites();
-  test_a_robot_of_the_station_that_reboots();
-  test_a_lost_station_hears_nothing();
-  test_collisions();
+  test_teams_are_mirror_symmetric();
+  test_messages_wait_until_read();
+  test_answer_of_the_station_takes_two_latencies_and_loss_delays_it();
+  test_robots_keep_palms_and_speed_without_reception();
   test_links_are_independent();
-  test_a_full_line_loses();
-  test_peers_sleep_through_nothing();
+  test_full_inbox_loses_further_messages();
+  test_sleeping_resilient_team_equals_one_stepped_every_tick();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resilient algorithm told once more, as a robot that reads the prose of
+// The resilient algorithm written once more, as a robot that follows the prose of
 // docs/theory/protocols.md: plain conditions instead of a table, plain instants instead of
-// counters. To compare the shipped one with.
+// counters. The tests compare the shipped controller with it.
 #pragma once
 
 #include <limits>

@@ -53,7 +53,7 @@ void test_beacons_there_and_back() {
   CHECK(alphabet(MessageKind::raised) == 'W');
 }
 
-void test_the_other_kinds() {
+void test_reports_commands_and_messages_survive_encoding() {
   const wire::PacketHeader up{Role::right, Role::station, 7, {1, 2}, {3, 4}};
   const wire::PacketHeader down{Role::station, Role::left, 7, {1, 2}, {3, 4}};
   const wire::PacketHeader across{Role::left, Role::right, 7, {1, 2}, {3, 4}};
@@ -266,7 +266,7 @@ void test_damage_is_noticed() {
 
 int main() {
   test_beacons_there_and_back();
-  test_the_other_kinds();
+  test_reports_commands_and_messages_survive_encoding();
   test_numbers_left_out();
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     test_robots_that_talk_in_packets(seed, false);

@@ -41,7 +41,7 @@ struct Acquainted {
   }
 };
 
-void test_one_round_trip_makes_acquainted() {
+void test_packets_are_accepted_after_one_round_trip() {
   Acquainted ends;
   const Decoded got = ends.right.receive(
       sent(ends.left, Role::right, PacketKind::message, payload(palmbots::MessageKind::ack)));
@@ -104,7 +104,7 @@ void test_reflection_and_station() {
         Verdict::accepted);
 }
 
-void test_what_is_not_sent() {
+void test_invalid_packets_are_not_sent() {
   Endpoint left(left_end, 1);
   Bytes bytes{};
   CHECK(!left.send(Role::left, PacketKind::hello, 0, bytes));
@@ -124,8 +124,8 @@ constexpr bool sent_to_nobody() {
 }
 static_assert(!sent_to_nobody());
 
-// An end that has used up an epoch falls silent, and goes on in the next.
-void test_numbers_used_up() {
+// An endpoint that has used all numbers of an epoch stops sending, and continues in the next epoch.
+void test_endpoint_without_numbers_stops_until_the_next_epoch() {
   Acquainted ends;
   ends.left = Endpoint(left_end, 4, 0xFFFFFFFF);
   CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, 0)).verdict ==
@@ -138,8 +138,9 @@ void test_numbers_used_up() {
   CHECK((ends.right.heard(Role::left) == SequenceNumber{5, 1}));
 }
 
-// An end that has not counted its boot neither sends nor acts on what was said to nobody.
-void test_epoch_zero_is_deaf_and_dumb() {
+// An endpoint that has not counted its boot neither sends nor accepts packets that acknowledge
+// nothing.
+void test_endpoint_in_epoch_zero_neither_sends_nor_accepts() {
   Endpoint left(left_end, 0);
   Endpoint right(right_end, 1);
   Bytes bytes{};
@@ -158,9 +159,10 @@ void test_a_counter_that_went_back() {
         Verdict::stale);
 }
 
-// A wire at its worst: every packet ever sent may come at any time, again and again, while the ends
-// boot. What is accepted was sent by the partner after this end's boot, once each and in order.
-void test_any_order_with_boots() {
+// The worst channel: every packet ever sent may arrive at any time and repeatedly, while the
+// endpoints boot. Accepted packets were sent by the partner after this endpoint's boot, and are
+// accepted once each and in order.
+void test_random_order_of_delivery_with_boots() {
   struct Sent {
     Bytes bytes;
     int at;
@@ -213,7 +215,7 @@ std::uint32_t turned_away(const Endpoint& end) {
 }
 
 // Who does not know the key gets one of 2⁶⁴ tags right: in a million tries with chance 5 · 10⁻¹⁴.
-void test_a_million_forged() {
+void test_a_million_forged_packets_are_rejected() {
   Acquainted ends;
   RandomWords dice(2);
   for (int i = 0; i < million; ++i) {
@@ -226,7 +228,7 @@ void test_a_million_forged() {
 }
 
 // Every packet of a long talk again, in random order: none is new. No chance is involved.
-void test_a_million_replayed() {
+void test_a_million_replayed_packets_are_rejected() {
   Acquainted ends;
   std::vector<Bytes> tape;
   for (int i = 0; i < 1000; ++i) {
@@ -243,7 +245,7 @@ void test_a_million_replayed() {
 }
 
 // A packet never seen before, with a burst of noise somewhere in it, sometimes cut or too long.
-void test_a_million_corrupted() {
+void test_a_million_corrupted_packets_are_rejected() {
   Acquainted ends;
   RandomWords dice(4);
   for (int i = 0; i < million; ++i) {
@@ -270,16 +272,16 @@ void test_a_million_corrupted() {
 }  // namespace
 
 int main() {
-  test_one_round_trip_makes_acquainted();
+  test_packets_are_accepted_after_one_round_trip();
   test_crossing_hellos();
   test_what_was_sent_before_a_boot_stays_out();
   test_reflection_and_station();
-  test_what_is_not_sent();
-  test_numbers_used_up();
-  test_epoch_zero_is_deaf_and_dumb();
+  test_invalid_packets_are_not_sent();
+  test_endpoint_without_numbers_stops_until_the_next_epoch();
+  test_endpoint_in_epoch_zero_neither_sends_nor_accepts();
   test_a_counter_that_went_back();
-  test_any_order_with_boots();
-  test_a_million_forged();
-  test_a_million_replayed();
-  test_a_million_corrupted();
+  test_random_order_of_delivery_with_boots();
+  test_a_million_forged_packets_are_rejected();
+  test_a_million_replayed_packets_are_rejected();
+  test_a_million_corrupted_packets_are_rejected();
 }

@@ -39,7 +39,7 @@ void test_layout_has_no_gaps() {
   CHECK(packet_size <= 32);
 }
 
-void test_everything_that_can_be_said_comes_across() {
+void test_every_packet_survives_encoding() {
   const auto packets = all_sayings();
   CHECK(packets.size() == 6 + 2 * (3 + 20) + 2 * (12 + 6));
   for (const Packet& packet : packets) {
@@ -51,7 +51,7 @@ void test_everything_that_can_be_said_comes_across() {
 
 // All combinations of kind, roles and payload, also those that no enumeration names: `encode` takes
 // exactly those listed, and with a right tag `decode` calls all others malformed.
-void test_nothing_else_can_be_said() {
+void test_all_other_payloads_are_malformed() {
   const auto packets = all_sayings();
   std::size_t legal = 0;
   for (unsigned kind = 0; kind < 8; ++kind) {
@@ -186,7 +186,7 @@ void test_every_flip_of_one_bit_and_of_two() {
   }
 }
 
-void test_for_whom_it_is() {
+void test_packets_for_another_receiver_pair_or_key_are_rejected() {
   for (const Packet& packet : all_sayings()) {
     const Bytes bytes = encoded(packet);
     for (const Role receiver : {Role::left, Role::right, Role::station}) {
@@ -201,8 +201,8 @@ void test_for_whom_it_is() {
   }
 }
 
-// Any two tags that differ in whatever bits differ.
-void test_same_tag() {
+// Two tags differ if any of their bits differ.
+void test_comparison_of_tags_covers_all_bits() {
   for (int i = 0; i < 64; ++i) {
     const std::uint64_t tag = 0x0123456789abcdef;
     CHECK(same_tag(tag, tag));
@@ -215,12 +215,12 @@ void test_same_tag() {
 
 int main() {
   test_layout_has_no_gaps();
-  test_everything_that_can_be_said_comes_across();
-  test_nothing_else_can_be_said();
+  test_every_packet_survives_encoding();
+  test_all_other_payloads_are_malformed();
   test_numbers_out_of_range();
   test_payloads_and_back();
   test_every_truncation_and_extension();
   test_every_flip_of_one_bit_and_of_two();
-  test_for_whom_it_is();
-  test_same_tag();
+  test_packets_for_another_receiver_pair_or_key_are_rejected();
+  test_comparison_of_tags_covers_all_bits();
 }

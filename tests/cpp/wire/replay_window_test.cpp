@@ -27,8 +27,8 @@ void test_a_window_takes_each_stamp_once_and_only_upwards() {
   CHECK((window.newest() == SequenceNumber{2, 1}));
 }
 
-// Against the definition: new is what is greater than the greatest so far, epoch first.
-void test_a_window_against_one_number() {
+// The definition: a number is new if it is greater than the greatest so far, epoch first.
+void test_window_agrees_with_its_definition() {
   ReplayWindow window;
   std::uint64_t greatest = 0;
   std::uint32_t random = 1;
@@ -49,5 +49,5 @@ void test_a_window_against_one_number() {
 
 int main() {
   test_a_window_takes_each_stamp_once_and_only_upwards();
-  test_a_window_against_one_number();
+  test_window_agrees_with_its_definition();
 }

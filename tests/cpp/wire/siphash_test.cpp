@@ -47,7 +47,7 @@ void test_example_of_the_paper() {
 }
 
 // Every bit of the key and of the text changes the tag, and so does a zero byte more.
-void test_every_bit_counts() {
+void test_every_bit_of_key_and_text_changes_the_tag() {
   auto key = counting_key();
   std::array<std::uint8_t, 16> text{};
   const std::uint64_t tag = siphash24(key, text);
@@ -68,5 +68,5 @@ void test_every_bit_counts() {
 int main() {
   test_vectors_of_the_authors();
   test_example_of_the_paper();
-  test_every_bit_counts();
+  test_every_bit_of_key_and_text_changes_the_tag();
 }

@@ -203,10 +203,10 @@ void test_a_step(Near near, Seen& seen, SideBySide<Real>& side_by_side) {
   CHECK(advance.motion[other(side)] == SlipDirection::stick);
   if (before.push != Real(0) || tied != Real(0)) return;
   World<Real> world(model, configuration);
-  const Advance<Real>& told = world.advance(change, angles, push);
+  const Advance<Real>& result = world.advance(change, angles, push);
   CHECK(same_bits(world.state(), apart));
-  CHECK(told.reason == advance.reason && told.fraction == advance.fraction);
-  CHECK(told.motion == advance.motion && told.segments == advance.segments);
+  CHECK(result.reason == advance.reason && result.fraction == advance.fraction);
+  CHECK(result.motion == advance.motion && result.segments == advance.segments);
 }
 
 template <class Real>

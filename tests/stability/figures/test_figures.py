@@ -1,155 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures 2 to 7: they show what the analysis found, for any scene, legibly and reproducibly."""
+"""Figures 2 to 4 and 7, and the legibility of all: they show the analysis of any scene."""
 
 import math
-from collections.abc import Iterator
 from itertools import combinations, product
-from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
-from matplotlib.path import Path as Outline
-from matplotlib.text import Text
-from numpy.typing import NDArray
 
 import palmbots as pb
-from palmbots._types import SIDES, Side
 from palmbots.errors import PalmbotsError
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.figures.analysis_figures import draw_all
 from palmbots.stability.figures.canvas import clipped
 from palmbots.stability.figures.cone_figures import figure3, figure4
 from palmbots.stability.figures.drawn_state import state_of
-from palmbots.stability.figures.region_figures import figure5, figure6
 from palmbots.stability.figures.sensor_figure import figure7, readings
-from palmbots.stability.linear_conditions import failing
-from palmbots.stability.problem import permitted, stability_problem
+from palmbots.stability.problem import stability_problem
 from palmbots.viz.style import styled
-
-CORNERS = [[0.0, 0.0], [0.2, 0.0], [0.26, 0.12], [-0.02, 0.14]]
-TRAPEZOID: dict[str, Any] = {
-    "object": {"vertices_m": CORNERS, "com_m": [0.105, 0.05]},
-    "palm": {
-        "friction": 0.35,
-        "left": {"length_m": 0.12, "steep_deg": 18.0},
-        "right": {"length_m": 0.18, "friction": 0.25, "shallow_deg": 8.0, "pivot_offset_m": 0.02},
-    },
-    "task": {"slope_deg": 3.0},
-}
-SIDED = [f"{name}_{side}" for name in ("theta", "friction", "offset") for side in SIDES]
-ANGLES = ("theta_left_deg", "theta_right_deg")
-ZONES = [
-    {"sign": "-", "from_m": -0.075, "to_m": 0.002},
-    {"sign": "0", "from_m": -0.004, "to_m": 0.004},
-    {"sign": "+", "from_m": 0.002, "to_m": 0.05},
-]
-SCENES: dict[str, tuple[Any, dict[str, Any]]] = {
-    "paper": ("paper", {}),
-    "phi below theta": ("paper", {"palm.friction": 0.2}),
-    "phi above theta": ("paper", {"palm.friction": 0.5}),
-    "offset": ("paper-offset", {}),
-    "trapezoid": (TRAPEZOID, {}),
-    "zones": ("paper", {"tactile.zones": ZONES}),
-    "flat": ("paper", {"palm.shallow_deg": 0.0, "palm.steep_deg": 10.0}),
-    "wedged": ("paper", {"palm.friction": 3.0}),
-}
-
-
-def random_table(rng: np.random.Generator) -> dict[str, Any]:
-    """A scene with any palms and outlines on feet, on a keel and not convex among others."""
-    w, h, a, b = (float(x) for x in rng.uniform((0.08, 0.05, -0.1, -0.1), (0.5, 0.45, 0.1, 0.1)))
-    foot, sole = 0.2 * w, 0.2 * min(w, h)
-    inner = [[foot, 0.0], [foot, sole], [w - foot, sole], [w - foot, 0.0]]
-    outlines = [
-        [[0.0, 0.0], [w, 0.0], [w + a * w, h], [-b * w, h]],
-        [[0.0, 0.0], *inner, [w, 0.0], [w, h], [0.0, h]],
-        [[0.0, 0.0], [w / 2, -sole], [w, 0.0], [w + a * w, h], [-b * w, h]],
-        [[0.0, 0.0], [w, 0.0], [w, sole], [foot, sole], [foot, h], [0.0, h]],
-    ]
-    kind = rng.integers(len(outlines))
-    height = float(rng.uniform(0.3, 0.9)) * sole if kind == 3 else 0.4 * h
-
-    def palm() -> dict[str, float]:
-        names = ("length_m", "friction", "shallow_deg", "steep_deg", "pivot_offset_m")
-        least, most = (0.05, 0.05, -4.0, 0.5, -0.01), (0.2, 0.9, 14.0, 14.0, 0.02)
-        found = dict(zip(names, rng.uniform(least, most).tolist(), strict=True))
-        return found | {"steep_deg": found["shallow_deg"] + found["steep_deg"]}
-
-    return {
-        "object": {
-            "vertices_m": outlines[kind],
-            "contacts": [0, outlines[kind].index([w, 0.0])],
-            "com_m": [w * float(rng.uniform(0.25, 0.75)), height],
-        },
-        "palm": palm() | ({"right": palm()} if rng.random() < 0.5 else {}),
-        "task": {"slope_deg": float(rng.choice([0.0, rng.uniform(-5, 5)]))},
-        "tactile": {"zones": ZONES} if rng.random() < 0.5 else {},
-    }
-
-
-def random_analyses(count: int, seed: int) -> Iterator[Analysis]:
-    rng = np.random.default_rng(seed)
-    while count:
-        try:
-            found = pb.analyze(random_table(rng))
-        except PalmbotsError:  # the object does not reach across these palms
-            continue
-        count -= 1
-        yield found
-
-
-SHORT = ("phi below theta", "phi above theta")  # the others take long
-
-
-@pytest.fixture(
-    scope="module",
-    params=[*SHORT, *(pytest.param(s, marks=pytest.mark.soak) for s in SCENES if s not in SHORT)],
+from stability_figures import (
+    ANGLES,
+    ZONES,
+    random_analyses,
+    rows,
+    shown_texts,
 )
-def analysis(request: pytest.FixtureRequest) -> Analysis:
-    source, overrides = SCENES[request.param]
-    return pb.analyze(source, overrides=overrides)
-
-
-@pytest.fixture(scope="module")
-def figures(analysis: Analysis) -> dict[str, Figure]:
-    return draw_all(analysis)
-
-
-@pytest.fixture(scope="module")
-def paper() -> Analysis:
-    return pb.analyze("paper")
-
-
-def polygons(axes: Axes, gid: str) -> list[NDArray[np.float64]]:
-    found = [patch for patch in axes.patches if patch.get_gid() == gid]
-    return [np.asarray(patch.get_xy(), float) for patch in found if isinstance(patch, Polygon)]
-
-
-def shades(axes: Axes, gid: str, x: float, y: float) -> bool:
-    return any(Outline(polygon).contains_point((x, y)) for polygon in polygons(axes, gid))
-
-
-def shown_texts(figure: Figure) -> list[Text]:
-    """All texts that are drawn; tick labels only if they are in view."""
-    found: list[Text] = []
-    labels: set[int] = set()
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            for tick in axis.get_major_ticks():
-                labels |= {id(tick.label1), id(tick.label2)}
-                if low <= tick.get_loc() <= high and tick.label1.get_visible():
-                    found.append(tick.label1)
-    others = [text for text in figure.findobj(Text) if isinstance(text, Text)]
-    found += [text for text in others if text.get_visible() and id(text) not in labels]
-    return [text for text in found if text.get_text()]
-
-
-def rows(figure: Figure) -> list[str]:
-    return [row for text in shown_texts(figure) for row in text.get_text().split("\n")]
 
 
 def check(figures: dict[str, Figure]) -> None:
@@ -261,131 +136,6 @@ def test_figure_4_heights_are_the_papers() -> None:
     )
     assert next(row for row in found if row.startswith("R₂  ")).endswith("*")
     assert any("behind a contact" in row for row in found)
-
-
-def planes(figure: Figure) -> Iterator[tuple[Axes, int, Side]]:
-    for k, axes in enumerate(figure.axes):
-        yield axes, 1 + k % 2, SIDES[k // 2]
-
-
-def test_figure_5_draws_the_band(analysis: Analysis, figures: dict[str, Figure]) -> None:
-    at = analysis.problem
-    for axes, number, shallow in planes(figures["figure5"]):
-        band, angles = analysis.bands[number, shallow], at.palms(shallow)
-        base = at.offset[1] * math.cos(angles[1]) - at.offset[0] * math.cos(angles[0])
-        gain = 1e-3 * np.array([-math.sin(angles[0]), math.sin(angles[1])])
-        reach = np.array(list(product(axes.get_xlim(), axes.get_ylim()))) @ gain + base
-        for gid, k in (("k_lower", band.k_lower), ("k_upper", band.k_upper)):
-            lines = [line for line in axes.lines if line.get_gid() == gid]
-            assert len(lines) == (k is not None and reach.min() < k < reach.max())
-            for line in lines:
-                assert np.asarray(line.get_xydata()) @ gain + base == pytest.approx(k, abs=1e-12)
-
-
-@pytest.mark.parametrize("scenes", [1, pytest.param(5, marks=pytest.mark.soak)])
-def test_figure_5_shades_what_fails(scenes: int) -> None:
-    """Random contacts, outside the palms too, against the mode that happens there."""
-    rng = np.random.default_rng(8)
-    counted = {True: 0, False: 0}
-    order = ("SL", "ST"), ("ST", "SR"), ("ST", "SL"), ("SR", "ST")
-    wanted = [pb.mechanics.CONTACT_MODES.index(mode) for mode in order]
-    for found in [pb.analyze(TRAPEZOID), *random_analyses(scenes, 21)]:
-        at = found.problem
-        for axes, number, shallow in planes(figure5(found)):
-            angles, mode = at.palms(shallow), wanted[2 * number - 2 + SIDES.index(shallow)]
-            x, y = rng.uniform(*axes.get_xlim(), 60), rng.uniform(*axes.get_ylim(), 60)
-            z = 1e-3 * (y * math.sin(angles[1]) - x * math.sin(angles[0]))
-            z += at.offset[1] * math.cos(angles[1]) - at.offset[0] * math.cos(angles[0])
-            bad = [failing(form, at.width) for form in at.forms(number, shallow, angles)]
-            ends = [end for interval in bad if interval for end in interval]
-            values = (at.width, *at.com, *angles, *at.friction, *at.offset, at.slope)
-            given = dict(zip(("width", "com_x", "com_y", *SIDED, "slope"), values, strict=True))
-            happens = pb.modes_batch(p_left=1e-3 * x, p_right=1e-3 * y, **given)
-            modes = happens.closing if number == 1 else happens.opening
-            for k in range(60):
-                if abs(z[k]) > 0.99 * at.width or any(abs(z[k] - end) < 1e-6 for end in ends):
-                    continue
-                shaded = shades(axes, "fails", x[k], y[k])
-                assert shaded == (modes[k] != mode)
-                counted[shaded] += 1
-    assert min(counted.values()) > 100
-
-
-def test_figure_5_of_the_paper_and_its_panels(paper: Analysis) -> None:
-    figure = figure5(paper)
-    first, second = figure.axes
-    (region,) = polygons(first, "region")
-    assert {tuple(p) for p in region} == {(-75, -75), (0, -75), (0, 75), (-75, 75)}
-    (region,) = polygons(second, "region")
-    assert {tuple(p) for p in region} == {(-75, 0), (75, 0), (75, 75), (-75, 75)}
-    texts = " ".join(rows(figure))
-    assert "k_lower = −244.1 mm, k_upper = 64.9 mm" in texts
-    assert "fails first at E (−75.0, 75.0): driven together" in texts
-    assert "travel margin 112.7 mm" in texts
-    shifted = pb.analyze("paper", overrides={"object.com_m": [0.124, 0.04]})
-    assert len(figure5(shifted).axes) == 4  # no longer its own mirror image
-
-
-def test_figure_5_labels_the_arrow_once(analysis: Analysis) -> None:
-    """The arrow is the travel margin; k_upper and k_lower stand by the lines they are of."""
-    figure = figure5(analysis)
-    with styled():
-        figure.draw_without_rendering()
-    for axes, number, shallow in planes(figure):
-        inside = [t for t in axes.texts if axes.bbox.contains(*t.get_window_extent().p0)]
-        texts = {text.get_text(): text for text in inside if text.get_text()}
-        arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
-        margins = analysis.properties[number, shallow].margins
-        labels = [] if not arrows else [f"travel margin {1e3 * (margins.travel_m or 0.0):.1f}"]
-        lines = {str(line.get_gid()): line for line in axes.lines if line.get_gid()}
-        assert set(texts) == {"E", "F", *labels, *lines}
-        for name, line in lines.items():
-            at = texts[name].get_window_extent().get_points().mean(axis=0)
-            ends = axes.transData.transform(np.asarray(line.get_xydata()))
-            assert away(at, ends) < 0.5 * figure.dpi  # half an inch
-            for other in labels:
-                box = texts[other].get_window_extent().get_points()
-                assert away(at, ends) < away(box.mean(axis=0), ends)
-
-
-def away(point: NDArray[np.float64], segment: NDArray[np.float64]) -> float:
-    """The distance of a point from a segment."""
-    along = segment[1] - segment[0]
-    share = np.clip((point - segment[0]) @ along / (along @ along), 0.0, 1.0)
-    return float(np.hypot(*(segment[0] + share * along - point)))
-
-
-@pytest.mark.parametrize("scenes", [2, pytest.param(10, marks=pytest.mark.soak)])
-def test_figure_6_shades_the_permitted_coms(scenes: int) -> None:
-    """Random COMs in the outline are shaded exactly where the core permits them."""
-    rng = np.random.default_rng(1)
-    counted = {True: 0, False: 0}
-    for found in [pb.analyze("paper"), pb.analyze(TRAPEZOID), *random_analyses(scenes, 30)]:
-        at = found.problem
-        corners = np.array([(x, y) for x, _, y in at.spec.outline])
-        points = rng.uniform(corners.min(axis=0), corners.max(axis=0), (60, 2))
-        panels = figure6(found).axes
-        for x, y in points[Outline([*corners, corners[0]]).contains_points(points)]:
-            envelope = at.envelope(com_y=(y, y))
-            allowed: list[bool] = []
-            for number, side in product((1, 2), SIDES):
-                low, high = permitted(envelope, number, side, at.angles)
-                allowed.append(low <= x <= high)
-                if min(abs(x - low), abs(x - high)) > 1e-7:
-                    shaded = shades(panels[number - 1], side, 1e3 * x, 1e3 * y)
-                    assert shaded == allowed[-1], (number, side, x, y)
-                    counted[shaded] += 1
-            assert shades(panels[2], "both", 1e3 * x, 1e3 * y) == all(allowed)
-    assert min(counted.values()) > 200
-
-
-def test_figure_6_dimensions_are_the_ranges(paper: Analysis) -> None:
-    texts = [{t.get_text() for t in axes.texts} for axes in figure6(paper).axes]
-    assert {"108.5 – 246.9", "3.1 – 141.5"} <= texts[0]
-    assert {"4.2 – 217.8", "32.2 – 245.8"} <= texts[1]
-    assert "108.5 – 141.5" in texts[2]
-    narrow = pb.analyze("paper", overrides={"object.com_m": [0.125, 0.15], "palm.friction": 0.5})
-    assert "none at this height" in rows(figure6(narrow))
 
 
 def test_figure_7_readings_follow_the_rule_of_the_sensor(paper: Analysis) -> None:

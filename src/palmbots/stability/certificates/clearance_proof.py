@@ -14,7 +14,7 @@ Two segments that do not touch are always separated by the line through one of t
 size of a part can leave this undecided. Where all vertices lie above the palm's line, palms of any
 length are clear. With d = κ (1 − t u, −(t + u)), κ = cos θ cos ϑ > 0, t = tan θ, u = ± tan ϑ, each
 of these conditions is linear in each of t, u, w, κ a and κ b alone, so the corners of a part
-suffice. Source: MECHANICS section 5.
+suffice. Source: docs/theory/stability.md, "Certificates".
 """
 
 import math

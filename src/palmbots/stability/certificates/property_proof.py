@@ -4,7 +4,7 @@
 With the tangents of the palm angles and of the object's angle as variables, every condition is
 linear in each uncertain quantity alone. It therefore holds on a part if it holds at the corners of
 the part, with the object's tangent enclosed over the part.
-Source: MECHANICS section 3, "Vertex certificate".
+Source: docs/theory/stability.md, "Why corners suffice".
 """
 
 from collections.abc import Callable

@@ -7,7 +7,7 @@ its part of the box: properties 0, 1 and 2 in `property_proof`, and the clearanc
 from palms of finite length in `clearance_proof`. Where the corners do not suffice, the part is
 bisected along the quantity with the largest effect, and each half is proved. The file contains the
 scene, the box, the claims and the bisections, and nothing else. `palmbots.check` verifies it with
-exact rational numbers and separate code. Source: MECHANICS section 3, "Vertex certificate".
+exact rational numbers and separate code. Source: docs/theory/stability.md.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 Both show the left palm shallow and the right one steep. The paper draws its Figure 4 for φ < θ.
 With φ > θ the steep palm's lower edge leans away, and its line meets the line of gravity below the
 object. Figure 4 therefore also shows the squeezes, whose order does not depend on the angles.
-Source: paper, section 3; MECHANICS sections 2 and 4.
+Source: paper, section 3; docs/theory/mechanics.md.
 """
 
 import math

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's Figure 2 for any scene: the geometry and its symbols, to scale.
 
-The left palm is shallow and the right one steep. Source: paper, section 2; MECHANICS section 1.
+The left palm is shallow and the right one steep. Source: paper, section 2; docs/theory/notation.md.
 """
 
 import math

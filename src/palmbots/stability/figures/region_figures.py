@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's Figures 5 and 6 for any scene: operating region and permitted centres of mass.
 
-Source: paper, section 3; MECHANICS sections 3 to 5.
+Source: paper, section 3; docs/theory/stability.md.
 """
 
 import math

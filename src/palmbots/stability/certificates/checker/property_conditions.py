@@ -11,8 +11,8 @@ the squeeze at the left edge (a, b) is less than that at the right edge (c, d) i
 
     (a d + b c) ((1 − s T) x − (T + s) y) > w (a d − s b d + T (a c − s b c))
 
-(MECHANICS section 3, both sides times dx). A property is a few such comparisons, "the object is
-not lifted off" on either side, and "the edge that slides is not wedged". Each of these forms is
+(docs/theory/stability.md, both sides times dx). A property is a few such comparisons, "the object
+is not lifted off" on either side, and "the edge that slides is not wedged". Each of these forms is
 linear in each of t, μ, x, y, T, w and s alone. It is therefore positive on a whole box if it is
 positive at all corners of the box; no other theorem is used. T belongs to the box as an interval
 that contains every T of the palm angles and contacts.
