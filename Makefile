@@ -41,7 +41,9 @@ verify: $(VENV)/test.done  ## let the model checker explore the shipped controll
 lint: $(VENV)/test.done
 	$(BIN)/ruff check $(PY_FILES)
 	$(BIN)/ruff format --check $(PY_FILES)
-	$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
+	@echo clang-format --dry-run --Werror '(all C++ files)'
+	@$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
+	$(BIN)/python scripts/check_vocabulary.py
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright
 
 format: $(VENV)/test.done  ## put Python and C++ sources into their standard form

@@ -10,8 +10,8 @@
 //
 // lease (Tm, Tc). A robot's newest echo is of a beacon that waited up to B to be sent, took D to
 // arrive, waited up to B for the partner's next beacon and took D back. On a perfect radio it is up
-// to 2 D + 2 B old, plus a tick each for steps that fall between. The lease must be longer than that.
-// Each further B allows one more beacon in a row to be lost before a robot stops.
+// to 2 D + 2 B old, plus a tick each for steps that fall between. The lease must be longer than
+// that. Each further B allows one more beacon in a row to be lost before a robot stops.
 //
 // hold (Tp, Tb). A robot moves away only on an Ack that is at most `lease` old by its own clock. It
 // may miss W ticks, and then brakes for K. The robot that sent the Ack keeps its palm up for the
@@ -25,9 +25,9 @@
 // waits for the echo of its release instead, one round trip.
 //
 // skew. A robot that stops reports it. Its partner stops when it hears that, or when its lease
-// expires: what it hears later was sent by a robot at rest. So no robot travels alone for longer than
-// alone = r (lease + 1) + W. Both palms are steep by then or turning so, and one contact takes the
-// whole shift: speed × alone / cos(steepest palm). Before that the robots may have started one
+// expires: what it hears later was sent by a robot at rest. So no robot travels alone for longer
+// than alone = r (lease + 1) + W. Both palms are steep by then or turning so, and one contact takes
+// the whole shift: speed × alone / cos(steepest palm). Before that the robots may have started one
 // after the other, which shifts it for `join`. The skew is the sum of both. The room is the
 // distance from the zero zone to the end of the palm.
 //
@@ -36,11 +36,11 @@
 //   - bias and noise of the robot that is left alone, for alone + r join: `drift` a tick;
 //   - what the contact had moved beyond the zone before its correction began: `off_zone`;
 //   - braking, where the robots' accelerations differ (part of `off_zone`).
-// Noise has no bound; here it counts with one standard deviation in each place. That is assumed, and
-// enough: the skew itself takes a fault at the worst instant of the worst tick. One reboot in every
-// carry adds at most 0.2 % of drops (benchmarks/bench_lease.py).
-// Where the noise leaves no lease at all, the shortest one is used, and `is_noisy` reports it:
-// such wheels lose the object without any fault.
+// Noise has no bound; here it counts with one standard deviation in each place. That is assumed,
+// and enough: the skew itself takes a fault at the worst instant of the worst tick. One reboot in
+// every carry adds at most 0.2 % of drops (benchmarks/bench_lease.py). Where the noise leaves no
+// lease at all, the shortest one is used, and `is_noisy` reports it: such wheels lose the object
+// without any fault.
 //
 // join. The robot that starts first reports it at once. The other one was ready by then, hears it
 // D later and starts in the next tick at the latest: join = r D + 1. With less, contacts that were

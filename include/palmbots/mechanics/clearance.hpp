@@ -4,7 +4,7 @@
 // Seen from a contact, the palm is a segment along the x axis of its own frame (inward, normal),
 // and the object is turned by the angle α between palm and object. Two events can end clearance:
 // another vertex of the outline comes down on the palm (an edge lies flush), or an end of the palm
-// meets an edge of the object (a tip contact). Source: MECHANICS section 5.
+// meets an edge of the object (a tip contact). Source: docs/theory/contacts.md.
 #pragma once
 
 #include <cstdint>

@@ -4,8 +4,8 @@
 // Seen from a contact vertex: a palm is a segment along the x axis of its own frame (inward,
 // normal), as in mechanics/clearance.hpp. The object touches it with a vertex, with an edge that
 // lies flush on it (whose two ends on the palm hold it like two points), or meets a palm's tip with
-// an edge, whose normal counts there. What is nearer than a tolerance touches. Source: MECHANICS
-// section 5.
+// an edge, whose normal counts there. What is nearer than a tolerance touches. Source:
+// docs/theory/contacts.md.
 #pragma once
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 //
 // Closing drives the contact points together. The squeeze rises to the upper end of I_L ∩ I_R, and
 // the contact whose cone ends there slides up. Opening lowers the squeeze to the lower end, and the
-// contact whose cone ends there slides down. Source: MECHANICS section 2; paper, section 3.1 ("9,
-// 3, 5, one").
+// contact whose cone ends there slides down. Source: docs/theory/mechanics.md; paper, section 3.1
+// ("9, 3, 5, one").
 #pragma once
 
 #include <array>
@@ -76,7 +76,7 @@ struct SelectedMode {
   ContactMode mode;  // valid if balanced and not jammed
 };
 
-// Finds the mode that occurs in this direction (MECHANICS section 2).
+// Finds the mode that occurs in this direction (docs/theory/mechanics.md).
 template <class Real>
 constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
   PerSide<Interval<Real>> ends{};

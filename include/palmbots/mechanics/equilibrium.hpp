@@ -4,7 +4,7 @@
 //
 // Balance of forces and moments on an object held at two points leaves one unknown, the squeeze H.
 // Under a sideways specific force s (floor slope or acceleration, towards −x) the two palms squeeze
-// by H + s/2 and H − s/2. With s = 0 this is MECHANICS section 2, with s ≠ 0 section 4. H is the
+// by H + s/2 and H − s/2. docs/theory/mechanics.md explains both. H is the
 // mean of the two, so that the mirrored problem has mirrored numbers to the last bit. Forces are in
 // units of the weight.
 //
@@ -138,8 +138,8 @@ constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
 }
 
 // The line in (dx, dy) on which the squeezes at one edge of the left cone and one edge of the right
-// cone are equal. It is a line because the polynomial G of MECHANICS section 3 is linear in tan ϑ =
-// dy / dx; its quadratic terms cancel, with s ≠ 0 too.
+// cone are equal. It is a line because the polynomial G of docs/theory/stability.md is linear in
+// tan ϑ = dy / dx; its quadratic terms cancel, with s ≠ 0 too.
 //
 // at(dx, dy) > 0 ⇔ H at the left edge > H at the right edge, where neither edge is wedged.
 template <class Real>
@@ -167,7 +167,7 @@ constexpr SlipOrder<Real> slip_order(const Moments<Real>& moments, ConeEdge<Real
 }
 
 // True where an edge bounds no squeeze, because its cone contains the line to the other contact.
-// Pushing along that line only wedges the object (MECHANICS section 2).
+// Pushing along that line only wedges the object (docs/theory/mechanics.md).
 template <class Real>
 constexpr MaskOf<Real> wedged(std::size_t side, ConeEdge<Real> edge, Real dx, Real dy) {
   const Real rise = mirrored(side, dy);

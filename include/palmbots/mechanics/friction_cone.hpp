@@ -4,7 +4,7 @@
 // Frame: world x forward, y up. H is the horizontal force with which the palm pushes the object
 // inward, V the vertical one; both have the same sign convention on either side. A contact force
 // leans inward from the vertical by atan(H / V). Coulomb friction bounds that lean to [θ − φ, θ +
-// φ], φ = atan μ. Source: MECHANICS section 2; the friction cones are Figure 3 of the paper.
+// φ], φ = atan μ. Source: docs/theory/mechanics.md; the friction cones are Figure 3 of the paper.
 #pragma once
 
 #include <cstdint>

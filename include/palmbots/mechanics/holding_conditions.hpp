@@ -2,7 +2,7 @@
 // Holding conditions: when two palms hold an object at one instant, and why a carry ends if they do
 // not.
 //
-// Source: MECHANICS section 5.
+// Source: docs/theory/contacts.md.
 #pragma once
 
 #include <cstdint>

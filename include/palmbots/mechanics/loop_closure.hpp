@@ -5,7 +5,7 @@
 // P are the pivots (at equal heights, `separation` apart), u is the unit vector outward along a
 // palm, and n is its normal. o is the offset of the palm's surface from its pivot along n, and p
 // the contact coordinate along u. A contact is at C = P + p u + o n. The object is rigid: |C_R −
-// C_L| = w. Source: MECHANICS section 1; for o = 0 the height difference dy is the paper's z,
+// C_L| = w. Source: docs/theory/mechanics.md; for o = 0 the height difference dy is the paper's z,
 // equation (1).
 #pragma once
 

@@ -2,7 +2,7 @@
 // Slip onset: which contact slips and in which direction. The world evaluates both at every
 // instant.
 //
-// Source: MECHANICS sections 1 and 2.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/mechanics/contact_modes.hpp"

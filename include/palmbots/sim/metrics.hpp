@@ -47,7 +47,7 @@ inline constexpr std::size_t max_contact_events = 128;
 
 // Number of corrections that make a limit cycle: corrections of one robot that alternate in sign
 // and follow each other at once. It occurs if the dead band is too narrow for latency and speed, so
-// that (a) leads to (d) and back forever (PROTOCOL, "Dead band").
+// that (a) leads to (d) and back forever (docs/theory/protocols.md, "Hazards").
 inline constexpr std::uint32_t limit_cycle_length = 8;
 
 // Statistics taken every tick. Squares are summed in Real over a block of ticks, and the blocks are

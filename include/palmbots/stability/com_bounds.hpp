@@ -25,7 +25,7 @@
 //
 // Uncertain friction: H at an edge grows with the edge's lean (while the COM is between the
 // contacts). So the worst pair of frictions of each comparison is known beforehand. Sources:
-// MECHANICS sections 2–4; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
+// docs/theory/stability.md; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
 #pragma once
 
 #include "palmbots/mechanics/holding_conditions.hpp"

@@ -10,7 +10,7 @@
 //
 // The operating region: with one palm tilted to shallow, either its own contact is to be corrected
 // (property 1's region) or the partner's (property 2's). With both palms at the same angle, the
-// contacts may be anywhere. Sources: MECHANICS sections 3 and 5; paper, sections 3.3 and 3.4.
+// contacts may be anywhere. Sources: docs/theory/stability.md; paper, sections 3.3 and 3.4.
 #pragma once
 
 #include "palmbots/stability/com_bounds.hpp"

@@ -4,8 +4,8 @@
 // The COM's tolerance has a closed form: the distance of the stated c_x from the nearer end of the
 // permitted interval. For the other quantities the envelope is widened by ±δ until the stated c_x
 // is no longer permitted, or, if angles or contacts are widened, until the outline touches a palm.
-// A wider envelope permits less, so bisection finds the largest δ. Source: MECHANICS sections 3 and
-// 4.
+// A wider envelope permits less, so bisection finds the largest δ. Source:
+// docs/theory/stability.md.
 #pragma once
 
 #include "palmbots/stability/operating_envelope.hpp"

@@ -10,7 +10,7 @@
 // integrated, so nothing drifts.
 //
 // All equations are multiplied by w, so their unit is m². In a palm's frame, (inward, normal) is
-// the vector from its own contact vertex to the other one. Source: MECHANICS sections 1, 5, 6.
+// the vector from its own contact vertex to the other one. Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/small_linear.hpp"

@@ -18,7 +18,7 @@
 // A check at the end of the step therefore misses no event. While a palm turns, a step is cut into
 // pieces of at most 1° for the same check.
 //
-// Source: MECHANICS sections 1, 2, 5, 6.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"

@@ -10,7 +10,7 @@
 //     amount if that balances, else along the one that balances;
 //   - otherwise the first in a fixed order, the palm with the further contact first.
 //
-// Source: MECHANICS sections 5, 6.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 //
 // The carry is over when nothing touches one of the palms any more, and as in
 // mechanics/holding_conditions.hpp. As in world/quasistatic_world.hpp `push` decides which contacts
-// slide, not whether the object is held. Source: MECHANICS sections 5, 6.
+// slide, not whether the object is held. Source: docs/theory/mechanics.md.
 #pragma once
 
 #include <cmath>

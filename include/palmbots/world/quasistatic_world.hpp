@@ -9,12 +9,12 @@
 // takes over until it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
-// (MECHANICS section 4). It affects only which contact slips first. It is small, but so are the
-// quantities it competes with: with φ near θ the lower ends of the squeeze intervals are close to
-// zero and to each other. Without a push a symmetric object would stay symmetric forever, which no
-// real object does. The conditions that end a carry are evaluated without the push.
+// (docs/theory/mechanics.md). It affects only which contact slips first. It is small, but so are
+// the quantities it competes with: with φ near θ the lower ends of the squeeze intervals are close
+// to zero and to each other. Without a push a symmetric object would stay symmetric forever, which
+// no real object does. The conditions that end a carry are evaluated without the push.
 //
-// Source: MECHANICS sections 1, 2, 4, 5, 6.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/world/event_step.hpp"

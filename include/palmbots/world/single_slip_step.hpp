@@ -8,7 +8,7 @@
 // else happens (a reversal, an end, both edges wedged), nothing is changed, and the world takes the
 // step apart (world/quasistatic_world.hpp).
 //
-// Source: MECHANICS sections 1, 2, 6.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/world/slip_switch_step.hpp"

@@ -5,7 +5,7 @@
 // common step (world/single_slip_step.hpp), for one carry or for several side by side. It gives the
 // same result as world/event_step.hpp, which handles all other events.
 //
-// Source: MECHANICS sections 1, 2, 6.
+// Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
