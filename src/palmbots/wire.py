@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.control.interface import MessageKind, Move, Palm
 from palmbots.errors import PalmbotsError
@@ -291,10 +292,10 @@ def _check_talk(sender: Role, receiver: Role, kind: Kind) -> None:
     to: tuple[Role, ...] = tuple(role for role in _ROLES if role != sender)
     match kind:
         case "message" | "beacon":
-            _index("sender of a " + kind, ("left", "right"), sender)
+            _index("sender of a " + kind, SIDES, sender)
             to = tuple(role for role in to if role != "station")
         case "report":
-            _index("sender of a report", ("left", "right"), sender)
+            _index("sender of a report", SIDES, sender)
             to = ("station",)
         case "command":
             _index("sender of a command", ("station",), sender)

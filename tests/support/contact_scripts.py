@@ -53,7 +53,9 @@ class End:
 
 def scripts(seed: int, count: int) -> list[Script]:
     rng = np.random.default_rng(seed)
-    made = []
+    made: list[Script] = []
+    thing: dict[str, Any] = {}
+    keys: dict[str, Any] = {}
     for n in range(count):
         if n % PER_SCENE == 0:
             thing = OBJECTS[int(rng.integers(len(OBJECTS)))]

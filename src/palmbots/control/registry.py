@@ -40,6 +40,7 @@ __all__ = [
     "unregister",
 ]
 
+
 @dataclass(frozen=True)
 class ControllerEntry:
     """One controller, and what other parts of the package need to know of it."""

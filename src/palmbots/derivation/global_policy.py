@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 
 __all__ = [
-    "NAMES",
     "Case",
     "Direction",
     "Move",
@@ -27,7 +27,6 @@ __all__ = [
     "table_1",
 ]
 
-NAMES = ("left", "right")
 Signs = tuple[int, int]
 Direction = Literal["away", "closer"]
 
@@ -101,7 +100,7 @@ def table_1() -> Policy:
     return tuple(
         Case(
             (signs[0], signs[1]),
-            None if tilt == "none" else NAMES.index(tilt),
+            None if tilt == "none" else SIDES.index(tilt),
             tuple(_move(*action) for action in actions if action[0] != "hold"),
         )
         for signs, tilt, *actions in _core.table1()
@@ -109,7 +108,7 @@ def table_1() -> Policy:
 
 
 def _move(direction: str, whose: str, until: str) -> Move:
-    contacts = (0, 1) if whose == "either" else (NAMES.index(whose),)
+    contacts = (0, 1) if whose == "either" else (SIDES.index(whose),)
     relation = "≤" if until == "le_zero" else "≥"
     return Move(
         "away" if direction == "away" else "closer", tuple(Until(c, relation) for c in contacts)

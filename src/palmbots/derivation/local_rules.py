@@ -20,8 +20,9 @@ Source: section 6 of the paper asks for this transformation, from section 2 to s
 from dataclasses import dataclass, field
 from itertools import product
 
+from palmbots._types import SIDES
 from palmbots.derivation.contact_motion import Palms, improves, passed_through, sliders, why
-from palmbots.derivation.global_policy import NAMES, Direction, Move, Policy, Signs, Wiring
+from palmbots.derivation.global_policy import Direction, Move, Policy, Signs, Wiring
 from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program, table_2
 
 __all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "signs_text"]
@@ -260,7 +261,7 @@ def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, in
         if len(by_owner) == 1 and done.wiring.alike:
             (owner,) = by_owner
             done.findings.append(
-                f"rule ({name}) is the {NAMES[owner]} robot's alone: the policy has no mirror "
+                f"rule ({name}) is the {SIDES[owner]} robot's alone: the policy has no mirror "
                 "image of " + ", ".join(f"case {c}, move {k}" for c, k in done.sources[name])
             )
     done.rules = dict(sorted(done.rules.items()))

@@ -15,9 +15,10 @@ time. There are four permissions, each wider than the one before:
 
 from typing import NamedTuple
 
+from palmbots._types import SIDES
 from palmbots.derivation.abstract_world import Motion, Turn
 from palmbots.derivation.contact_motion import Palms, improves, sliders
-from palmbots.derivation.global_policy import NAMES, Signs
+from palmbots.derivation.global_policy import Signs
 from palmbots.derivation.local_rules import Conflict, Derivation, signs_text
 
 __all__ = ["LEVELS", "Kind", "Permissions"]
@@ -144,7 +145,7 @@ class Permissions:
 
 def _done(direction: str, palms: Palms) -> str:
     """The direction of a motion and its palms, in words."""
-    how = [f"the {NAMES[k]} palm {_PALM[palms[k]]}" for k in (0, 1) if palms[k] != "steep"]
+    how = [f"the {SIDES[k]} palm {_PALM[palms[k]]}" for k in (0, 1) if palms[k] != "steep"]
     if palms[0] == palms[1]:
         how = [f"both palms {_PALM[palms[0]]}"]
     return f"{'closes' if direction == 'closer' else 'separates'} with {' and '.join(how)}"

@@ -11,8 +11,8 @@ never moved would depart from nothing.
 from collections import deque
 from dataclasses import dataclass, field
 
+from palmbots._types import SIDES
 from palmbots.derivation.abstract_world import Motion, State, System, Turn
-from palmbots.derivation.global_policy import NAMES
 from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS, Kind, Permissions
 
@@ -35,7 +35,7 @@ class Departure:
 
 
 def _line(turn: Turn) -> str:
-    who = "both" if turn.robot is None else NAMES[turn.robot]
+    who = "both" if turn.robot is None else SIDES[turn.robot]
     places = " ".join(f"{p:+d}" if p else " 0" for p in turn.p)
     case = turn.cases[turn.robot or 0]
     does = [f"({case})" if case.strip() else ""]

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from palmbots._types import SIDES
 from palmbots._util.arguments import one_of, show
 from palmbots._util.optional_imports import missing_extra
 from palmbots.errors import PalmbotsError, SceneError
@@ -48,7 +49,7 @@ except ModuleNotFoundError as error:
 
 __all__ = ["CarryEnv", "RewardWeights", "env", "parallel_env", "raw_env"]
 
-AGENTS = ["left", "right"]
+AGENTS = list(SIDES)
 _PETTINGZOO_PROBE = "options"  # its API tests call reset(options={"options": 1})
 _MAX_TICKS = 1000
 _STATE_SIZE = 8

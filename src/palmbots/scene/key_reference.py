@@ -17,6 +17,7 @@ from typing import Any
 
 from pydantic import BaseModel, BeforeValidator
 
+from palmbots._types import SIDES
 from palmbots._util.toml_writer import toml_value
 from palmbots.scene.fields import Range
 from palmbots.scene.scene import Scene
@@ -24,7 +25,6 @@ from palmbots.scene.scene import Scene
 __all__ = ["SceneKey", "built_in_meanings", "default_scene_toml", "scene_keys"]
 
 _LINE_WIDTH = 78
-_SIDES = ("left", "right")  # palm.left.… and robot.left.… have the keys of palm.… and robot.…
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ def scene_keys() -> tuple[SceneKey, ...]:
 def _section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
     meanings = field_meanings(model)
     for name, field in model.model_fields.items():
-        if name in _SIDES and section in ("palm", "robot"):
+        # palm.left.… and robot.left.… have the keys of palm.… and robot.….
+        if name in SIDES and section in ("palm", "robot"):
             continue
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):

@@ -282,7 +282,7 @@ def _label(index: int) -> str:
 
 
 def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
-    robots = ("left", "right", "both")
+    robots = (*SIDES, "both")
     return tuple(
         Correction(
             label=_label(i),

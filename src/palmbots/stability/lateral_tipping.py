@@ -9,6 +9,7 @@ and the COM projects into it.
 import math
 from dataclasses import dataclass
 
+from palmbots._types import SIDES
 from palmbots.geometry.object_frame import object_frame
 from palmbots.scene.scene import Scene
 
@@ -33,9 +34,7 @@ def sideways_of(scene: Scene) -> Sideways:
     """The support polygon of a level object and its margin."""
     body = scene.object
     frame = object_frame(body.vertices_m, body.contacts, body.com_m)
-    left, right = (
-        0.5 * min(body.depth_m, scene.palm_of(side).width_m) for side in ("left", "right")
-    )
+    left, right = (0.5 * min(body.depth_m, scene.palm_of(side).width_m) for side in SIDES)
     corners = ((0.0, -left), (frame.width, -right), (frame.width, right), (0.0, left))
     share = frame.com.from_left / frame.width
     across = left + (right - left) * share

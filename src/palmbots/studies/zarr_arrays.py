@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.optional_imports import require
 from palmbots._util.units import unit_of
@@ -122,7 +123,7 @@ def _create_coordinates(group: Any, points: Points, layout: ChunkGrid) -> None:
     if not points.is_grid or not points.plan.keys:
         _put(group, "point", "point", np.arange(len(points.values)))
     _put(group, "controller", "controller", np.array(points.plan.controller_names))
-    _put(group, "side", "side", np.array(["left", "right"]))
+    _put(group, "side", "side", np.array(SIDES))
     _put(group, "end", "end", np.array(["low", "high"]))
     length = 1 << 20  # written in pieces, so that many seeds take little memory
     seeds = _create(

@@ -17,6 +17,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from palmbots._types import SIDES
 from palmbots.control.registry import describe
 from palmbots.viz.style import DROP, HATCH, HUE, INK, QUIET
 
@@ -103,7 +104,7 @@ def draw_timeline(panel: Axes, carry: "Carry", start: float, end: float, width_i
     if not legible:
         bars = [replace(bar, text="") for bar in bars]
     levels_used = 1
-    for row in ("left", "right"):
+    for row in SIDES:
         mine = [bar for bar in bars if bar.row == row]
         levels_used = max(
             levels_used, _draw_row(panel, mine, row, size, second_per_inch, (start, end))
@@ -162,7 +163,7 @@ def correction_bars(carry: "Carry") -> list[Bar]:
         bars.append(Bar(row, c.robot, c.start_s, c.end_s, text, False))
     assert carry.trace is not None
     times = carry.trace["time"].to_numpy()
-    for row in ("left", "right"):
+    for row in SIDES:
         for first, last in runs(carry.trace["case"].sel(side=row).to_numpy() == "c"):
             bars.append(Bar(row, row, times[first], times[last], "(c)", True))
     return sorted(bars, key=lambda bar: bar.start)

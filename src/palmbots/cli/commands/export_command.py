@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from palmbots._types import SIDES
 from palmbots.cli._run import load, print_json
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
@@ -39,7 +40,7 @@ def export(
     from palmbots.mujoco.mjcf import mjcf as scene_mjcf
     from palmbots.mujoco.urdf import robot_urdf
 
-    one_of("--robot", robot, ("left", "right"))
+    one_of("--robot", robot, SIDES)
     if mjcf is None and urdf is None:
         raise PalmbotsError("export needs --mjcf FILE, --urdf FILE or both")
     if mjcf is not None and mjcf == urdf:

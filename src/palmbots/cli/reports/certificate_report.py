@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.text import Text
 
+from palmbots._types import SIDES
 from palmbots.cli.reports.console import (
     format_mm,
     indented,
@@ -72,7 +73,7 @@ def _witness(console: Console, witness: dict[str, Any]) -> None:
     ):
         if key in witness:
             pair = witness[key]
-            left, right = (f"{side} {pair[side]}{unit}" for side in ("left", "right"))
+            left, right = (f"{side} {pair[side]}{unit}" for side in SIDES)
             table.add_row(f"  {label}", left, right)
     if "com_m" in witness:
         x, y = witness["com_m"]

@@ -9,9 +9,9 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from palmbots._types import SIDES
 from palmbots._util.text import plural
 from palmbots.cli.reports.console import BAD, GOOD, QUIET, report_console
-from palmbots.derivation.global_policy import NAMES
 from palmbots.derivation.local_rules import Derivation, signs_text
 from palmbots.derivation.permissions import LEVELS
 
@@ -63,8 +63,8 @@ def _moves(console: Console, derivation: Derivation) -> None:
         "case", "move", "up", "owner", "guard", "", "because",
     )  # fmt: skip
     for step in derivation.steps:
-        raised = NAMES[step.palms.index("shallow")] if "shallow" in step.palms else ""
-        owners = NAMES[step.owners[0]] if len(step.owners) == 1 else "both"
+        raised = SIDES[step.palms.index("shallow")] if "shallow" in step.palms else ""
+        owners = SIDES[step.owners[0]] if len(step.owners) == 1 else "both"
         guards = [g for g in derivation.guards if (g.case, g.step) == (step.case, step.number)]
         guard_text = ", ".join(map(str, guards))
         verdict, reason = Text(""), ""
@@ -87,7 +87,7 @@ def _rules(console: Console, derivation: Derivation) -> None:
     for name, program in sorted(derivation.programs.items()):
         if name in derivation.rules:
             sources = sorted({case for case, _ in derivation.sources[name]})
-            who = " and ".join(NAMES[robot] for robot in derivation.robots[name])
+            who = " and ".join(SIDES[robot] for robot in derivation.robots[name])
             of = f"{who}, case {', '.join(map(str, sources))}"
         else:
             of = "the server"
@@ -179,7 +179,7 @@ def summary(derivation: Derivation, refinements: Mapping[str, "Refinement"]) -> 
             {
                 "case": number,
                 "signs": list(case.signs),
-                "tilt": None if case.tilt is None else NAMES[case.tilt],
+                "tilt": None if case.tilt is None else SIDES[case.tilt],
                 "moves": [
                     {"direction": m.direction, "until": [str(u) for u in m.until]}
                     for m in case.moves
@@ -191,7 +191,7 @@ def summary(derivation: Derivation, refinements: Mapping[str, "Refinement"]) -> 
             {
                 "case": g.case,
                 "move": g.step,
-                "owner": NAMES[g.owner],
+                "owner": SIDES[g.owner],
                 "guard": str(g),
                 "dropped": g.dropped,
                 "reason": g.reason,
@@ -202,7 +202,7 @@ def summary(derivation: Derivation, refinements: Mapping[str, "Refinement"]) -> 
             name: {
                 "when": program.when,
                 "lines": list(program.lines),
-                "robots": [NAMES[r] for r in derivation.robots.get(name, (0, 1))],
+                "robots": [SIDES[r] for r in derivation.robots.get(name, (0, 1))],
                 "from": [list(source) for source in derivation.sources.get(name, ())],
             }
             for name, program in derivation.programs.items()

@@ -14,6 +14,7 @@ from itertools import product
 from typing import Any, Literal
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
@@ -105,7 +106,7 @@ def expected(
 def is_decisive(spec: _core.Spec, closing: bool, margin: float = MARGIN) -> bool:
     """Whether the same contact slides if either friction angle changes by up to `margin`."""
     nominal = expected(spec, closing)
-    return nominal in ("left", "right") and all(
+    return nominal in SIDES and all(
         expected(spec, closing, (left, right)) == nominal
         for left, right in product((-margin, margin), repeat=2)
     )
