@@ -4,7 +4,7 @@
     .venv/bin/python benchmarks/bench_learn.py
 
 Writes benchmarks/results/learn.csv. The table is the one that examples/07_learning.py finds: both
-robots shallow while they read - (closer) or 0, steep while they read + (away), without letters.
+robots shallow while they read - (closer) or 0, steep while they read + (away), without messages.
 """
 
 import csv

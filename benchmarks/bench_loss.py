@@ -7,7 +7,7 @@
 Half of the losses are single, half come in bursts of 0.1 s; 5 % of the packets come twice, 30 ms of
 jitter lets them overtake, and one robot reboots in every carry of the resilient algorithm. Writes
 benchmarks/results/loss.csv, and loss_by_time.csv: how many carries of Table 2 have lost a
-letter by some time at 1 % loss. Seeds are 0, 1, …; the counts depend on nothing but the version.
+message by some time at 1 % loss. Seeds are 0, 1, …; the counts depend on nothing but the version.
 """
 
 import csv
@@ -61,7 +61,7 @@ def row(loss: float, n: int, lossless_mm: float) -> dict[str, Any]:
     again = [pb.carry("paper", "resilient", seed=int(s), overrides=lossy(loss)) for s in dropped]
     unavoidable = sum(is_unavoidable(carry) for carry in again)
     table2 = many("distributed", n, {"radio.loss": loss})
-    letters = many("distributed", n, {})["messages"].astype(float)
+    messages = many("distributed", n, {})["messages"].astype(float)
     hit = int(np.count_nonzero(table2["messages_lost"]))
     low, high = wilson(hit, n)
     return {
@@ -79,25 +79,26 @@ def row(loss: float, n: int, lossless_mm: float) -> dict[str, Any]:
         "table2_affected": round(hit / n, 4),
         "table2_affected_low": round(low, 4),
         "table2_affected_high": round(high, 4),
-        "table2_expected": round(float(np.mean(1 - (1 - loss) ** letters)), 4),
+        "table2_expected": round(float(np.mean(1 - (1 - loss) ** messages)), 4),
     }
 
 
 def by_time(n: int, loss: float = 0.01) -> list[dict[str, Any]]:
-    """Table 2: the carries of which a letter has been lost by some time, and how many that is where
-    each letter is lost by itself. Until then a carry sends what it sends on a perfect radio."""
+    """Table 2: the carries that have lost a message by some time, and the number expected if
+    each message is lost independently. Until then a carry sends what it sends on a perfect
+    radio."""
     rows = []
     for by_s in (2.0, 5.0, 10.0, 15.0, 20.0, 25.0):
         until = {"task.timeout_s": by_s}
-        letters = many("distributed", n, until)["messages"].astype(float)
+        messages = many("distributed", n, until)["messages"].astype(float)
         hit = np.count_nonzero(
             many("distributed", n, until | {"radio.loss": loss})["messages_lost"]
         )
         low, high = wilson(int(hit), n)
         rows.append({
-            "by_s": by_s, "loss": loss, "carries": n, "letters": round(float(letters.mean()), 2),
+            "by_s": by_s, "loss": loss, "carries": n, "messages": round(float(messages.mean()), 2),
             "affected": round(hit / n, 4), "low": round(low, 4), "high": round(high, 4),
-            "expected": round(float(np.mean(1 - (1 - loss) ** letters)), 4),
+            "expected": round(float(np.mean(1 - (1 - loss) ** messages)), 4),
         })  # fmt: skip
     return rows
 

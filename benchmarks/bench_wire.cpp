@@ -28,9 +28,9 @@ void judge() { verdict = decode(given, key, pair, Role::right).verdict; }
 extern "C" {
 [[gnu::noinline]] void count_encode() { encode(packet, key, written); }
 [[gnu::noinline]] void count_decode_accepted() { judge(); }
-[[gnu::noinline]] void count_decode_forged_in_first_byte() { judge(); }
-[[gnu::noinline]] void count_decode_forged_in_last_byte() { judge(); }
-[[gnu::noinline]] void count_decode_stranger() { judge(); }
+[[gnu::noinline]] void count_decode_bad_tag_in_first_byte() { judge(); }
+[[gnu::noinline]] void count_decode_bad_tag_in_last_byte() { judge(); }
+[[gnu::noinline]] void count_decode_wrong_pair() { judge(); }
 [[gnu::noinline]] void count_send() { sender.send(Role::right, PacketKind::beacon, 'R', written); }
 [[gnu::noinline]] void count_receive() { verdict = receiver.receive(written).verdict; }
 }
@@ -45,15 +45,15 @@ int main() {
     count_decode_accepted();
     expect(Verdict::accepted);
     given[tag_field.offset] ^= 1;
-    count_decode_forged_in_first_byte();
+    count_decode_bad_tag_in_first_byte();
     expect(Verdict::bad_tag);
     given = written;
     given[packet_size - 1] ^= 1;
-    count_decode_forged_in_last_byte();
+    count_decode_bad_tag_in_last_byte();
     expect(Verdict::bad_tag);
     given = written;
     given[pair_field.offset] ^= 1;
-    count_decode_stranger();
+    count_decode_wrong_pair();
     expect(Verdict::wrong_pair);
   }
   // The two ends meet, so that the receiver accepts what is sent.

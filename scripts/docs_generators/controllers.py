@@ -74,16 +74,16 @@ def table2() -> str:
         "| case | in state | where the robot has | if | goes to | and sends |",
         "|---|---|---|---|---|---|",
     ]
-    case = {name: letter for name, letter, *_ in doing}
+    case = {name: code for name, code, *_ in doing}
     for state, contact, got, tilt, after, send in rows_run:
         when = [
             CONTACT[contact],
             GOT[got],
             "the palm has turned" if tilt == "done" else "",
         ]
-        letter = case[state].strip() or case[after].strip()
+        code = case[state].strip() or case[after].strip()
         cells = [
-            f"({letter})",
+            f"({code})",
             f"`{state}`",
             does[state],
             ", ".join(w for w in when if w),
@@ -103,12 +103,12 @@ def resilient() -> str:
     ]
     state_of = {name: rest for name, *rest in doing}
     for state, contact, heard, condition, after in rows_run:
-        case, palm, move, letter = state_of[state]
+        case, palm, move, sent = state_of[state]
         case = case.strip() or state_of[after][0].strip()
         does = f"palm {palm}" + (f", move {move}" if move != "hold" else "")
         when = ", ".join(w for w in (CONTACT[contact], CONDITION[condition]) if w)
         cells = [
-            f"({case})", f"`{state}`", does, letter, HEARD[heard], when, f"`{after}`",
+            f"({case})", f"`{state}`", does, sent, HEARD[heard], when, f"`{after}`",
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)
@@ -119,7 +119,7 @@ def losses() -> str:
     rows = [
         "| loss | carries | delivered | dropped | stalled | contact rms | "
         "to Table 2 without losses | mean time | Table 2: dropped | "
-        "Table 2: a letter lost (95 %) | 1 − (1 − loss)^letters |",
+        "Table 2: a message lost (95 %) | 1 − (1 − loss)^messages |",
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for row in csv.DictReader(LOSSES.open()):
@@ -148,14 +148,14 @@ def losses() -> str:
 def losses_by_time() -> str:
     """The results of benchmarks/bench_loss.py for Table 2 at 1 % loss."""
     rows = [
-        "| by | letters sent | a letter lost (95 %) | 1 − (1 − loss)^letters |",
+        "| by | messages sent | a message lost (95 %) | 1 − (1 − loss)^messages |",
         "|---|---|---|---|",
     ]
     for row in csv.DictReader(BY_TIME.open()):
         hit, low, high, expected = (
             f"{100 * float(row[name]):.1f}" for name in ("affected", "low", "high", "expected")
         )
-        sent = f"{float(row['by_s']):g} s | {float(row['letters']):.1f}"
+        sent = f"{float(row['by_s']):g} s | {float(row['messages']):.1f}"
         rows.append(f"| {sent} | {hit} % ({low}–{high}) | {expected} % |")
     return "\n".join(rows)
 

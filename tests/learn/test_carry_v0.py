@@ -110,7 +110,7 @@ def test_long_step_sends_one_message() -> None:
         steps += 1
     done = env.carry()
     assert done.messages == 2 * steps
-    assert {letter.kind for letter in done.message_log} == {"TiltUp"}
+    assert {message.kind for message in done.message_log} == {"TiltUp"}
 
 
 def test_without_messages_the_radio_is_silent() -> None:
@@ -142,7 +142,7 @@ def test_termination_truncation_and_outcome() -> None:
 
 def test_return_follows_from_the_trace() -> None:
     """From the recorded trace, by the formula in `palmbots.learn.reward`."""
-    weights = carry_v0.RewardWeights(progress=2.0, centring=5.0, delivered=0.5, letter=0.01)
+    weights = carry_v0.RewardWeights(progress=2.0, centring=5.0, delivered=0.5, message=0.01)
     env = carry_v0.parallel_env(
         record=True, rewards=weights, overrides={"task.distance_m": 0.3, "palm.left.length_m": 0.2}
     )

@@ -87,7 +87,7 @@ def test_wrong_calls_are_refused() -> None:
     assert env.carry().trace is None
     with pytest.raises(PalmbotsError, match="its carry was returned before"):
         env.carry()
-    wrong: list[dict[str, Any]] = [{"progress": -1}, {"letter": float("nan")}, {"dropped": "much"}]
+    wrong: list[dict[str, Any]] = [{"progress": -1}, {"message": float("nan")}, {"dropped": "much"}]
     for weights in wrong:
         with pytest.raises(PalmbotsError, match=r"^rewards\.\w+: value is .*; allowed: at least 0"):
             carry_v0.RewardWeights(**weights)

@@ -21,7 +21,7 @@ from table2_transcript import Deed, Robot, tick
 CONTROLLERS = ("none", "centralized", "distributed")
 REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting"}
 IMAGE = dict(zip("12345678", "21435687", strict=True))
-LETTERS = (None, "TiltUp", "TiltDown", "Ack")
+MESSAGES = (None, "TiltUp", "TiltDown", "Ack")
 
 controllers = st.sampled_from(CONTROLLERS)
 precisions = st.sampled_from(("double", "float"))
@@ -137,9 +137,9 @@ def check(carry: pb.simulation.Carry) -> None:
 
     check_loop(scene, rows, 2e-6 if single else 1e-12)
     check_corrections(carry, rows)
-    for letter in carry.message_log:
-        assert letter.kind in LETTERS[1:]
-        assert letter.sender != letter.receiver
+    for message in carry.message_log:
+        assert message.kind in MESSAGES[1:]
+        assert message.sender != message.receiver
     assert carry.messages_lost <= carry.messages
     if carry.controller == "distributed":
         assert carry.messages == len(carry.message_log)
@@ -194,12 +194,12 @@ class FromTable:
 
     def step(self, seen: StepInput) -> StepOutput:
         self.robot, deed = tick(
-            self.robot, (seen.sign, LETTERS.index(seen.message), seen.palm_at_target)
+            self.robot, (seen.sign, MESSAGES.index(seen.message), seen.palm_at_target)
         )
         return StepOutput(
             palm=("steep", "shallow")[deed.palm],
             move=("hold", "away", "closer")[deed.move],
-            send=LETTERS[deed.send],
+            send=MESSAGES[deed.send],
             consume=deed.read,
             case=deed.case,
             waiting=deed.waits,
@@ -279,14 +279,14 @@ def test_trace_and_messages_determine_every_step_of_table_2() -> None:
             ]
             robot, deed, waited, result = Robot(), Deed(STEEP), 0, []
             for now in range(len(rows["time"]) - 1):
-                letter = inbox[0][1] if inbox and inbox[0][0] <= now else None
+                message = inbox[0][1] if inbox and inbox[0][0] <= now else None
                 turned = abs(rows["palm"][now, k] - targets[deed.palm]) < 1e-12
-                seen = (int(rows["sign"][now, k]), LETTERS.index(letter), bool(turned))
+                seen = (int(rows["sign"][now, k]), MESSAGES.index(message), bool(turned))
                 robot, deed = tick(robot, seen)
                 if deed.read:
                     inbox.pop(0)
                 if deed.send != NONE:
-                    result.append((now, LETTERS[deed.send]))
+                    result.append((now, MESSAGES[deed.send]))
                 waited += deed.waits
                 assert rows["case"][now, k] == deed.case
                 away = (0.0, 0.03, -0.03)[deed.move] * (-1, 1)[k]

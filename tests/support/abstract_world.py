@@ -15,13 +15,13 @@ from typing import NamedTuple
 import palmbots._core as _core
 
 SIGNS = (-1, 0, 1)
-LETTERS = NONE, TILT_UP, TILT_DOWN, ACK = range(4)
+MESSAGES = NONE, TILT_UP, TILT_DOWN, ACK = range(4)
 STEEP, SHALLOW = range(2)
 HOLD, AWAY, CLOSER = range(3)
 IDLE = 0
 
 StepIn = tuple[int, int, bool]
-"""Sign, letter, turned."""
+"""Sign, message, turned."""
 
 
 def sign(p: int) -> int:
@@ -40,7 +40,7 @@ class Step(NamedTuple):
     waits: bool
 
 
-STEP_INPUTS: tuple[StepIn, ...] = tuple(product(SIGNS, LETTERS, (False, True)))
+STEP_INPUTS: tuple[StepIn, ...] = tuple(product(SIGNS, MESSAGES, (False, True)))
 
 
 def _replayed(prefix: tuple[StepIn, ...]) -> _core.Distributed:

@@ -29,7 +29,7 @@ COLUMNS = {
     # "otherwise: If p < 0"
     "d": ["Tilt Up", "Move closer until p >= 0", "Tilt Down"],
 }
-LETTERS = {"TiltUp": TILT_UP, "TiltDown": TILT_DOWN, "Ack": ACK}
+MESSAGES = {"TiltUp": TILT_UP, "TiltDown": TILT_DOWN, "Ack": ACK}
 
 
 @dataclass(frozen=True)
@@ -55,22 +55,22 @@ class Deed:
 
 def tick(robot: Robot, seen: StepIn) -> tuple[Robot, Deed]:
     """One tick: a line that takes time is looked at once, and what follows it starts at once."""
-    p, letter, turned = seen
+    p, message, turned = seen
     if robot.column is None:
         if p > 0:
             return begin(replace(robot, column="request"), NONE, read=False)
-        read = letter != NONE  # "Check for message"
-        if letter == TILT_UP:
+        read = message != NONE  # "Check for message"
+        if message == TILT_UP:
             return begin(replace(robot, column="c"), NONE, read)
         if p < 0:
             return begin(replace(robot, column="d"), NONE, read)
         return robot, Deed(robot.palm, read=read)
     line = COLUMNS[robot.column][robot.line]
-    read = line.startswith("Wait") and letter != NONE
+    read = line.startswith("Wait") and message != NONE
     done = {
-        "Wait for message": letter in (ACK, TILT_UP),
-        "Wait for Ack": letter == ACK,
-        "Wait for TiltDown": letter == TILT_DOWN,
+        "Wait for message": message in (ACK, TILT_UP),
+        "Wait for Ack": message == ACK,
+        "Wait for TiltDown": message == TILT_DOWN,
         "Move away until p <= 0": p <= 0,
         "Move closer until p >= 0": p >= 0,
         "Tilt Up": turned,
@@ -79,7 +79,7 @@ def tick(robot: Robot, seen: StepIn) -> tuple[Robot, Deed]:
     if not done:
         return begin(robot, NONE, read)
     if line == "Wait for message":
-        return begin(replace(robot, column="a" if letter == ACK else "b", line=0), NONE, read)
+        return begin(replace(robot, column="a" if message == ACK else "b", line=0), NONE, read)
     return begin(replace(robot, line=robot.line + 1), NONE, read)
 
 
@@ -91,9 +91,9 @@ def begin(robot: Robot, send: int, read: bool) -> tuple[Robot, Deed]:
         return idle, Deed(idle.palm, send=send, read=read)
     line = COLUMNS[robot.column][robot.line]
     if line.startswith("Send "):
-        assert send == NONE, "two letters in one tick"
-        letter = LETTERS[line.removeprefix("Send ")]
-        return begin(replace(robot, line=robot.line + 1), letter, read)
+        assert send == NONE, "two messages in one tick"
+        message = MESSAGES[line.removeprefix("Send ")]
+        return begin(replace(robot, line=robot.line + 1), message, read)
     if line.startswith("Tilt"):
         robot = replace(robot, palm=SHALLOW if line == "Tilt Up" else STEEP)
     move = AWAY if "away" in line else CLOSER if "closer" in line else HOLD

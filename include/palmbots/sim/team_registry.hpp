@@ -67,6 +67,9 @@ struct ControllerRow {
   Make make;
 };
 
+template <class Make>
+ControllerRow(ControllerInfo, Make) -> ControllerRow<Make>;
+
 inline constexpr std::tuple controller_rows{
     ControllerRow{
         ControllerInfo{

@@ -197,7 +197,7 @@ class _Distributed(_Pair):
 class _Resilient(_Pair):
     """The resilient algorithm, a beacon each turn.
 
-    It remembers both controllers; for each the beacon that it has not heard, as (letter, rests,
+    It remembers both controllers; for each the beacon that it has not heard, as (message, rests,
     ready, age of its echo); for each how many turns ago it sent the newest beacon that the other
     has heard; and what each said last. Ages are in turns of the robot whose clock counts them
     (palmbots/control/beacon.hpp).
@@ -236,12 +236,12 @@ class _Resilient(_Pair):
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, mail, known, said = minds
         known = _both(known, robot, min(known[robot] + 1, self.lease + 1))
-        letter, rests, ready, echo = mail[robot] or (0, False, False, self.lease)
+        message, rests, ready, echo = mail[robot] or (0, False, False, self.lease)
         if mail[robot] is not None:  # so the partner's newest beacon is known here from now on
             known = _both(known, 1 - robot, 0)
         age = min(echo + 1, self.lease + 1)
         memory, (palm, move, says, rest, willing) = self._robots[robot].step(
-            robots[robot], sign, turned, letter, rests, ready, age
+            robots[robot], sign, turned, message, rests, ready, age
         )
         beacon = (says, rest, willing, known[1 - robot])
         mail = _both(_both(mail, robot, None), 1 - robot, beacon)

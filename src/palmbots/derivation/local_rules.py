@@ -120,7 +120,7 @@ class Conflict:
             )
         if self.asking == 1:
             return "the server is one thread: it finishes its own correction first, or serves first"
-        return "no letter between them: nothing orders them, they run at once"
+        return "no message between them: nothing orders them, they run at once"
 
 
 @dataclass

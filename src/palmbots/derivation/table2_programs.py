@@ -11,10 +11,10 @@ import palmbots._core as _core
 
 __all__ = ["DONE", "RELEASE", "REQUEST", "Program", "table_2"]
 
-# The paper's letters for what every request for the partner's palm needs (section 4).
+# The paper's messages: what every request for the partner's palm needs (section 4).
 REQUEST, DONE, RELEASE = "TiltUp", "Ack", "TiltDown"
 
-_LETTERS = {"tilt_up": REQUEST, "ack": DONE, "tilt_down": RELEASE}
+_NAMES = {"tilt_up": REQUEST, "ack": DONE, "tilt_down": RELEASE}
 _CONTACT = {
     "positive": "p > 0",
     "not_positive": "p ≤ 0",
@@ -47,13 +47,13 @@ def table_2() -> dict[str, Program]:
             if state == "idle":
                 fits = [_CONTACT[contact]]
                 if got != "any":
-                    fits.append(f"got {_LETTERS[got]}")
+                    fits.append(f"got {_NAMES[got]}")
                 when = ", ".join(fits)
             else:
                 if move != "hold":
                     begun += (f"Move {move} until {_CONTACT[contact]}",)
                 if got != "any":
-                    begun += (f"Wait for {_LETTERS[got]}",)
+                    begun += (f"Wait for {_NAMES[got]}",)
                 when = starts[0]
             if send:
                 begun += (f"Send {send}",)

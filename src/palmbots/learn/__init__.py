@@ -10,7 +10,7 @@ from palmbots.learn.baseline import Policy as Policy
 from palmbots.learn.baseline import run_episode as run_episode
 from palmbots.learn.reward import RewardWeights as RewardWeights
 from palmbots.learn.spaces import ACTION as ACTION
-from palmbots.learn.spaces import LETTERS as LETTERS
+from palmbots.learn.spaces import MESSAGES as MESSAGES
 from palmbots.learn.spaces import MOVES as MOVES
 from palmbots.learn.spaces import OBSERVATION as OBSERVATION
 from palmbots.learn.spaces import PALMS as PALMS
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACTION",
-    "LETTERS",
+    "MESSAGES",
     "MOVES",
     "OBSERVATION",
     "PALMS",
@@ -36,6 +36,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "LETTERS":
+        raise AttributeError("palmbots.learn.LETTERS is renamed to palmbots.learn.MESSAGES")
     if name != "carry_v0":
         raise AttributeError(f"module 'palmbots.learn' has no attribute {name!r}")
     return importlib.import_module("palmbots.learn.carry_v0")  # here: it needs pettingzoo

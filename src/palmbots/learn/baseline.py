@@ -17,7 +17,7 @@ import numpy as np
 
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.errors import PalmbotsError
-from palmbots.learn.spaces import LETTERS, OBSERVATION, action
+from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
 
 __all__ = ["Baseline", "EpisodeResult", "Policy", "run_episode"]
 
@@ -47,7 +47,7 @@ class Baseline:
             raise PalmbotsError("baseline: Table 2 needs messages; pass messages=True")
         sign, _, turned, _, *heard = np.asarray(observation).tolist()
         if 1 in heard:
-            self._inbox.append(LETTERS[1 + heard.index(1)])
+            self._inbox.append(MESSAGES[1 + heard.index(1)])
         oldest = self._inbox[0] if self._inbox else None
         seen = StepInput(-1 if sign < 0 else (1 if sign > 0 else 0), oldest, turned > 0)
         output = self._table2.step(seen)

@@ -7,7 +7,7 @@ import numpy as np
 
 from palmbots.geometry.placement import Placement, place
 from palmbots.learn.episode import Episode
-from palmbots.learn.spaces import LETTERS, MOVES, PALMS, RobotAction
+from palmbots.learn.spaces import MESSAGES, MOVES, PALMS, RobotAction
 from palmbots.viz.side_view import Moment, Stage
 from palmbots.viz.side_view_scene import Message
 
@@ -31,8 +31,8 @@ class EpisodeView:
         self._stage.move(self._placed())
         seen = at.seen()
         message = None
-        for k, (_, _, letter) in enumerate(actions):
-            text = LETTERS[letter]
+        for k, (_, _, kind) in enumerate(actions):
+            text = MESSAGES[kind]
             if messages and text is not None:
                 message = Message("right" if k else "left", "left" if k else "right", text)
         ended = at.outcome != "running"

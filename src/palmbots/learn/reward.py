@@ -3,7 +3,7 @@
 
 For a step of length Δt in which the pair advances by Δx it is
 
-    progress · Δx / distance  −  centring · (Δt / T) · mean of (p / ℓ)²  −  letter · messages sent
+    progress · Δx / distance  −  centring · (Δt / T) · mean of (p / ℓ)²  −  message · messages sent
 
 plus, at the end, + delivered or − dropped. T is the time that the distance takes at nominal speed,
 and ℓ is half the length of a palm. With the default weights an episode returns at most 2, for a
@@ -30,7 +30,7 @@ class RewardWeights:
     centring: float = 1.0
     delivered: float = 1.0
     dropped: float = 1.0
-    letter: float = 0.0
+    message: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -56,11 +56,11 @@ class RewardTerms:
         self._progress = rewards.progress * sense / distance
         per_tick = rewards.centring * period * speed / distance
         self._left, self._right = per_tick / 2 / left**2, per_tick / 2 / right**2
-        self._letter = rewards.letter
+        self._message = rewards.message
         self._end = {"delivered": rewards.delivered, "dropped": -rewards.dropped}
 
     def step(
-        self, advance: float, ticks: int, p: tuple[float, float], letters: int, outcome: str
+        self, advance: float, ticks: int, p: tuple[float, float], messages: int, outcome: str
     ) -> float:
         """The reward of a step.
 
@@ -68,9 +68,9 @@ class RewardTerms:
             advance: displacement of the pair towards +x [m].
             ticks: number of control periods.
             p: contact coordinates (left, right) at the end of the step [m].
-            letters: number of messages sent.
+            messages: number of messages sent.
             outcome: ``running``, or how the carry ended.
         """
-        reward = self._progress * advance - self._letter * letters
+        reward = self._progress * advance - self._message * messages
         reward -= ticks * (self._left * p[0] * p[0] + self._right * p[1] * p[1])
         return reward + self._end.get(outcome, 0.0)

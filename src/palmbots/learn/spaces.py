@@ -18,7 +18,7 @@ from palmbots.control.interface import MESSAGE_KINDS, MOVES, PALMS, MessageKind,
 
 __all__ = [
     "ACTION",
-    "LETTERS",
+    "MESSAGES",
     "MOVES",
     "OBSERVATION",
     "PALMS",
@@ -39,12 +39,12 @@ RobotAction = tuple[int, int, int]
 
 # MOVES: nominal speed, or nominal speed plus the correction speed of the scene, away from or
 # towards the partner.
-LETTERS = MESSAGE_KINDS
+MESSAGES = MESSAGE_KINDS
 """Nothing, or one of three symbols. Only the paper's algorithm gives them the meaning of their
 names."""
 
 ACTION = ("palm", "move", "send")
-"""Indices of `PALMS`, `MOVES` and `LETTERS`."""
+"""Indices of `PALMS`, `MOVES` and `MESSAGES`."""
 OBSERVATION = ("sign", "palm", "turned", "move", "TiltUp", "TiltDown", "Ack")
 """`sign` of the contact coordinate: -1, 0 or 1; outward is positive. `palm` as last commanded: 1
 shallow, -1 steep. `turned` is 1 once the palm is at its target, else 0. `move` as last commanded: 1
@@ -54,7 +54,7 @@ is 1."""
 _SIZE_WITHOUT_MESSAGES = 4
 _PALM_VALUES = (-1.0, 1.0)
 _MOVE_VALUES = (0.0, 1.0, -1.0)
-_MESSAGE_VALUES = tuple(tuple(float(k == letter) for k in (1, 2, 3)) for letter in range(4))
+_MESSAGE_VALUES = tuple(tuple(float(k == message) for k in (1, 2, 3)) for message in range(4))
 
 
 def observation_size(messages: bool) -> int:
@@ -64,14 +64,14 @@ def observation_size(messages: bool) -> int:
 
 def action_sizes(messages: bool) -> list[int]:
     """Number of values of each entry of an action."""
-    sizes = [len(PALMS), len(MOVES), len(LETTERS)]
+    sizes = [len(PALMS), len(MOVES), len(MESSAGES)]
     return sizes if messages else sizes[:-1]
 
 
 def legal_actions(messages: bool) -> dict[tuple[int, ...], RobotAction]:
     """The action of the core for each legal action of an agent."""
-    palms, moves, letters = action_sizes(True)
-    actions = product(range(palms), range(moves), range(letters if messages else 1))
+    palms, moves, kinds = action_sizes(True)
+    actions = product(range(palms), range(moves), range(kinds if messages else 1))
     return {one if messages else one[:2]: one for one in actions}
 
 
@@ -84,12 +84,12 @@ def _all_observations(messages: bool) -> dict[tuple[int, int, bool, int, int], A
     """Every possible observation: copying one is faster than making it."""
     keys = product((-1, 0, 1), range(2), (False, True), range(3), range(4))
     return {
-        (sign, palm, turned, move, letter): np.array(
-            (sign, _PALM_VALUES[palm], turned, _MOVE_VALUES[move], *_MESSAGE_VALUES[letter])
+        (sign, palm, turned, move, message): np.array(
+            (sign, _PALM_VALUES[palm], turned, _MOVE_VALUES[move], *_MESSAGE_VALUES[message])
         )
         .astype(np.float32)[: observation_size(messages)]
         .copy()
-        for sign, palm, turned, move, letter in keys
+        for sign, palm, turned, move, message in keys
     }
 
 
@@ -100,5 +100,5 @@ def action(
     palm: Palm, move: Move, send: MessageKind | None = None, *, messages: bool = True
 ) -> Any:
     """The action with these names, as an array."""
-    codes = [PALMS.index(palm), MOVES.index(move), LETTERS.index(send)]
+    codes = [PALMS.index(palm), MOVES.index(move), MESSAGES.index(send)]
     return np.array(codes if messages else codes[:-1], np.int64)
