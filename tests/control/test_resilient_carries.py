@@ -356,6 +356,20 @@ def test_scene_without_bounds_is_refused(overrides: dict[str, Any], says: list[s
     assert carried(overrides, "distributed").bounds is None
 
 
+def test_unsafe_lease_is_reported() -> None:
+    """At this latency even the shortest lease leaves no room for the noise: a warning, not a
+    refusal. A longer one is refused."""
+    slow_radio = {"radio.latency_s": 0.2, "task.distance_m": 0.3}
+    carry = carried(slow_radio)
+    assert carry.bounds is not None
+    assert carry.bounds.is_noisy
+    assert carry.bounds.lease_s == carry.bounds.shortest_lease_s
+    assert [w for w in carry.warnings if "a fault may drop the object" in w]
+    with pytest.raises(SceneError, match="too long"):
+        carried(slow_radio | {"radio.lease_s": carry.bounds.shortest_lease_s + 0.01})
+    assert not carried({"task.distance_m": 0.3}).warnings
+
+
 def test_sensor_that_never_reads_zero_keeps_the_robots_standing() -> None:
     stuck = [{"kind": "stuck", "robot": "left", "at_s": 0.0, "duration_s": 1000.0, "stuck_at": "-"}]
     carry = carried({"faults.script": stuck, "task.timeout_s": 5.0})

@@ -39,8 +39,7 @@
 // Noise has no bound; here it counts with one standard deviation in each place. That is assumed,
 // and enough: the skew itself takes a fault at the worst instant of the worst tick. One reboot in
 // every carry adds at most 0.2 % of drops (benchmarks/bench_lease.py). Where the noise leaves no
-// lease at all, the shortest one is used, and `is_noisy` reports it: such wheels lose the object
-// without any fault.
+// lease at all, the shortest one is used, `is_noisy` reports it, and a fault may drop the object.
 //
 // join. The robot that starts first reports it at once. The other one was ready by then, hears it
 // D later and starts in the next tick at the latest: join = r D + 1. With less, contacts that were

@@ -54,10 +54,11 @@ class Bounds:
         if not self.is_noisy:
             return ()
         return (
-            f"robot.noise_m_s and robot.bias_m_s: a robot that travels alone for "
-            f"{self.alone_s:g} s can shift a contact by {1e3 * (self.skew_m + self.noise_m):.0f} "
-            f"mm, but the palm has {1e3 * self.room_m:.0f} mm: no lease is safe, and carries drop "
-            "without any fault too",
+            f"radio.lease_s: {self.lease_s:g} s is the shortest lease that this radio permits, "
+            f"but with it a robot alone and the noise can shift a contact by "
+            f"{1e3 * (self.skew_m + self.noise_m):.0f} mm, and the palm has "
+            f"{1e3 * self.room_m:.0f} mm: a fault may drop the object (lower robot.noise_m_s, "
+            "robot.speed_m_s or radio.latency_s)",
         )
 
 
