@@ -3,7 +3,6 @@
 and on Table 2. tests/cpp/control/resilient_test.cpp checks the step by itself.
 """
 
-import dataclasses
 from functools import cache
 from itertools import product
 from typing import Any
@@ -13,7 +12,6 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence import wilson
-from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from palmbots.simulation.result import Carry
@@ -300,76 +298,6 @@ def test_beacons_are_periodic_and_immediate_on_a_new_message() -> None:
         assert len(early) <= 2  # a start or a stop is news too
 
 
-# --- bounds ---
-
-
-def test_bounds_of_the_default_scene() -> None:
-    """Computed by hand: D = 5, B = 5, W = 10, K = 6 ticks of 10 ms."""
-    bounds = carried({}).bounds
-    assert bounds is not None
-    result = dataclasses.asdict(bounds)
-    lease, alone, join = 0.22 + 6 * 0.05, 0.52 + 0.01 + 0.1, 0.05 + 0.01
-    cos = np.cos(np.radians(15))
-    # Reaction: a tick, two messages that each wait for a beacon, and a turn of the palm by 10°.
-    off_zone = np.hypot(0.01, 0.01) * (
-        0.01 + 2 * (0.05 + 0.05) + 10 / BOX.palm_of("left").rate_deg_s
-    )
-    off_zone /= cos
-    longest = (0.07 - off_zone) / (0.06 + 0.01) * cos  # in seconds of travel alone
-    by_hand = {
-        "beacon_s": 0.05,
-        "delay_s": 0.05,
-        "shortest_lease_s": 2 * (0.05 + 0.05) + 0.02,
-        "lease_s": lease,
-        "longest_lease_s": np.floor(100 * (longest - 0.11 - join)) / 100,
-        "losses": 6,
-        "hold_s": lease + 0.01 + 0.1 + 0.06,
-        "alone_s": alone,
-        "skew_m": 0.06 * (alone + join) / cos,
-        "noise_m": off_zone + 0.01 * (alone + join) / cos,
-        "room_m": 0.075 - 0.005,
-        "is_noisy": False,
-    }
-    assert result == pytest.approx(by_hand, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("overrides", "says"),
-    [
-        ({"radio.lease_s": 0.1}, ["radio.lease_s: 0.1 is too short", "from 0.22"]),
-        ({"radio.lease_s": 3.0}, ["radio.lease_s: 3 is too long", "70.0 mm"]),
-        ({"radio.latency_s": 0.6}, ["no value is possible", "radio.latency_s"]),
-        ({"radio.beacon_s": 0.005}, ["radio.beacon_s: 0.005", "0.01"]),
-        (
-            {"robot.speed_m_s": 0.2, "radio.latency_s": 0.1},
-            ["no value is possible", "robot.speed_m_s"],
-        ),
-    ],
-)
-def test_scene_without_bounds_is_refused(overrides: dict[str, Any], says: list[str]) -> None:
-    with pytest.raises(SceneError) as caught:
-        carried(overrides)
-    message = str(caught.value)
-    assert "\n" not in message
-    for words in says:
-        assert words in message
-    assert carried(overrides, "distributed").bounds is None
-
-
-def test_unsafe_lease_is_reported() -> None:
-    """At this latency even the shortest lease leaves no room for the noise: a warning, not a
-    refusal. A longer one is refused."""
-    slow_radio = {"radio.latency_s": 0.2, "task.distance_m": 0.3}
-    carry = carried(slow_radio)
-    assert carry.bounds is not None
-    assert carry.bounds.is_noisy
-    assert carry.bounds.lease_s == carry.bounds.shortest_lease_s
-    assert [w for w in carry.warnings if "a fault may drop the object" in w]
-    with pytest.raises(SceneError, match="too long"):
-        carried(slow_radio | {"radio.lease_s": carry.bounds.shortest_lease_s + 0.01})
-    assert not carried({"task.distance_m": 0.3}).warnings
-
-
 def test_sensor_that_never_reads_zero_keeps_the_robots_standing() -> None:
     stuck = [{"kind": "stuck", "robot": "left", "at_s": 0.0, "duration_s": 1000.0, "stuck_at": "-"}]
     carry = carried({"faults.script": stuck, "task.timeout_s": 5.0})
@@ -406,57 +334,3 @@ def test_carries_with_faults_are_mirrored(controller: str, seed: int) -> None:
     for name in ("contact", "palm", "sign"):
         np.testing.assert_array_equal(column(there, name), column(back, name)[:, ::-1])
     assert there.messages_lost == back.messages_lost
-
-
-# --- which drops are unavoidable ---
-
-
-def test_drop_that_wheels_could_have_prevented_is_avoidable() -> None:
-    """By hand: a contact that is shifted off its palm within a tick leaves no time; one that drifts
-    there for seconds does, even if the sensor flickers or reads 0 all the way."""
-    bump = [{"robot": "left", "at_s": 3.0, "shift_m": 0.2}]
-    assert is_unavoidable(carried({"bumps.script": bump}))
-    hangs = carried({"radio.loss": 1.0, "robot.left.bias_m_s": 0.01}, "distributed")
-    assert hangs.outcome == "dropped"
-    assert not is_unavoidable(hangs)
-    drifting = {"robot.left.bias_m_s": 0.02, "robot.noise_m_s": 0.0}
-    for fault in (
-        {"kind": "stuck", "stuck_at": "0"},
-        {"kind": "intermittent", "probability": 0.3},
-    ):
-        script = [
-            {**fault, "robot": side, "at_s": 0.0, "duration_s": 1000.0}
-            for side in ("left", "right")
-        ]
-        dropped = carried(drifting | {"faults.script": script}, "none")
-        assert dropped.outcome == "dropped"
-        assert not is_unavoidable(dropped), fault
-    with pytest.raises(PalmbotsError, match="not dropped"):
-        is_unavoidable(carried({}))
-
-
-@pytest.mark.parametrize(
-    ("shift_m", "speed_m_s", "unavoidable"),
-    [(0.06, 0.1, False), (0.067, 0.02, False), (0.07, 0.1, True)],
-)
-def test_drop_is_unavoidable_only_within_the_braking_distance(
-    shift_m: float, speed_m_s: float, unavoidable: bool
-) -> None:
-    """The left robot drifts, a bump shifts its contact out of the zone: 2 × 0.5 m/s² stop it within
-    v² / 2a, or they do not."""
-    overrides = {
-        "robot.noise_m_s": 0.0,
-        "robot.acceleration_m_s2": 0.5,
-        "robot.left.bias_m_s": speed_m_s,
-        "palm.friction": 0.25,
-        "palm.right.friction": 0.5,
-        "bumps.script": [{"robot": "left", "at_s": 0.02, "shift_m": shift_m}],
-    }
-    carry = carried(overrides, "none")
-    assert carry.outcome == "dropped"
-    assert is_unavoidable(carry) == unavoidable
-    contact, times = column(carry, "contact")[:, 0], column(carry, "time")
-    outside = np.nonzero(contact > 0.005)[0][0]
-    speed = (contact[-1] - contact[-2]) / (times[-1] - times[-2])
-    braking_m = speed**2 / (2 * (0.5 + 0.5) / np.cos(np.radians(15)))
-    assert (braking_m > 0.075 - contact[outside]) == unavoidable
