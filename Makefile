@@ -16,13 +16,14 @@ PY_FILES = src tests examples benchmarks scripts verify
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. $(1): warnings as errors, ON or OFF. $(2): ON builds all, OFF
-# only what a single carry needs, which is a third of the compilation.
+# only what a single carry needs, which is a third of the compilation. $(3): ON for `make quick`.
 define install
 	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about a minute))"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
 		--config-settings=build-dir=build/extension \
 		--config-settings=cmake.define.PALMBOTS_WERROR=$(1) \
-		--config-settings=cmake.define.PALMBOTS_BATCH=$(2) --editable .
+		--config-settings=cmake.define.PALMBOTS_BATCH=$(2) \
+		--config-settings=cmake.define.PALMBOTS_QUICK=$(or $(3),OFF) --editable .
 endef
 
 help:  ## this list
@@ -58,6 +59,10 @@ fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_
 	$(BIN)/python tests/soak/fuzz_decode.py $(or $(FUZZ_SECONDS),600)
 
 build: $(VENV)/build.done  ## everything compiled, for compare, study and validate too
+
+quick: $(VENV)/carry.done  ## everything compiled without optimization, to try a change of the core
+	$(call install,OFF,ON,ON)
+	@rm -f $(VENV)/extension.done $(VENV)/build.done $(VENV)/strict.done
 
 bench: $(VENV)/bench.done $(VENV)/build.done  ## speed against named peers; CSV in benchmarks/results/
 	set -e; for bench in benchmarks/bench_*.py; do $(BIN)/python $$bench; done
@@ -102,4 +107,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs help carry build test verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs help carry build quick test verify lint format soak fuzz bench stubs lock clean

@@ -167,7 +167,7 @@ nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
                   const Input<std::uint64_t>& seeds, const std::string& controller,
                   const std::string& precision, std::size_t threads, const nb::object& watch) {
   if (!is_controller(controller)) {
-    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+    throw std::invalid_argument("controller: one of " + controller_list());
   }
   if (precision != "double" && precision != "float") {
     throw std::invalid_argument("precision: double or float");

@@ -31,7 +31,7 @@ Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
 template <class Real, class Recorder>
 Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed) {
   if (!is_controller(name)) {
-    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+    throw std::invalid_argument("controller: one of " + controller_list());
   }
   return visit_team(
       name, [&](auto make) { return run_team<Real, Recorder>(spec, seed, make(spec, seed)); });

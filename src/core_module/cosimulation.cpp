@@ -59,7 +59,7 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
   if (nb::isinstance<nb::str>(controller)) {
     const auto name = nb::cast<std::string>(controller);
     if (!is_controller(name)) {
-      throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+      throw std::invalid_argument("controller: one of " + controller_list());
     }
     return visit_team(name, [&](auto team) { return make(team(spec, seed)); });
   }

@@ -89,7 +89,7 @@ template <class Visit>
 auto with_splitting(const Spec& spec, const std::string& controller, std::uint64_t seed,
                     std::uint32_t effort, Interruption& interruption, Visit&& visit) {
   if (!is_controller(controller)) {
-    throw std::invalid_argument("controller: none, centralized, distributed or resilient");
+    throw std::invalid_argument("controller: one of " + controller_list());
   }
   if (effort < 2) throw std::invalid_argument("effort: at least 2");
   return visit_team(controller, [&](auto make) {

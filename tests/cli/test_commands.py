@@ -162,14 +162,14 @@ def test_long_carry_reports_the_number_of_all_corrections(here: Run) -> None:
     long = ("carry", "--set", "task.distance_m=40")
     table = json.loads(here(*long, "--json").stdout)
     assert len(table["corrections"]) == 512 < table["correction_count"]
-    assert f"\n{table['correction_count']} corrections; the first 512:\n" in here(*long).stdout
+    assert f"\n{table['correction_count']} corrections; the first 512:   p: " in here(*long).stdout
 
 
 def test_one_is_singular(here: Run) -> None:
     changes = ("robot.noise_m_s=0", "start.left_m=0.006", "radio.loss=1")
     script = "bumps.script=[{robot='left', at_s=0, shift_m=0.001}]"
     text = here("carry", *(f"--set={change}" for change in (*changes, script))).stdout
-    assert "\n1 correction\n" in text
+    assert "\n1 correction   p: " in text
     assert "\n1 message, 1 lost   1 bump   trace" in text
 
 

@@ -232,7 +232,7 @@ class Stepless:
         (StepOutput(palm="flat"), 'palm is "flat"; allowed: "steep", "shallow"'),  # type: ignore[arg-type]
         (StepOutput(send=["Ack"]), r"send is \[.*; allowed: None, "),  # type: ignore[arg-type]
         (StepOutput(case="q"), 'case is "q"; allowed'),
-        (StepOutput(case=None), "case is None; allowed"),  # type: ignore[arg-type]
+        (StepOutput(case=1), "case is 1; allowed"),  # type: ignore[arg-type]
         (None, r"Nonsense.step returned None; allowed: a StepOutput, as in StepOutput\("),
         (("steep", "hold"), "Nonsense.step returned .*; allowed: a StepOutput"),
     ],

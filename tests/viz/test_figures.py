@@ -15,6 +15,7 @@ import palmbots as pb
 from palmbots import viz
 from palmbots.control import registry
 from palmbots.control.interface import StepOutput
+from palmbots.errors import PalmbotsError
 from palmbots.simulation.result import Carry
 from palmbots.viz.style import controller_looks
 
@@ -58,6 +59,15 @@ def test_figures_of_a_log_equal_those_of_its_carry(short, tmp_path):
     for name in ("timeline", "side_view"):
         draw = viz.FIGURES.get(name)
         assert (pixels(draw(log)) == pixels(draw(short))).all()
+
+
+def test_save_figure_writes_the_figure_of_plot(short, tmp_path):
+    short.save_figure(tmp_path / "carry.png", window=(0.0, 1.0))
+    viz.write_figure(tmp_path / "same.png", short.plot(window=(0.0, 1.0)))
+    assert (tmp_path / "carry.png").read_bytes() == (tmp_path / "same.png").read_bytes()
+    with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
+        short.save_figure(tmp_path / "carry.gif")
+    assert not (tmp_path / "carry.gif").exists()
 
 
 def test_figure_from_outside_is_drawn_by_plot(short):

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -132,6 +133,16 @@ inline constexpr std::tuple controller_rows{
 // All controllers, in the order in which they are listed.
 inline constexpr auto controller_infos =
     std::apply([](const auto&... row) { return std::array{row.info...}; }, detail::controller_rows);
+
+// Their names, separated by commas.
+inline std::string controller_list() {
+  std::string names;
+  for (const ControllerInfo& info : controller_infos) {
+    names += names.empty() ? "" : ", ";
+    names += info.name;
+  }
+  return names;
+}
 
 constexpr bool is_controller(std::string_view name) {
   for (const ControllerInfo& info : controller_infos) {

@@ -14,7 +14,7 @@ from typing import Any
 
 from palmbots.errors import MissingExtra
 
-__all__ = ["missing_extra", "require"]
+__all__ = ["install_command", "missing_extra", "require"]
 
 _REQUIREMENT = re.compile(r"""(?P<package>[^;]+?)\s*;\s*extra\s*==\s*['"](?P<extra>[\w-]+)['"]""")
 
@@ -36,12 +36,15 @@ def require(module: str, extra: str) -> Any:
 def missing_extra(module: str, extra: str) -> MissingExtra:
     """The error that reports a missing module, with the command that installs its extra."""
     package = module.partition(".")[0]
-    command = [sys.executable or "python", "-m", "pip", "install"]
     return MissingExtra(
-        f"{extra}: the package {package} is missing; run: "
-        + shlex.join([*command, *(_packages(extra) or [package])]),
-        extra,
+        f"{extra}: the package {package} is missing; run: {install_command(extra, package)}", extra
     )
+
+
+def install_command(extra: str, package: str = "") -> str:
+    """The command that installs the packages of an extra; one package where they are unknown."""
+    command = [sys.executable or "python", "-m", "pip", "install"]
+    return shlex.join([*command, *(_packages(extra) or [package or extra])])
 
 
 def _packages(extra: str) -> list[str]:

@@ -2,16 +2,20 @@
 """What all results have in common: a short text, a table for notebooks, a figure."""
 
 import html
+import os
 from collections.abc import Callable
 from typing import Any
 
 from palmbots._util.named_registry import Registry
 from palmbots.errors import PalmbotsError
 
-__all__ = ["FIGURES", "Result"]
+__all__ = ["FIGURES", "WRITERS", "Result"]
 
 FIGURES: Registry[Callable[..., Any]] = Registry("figure", home="palmbots.viz")
 """Functions that draw a result, by the name of the figure: result → `matplotlib.figure.Figure`."""
+
+WRITERS: Registry[Callable[..., None]] = Registry("writer", home="palmbots.viz")
+"""Functions that write files, by what they write. ``figure``: path, figure → None."""
 
 _MOST_LINES = 10
 
@@ -55,3 +59,13 @@ class Result:
         if self.figure is None:
             raise PalmbotsError(f"plot: there is no figure of a {type(self).__name__}")
         return FIGURES.get(self.figure)(self, **options)
+
+    def save_figure(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Draw the result and write it as PNG, SVG or PDF, by the suffix of the path.
+
+        The file appears only when it is complete.
+
+        Raises:
+            PalmbotsError: this kind of result has no figure, or the file cannot be written.
+        """
+        WRITERS.get("figure")(path, self.plot(**options))

@@ -70,9 +70,9 @@ class StepOutput:
     send: MessageKind | None = None
     consume: bool = False
     """The message is used up; otherwise the next tick sees it again."""
-    case: str = " "
-    """The case that the robot is in, ``"a"`` to ``"d"`` as in Table 2, or a blank. While it is not
-    blank, the carry records a correction."""
+    case: str | None = None
+    """The case that the robot is in, ``"a"`` to ``"d"`` as in Table 2. While it is not None, the
+    carry records a correction."""
     waiting: bool = False
     """The robot waits for a message; the time counts as ``waiting_s``."""
 
@@ -191,6 +191,8 @@ def _index(what: str, legal: tuple[str | None, ...], value: object) -> int:
 
 
 def _case(name: object) -> int:
+    if name is None:
+        return ord(" ")
     if isinstance(name, str) and len(name) == 1 and name in " abcd":
         return ord(name)
-    raise PalmbotsError(f'controller: case is {_shown(name)}; allowed: "a" to "d", or " "')
+    raise PalmbotsError(f'controller: case is {_shown(name)}; allowed: "a" to "d", or None')

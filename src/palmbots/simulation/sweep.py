@@ -117,7 +117,8 @@ class Comparison(Result):
         facts = {}
         for name in dict.fromkeys(row.controller for row in self.rows):
             rates = [100 * row.drop_rate for row in self.rows if row.controller == name]
-            facts[name] = f"drops {min(rates):.1f} to {max(rates):.1f} % of carries"
+            low, high = f"{min(rates):.1f}", f"{max(rates):.1f}"
+            facts[name] = f"drops {low if low == high else f'{low} to {high}'} % of carries"
         if self.refusals:
             facts["refused"] = plural(len(self.refusals), "value")
         return facts

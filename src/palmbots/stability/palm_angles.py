@@ -93,7 +93,7 @@ class Design(Result):
         low, high = self.region_m
         facts = {
             "tolerance": self.tolerance_text(self.tolerance),
-            "tolerance of 5°, 15°": "none, the pair fails"
+            "tolerance of 5°, 15°": "none: the pair fails or is not on the grid"
             if self.paper_tolerance is None
             else self.tolerance_text(self.paper_tolerance),
             "clearance": f"{self.clearance_deg:.2f}°",

@@ -262,6 +262,8 @@ def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
         path = resources.files("palmbots.studies") / "data" / f"{source}.toml"
         with resources.as_file(path) as file:
             return source, f"{source}:", read_table(str(file), "a study file", []), Path()
+    if not source:
+        raise SceneError(f'study: value is ""; allowed: a TOML file or one of {", ".join(names)}')
     if not os.path.exists(source):
         if source in built_in_scenes():
             raise SceneError(

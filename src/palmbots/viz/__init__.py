@@ -9,7 +9,7 @@ figure with ``FIGURES.register("mine", function)``. Importing this room does not
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from palmbots._util.results import FIGURES
+from palmbots._util.results import FIGURES, WRITERS
 
 if TYPE_CHECKING:
     from palmbots.viz.animation import save as save_animation
@@ -47,6 +47,7 @@ _LAZY = {
 for _name, _function in _LAZY.items():
     if _name.startswith("draw_"):
         FIGURES.register(_name.removeprefix("draw_"), f"palmbots.viz.{_function}")
+WRITERS.register("figure", "palmbots.viz.save_figure:save_figure")
 
 
 def __getattr__(name: str) -> Any:

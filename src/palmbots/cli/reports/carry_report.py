@@ -63,7 +63,10 @@ def carry_report(
     if carry.reason is not None:
         console.print(indented(f"{carry.reason}: {_REASONS[carry.reason]}"))
         if hint is not None:
-            console.print(f"  {hint}", soft_wrap=True)
+            sentence, _, command = hint.partition("; run: ")
+            console.print(indented(sentence))
+            if command:  # whole, so that it can be copied
+                console.print(f"  run: {command}", soft_wrap=True)
     elif carry.outcome == "stalled":
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""
@@ -105,7 +108,8 @@ def _corrections(console: Console, carry: "Carry") -> None:
     controller = carry.controller_entry or describe(carry.controller)
     listed = len(carry.corrections)
     part = f"; the first {listed}:" if listed < carry.correction_count else ""
-    console.print(f"{plural(carry.correction_count, 'correction')}{part}")
+    console.print(f"{plural(carry.correction_count, 'correction')}{part}", end="")
+    console.print("   p: distance of a contact from its pivot, outward > 0", style=QUIET)
     counts = Counter((c.case, c.robot) for c in carry.corrections)
     alone = Counter(c.case for c in carry.corrections if c.assistant is None)
     table = plain_table()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
+from palmbots._util.optional_imports import install_command
 from palmbots._util.text import plural
 from palmbots.cli.reports.console import (
     BAD,
@@ -79,7 +80,7 @@ def _agreement(console: "Console", validation: "Validation") -> None:
             console.print(f"  {one.engine}: {plural(n, 'difference')}: {cause}", style=QUIET)
     if validation.missing:
         console.print(
-            f"  not installed: {', '.join(validation.missing)} (pip install 'palmbots[bench]')",
+            f"  not installed: {', '.join(validation.missing)} (run: {install_command('bench')})",
             style=QUIET,
         )
 
