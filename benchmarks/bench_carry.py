@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make bench`: one carry of the default scene here, in pymunk, Box2D and MuJoCo, in one run.
+"""One carry of the default scene here, in pymunk, Box2D and MuJoCo, in one run.
+
+    .venv/bin/python benchmarks/bench_carry.py
 
 Prints a table with ratios and writes benchmarks/results/carry.csv. See README.md beside this file.
 """

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curved paths in the dynamic world: what arrives, and whether the sideways drift is as predicted.
+"""Curved paths in MuJoCo: how many carries arrive, and whether the lateral drift is as forecast.
 
     .venv/bin/python benchmarks/bench_curves.py [--carries 12] [--predict]
 
 The default scene (friction 0.3, noise 1 cm/s, distributed algorithm) on circles, a turn and an S,
-without and with lips. For each seed the drift across the palms is predicted before
-(`palmbots.mujoco.drift_forecast`) and measured after. Prints a table, writes
-benchmarks/results/curves.csv. With --predict nothing is carried: only predictions are made anew.
+without and with lips. For each seed the drift across the palms is forecast before the carry
+(`palmbots.mujoco.drift_forecast`) and measured after it. Prints a table and writes
+benchmarks/results/curves.csv. With --predict it carries nothing and only computes forecasts.
 """
 
 import argparse

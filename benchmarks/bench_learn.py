@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The learning environment: steps a second, and what the baseline and a silent table earn.
+"""The learning environment: steps per second, and the returns of two policies.
 
     .venv/bin/python benchmarks/bench_learn.py
 

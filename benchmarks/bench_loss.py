@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What losses do to the resilient algorithm and to Table 2: many carries at each loss rate.
+"""Packet loss with the resilient algorithm and with Table 2: many carries at each loss rate.
 
     .venv/bin/python benchmarks/bench_loss.py [CARRIES]        10 000 each by default
 

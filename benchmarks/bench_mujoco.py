@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dynamic world: what a carry takes, and whether its carries end as the quasistatic ones.
+"""The MuJoCo world: the time of a carry, and whether its carries end as the quasistatic ones.
 
     .venv/bin/python benchmarks/bench_mujoco.py [SEEDS]        at higher noise; 360 seeds by default
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Studies: how they scale over threads, and what memory ten million carries take.
+"""Studies: how they scale over threads, and how much memory ten million carries need.
 
     .venv/bin/python benchmarks/bench_studies.py
 
-Scaling is of carrying and writing together, the shortest of many short runs each, taken in turns:
-on a machine that others use too, the clock says little. So two processes that share nothing are
-timed beside it, and the processor time that is not carrying is measured, with the scaling that it
-would leave on two free cores. Memory is that of a real `palmbots study` process. Writes
-benchmarks/results/studies.csv.
+Scaling includes carrying and writing. It is computed from the shortest of many short runs, which
+alternate between one thread and two. On a shared machine wall-clock time is not reliable. So two
+processes that share nothing are timed beside it, and the processor time that is not spent on
+carrying is measured; from it follows the scaling on two free cores. Memory is that of a real
+`palmbots study` process. Writes benchmarks/results/studies.csv.
 """
 
 import csv

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a packet costs: its bytes, and the instructions of writing and of judging one.
+"""The cost of a radio packet: its bytes, and the instructions that write and check one.
 
     .venv/bin/python benchmarks/bench_wire.py
 
@@ -23,7 +23,7 @@ from palmbots.wire import PACKET_SIZE
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "wire.csv"
-SOURCE = HERE / "wire.cpp"
+SOURCE = HERE / "bench_wire.cpp"
 LEVELS = ("-O2", "-Os")
 
 
