@@ -217,7 +217,9 @@ def _read(results: Path, group: Any, name: str, region: tuple[slice, ...]) -> An
     try:
         return np.asarray(group[name][region if region else ...])
     except _READ_ERRORS as error:
-        raise _damaged(results, f"{name}: {error}") from None
+        # zarr quotes the bytes of both checksums
+        reason = str(error).partition(" Stored:")[0].rstrip(".")
+        raise _damaged(results, f"{name}: {reason}") from None
 
 
 def _count(results: Path, group: Any) -> int:
