@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A controller of your own: the shipped algorithm, by a robot that minds small deviations.
+"""A controller of your own: the paper's algorithm, but short deviations are ignored.
 
-It looks away from a deviation until it has lasted for a while, so that it corrects less often.
+A robot corrects a deviation only after it has lasted for a while, so it corrects less often.
 """
 
 import palmbots as pb
@@ -24,8 +24,7 @@ class Patient:
 
 
 for controller in ("distributed", Patient):
-    done = pb.carry("paper", controller, seed=1)
-    rms = 1000 * max(done.contact_rms_m.values())
-    print(
-        f"{done.controller}: {done.outcome}, {len(done.corrections)} corrections, {rms:.1f} mm rms"
-    )
+    result = pb.carry("paper", controller, seed=1)
+    rms = 1000 * max(result.contact_rms_m.values())
+    count = len(result.corrections)
+    print(f"{result.controller}: {result.outcome}, {count} corrections, {rms:.1f} mm rms")

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Learn to carry: the task as a PettingZoo environment (pip install 'palmbots[learn]').
+"""Learn to carry: the task as a PettingZoo environment.
 
-What can two robots do that may not talk? Here each follows the same small table: for every sign
-that its sensor may read, a palm and a move. There are 216 such tables; try them all, ten decisions
-a second, and see how the best one does beside the paper's algorithm, which talks.
+What can two robots do that send no messages? Here both follow the same small table: for each sign
+that the sensor can read, a palm and a move. There are 216 such tables. The example tries all of
+them, with ten decisions a second, and compares the best with the paper's algorithm, which sends
+messages.
+
+This example needs the package of one extra: python -m pip install 'pettingzoo>=1.25'
 """
 
 from itertools import product
@@ -28,14 +31,14 @@ class Table:
         return self.actions[int(observation[0]) + 1]
 
 
-mute = carry_v0.parallel_env("paper", messages=False, ticks_per_step=10)
+silent = carry_v0.parallel_env("paper", messages=False, ticks_per_step=10)
 
 
 def worth(choices: tuple[int, ...], seeds: range) -> float:
     """Mean return of a table that both robots follow."""
     table = Table(choices)
     policies = {"left": table, "right": table}
-    return float(np.mean([run_episode(mute, policies, seed=seed).returned for seed in seeds]))
+    return float(np.mean([run_episode(silent, policies, seed=seed).returned for seed in seeds]))
 
 
 every = list(product(range(6), repeat=3))
@@ -46,7 +49,7 @@ for sign, choice in zip("-0+", best, strict=True):
     print(f"sensor reads {sign}: palm {PALMS[palm]}, {MOVES[move]}")
 
 fresh = range(100, 120)
-talking = carry_v0.parallel_env("paper")
-paper = [run_episode(talking, seed=seed).returned for seed in fresh]
+with_messages = carry_v0.parallel_env("paper")
+paper = [run_episode(with_messages, seed=seed).returned for seed in fresh]
 print(f"on fresh seeds the table earns {worth(best, fresh):.3f},", end=" ")
 print(f"the paper's algorithm {np.mean(paper):.3f}; 2 is the most there is")

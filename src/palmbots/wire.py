@@ -42,6 +42,11 @@ __all__ = [
     "encode",
 ]
 
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 PACKET_SIZE = sum(size for _, _, size in _core.wire.layout())
 """Bytes of a packet."""
 KEY_SIZE = 16

@@ -46,3 +46,7 @@ __all__ = [
     "zero_zone_edges_m",
     "zero_zone_m",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -6,3 +6,7 @@ from palmbots.scene.object_library import object_names
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 
 __all__ = ["Overrides", "Scene", "SceneLike", "load_scene", "object_names"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -25,6 +25,7 @@ from palmbots.scene.scene import Scene
 __all__ = ["SceneKey", "built_in_meanings", "default_scene_toml", "scene_keys"]
 
 _LINE_WIDTH = 78
+_LICENCE = "# SPDX-License-Identifier: Apache-2.0"
 
 
 @dataclass(frozen=True)
@@ -108,9 +109,9 @@ def built_in_meanings(kind: str) -> dict[str, str]:
 
 
 def _first_sentence(text: str) -> str:
-    """The first sentence of the comment at the top of a file."""
+    """The first sentence of the comment at the top of a file, after the line with its licence."""
     comment = []
-    for line in text.splitlines():
+    for line in text.removeprefix(f"{_LICENCE}\n").splitlines():
         if not line.startswith("#"):
             break
         comment.append(line.lstrip("# "))

@@ -42,3 +42,7 @@ __all__ = [
     "unregister_world",
     "world_names",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -59,4 +59,4 @@ for _name, _function in (
 
 
 def __dir__() -> list[str]:
-    return list(__all__)
+    return sorted(__all__)
