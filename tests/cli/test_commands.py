@@ -13,6 +13,7 @@ from typer.main import get_command
 from commands import Run, assert_refused
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
+from palmbots.simulation import register_world, unregister_world
 from shell import palmbots
 
 DONE, FAILED = cli.DONE, cli.FAILED
@@ -220,6 +221,22 @@ def test_dead_band_warning_comes_before_the_carry_and_in_json(here: Run) -> None
     warnings = json.loads(result.stdout)["warnings"]
     assert any("zero zone" in text for text in warnings)
     assert any("limit cycle" in text for text in warnings)
+
+
+def test_limits_that_the_scene_exceeds_are_in_json_too(here: Run) -> None:
+    result = here("carry", *SHORT, "--set=robot.acceleration_m_s2=5", "--json")
+    warnings = json.loads(result.stdout)["warnings"]
+    assert any(text.startswith("robot.acceleration_m_s2 is 5, but") for text in warnings)
+    for text in warnings:
+        assert f"palmbots: warning: {text}\n" in result.stderr
+
+
+def test_help_lists_the_registered_worlds(here: Run) -> None:
+    register_world("moon", "nowhere:WORLD")
+    try:
+        assert "quasistatic or mujoco or moon" in " ".join(here("carry", "--help").stdout.split())
+    finally:
+        unregister_world("moon")
 
 
 def test_every_help_has_an_example_and_imperative_options(here: Run) -> None:

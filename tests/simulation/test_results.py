@@ -99,6 +99,18 @@ def test_modes_batch_as_dataset_has_the_arrays() -> None:
     np.testing.assert_array_equal(table["feasible"].sel(mode="ST-ST"), batch.feasible[..., 0])
 
 
+def test_modes_batch_as_dataframe_has_a_line_for_each_state() -> None:
+    batch = results()[-1]
+    frame = batch.to_dataframe()
+    assert len(frame) == 6
+    for _, line in frame.iterrows():
+        state = (line["dim_0"], line["dim_1"])
+        assert line["squeeze_right_low"] == batch.squeeze[(*state, 1, 0)]
+        assert line["ST-ST"] == batch.feasible[(*state, 0)]
+        assert line["opening"] == batch.opening[state]
+    assert list(frame.columns[2:4]) == ["squeeze_left_low", "squeeze_left_high"]
+
+
 def test_figures_are_available_from_results(comparison: pb.simulation.Comparison) -> None:
     carry = pb.carry("paper", overrides=SHORT)
     assert len(carry.plot().axes) >= 7

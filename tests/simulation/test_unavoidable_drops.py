@@ -8,8 +8,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
-from palmbots.simulation.result import Carry
-from palmbots.simulation.unavoidable_drops import is_unavoidable
+from palmbots.simulation import Carry, is_unavoidable
 
 
 def carried(overrides: dict[str, Any], controller: str = "resilient") -> Carry:

@@ -21,7 +21,8 @@ from functools import cache
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
 
 from palmbots.cli import INTERRUPTION_LINE, commands
 from palmbots.cli._run import Interrupted
@@ -64,7 +65,7 @@ def run(arguments: list[str]) -> int:
     except Interrupted:  # it has printed its line
         return INTERRUPTED
     except PalmbotsError as error:
-        return _refuse(str(error))
+        return _refuse(_with_option_name(str(error), arguments))
     except _UsageError as error:
         return _refuse(_usage_message(error))
     except typer.Exit as stop:
@@ -76,6 +77,18 @@ def run(arguments: list[str]) -> int:
 def _interrupted() -> int:
     print(INTERRUPTION_LINE, file=sys.stderr)
     return INTERRUPTED
+
+
+class _Command(TyperCommand):
+    """A command whose help lists the worlds where it says ``{worlds}``."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        for option in self.params:
+            if "{worlds}" in (getattr(option, "help", None) or ""):
+                from palmbots.simulation import world_names
+
+                option.help = option.help.replace("{worlds}", " or ".join(world_names()))  # type: ignore[attr-defined]
+        super().format_help(ctx, formatter)
 
 
 @cache
@@ -116,7 +129,7 @@ def build_app() -> typer.Typer:
         if isinstance(module.COMMAND, typer.Typer):
             app.add_typer(module.COMMAND, name=name, epilog=epilog)
         else:
-            app.command(name, epilog=epilog)(module.COMMAND)
+            app.command(name, cls=_Command, epilog=epilog)(module.COMMAND)
     return app
 
 
@@ -147,6 +160,19 @@ def _usage_message(error: Any) -> str:
     if fault is not None:
         return f"{fault}{see}"
     return f"{where}{error.format_message().rstrip('.')}{see}"
+
+
+def _with_option_name(message: str, arguments: list[str]) -> str:
+    """The message with the option that was given in place of the Python argument it stands for:
+    ``--slope-deg: value is …``, not ``slope_deg: value is …``."""
+    group: Any = get_command(build_app())
+    command = group.commands.get(arguments[0]) if arguments else None
+    name, _, rest = message.partition(":")
+    for parameter in getattr(command, "params", ()):
+        given = any(word.split("=")[0] in parameter.opts for word in arguments)
+        if parameter.name == name and parameter.opts[0].startswith("--") and given:
+            return f"{parameter.opts[0]}:{rest}"
+    return message
 
 
 def _number_fault(error: Any) -> str | None:

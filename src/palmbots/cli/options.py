@@ -18,6 +18,8 @@ __all__ = [
     "SceneArgument",
     "SeedOption",
     "SetOption",
+    "WorldOption",
+    "input_argument",
     "interval_option",
     "output_option",
 ]
@@ -34,6 +36,18 @@ def _path(text: str) -> Path:
     if not text:
         raise typer.BadParameter('value is ""; allowed: a name (. is the working directory)')
     return Path(text)
+
+
+def _input_path(text: str) -> Path:
+    """Parser of an argument that names a file to read."""
+    if not text:
+        raise typer.BadParameter('value is ""; allowed: the name of a file')
+    return Path(text)
+
+
+def input_argument(metavar: str, help: str) -> Any:
+    """An argument that names a file to read."""
+    return typer.Argument(parser=_input_path, metavar=metavar, help=help)
 
 
 def output_option(help: str, *names: str, metavar: str = "DIR") -> Any:
@@ -71,6 +85,10 @@ ControllerOption = Annotated[
 SeedOption = Annotated[int, typer.Option("--seed", help="Random seed.")]
 PrecisionOption = Annotated[
     str, typer.Option("--precision", metavar="NAME", help="double or float.")
+]
+WorldOption = Annotated[
+    # cli.main fills in the names: the module that knows them takes long to import.
+    str, typer.Option("--world", metavar="NAME", help="World that moves the pair: {worlds}.")
 ]
 FormatOption = Annotated[
     str, typer.Option("--format", metavar="NAME", help="Figure format: png, svg or pdf.")

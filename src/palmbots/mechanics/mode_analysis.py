@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES, FloatArray, Overrides
+from palmbots._util.optional_imports import require
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
@@ -106,6 +107,27 @@ class ContactModesBatch(Result):
             },
             coords={"side": list(SIDES), "end": ["low", "high"], "mode": names},
         )
+
+    def to_dataframe(self) -> Any:
+        """One line per state as a `pandas.DataFrame`, with a column for each entry of the arrays.
+
+        The columns ``dim_0``, ``dim_1``, … are the indices of the state.
+
+        Raises:
+            PalmbotsError: pandas is not installed.
+        """
+        frame: Any = require("pandas", "study").DataFrame
+        n, shape = self.closing.size, self.closing.shape
+        squeeze, feasible = self.squeeze.reshape(n, 2, 2), self.feasible.reshape(n, -1)
+        indices = np.indices(shape).reshape(len(shape), n)
+        columns: dict[str, Any] = {f"dim_{k}": indices[k] for k in range(len(shape))}
+        for s, side in enumerate(SIDES):
+            for e, end in enumerate(("low", "high")):
+                columns[f"squeeze_{side}_{end}"] = squeeze[:, s, e]
+        for m, (left, right) in enumerate(CONTACT_MODES):
+            columns[f"{left}-{right}"] = feasible[:, m]
+        columns |= {"closing": self.closing.ravel(), "opening": self.opening.ravel()}
+        return frame(columns)
 
 
 @with_state_arguments

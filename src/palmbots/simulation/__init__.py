@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """One carry, many carries, a sweep, rare events; the worlds and the results.
 
-`palmbots` exports the functions that run carries; this room exports the types of their results, and
-what registers a world.
+`palmbots` exports the functions that run carries; this room exports the types of their results,
+batches of carries, whether a drop could have been prevented, and what registers a world.
 """
 
 from palmbots.simulation.batch import run_batch as run_batch
@@ -17,6 +17,7 @@ from palmbots.simulation.result import Message as Message
 from palmbots.simulation.sweep import Comparison as Comparison
 from palmbots.simulation.sweep import Refusal as Refusal
 from palmbots.simulation.sweep import Row as Row
+from palmbots.simulation.unavoidable_drops import is_unavoidable as is_unavoidable
 from palmbots.simulation.worlds import WorldEntry as WorldEntry
 from palmbots.simulation.worlds import WorldRun as WorldRun
 from palmbots.simulation.worlds import register_world as register_world
@@ -36,6 +37,7 @@ __all__ = [
     "Row",
     "WorldEntry",
     "WorldRun",
+    "is_unavoidable",
     "register_world",
     "run_batch",
     "run_seeds",

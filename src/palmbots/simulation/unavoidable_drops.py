@@ -41,7 +41,7 @@ def is_unavoidable(carry: Carry) -> bool:
     Raises `PalmbotsError` for a carry that was not dropped, or has no trace.
     """
     if carry.outcome != "dropped" or carry.trace is None:
-        raise PalmbotsError("drops: the carry was not dropped, or has no trace")
+        raise PalmbotsError("carry: it was not dropped, or has no trace")
     if carry.reason != "off-palm":
         return False
     contacts = carry.trace["contact"].to_numpy()

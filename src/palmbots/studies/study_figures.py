@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from palmbots._util.confidence import Z95
 from palmbots._util.text import format_number, plural
 from palmbots._util.units import axis_label, name_of
 from palmbots.errors import PalmbotsError
@@ -259,7 +260,7 @@ def _over_each_key(result: StudyResult) -> Figure:
         for c, controller in enumerate(controllers):
             each = [rates[g, c][np.isfinite(rates[g, c])] for g in groups]
             mean = np.array([np.mean(v) if v.size else np.nan for v in each])
-            half = [1.96 * np.std(v, ddof=1) / np.sqrt(v.size) if v.size > 1 else 0 for v in each]
+            half = [Z95 * np.std(v, ddof=1) / np.sqrt(v.size) if v.size > 1 else 0 for v in each]
             look = _look(result, controller)
             panel.plot(x, mean, label=controller, **look)
             panel.fill_between(

@@ -18,6 +18,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    WorldOption,
     output_option,
 )
 from palmbots.errors import PalmbotsError
@@ -35,9 +36,7 @@ _ANIMATIONS = ("gif", "mp4")
 def carry(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
-    world: Annotated[
-        str, typer.Option("--world", metavar="NAME", help="quasistatic or mujoco.")
-    ] = "quasistatic",
+    world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
@@ -109,15 +108,16 @@ def carry(
         if video_file is not None:
             written += mujoco_outputs.write_video(result, video_file, quiet=as_json)
         removed = _remove_outdated(out, written)
+    late_warnings = [text for text in result.warnings if text not in early_warnings]
     if as_json:
         forecast = None if budget is None else budget.summary()
-        print_json(result.summary() | {"drift_forecast": forecast})
+        warnings = [*early_warnings, *limits, *late_warnings]
+        print_json(result.summary() | {"warnings": warnings, "drift_forecast": forecast})
     else:
         from palmbots.stability.drop_diagnosis import analyze_hint
 
         dropped = result.outcome == "dropped"
         hint = analyze_hint(chosen, controller, scene, changes) if dropped else None
-        late_warnings = [text for text in result.warnings if text not in early_warnings]
         carry_report(result, scene, late_warnings, written, removed, hint)
     return DONE if result.outcome == "delivered" else FAILED
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._run import load, present
-from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -16,9 +16,7 @@ EXAMPLE = "palmbots check box.json"
 
 
 def check(
-    certificate: Annotated[
-        Path, typer.Argument(metavar="CERTIFICATE", help="JSON file of palmbots certify.")
-    ],
+    certificate: Annotated[Path, input_argument("CERTIFICATE", "JSON file of palmbots certify.")],
     scene: Annotated[
         str | None,
         typer.Option("--scene", metavar="SCENE", help="Require that the box contains this scene."),

@@ -4,10 +4,8 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from palmbots.cli._run import present
-from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -16,7 +14,7 @@ EXAMPLE = "palmbots replay out/carry.mcap"
 
 
 def replay(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log of a carry.")],
+    log: Annotated[Path, input_argument("LOG", "MCAP log of a carry.")],
     as_json: JsonOption = False,
 ) -> int:
     """Run a logged carry again and compare every bit.

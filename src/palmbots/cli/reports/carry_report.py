@@ -10,12 +10,11 @@ from rich.console import Console
 from rich.text import Text
 
 from palmbots._types import SIDES
-from palmbots._util.text import plural
+from palmbots._util.text import millimetres, plural
 from palmbots.cli.reports.console import (
     BAD,
     GOOD,
     QUIET,
-    format_mm,
     indented,
     plain_table,
     print_written_files,
@@ -92,10 +91,10 @@ def carry_report(
 def _contacts(console: Console, carry: "Carry") -> None:
     table = plain_table()
     table.add_row("", Text("left", style="bold"), Text("right", style="bold"))
-    table.add_row("contact rms", *(format_mm(carry.contact_rms_m[s]) for s in SIDES))
-    table.add_row("contact peak", *(format_mm(carry.contact_peak_m[s]) for s in SIDES))
+    table.add_row("contact rms", *(millimetres(carry.contact_rms_m[s]) for s in SIDES))
+    table.add_row("contact peak", *(millimetres(carry.contact_peak_m[s]) for s in SIDES))
     if carry.lateral_peak_m is not None and carry.scene.task.path.is_curved:
-        table.add_row("lateral peak", *(format_mm(carry.lateral_peak_m[s]) for s in SIDES))
+        table.add_row("lateral peak", *(millimetres(carry.lateral_peak_m[s]) for s in SIDES))
     if carry.messages and describe(carry.controller).team == "robots":
         table.add_row("waiting time", *(f"{carry.waiting_s[s]:.1f} s" for s in SIDES))
     console.print(table)
@@ -132,8 +131,8 @@ def _bounds(console: Console, b: "Bounds") -> None:
         style=QUIET,
     )
     console.print(
-        f"a robot travels alone for at most {b.alone_s:g} s: {format_mm(b.skew_m)} and "
-        f"{format_mm(b.noise_m)} by noise of the {format_mm(b.room_m)} available",
+        f"a robot travels alone for at most {b.alone_s:g} s: {millimetres(b.skew_m)} and "
+        f"{millimetres(b.noise_m)} by noise of the {millimetres(b.room_m)} available",
         style=QUIET,
     )
 

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.text import Text
 
 from palmbots._types import SIDES
+from palmbots._util.text import millimetres
 from palmbots.cli.reports.console import (
-    format_mm,
     indented,
     plain_table,
     print_written_files,
@@ -116,7 +116,7 @@ def design_report(design: "Design", scene_name: str, written: Sequence[Path]) ->
     table.add_row("  tolerance", design.tolerance_text(design.tolerance), ratio)
     table.add_row("  clearance", f"{design.clearance_deg:.2f}°", "until a palm touches an edge")
     low, high = design.region_m
-    table.add_row("  contacts", f"{1e3 * low:.1f} to {format_mm(high)}", "for which this holds")
+    table.add_row("  contacts", f"{1e3 * low:.1f} to {millimetres(high)}", "for which this holds")
     if design.friction is not None:
         note = friction_note([design.friction], design.shallow_deg, design.steep_deg)
         low, high = design.friction

@@ -17,7 +17,6 @@ __all__ = [
     "GOOD",
     "QUIET",
     "definitions",
-    "format_mm",
     "indented",
     "plain_table",
     "print_written_files",
@@ -95,11 +94,6 @@ def print_written_files(console: Console, written: Sequence[Path]) -> None:
 
 def _size(n: int) -> str:
     return f"{n / 1e6:.1f} MB" if n >= 1e6 else f"{n / 1e3:.0f} kB"
-
-
-def format_mm(metres: float) -> str:
-    """A length in mm; never "-0.0"."""
-    return f"{round(1e3 * metres, 1) + 0.0:.1f} mm"
 
 
 def signed(value: float) -> str:

@@ -10,7 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 from palmbots._types import SIDES
-from palmbots.cli.reports.console import GOOD, QUIET, format_mm, report_console
+from palmbots._util.text import millimetres
+from palmbots.cli.reports.console import GOOD, QUIET, report_console
 
 if TYPE_CHECKING:
     from palmbots.mechanics.contact_points import Contact, Motions
@@ -26,7 +27,7 @@ def modes_report(found: "ContactModes") -> None:
     console = report_console()
     console.print(
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
-        f"contacts {format_mm(found.p_left_m)}, {format_mm(found.p_right_m)}   "
+        f"contacts {millimetres(found.p_left_m)}, {millimetres(found.p_right_m)}   "
         f"object {found.object_deg:.2f}°"
     )
     if found.motions_closing is not None and found.motions_opening is not None:
@@ -73,7 +74,7 @@ def _list_contacts(console: Console, contacts: "Sequence[Contact]", held: bool) 
     for contact in contacts:
         x, y = contact.point_m
         table.add_row(
-            contact.side, contact.kind, format_mm(contact.place_m), format_mm(x), format_mm(y)
+            contact.side, contact.kind, millimetres(contact.place_m), millimetres(x), millimetres(y)
         )
     console.print(table)
     answer = "[bold green]yes[/bold green]" if held else "[bold red]no[/bold red]"

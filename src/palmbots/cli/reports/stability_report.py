@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.text import Text
 
 from palmbots._types import Interval
+from palmbots._util.text import millimetres
 from palmbots.cli.reports.console import (
     QUIET,
-    format_mm,
     indented,
     plain_table,
     print_written_files,
@@ -37,7 +37,7 @@ def analysis_report(analysis: "Analysis", scene_name: str, written: Sequence[Pat
     console.print(_verdict(analysis))
     region = analysis.problem.contacts[0]
     console.print(
-        f"{scene_name}, contacts {1e3 * region[0]:.1f} to {format_mm(region[1])}",
+        f"{scene_name}, contacts {1e3 * region[0]:.1f} to {millimetres(region[1])}",
         style=QUIET,
     )
     _margins(console, analysis)
@@ -49,7 +49,7 @@ def analysis_report(analysis: "Analysis", scene_name: str, written: Sequence[Pat
     _wedging(console, analysis)
     tipping = analysis.sideways
     console.print(
-        f"lateral support ±{format_mm(tipping.margin_m)}; the object tips sideways at "
+        f"lateral support ±{millimetres(tipping.margin_m)}; the object tips sideways at "
         f"{math.degrees(tipping.tilt_rad):.1f}° or {tipping.acceleration_g:.2f} g"
     )
     for warning in analysis.warnings:
@@ -97,7 +97,7 @@ def _nearest_failure(console: Console, analysis: "Analysis") -> None:
     left, right = weakest.binding_p_m
     console.print(
         f"smallest margin: property {PROPERTIES[weakest.number]}, {weakest.shallow} palm shallow, "
-        f"p {format_mm(left)}, {format_mm(right)}"
+        f"p {millimetres(left)}, {millimetres(right)}"
     )
     console.print(indented(weakest.binding))
 
@@ -112,7 +112,7 @@ def _ranges(console: Console, analysis: "Analysis") -> None:
     friction = _union(analysis.friction, 1, "") + friction_note(analysis.friction, *palms)
     table.add_row("  friction, both palms", friction)
     half = analysis.half_length_m
-    table.add_row("  palm half-length", "none" if half is None else f"up to {format_mm(half[1])}")
+    table.add_row("  palm half-length", "none" if half is None else f"up to {millimetres(half[1])}")
     table.add_row("  angle error", _angle_error(analysis))
     slope = analysis.slope
     degrees = None if slope is None else tuple(math.degrees(math.atan(s)) for s in slope)
@@ -152,15 +152,15 @@ def _clearance(console: Console, clearance: "Clearance") -> None:
     if ends is None:
         head = Text(f"clearance {turn}, for palms of any length")
     elif not clearance.touches:
-        head = Text(f"clearance {turn}, or {format_mm(ends.margin)} at the ends of the palms")
+        head = Text(f"clearance {turn}, or {millimetres(ends.margin)} at the ends of the palms")
     else:
         head = Text("the outline TOUCHES a palm", "bold red").append(f", by {turn}", "default")
         if ends.kind != "flush":
-            head.append(f", {format_mm(-ends.margin)} from a palm's end", "default")
+            head.append(f", {millimetres(-ends.margin)} from a palm's end", "default")
     console.print(head)
     first = clearance.rotation_margin
     angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in first.angles_rad)
-    contacts = ", ".join(map(format_mm, first.contacts_m))
+    contacts = ", ".join(map(millimetres, first.contacts_m))
     console.print(
         indented(
             f"first contact: {first.side} palm, {_CONTACT_KINDS[first.kind]}, palms at {angles}, "
