@@ -14,10 +14,18 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from docs_generators import controllers, derivation, rooms, scene_keys, wire
+from docs_generators import (
+    commands,
+    controllers,
+    derivation,
+    public_names,
+    rooms,
+    scene_keys,
+    wire,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
-GENERATORS = (controllers, derivation, rooms, scene_keys, wire)
+GENERATORS = (commands, controllers, derivation, public_names, rooms, scene_keys, wire)
 
 
 def main() -> int:

@@ -4,3 +4,4 @@
 __all__ = ["__version__"]
 
 __version__ = "0.1.0"
+"""The version of palmbots."""

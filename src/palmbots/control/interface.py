@@ -35,13 +35,19 @@ __all__ = [
 ]
 
 MessageKind = Literal["TiltUp", "TiltDown", "Ack"]
+"""What a message of the distributed algorithm says: `TiltUp`, `TiltDown` or `Ack`."""
 Palm = Literal["steep", "shallow"]
+"""The commanded palm angle: `steep` or `shallow`."""
 Move = Literal["hold", "away", "closer"]
+"""How the wheels differ from the nominal speed: `hold` not at all, `away` from or `closer` to the
+partner."""
 
 # In the order of the core's numbers (control/messages.hpp). The core has further kinds of message,
 # which only the beacons of the resilient algorithm carry.
 PALMS = cast("tuple[Palm, ...]", tuple(_core.Palm.__members__))
+"""The names of the palm angles."""
 MOVES = cast("tuple[Move, ...]", tuple(_core.Move.__members__))
+"""The names of the moves."""
 MESSAGE_KINDS = cast(
     "tuple[MessageKind | None, ...]",
     (None, *sorted(get_args(MessageKind), key=lambda name: _core.MessageKind[name])),

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["QUANTITIES", "AngleGrid", "GridLimits", "Quantity", "Uncertainty", "evaluate"]
 
 Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"]
+"""What `palmbots.design` can maximize the tolerance of."""
 
 QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
-    # number in the core, largest tolerance, unit, scale and name in figures and reports
     "com": (0, math.inf, "m", 1e3, "COM along the object [± mm]"),
     "friction": (1, 2.0, "", 1.0, "friction [±]"),
     "slope": (2, 1.0, "tangent", 1.0, "slope [± tangent]"),
@@ -36,6 +36,7 @@ QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
     "region": (3, math.inf, "m", 1e3, "contact coordinate [± mm]"),
     "angle": (4, math.radians(30), "rad", 180 / math.pi, "palm angle [± °]"),
 }
+"""Every quantity: its number in the core, largest tolerance, unit, scale and name in figures."""
 
 _LARGEST_TOLERANCE = 10.0
 _ROUNDING_DEG = 1e-9

@@ -18,6 +18,7 @@ from palmbots.stability.certificates.parameter_box import Box, Ends
 __all__ = ["CLAIMS", "Obligation", "Subbox", "bisect", "exact", "obligations"]
 
 CLAIMS = ("property 1", "property 2", "property 0", "clearance")
+"""What a certificate can prove."""
 
 _LEAST = 1e-7  # intervals smaller than this are not bisected
 
