@@ -210,7 +210,7 @@ def test_invalid_number_of_carries_is_refused(carries: Any) -> None:
         (["nowhere"], ["nowhere", "built-in studies"]),
         (["."], ["folder"]),
         ([], ["FILE"]),
-        (["STUDY", "--chunk-size", "0"], ["chunk_size: value is 0; allowed: 1 to 10000000"]),
+        (["STUDY", "--chunk-size", "0"], ["--chunk-size: value is 0; allowed: 1 to 10000000"]),
         (["STUDY", "--threads", "0"], ["threads: value is 0; allowed: 1 to 1024"]),
         (["STUDY", "-n", "0"], ["carries: value is 0; allowed: 1 to"]),
         (["STUDY", "--out", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
