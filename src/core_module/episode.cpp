@@ -232,7 +232,7 @@ void bind_episode(nb::module_& m) {
           [](Episode& e) {
             return e.visit([](auto& b) { return b.carry.team().link_totals.sent; });
           },
-          "Letters so far.")
+          "Messages so far.")
       .def("observations", &Episode::seen,
            "Of each robot (sign, palm turned, message that is there, program runs, it has just "
            "begun "

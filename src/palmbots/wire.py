@@ -69,8 +69,7 @@ Verdict = Literal[
 _ROLES: tuple[Role, ...] = get_args(Role)
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 _VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
-# Names that the compiled core may still use.
-_MESSAGES: tuple[MessageKind, ...] = get_args(MessageKind)  # as payload: 1, 2, 3
+_MESSAGES: tuple[MessageKind, ...] = get_args(MessageKind)  # the payload counts them from 1
 _BEACONS = ("I", "R", "G", "D", "W")
 _PALMS: tuple[Palm, ...] = get_args(Palm)
 _MOVES: tuple[Move, ...] = get_args(Move)

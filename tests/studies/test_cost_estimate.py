@@ -17,8 +17,8 @@ from palmbots.studies.study_runner import layout_of
 from study_fixtures import said
 
 
-def test_cost_estimate_is_about_right_and_writes_nothing(tmp_path: Path) -> None:
-    """Carries and cells exactly, time and disk about right."""
+def test_cost_estimate_counts_carries_and_disk_and_writes_nothing(tmp_path: Path) -> None:
+    """Carries and cells exactly, disk about right. The next test checks the time, by a fake clock."""
     file = tmp_path / "s.toml"
     file.write_text("[vary]\nrobot.noise_m_s = [0.01, 0.015, 0.02]\n[seeds]\ncount = 1500\n")
     summary = said(file, "--estimate-cost", "--threads", 1, cwd=tmp_path)
@@ -27,7 +27,6 @@ def test_cost_estimate_is_about_right_and_writes_nothing(tmp_path: Path) -> None
     assert set(summary["ms_a_carry"]) == {"centralized", "distributed"}
     actual = said(file, "--threads", 1, cwd=tmp_path)
     assert actual["carries"] == summary["carries"]
-    assert summary["seconds"] / 3 < actual["seconds"] < summary["seconds"] * 3 + 2
     files = (tmp_path / "s.study").rglob("*")
     size = sum(path.stat().st_size for path in files if path.is_file())
     assert summary["disk_bytes"] / 2 < size < 2 * summary["disk_bytes"] + 100_000

@@ -79,7 +79,7 @@ class BitslicedDistributed {
   BitslicedTable<Robot> robots_;
   // Messages under way to a robot, by tick of arrival, and the one that it has not read. There is
   // never more than one unread message: if another is under way, the robot reads the first as soon
-  // as it arrives (bits_test).
+  // as it arrives (bitslice_test).
   std::array<Messages, BitslicedDelay::longest + 1> line_;
   Messages inbox_;
   BitslicedDelay delays_;

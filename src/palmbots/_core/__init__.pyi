@@ -735,7 +735,7 @@ class Episode:
 
     @property
     def sent(self) -> int:
-        """Letters so far."""
+        """Messages so far."""
 
     def observations(self) -> tuple[tuple[int, bool, int, bool, bool], tuple[int, bool, int, bool, bool]]:
         """

@@ -49,7 +49,7 @@ _UP = (_LEFT[1], _RIGHT[1])
 _DOWN = (_LEFT[2], _RIGHT[2])
 
 CONTACT_MODES: tuple[Mode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
-"""The nine modes (left, right), in the order of the arrays in `States`."""
+"""The nine modes (left, right), in the order of the arrays in `ContactModesBatch`."""
 
 _CONSISTENT_CLOSING = tuple(m for m in CONTACT_MODES if m[0] == _UP[0] or m[1] == _UP[1])
 _CONSISTENT_OPENING = tuple(m for m in CONTACT_MODES if m[0] == _DOWN[0] or m[1] == _DOWN[1])

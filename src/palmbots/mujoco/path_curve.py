@@ -8,7 +8,8 @@ which the curvature κ grows evenly; a path through waypoints is a natural cubic
 curvature is 0 at both ends. So κ is continuous everywhere and wheels can follow.
 
 With β = asin(κ d / 2) a palm stands askew to an object that reaches to another palm d away on the
-same path. What that does is in `palmbots.sideways`.
+same path. `palmbots.mujoco.drift_forecast`
+estimates the drift that follows.
 """
 
 import math

@@ -27,7 +27,7 @@ constexpr auto ignore = [](const SentMessage&) {};
 // they sense: of the messages for one of them, on their way or unread, there are never more than
 // two; and where there are two the first is read as soon as it is there. So of messages that all
 // take the same time never two are unread.
-void test_there_is_never_more_than_one_unread_letter() {
+void test_there_is_never_more_than_one_unread_message() {
   struct Node {
     PerSide<Robot> robots;
     PerSide<std::vector<MessageKind>> messages;  // for each, oldest first
@@ -303,7 +303,7 @@ void test_supported_times_and_clocks_of_the_resilient_algorithm() {
 }  // namespace
 
 int main() {
-  test_there_is_never_more_than_one_unread_letter();
+  test_there_is_never_more_than_one_unread_message();
   const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>();
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
   const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>();

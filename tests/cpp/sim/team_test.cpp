@@ -52,7 +52,7 @@ void test_mirror(Team forward, Team backward, std::uint64_t seed) {
   for (std::size_t i = 0; i < there.size(); ++i) {
     const SentMessage& p = there[i];
     lost += p.received == 0 ? 1 : 0;
-    // Letters of one tick are posted left first on both sides of the mirror.
+    // Messages of one tick are posted left first on both sides of the mirror.
     bool found = false;
     for (std::size_t k = i > 0 ? i - 1 : 0; k < there.size() && k <= i + 1; ++k) {
       const SentMessage& q = back[k];
