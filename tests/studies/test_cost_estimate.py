@@ -18,7 +18,7 @@ from study_fixtures import said
 
 
 def test_cost_estimate_counts_carries_and_disk_and_writes_nothing(tmp_path: Path) -> None:
-    """Carries and cells exactly, disk about right. The next test checks the time."""
+    """Carries and cells exactly, disk about right. The next test checks time by a fake clock."""
     file = tmp_path / "s.toml"
     file.write_text("[vary]\nrobot.noise_m_s = [0.01, 0.015, 0.02]\n[seeds]\ncount = 1500\n")
     summary = said(file, "--estimate-cost", "--threads", 1, cwd=tmp_path)
