@@ -226,7 +226,7 @@ def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: P
     refused(study_here(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
     refused(
         study_here(long, "--out", tmp_path / "c", "--local-cluster", 0),
-        "local_cluster: value is 0; allowed: 1 to 1024",
+        "--local-cluster: value is 0; allowed: 1 to 1024",
     )
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]  # nothing has begun
     both = ("--local-cluster", 1, "--scheduler", "tcp://127.0.0.1:9")
