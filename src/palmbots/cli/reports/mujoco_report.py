@@ -49,7 +49,7 @@ def validation_report(validation: "Validation", written: Sequence[Path]) -> None
         if line.seen_m is not None and line.known_m is not None
     ]
     if errors:
-        console.print(f"switching lines agree within {1e3 * max(errors):.1f} mm of COM")
+        console.print(f"switch lines agree within {1e3 * max(errors):.1f} mm of COM")
     error = max(
         abs(seen - known)
         for t in validation.tilts
