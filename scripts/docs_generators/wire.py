@@ -13,14 +13,14 @@ COST = Path(__file__).parents[2] / "benchmarks" / "results" / "wire.csv"
 MEANING = {
     "version": "version of this format: 1",
     "kind": "0 hello, 1 message, 2 beacon, 3 report, 4 command",
-    "roles": "bits 0–3 who sends, bits 4–7 to whom: 0 left, 1 right, 2 station",
-    "pair": "identity of the pair of robots, any number",
-    "epoch": f"the sender's boots so far, 1 to {MAX_EPOCH}",
-    "heard epoch": "of the newest packet heard from the receiver since the sender's boot …",
-    "heard sequence": "… and its sequence; both 0: none",
-    "sequence": f"the sender's packets in this epoch so far, 1 to {MAX_SEQUENCE}; numbers "
-    "may be left out",
-    "payload": "what is said, below",
+    "roles": "bits 0–3 sender, bits 4–7 receiver: 0 left, 1 right, 2 station",
+    "pair": "number of the pair of robots; any number",
+    "epoch": f"number of the sender's boots so far, 1 to {MAX_EPOCH}",
+    "heard epoch": "epoch of the newest packet that the sender has received from the receiver "
+    "since the sender's boot",
+    "heard sequence": "sequence of that packet; both 0: the sender has received none",
+    "sequence": f"number of the packet in this epoch, 1 to {MAX_SEQUENCE}; numbers may be skipped",
+    "payload": "content of the message, see below",
     "tag": "SipHash-2-4 of all bytes before it, under the key of the pair",
 }
 
@@ -31,7 +31,9 @@ def layout() -> str:
     for name, offset, size in _core.wire.layout():
         last = offset + size - 1
         places = f"{offset}" if size == 1 else f"{offset}–{last}"
-        rows.append(f"| {places} | `{name}` | {MEANING[name]} |")
+        # Python's name for the two fields of an acknowledgement; the core calls them `heard`.
+        field = name.replace("heard", "acknowledged")
+        rows.append(f"| {places} | `{field}` | {MEANING[name]} |")
     return "\n".join(rows)
 
 
