@@ -145,7 +145,7 @@ def test_column_of_swept_values_is_headed_by_the_key(here: Run) -> None:
 def test_unanswered_requests_are_reported(here: Run) -> None:
     text = here("carry", "--set", "radio.loss=1").stdout
     assert "(2 unanswered)" in text
-    assert "warning: left has waited since 0.9 s" in text
+    assert "warning: the left robot has waited since 0.9 s" in text
     assert "unanswered" not in here("carry").stdout
 
 

@@ -93,14 +93,15 @@ def test_sensor_without_reading_at_a_palm_end_gives_a_warning() -> None:
         scene = pb.load_scene("paper", keys)
         return [line.split(":")[0] for line in warnings_before(scene, controller)]
 
-    both = [f"the {side} palm never reads - or +" for side in ("left", "right")]
+    both = [f"the sensor of the {side} palm never reads - or +" for side in ("left", "right")]
     assert warned_of({"tactile.zero_half_width_m": 5}) == both
     assert warned_of({"tactile.zero_half_width_m": 0.075}) == both
     assert warned_of({"tactile.zero_half_width_m": 0.0749}) == []
     assert warned_of({"tactile.zero_half_width_m": 5}, "none") == []
     assert warned_of({"tactile.zero_half_width_m": 0.06, "palm.left.length_m": 0.1}) == both[:1]
     only: dict[str, Any] = {"tactile.zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}
-    assert warned_of(only) == [f"the {side} palm never reads -" for side in ("left", "right")]
+    minus = [f"the sensor of the {side} palm never reads -" for side in ("left", "right")]
+    assert warned_of(only) == minus
 
 
 @pytest.mark.parametrize("start", STARTS)

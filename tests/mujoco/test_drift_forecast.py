@@ -106,7 +106,8 @@ def test_narrow_palms_are_warned_of_and_refused(
     assert cli.run(["carry", "--world", "mujoco", "--allow-drift-beyond-budget", *sets]) == 1
     printed = capsys.readouterr()
     assert printed.out.startswith("lateral drift, forecast over 16 seeds")
-    assert "warning: the worst seed uses 11 of the 4 mm" in printed.err
+    assert "warning: with the worst seed" in printed.err
+    assert "drifts sideways by 11 of the permitted 4 mm" in printed.err
     assert "DROPPED" in printed.out
 
 

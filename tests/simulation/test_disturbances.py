@@ -271,8 +271,8 @@ def test_robot_that_waits_forever_gives_a_warning() -> None:
             if palm == angle and nominal and carry.time_s - letter.sent_s > 2.1:
                 seen.add((case, what))
                 hangs.append(
-                    f"{side} has waited since {letter.sent_s:.1f} s for {what} that does not "
-                    "arrive (a message was lost)"
+                    f"the {side} robot has waited since {letter.sent_s:.1f} s for {what} that does "
+                    "not arrive (a message was lost)"
                 )
         assert [w for w in carry.warnings if "does not arrive" in w] == hangs
         bare = pb.carry("paper", seed=seed, record=False, overrides={"radio.loss": 0.1})
@@ -282,7 +282,8 @@ def test_robot_that_waits_forever_gives_a_warning() -> None:
 
 def test_python_controller_that_waits_forever_gives_a_warning() -> None:
     lost = pb.carry("paper", pb.control.DistributedController, overrides={"radio.loss": 1.0})
-    assert "left has waited since 0.9 s for a message that does not arrive" in lost.warnings[0]
+    hangs = "the left robot has waited since 0.9 s for a message that does not arrive"
+    assert hangs in lost.warnings[0]
 
 
 def test_late_messages_give_no_warning() -> None:

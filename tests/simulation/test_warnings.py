@@ -58,7 +58,8 @@ def test_waiting_warns_after_two_seconds_and_the_radio_delay(
     assert len(result) == warned
     for one in result:
         assert one == (
-            "left has waited since 1.0 s for an Ack that does not arrive (a message was lost)"
+            "the left robot has waited since 1.0 s for an Ack that does not arrive "
+            "(a message was lost)"
         )
     assert warnings_of(latency_s=latency_s, **hanging) == ()
 

@@ -60,8 +60,8 @@ def drift_budget(scene: "Scene", controller: str, *, quiet: bool, accept_excess:
         report_console().print(budget.text(), style="dim")
     if budget.verdict != "kept":
         warn(
-            f"the worst seed uses {1e3 * budget.most_m:.0f} of the {1e3 * budget.budget_m:.0f} mm "
-            "that the object may drift sideways"
+            f"with the worst seed, the object drifts sideways by {1e3 * budget.most_m:.0f} of the "
+            f"permitted {1e3 * budget.budget_m:.0f} mm"
         )
     return budget
 

@@ -72,7 +72,7 @@ SetOption = Annotated[
         help="Override a scene key (repeatable); list them: palmbots keys.",
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, nothing else.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 ControllerOption = Annotated[
     str,
     typer.Option(
@@ -88,7 +88,7 @@ PrecisionOption = Annotated[
 ]
 WorldOption = Annotated[
     # cli.main fills in the names: the module that knows them takes long to import.
-    str, typer.Option("--world", metavar="NAME", help="World that moves the pair: {worlds}.")
+    str, typer.Option("--world", metavar="NAME", help="Simulated world: {worlds}.")
 ]
 FormatOption = Annotated[
     str, typer.Option("--format", metavar="NAME", help="Figure format: png, svg or pdf.")

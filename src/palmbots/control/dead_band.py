@@ -84,8 +84,8 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
     if overrun > zone:
         keys = ", radio.latency_s)" if entry.team == "station" else ", control.period_s)"
         lines.append(
-            f"the zero zone is {_mm(zone)} wide, but a contact overruns by {_mm(overrun)}: "
-            "corrections may not end (widen tactile.zero_half_width_m or lower "
+            f"the zero zone is {_mm(zone)} wide, but a contact overruns its edge by "
+            f"{_mm(overrun)}: corrections may not end (widen tactile.zero_half_width_m or lower "
             f"robot.correction_m_s{keys}"
         )
     if entry.team != "none":
@@ -98,8 +98,8 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
         )
     if (overlap := overlap_m(scene)) > 0:
         lines.append(
-            f"the palms overlap by {_mm(overlap)} under the object and would collide; no "
-            "simulator models that contact (use a wider object, or a shorter palm.length_m)"
+            f"the palms overlap by {_mm(overlap)} under the object and would collide; neither "
+            "world models that contact (use a wider object, or a shorter palm.length_m)"
         )
     return tuple(lines)
 
@@ -112,6 +112,6 @@ def _blind(scene: Scene, side: Side) -> str | None:
     if not ends:
         return None
     return (
-        f"the {side} palm never reads {' or '.join(ends)}: the zero zone reaches as far as "
-        f"the palm, {_mm(half)} from the pivot (tactile.zero_half_width_m, tactile.zones)"
+        f"the sensor of the {side} palm never reads {' or '.join(ends)}: the zero zone reaches as "
+        f"far as the palm, {_mm(half)} from the pivot (tactile.zero_half_width_m, tactile.zones)"
     )

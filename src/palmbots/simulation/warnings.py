@@ -46,7 +46,7 @@ def _waiting(measured: Any, scene: Scene) -> list[str]:
     longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
     names = {"": "a message", "Ack": "an Ack", "TiltDown": "a TiltDown"}
     return [
-        f"{side} has waited since {since:.1f} s for {names[kind]} that does not arrive "
+        f"the {side} robot has waited since {since:.1f} s for {names[kind]} that does not arrive "
         f"(a message {'was lost' if measured.messages_lost else 'arrived damaged'})"
         for side, (since, duration, kind) in zip(SIDES, measured.hanging, strict=True)
         if duration > longest

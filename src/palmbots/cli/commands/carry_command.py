@@ -56,16 +56,17 @@ def carry(
     accept_excess: Annotated[
         bool,
         typer.Option(
-            "--allow-drift-beyond-budget", help="Follow a curved path that will drop the object."
+            "--allow-drift-beyond-budget",
+            help="Carry even if the forecast lateral drift exceeds the budget.",
         ),
     ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Carry the object once and report the result.
 
-    Exit status 1: the object did not arrive.
+    Exit status 1: the object was not delivered.
 
-    Lists of what you can set: palmbots scenes, keys, objects, controllers.
+    To list what you can set, run palmbots scenes, keys, objects or controllers.
     """
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before

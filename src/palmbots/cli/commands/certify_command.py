@@ -27,8 +27,12 @@ Interval = tuple[float, float] | None
 
 def certify(
     scene: SceneArgument = "paper",
-    com_x_m: Annotated[Interval, interval_option("--com-x-m", "COM along the object")] = None,
-    com_y_m: Annotated[Interval, interval_option("--com-y-m", "COM above the contacts")] = None,
+    com_x_m: Annotated[
+        Interval, interval_option("--com-x-m", "Position of the COM along the object")
+    ] = None,
+    com_y_m: Annotated[
+        Interval, interval_option("--com-y-m", "Height of the COM above the contacts")
+    ] = None,
     friction: Annotated[Interval, interval_option("--friction", "Friction coefficient")] = None,
     friction_right: Annotated[
         Interval,
@@ -38,7 +42,7 @@ def certify(
         bool,
         typer.Option(
             "--common-friction/--independent-friction",
-            help="Give both palms the same coefficient, or each its own [default: its own].",
+            help="Use one friction for both palms, or one for each [default: one for each].",
             show_default=False,
         ),
     ] = False,
@@ -66,7 +70,7 @@ def certify(
 ) -> int:
     """Prove the properties for all scenes in given intervals.
 
-    Exit status 1: the properties fail somewhere, or neither could be proved.
+    Exit status 1: the properties fail somewhere, or the prover could not decide.
     """
     from palmbots.cli.reports.certificate_report import certificate_report
     from palmbots.stability.certificates.prover import certify as run_proof

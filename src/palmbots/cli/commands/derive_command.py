@@ -31,7 +31,9 @@ def derive(
     ] = None,
     counterexamples: Annotated[
         bool,
-        typer.Option("--counterexamples", help="Print the shortest run to each departure."),
+        typer.Option(
+            "--counterexamples", help="Print the shortest run to each departure from the policy."
+        ),
     ] = False,
     as_json: JsonOption = False,
 ) -> int:

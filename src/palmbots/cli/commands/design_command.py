@@ -40,11 +40,13 @@ def design(
         bool,
         typer.Option(
             "--common-friction/--independent-friction",
-            help="Give both palms the same coefficient, or each its own [default: its own].",
+            help="Use one friction for both palms, or one for each [default: one for each].",
             show_default=False,
         ),
     ] = False,
-    com_y_m: Annotated[Interval, interval_option("--com-y-m", "COM above the contacts")] = None,
+    com_y_m: Annotated[
+        Interval, interval_option("--com-y-m", "Height of the COM above the contacts")
+    ] = None,
     slope_deg: Annotated[
         Interval, interval_option("--slope-deg", "Slope of the floor, uphill > 0")
     ] = None,
@@ -76,7 +78,7 @@ def design(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Find and certify the palm angles that tolerate most."""
+    """Find and certify the palm angles with the largest tolerance."""
     from palmbots._util.arguments import one_of
     from palmbots.cli.reports.certificate_report import design_report
     from palmbots.stability.palm_angles import design as run_design

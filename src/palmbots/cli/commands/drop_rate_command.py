@@ -33,7 +33,9 @@ def drop_rate(
             help="Half-width of the 95 % interval, relative to the rate.",
         ),
     ] = 20.0,
-    effort: Annotated[int, typer.Option("--effort", help="Carries in each stage.")] = 1000,
+    effort: Annotated[
+        int, typer.Option("--effort", help="Carries in each stage of the splitting.")
+    ] = 1000,
     seed: SeedOption = 0,
     changes: SetOption = None,
     as_json: JsonOption = False,

@@ -26,7 +26,7 @@ def speed_limits(
     """Find the limits of quasistatic mechanics.
 
     The report states the largest acceleration at which the same contact slides
-    as at rest, and compares both worlds at several speeds.
+    as at constant speed, and compares both worlds at several speeds.
     """
     from palmbots.cli.reports.mujoco_report import speed_report
     from palmbots.mujoco.validation.speed_limits import speed_limits as find_limits

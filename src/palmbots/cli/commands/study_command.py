@@ -46,7 +46,7 @@ def study(
     ] = None,
     local_cluster: Annotated[
         int | None,
-        typer.Option("--local-cluster", metavar="N", help="Start N local workers instead."),
+        typer.Option("--local-cluster", metavar="N", help="Start N local Dask workers instead."),
     ] = None,
     plot: Annotated[
         bool, typer.Option("--plot", help="Write curves or maps to study.png in the folder.")

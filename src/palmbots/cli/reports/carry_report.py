@@ -131,8 +131,9 @@ def _bounds(console: Console, b: "Bounds") -> None:
         style=QUIET,
     )
     console.print(
-        f"a robot travels alone for at most {b.alone_s:g} s: {millimetres(b.skew_m)} and "
-        f"{millimetres(b.noise_m)} by noise of the {millimetres(b.room_m)} available",
+        f"a robot travels alone for at most {b.alone_s:g} s: a contact shifts by at most "
+        f"{millimetres(b.skew_m)}, plus {millimetres(b.noise_m)} by noise, of the "
+        f"{millimetres(b.room_m)} available",
         style=QUIET,
     )
 

@@ -77,7 +77,9 @@ def _moves(console: Console, derivation: Derivation) -> None:
     console.print(table)
     if derivation.joint:
         cases = " and ".join(str(case) for case in sorted({s.case for s in derivation.joint}))
-        console.print(f"Cases {cases} need both sensors: no rule, but the conflicts below.")
+        console.print(
+            f"Cases {cases} need both sensors: they give no rule, only the conflicts below."
+        )
 
 
 def _rules(console: Console, derivation: Derivation) -> None:
@@ -102,7 +104,7 @@ def _rules(console: Console, derivation: Derivation) -> None:
 def _conflicts(console: Console, derivation: Derivation) -> None:
     table = _table(
         "\nConflicts: rules of both robots that hold at once",
-        "rules", "signs", "palms", "motion", "policy", "what orders them",
+        "rules", "signs", "palms", "motion", "policy", "what determines the order",
     )  # fmt: skip
     for conflict in derivation.conflicts:
         table.add_row(

@@ -114,7 +114,8 @@ def speed_report(limits: "SpeedLimits", written: Sequence[Path]) -> None:
     """Print the largest acceleration, and carries at several speeds."""
     console = report_console()
     console.print(
-        "Largest acceleration at which the same contact slides as at rest, at p = 0 [m/s²]",
+        "Largest acceleration at which the same contact slides as at constant speed, at "
+        "p = 0 [m/s²]",
         style="bold",
     )
     heads = ("friction", "closed form", "mujoco")

@@ -43,7 +43,10 @@ _GRIP = 5.0  # friction of the floor in these trials, so that wheels do not slip
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """The acceleration up to which the same contact slides as at rest [m/s²]; None: 4 or more."""
+    """The acceleration up to which the same contact slides as at constant speed [m/s²].
+
+    None: 4 or more.
+    """
 
     friction: float
     closing: bool
