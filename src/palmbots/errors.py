@@ -10,7 +10,7 @@ __all__ = ["MissingExtra", "PalmbotsError", "SceneError", "UnknownSceneKey", "on
 
 
 class PalmbotsError(Exception):
-    """Something that the user can correct; ``str(error)`` is one line."""
+    """An error that the user can correct; ``str(error)`` is one line."""
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))

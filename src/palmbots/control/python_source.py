@@ -24,12 +24,12 @@ __all__ = ["ControllerSource", "hash_of_reference", "load_class", "source_of"]
 
 @dataclass(frozen=True)
 class ControllerSource:
-    """The place of a Python controller, and which version of it this is."""
+    """The reference to a Python controller, and the hash of its source."""
 
     reference: str | None
     """``module:Class`` or ``FILE.py:Class``; None: it cannot be found by name (a local class)."""
     sha256: str | None
-    """Of the source file, or of the class where there is no file; None: there is no source."""
+    """Hash of the source file, or of the class if there is no file; None: there is no source."""
 
 
 def load_class(

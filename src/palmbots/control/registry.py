@@ -43,7 +43,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class ControllerEntry:
-    """One controller, and what other parts of the package need to know of it."""
+    """One controller, and what other parts of the package need to know about it."""
 
     name: str
     description: str
@@ -202,7 +202,7 @@ def recover(
 
 
 def describe(name: str) -> ControllerEntry:
-    """The entry of a name for reports and figures; a bare one for a name that is unknown here."""
+    """The entry of a name for reports and figures; a minimal one if the name is unknown."""
     if name in _CONTROLLERS:
         return _CONTROLLERS.get(name)
     return ControllerEntry(name, "a controller in Python")

@@ -25,7 +25,7 @@ _PATIENCE_S = 10.0  # how long to wait until the window closes
 
 
 class Viewer:
-    """A window; pass `show` as `on_tick` to `palmbots.carry`. Use it as a context.
+    """A window; pass `show` as `on_tick` to `palmbots.carry`. Use it as a context manager.
 
     Closing the window ends nothing: the carry goes on unseen. Tab and shift-Tab show its panels.
     """

@@ -117,7 +117,7 @@ def estimate_drop_rate(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> DropRate:
-    """Estimate the drop rate of a scene, also where a million carries would drop none.
+    """Estimate the drop rate of a scene, even if it is far below one in a million.
 
     Runs in double precision. The result depends on the arguments, not on the number of threads.
 

@@ -50,7 +50,7 @@ class WorldRun:
 
 @dataclass(frozen=True)
 class WorldEntry:
-    """One world, and what other parts of the package need to know of it."""
+    """One world, and what other parts of the package need to know about it."""
 
     name: str
     description: str

@@ -48,7 +48,7 @@ def motions_text(contacts: Sequence[Contact], motions: Motions) -> str:
 
 @dataclass(frozen=True)
 class FirstTouch:
-    """The state in which a further contact is just closed."""
+    """The state in which a further contact just closes."""
 
     angles_rad: Pair
     contacts_m: Pair

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Studies: many carries over scene keys, controllers and seeds, stored so that a kill loses little.
+"""Studies: many carries over scene keys, controllers and seeds, stored chunk by chunk.
 
 Modules, in the order of a study:
 
