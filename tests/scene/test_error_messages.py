@@ -38,7 +38,7 @@ def test_bad_scene_is_refused_in_one_line(tmp_path, text, line):
 
 def test_of_several_faults_the_misspelt_key_is_reported():
     line = refusal({"object": {"mass_kg": -1}, "task": {"distanc_m": 1}})
-    assert line.startswith("scene: task.distanc_m: 1 is given to an unknown key; did you mean ")
+    assert line.startswith("scene: task.distanc_m: 1 is the value of an unknown key; did you mean ")
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -46,7 +46,7 @@ def test_misspelt_key_suggests_the_right_one(key):
     table, _, name = key.rpartition(".")
     for wrong in (name[1:], name[:1] + name[2:], name[1] + name[0] + name[2:], name + "s"):
         line = refusal("paper", {f"{table}.{wrong}": 1})
-        assert line.startswith(f"overrides: {table}.{wrong}: 1 is given to an unknown key; ")
+        assert line.startswith(f"overrides: {table}.{wrong}: 1 is the value of an unknown key; ")
         assert f"did you mean {key}? allowed in {table}: " in line
 
 

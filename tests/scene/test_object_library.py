@@ -109,10 +109,13 @@ def test_dumps_and_logs_contain_the_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("overrides", "line"),
     [
-        ({"object": "try"}, f'object: "try" is no object (did you mean tray?); {KNOWN}'),
-        ({"object": "xyz"}, f'object: "xyz" is no object; {KNOWN}'),
-        ({"object": "xyz", "object.mass_kg": 2}, f'object: "xyz" is no object; {KNOWN}'),
-        ({"object": "tray\n"}, f'object: "tray\\n" is no object (did you mean tray?); {KNOWN}'),
+        ({"object": "try"}, f'object: "try" is not a known object (did you mean tray?); {KNOWN}'),
+        ({"object": "xyz"}, f'object: "xyz" is not a known object; {KNOWN}'),
+        ({"object": "xyz", "object.mass_kg": 2}, f'object: "xyz" is not a known object; {KNOWN}'),
+        (
+            {"object": "tray\n"},
+            f'object: "tray\\n" is not a known object (did you mean tray?); {KNOWN}',
+        ),
         (
             {"object": 3},
             "object: 3 is not a table; allowed: a table with the keys vertices_m, contacts, "
@@ -161,11 +164,11 @@ FORM = "allowed: a TOML file with the table [object] alone"
         (None, "cannot be used: no such file"),
         ("[object", "cannot be used: line 1, end of the file: not valid TOML: Expected ']' at the "
          "end of a table declaration"),
-        (CRATE + "[task]\n", "holds something else"),
-        ("", "holds something else"),
-        ("object = 3", "holds something else"),
-        ("[object]\nmas_kg = 1", "cannot be used: object.mas_kg: 1 is given to an unknown key; did "
-         "you mean mass_kg? allowed at the top: vertices_m, contacts, com_m, mass_kg, depth_m"),
+        (CRATE + "[task]\n", "contains something else"),
+        ("", "contains something else"),
+        ("object = 3", "contains something else"),
+        ("[object]\nmas_kg = 1", "cannot be used: object.mas_kg: 1 is the value of an unknown key; "
+         "did you mean mass_kg? allowed at the top: vertices_m, contacts, com_m, mass_kg, depth_m"),
         ("[object]\nmass_kg = -1", "cannot be used: object.mass_kg: -1 is too small; allowed: a "
          "number in kg, from 0.001 to 1000"),
     ],

@@ -46,7 +46,7 @@ class Bounds:
     room_m: float
     """The distance from the zero zone to the end of the palm."""
     is_noisy: bool
-    """Whether the noise leaves room for no lease at all; the shortest one is used then."""
+    """Whether the noise leaves no room for any lease; the shortest one is used then."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -55,10 +55,10 @@ class Bounds:
             return ()
         return (
             f"radio.lease_s: {self.lease_s:g} s is the shortest lease that this radio permits, "
-            f"but with it a robot alone and the noise can shift a contact by "
-            f"{1e3 * (self.skew_m + self.noise_m):.0f} mm, and the palm has "
-            f"{1e3 * self.room_m:.0f} mm: a fault may drop the object (lower robot.noise_m_s, "
-            "robot.speed_m_s or radio.latency_s)",
+            "but with it a robot that travels alone, and the noise, can shift a contact by "
+            f"{1e3 * (self.skew_m + self.noise_m):.0f} mm, and the palm has room "
+            f"for only {1e3 * self.room_m:.0f} mm: a fault may drop the object (lower "
+            "robot.noise_m_s, robot.speed_m_s or radio.latency_s)",
         )
 
 
@@ -87,8 +87,8 @@ def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
         f"{b.shortest_lease_s:g}"
     )
     room = (
-        f"with more, a robot alone and the noise could shift a contact by more than the "
-        f"{1e3 * b.room_m:.1f} mm from the zero zone to the end of its palm"
+        "with more, a robot that travels alone, and the noise, could shift a contact by more than "
+        f"the {1e3 * b.room_m:.1f} mm from the zero zone to the end of its palm"
     )
     if b.shortest_lease_s > b.longest_lease_s:
         return (

@@ -42,7 +42,10 @@ _FROM_ABOVE_DEG = -28.0  # on a curved path
 
 
 class VideoRenderer:
-    """Renders the states of a carry. Use it as a context manager: the renderer holds graphics memory."""
+    """Renders the states of a carry.
+
+    Use it as a context manager: the renderer holds graphics memory.
+    """
 
     def __init__(self, carry: Carry, size: tuple[int, int] = SIZE, shadows: bool = False) -> None:
         if carry.mujoco_record is None or carry.trace is None:

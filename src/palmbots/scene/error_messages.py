@@ -47,7 +47,7 @@ def validation_error(called: str, error: ValidationError, model: type[BaseModel]
             return UnknownSceneKey(f"{prefix}{name}: renamed to {new}", name, new)
     suggestion, known = _known_keys(where, model)
     hint = f"did you mean {suggestion}? " if suggestion else ""
-    line = f"{key}: {show(given)} is given to an unknown key; {hint}{known}"
+    line = f"{key}: {show(given)} is the value of an unknown key; {hint}{known}"
     return UnknownSceneKey(prefix + line, key, suggestion)
 
 

@@ -57,7 +57,9 @@ def by_name(given: object) -> object:
     if given not in known:
         near = difflib.get_close_matches(given, known, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
-        raise field_error(given, f"is no object{hint}", f"{', '.join(known)}, a file or a table")
+        raise field_error(
+            given, f"is not a known object{hint}", f"{', '.join(known)}, a file or a table"
+        )
     return dict(_tables()[given])
 
 
@@ -70,7 +72,7 @@ def _from_file(name: str) -> dict[str, Any]:
         problem = str(error).removeprefix(f"{name}: ")
         raise field_error(name, f"cannot be used: {problem}", allowed) from None
     if list(table) != ["object"] or not isinstance(table["object"], dict):
-        raise field_error(name, "holds something else", allowed)
+        raise field_error(name, "contains something else", allowed)
     try:
         return Object.model_validate(table["object"]).model_dump()
     except ValidationError as error:
