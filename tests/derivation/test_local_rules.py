@@ -181,7 +181,7 @@ def test_case_7_as_printed_never_moves() -> None:
     assert done.findings == [
         "case 7, move 1 never moves: p_R ≤ 0 holds when it begins",
         "case 7, move 2 never moves: p_L ≥ 0 holds when it begins",
-        "case 7 never moves anything: (+, −) stays for ever",
+        "case 7 never moves anything: (+, −) stays forever",
     ]
     assert done.sources == {
         "a": ((1, 1), (2, 1), (8, 2)), "d": ((3, 1), (4, 1), (8, 1)),
@@ -297,7 +297,7 @@ def test_command_prints_the_rules(
 def test_command_refuses_a_faulty_policy(capsys: pytest.CaptureFixture[str]) -> None:
     status, out = run_command(capsys, "--policy", "as-printed", "--controllers", "none")
     assert status == cli.FAILED
-    assert "case 7 never moves anything: (+, −) stays for ever" in out
+    assert "case 7 never moves anything: (+, −) stays forever" in out
 
 
 def test_json_contains_the_derivation(capsys: pytest.CaptureFixture[str]) -> None:

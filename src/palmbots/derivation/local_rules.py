@@ -211,7 +211,7 @@ def _split(done: Derivation) -> None:
             entry = ends
         if not moved:
             at = signs_text(case.signs)
-            done.findings.append(f"case {number} never moves anything: {at} stays for ever")
+            done.findings.append(f"case {number} never moves anything: {at} stays forever")
 
 
 def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:

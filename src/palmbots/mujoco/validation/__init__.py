@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Agreement of the dynamic world with the quasistatic one, and the speed limits."""
+"""Agreement of the MuJoCo world with the quasistatic one, and the speed limits."""
