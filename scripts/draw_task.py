@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Wedge
 
-from palmbots.viz.style import HUE, INK, OBJECT, PALE, QUIET, ZERO, styled
+from palmbots.viz.style import BACKGROUND, HUE, INK, OBJECT, PALE, QUIET, ZERO, styled
 
 TARGET = Path(__file__).parent.parent / "docs" / "images" / "task.png"
 
@@ -61,13 +61,15 @@ def draw_robot(axes: Axes, side: str, pivot: np.ndarray, angle: float) -> None:
     )  # fmt: skip
     for offset in (-0.045, 0.045):
         wheel = (centre + offset, FLOOR + 0.02)
-        axes.add_patch(Circle(wheel, 0.02, facecolor="white", edgecolor=HUE[side], linewidth=1.4))
+        axes.add_patch(
+            Circle(wheel, 0.02, facecolor=BACKGROUND, edgecolor=HUE[side], linewidth=1.4)
+        )
     arm = np.array([[centre, FLOOR + 0.12], [pivot[0], FLOOR + 0.12], pivot])
     axes.plot(*arm.T, color=HUE[side], linewidth=3.5, solid_joinstyle="round", zorder=1)
     u = along(side, angle)
     ends = np.array([pivot - HALF_PALM * u, pivot + HALF_PALM * u])
     axes.plot(*ends.T, color=HUE[side], linewidth=5, solid_capstyle="round", zorder=2)
-    axes.add_patch(Circle(tuple(pivot), 0.006, facecolor="white", edgecolor=HUE[side], zorder=4))
+    axes.add_patch(Circle(tuple(pivot), 0.006, facecolor=BACKGROUND, edgecolor=HUE[side], zorder=4))
     axes.text(centre, FLOOR + 0.07, f"{side} robot", ha="center", va="center", color=HUE[side])
 
 

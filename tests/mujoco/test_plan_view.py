@@ -54,13 +54,13 @@ def test_plan_view_is_written_as_an_image(done: Carry, tmp_path: Path) -> None:
 
 def test_lateral_panel_exists_on_curved_paths_only(done: Carry) -> None:
     panels = {axes.get_ylabel(): axes for axes in figure8.draw(done).axes}
-    across = panels["across\npalm (mm)"]
+    across = panels["across\npalm [mm]"]
     drawn = np.concatenate([line.get_ydata() for line in across.lines[:2]])
     assert done.lateral_peak_m is not None
     peak = 1e3 * max(map(abs, done.lateral_peak_m.values()))
     assert np.abs(drawn).max() == pytest.approx(peak, rel=0.01)
     straight = pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.05})
-    assert "across\npalm (mm)" not in {a.get_ylabel() for a in figure8.draw(straight).axes}
+    assert "across\npalm [mm]" not in {a.get_ylabel() for a in figure8.draw(straight).axes}
 
 
 def count(image: Image.Image, near: tuple[int, int, int], within: int) -> int:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Units of scene keys, from the suffix of their names: ``radio.latency_s`` is in seconds."""
 
-__all__ = ["axis_label", "name_of", "unit_of"]
+__all__ = ["name_of", "unit_of"]
 
 _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
 
@@ -14,12 +14,6 @@ def unit_of(key: str) -> str | None:
 def name_of(key: str) -> str:
     """`object.com_m[0]` → "object com [0]"."""
     return _split(key)[0]
-
-
-def axis_label(key: str) -> str:
-    """`radio.latency_s` → "radio latency [s]"."""
-    words, unit = _split(key)
-    return f"{words} [{unit}]" if unit else words
 
 
 def _split(key: str) -> tuple[str, str | None]:

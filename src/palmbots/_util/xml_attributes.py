@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers and colours as attributes of XML."""
 
-__all__ = ["numbers", "rgba"]
+__all__ = ["numbers", "rgb", "rgba"]
 
 
 def numbers(*values: float) -> str:
@@ -9,7 +9,11 @@ def numbers(*values: float) -> str:
     return " ".join(f"{value + 0.0:.10g}" for value in values)
 
 
+def rgb(colour: str) -> str:
+    """A colour "#RRGGBB" as three numbers from 0 to 1."""
+    return " ".join(f"{int(colour[i : i + 2], 16) / 255:.4g}" for i in (1, 3, 5))
+
+
 def rgba(colour: str, opacity: float = 1.0) -> str:
-    """A colour "#RRGGBB" with its opacity as four numbers from 0 to 1."""
-    parts = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    return " ".join(f"{part:.4g}" for part in (*parts, opacity))
+    """The same with the opacity as a fourth number."""
+    return f"{rgb(colour)} {opacity:.4g}"

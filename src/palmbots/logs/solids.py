@@ -25,7 +25,7 @@ from palmbots.geometry.robot_dimensions import (
     WHEEL_RADIUS,
     WHEEL_WIDTH,
 )
-from palmbots.viz.style import HUE, INK, OBJECT, PALE, QUIET, ZERO
+from palmbots.viz.style import HUE, INK, OBJECT, PALE, QUIET, RULE, ZERO
 
 if TYPE_CHECKING:
     from palmbots._core import Spec
@@ -102,7 +102,7 @@ def solids(scene: "Scene", spec: "Spec") -> list[Solid]:
         Solid(
             WORLD,
             Box((end - start, 4 * wide, 0.004), ((start + end) / 2, 0.0, floor - 0.002)),
-            "#DDDDDD",
+            RULE,
         ),
         *(
             Solid(WORLD, Box((0.01, 4 * wide, 0.002), (x, 0.0, floor + 0.001)), QUIET)

@@ -25,7 +25,7 @@ from palmbots.mujoco.edge_contacts import edges_of, fit_edges
 from palmbots.mujoco.engine import check_offscreen, mujoco, offscreen
 from palmbots.mujoco.mjcf import layout, mjcf
 from palmbots.mujoco.overlay import Overlay
-from palmbots.viz.style import DROP, HUE, INK, ZERO
+from palmbots.viz.style import BACKGROUND, DROP, HUE, INK, ZERO
 from palmbots.viz.video_files import check_video, write_video
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ __all__ = ["SIZE", "VideoRenderer", "check_film", "most_informative_row", "save_
 SIZE = (854, 480)
 """Width and height of a video in pixels."""
 _FPS = {".mp4": 20.0, ".gif": 10.0}
-_COLOURS = ("#FFFFFF", INK, ZERO, DROP, HUE["left"], HUE["right"])  # of the labels
+_COLOURS = (BACKGROUND, INK, ZERO, DROP, HUE["left"], HUE["right"])  # of the labels
 _LONGEST_S = 60.0  # a longer carry is shown faster
 _FROM_ABOVE_DEG = -28.0  # on a curved path
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
-from palmbots._util.xml_attributes import numbers, rgba
+from palmbots._util.xml_attributes import numbers, rgb, rgba
 from palmbots.geometry.extrusion import gyration, triangles
 from palmbots.geometry.placement import floor_level
 from palmbots.geometry.polygon import turn
@@ -26,7 +26,7 @@ from palmbots.mujoco.robot_mjcf import TIP, add_robot
 from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
-from palmbots.viz.style import OBJECT, QUIET
+from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 
 __all__ = ["Layout", "layout", "mjcf", "steps_per_tick"]
 
@@ -95,11 +95,11 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     assets = ET.SubElement(root, "asset")
     ET.SubElement(
         assets, "texture", name="grid", type="2d", builtin="checker", width="256", height="256",
-        rgb1="0.90 0.90 0.90", rgb2="0.84 0.84 0.84",
+        rgb1=rgb(TILES[0]), rgb2=rgb(TILES[1]),
     )  # fmt: skip
     ET.SubElement(
         assets, "texture", type="skybox", builtin="gradient", width="64", height="64",
-        rgb1="1 1 1", rgb2="0.86 0.91 0.95",
+        rgb1=rgb(BACKGROUND), rgb2=rgb(SKY),
     )  # fmt: skip
     ET.SubElement(
         assets, "material", name="floor", texture="grid", texrepeat="10 10", texuniform="true"
@@ -141,7 +141,7 @@ def _default(root: ET.Element) -> None:
     default = ET.SubElement(root, "default")
     ET.SubElement(default, "geom", contype="0", conaffinity="0", mass="0")
     touching = ET.SubElement(default, "default", {"class": "touch"})
-    ET.SubElement(touching, "geom", group="3", rgba=rgba("#009E73", 0.6))
+    ET.SubElement(touching, "geom", group="3", rgba=rgba(ZERO, 0.6))
 
 
 def _ridges(world: ET.Element, scene: Scene) -> list[str]:

@@ -17,7 +17,7 @@ from palmbots._util.xml_attributes import rgba
 from palmbots.mujoco.curved_world import Line
 from palmbots.mujoco.engine import mujoco
 from palmbots.scene.scene import Scene
-from palmbots.viz.style import BOTH, INK, ZERO
+from palmbots.viz.style import BOTH, INK, PATH, ZERO
 
 __all__ = ["METRES_PER_NEWTON", "Overlay"]
 
@@ -37,7 +37,7 @@ class Overlay:
 
     def path(self, into: Any, line: Line, way: float) -> None:
         """The path of the robots near the position of their middle [m]."""
-        colour = np.array([0.35, 0.35, 0.35, 1.0], dtype=np.float32)
+        colour = np.fromstring(rgba(PATH), sep=" ", dtype=np.float32)
         spots = [line.at(way + s) for s in np.linspace(-1.0, 1.0, 61)]
         points = [np.array([spot.x, spot.y, 0.001]) for spot in spots]
         for start, end in itertools.pairwise(points):

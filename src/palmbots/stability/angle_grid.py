@@ -29,14 +29,15 @@ Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"
 """What `palmbots.design` can maximize the tolerance of."""
 
 QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
-    "com": (0, math.inf, "m", 1e3, "COM along the object [± mm]"),
-    "friction": (1, 2.0, "", 1.0, "friction [±]"),
-    "slope": (2, 1.0, "tangent", 1.0, "slope [± tangent]"),
-    "acceleration": (2, 1.0, "g", 1.0, "acceleration [± g]"),
-    "region": (3, math.inf, "m", 1e3, "contact coordinate [± mm]"),
-    "angle": (4, math.radians(30), "rad", 180 / math.pi, "palm angle [± °]"),
+    "com": (0, math.inf, "m", 1e3, "COM along the object"),
+    "friction": (1, 2.0, "", 1.0, "friction"),
+    "slope": (2, 1.0, "tangent", 1.0, "slope"),
+    "acceleration": (2, 1.0, "g", 1.0, "acceleration"),
+    "region": (3, math.inf, "m", 1e3, "contact coordinate"),
+    "angle": (4, math.radians(30), "rad", 180 / math.pi, "palm angle"),
 }
-"""Every quantity: its number in the core, largest tolerance, unit, scale and name in figures."""
+"""Every quantity: its number in the core, largest tolerance and unit, the factor to the
+unit that is shown, and its name."""
 
 _LARGEST_TOLERANCE = 10.0
 _ROUNDING_DEG = 1e-9

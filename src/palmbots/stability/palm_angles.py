@@ -79,14 +79,20 @@ class Design(Result):
 
     def headline(self) -> str:
         """The angles and what they maximise."""
-        name = QUANTITIES[self.quantity][4].split(" [")[0]
+        name = QUANTITIES[self.quantity][4]
         return f"palm angles {self.shallow_deg:g}° and {self.steep_deg:g}° tolerate most: {name}"
 
     def tolerance_text(self, tolerance: float) -> str:
         """A tolerance of the quantity with its unit."""
-        *_, unit, scale, _ = QUANTITIES[self.quantity]
-        shown = {"m": " mm", "rad": "°"}.get(unit, f" {unit}")
-        return f"±{scale * tolerance:.3g}{shown}".rstrip()
+        scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
+        gap = "" if unit in ("", "°") else " "
+        return f"±{scale * tolerance:.3g}{gap}{unit}"
+    @property
+    def shown_unit(self) -> str:
+        """The unit in which people read the quantity; empty: it has none."""
+        unit = QUANTITIES[self.quantity][2]
+        return {"m": "mm", "rad": "°"}.get(unit, unit)
+
 
     def facts(self) -> dict[str, str]:
         """Tolerance, clearance, region, friction and certificate."""

@@ -23,19 +23,25 @@ from numpy.typing import NDArray
 
 from palmbots._util.confidence import Z95
 from palmbots._util.text import format_number, plural
-from palmbots._util.units import axis_label, name_of
+from palmbots._util.units import name_of
 from palmbots.errors import PalmbotsError
 from palmbots.studies.axes import Axis, Span
 from palmbots.studies.sobol import METRICS, SobolIndex, sobol_indices
 from palmbots.studies.study_runner import StudyResult
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import controller_looks, styled
+from palmbots.viz.style import (
+    COLOUR_MAP,
+    ON_MAP,
+    RULE,
+    axis_label,
+    controller_looks,
+    key_label,
+    styled,
+)
 from palmbots.viz.sweep_figure import few_ticks
 
 __all__ = ["draw", "save"]
 
-_COLOUR_MAP = "cividis"  # equal steps look equal, with every kind of colour vision
-_REJECTED_COLOUR = "#DDDDDD"
 _MAX_LABELLED_CELLS = 150
 _BINS = 8
 
@@ -64,6 +70,11 @@ def draw(result: StudyResult) -> Figure:
 def save(result: StudyResult, path: str | os.PathLike[str]) -> None:
     """Write the figure (PNG, SVG or PDF by suffix), completely or not at all."""
     save_figure(path, draw(result))
+
+
+def _metric_label(metric: str) -> str:
+    display = METRICS[metric]
+    return axis_label(display.heading, display.unit.strip())
 
 
 def _look(result: StudyResult, controller: str) -> dict[str, Any]:
@@ -138,7 +149,7 @@ def _curves(result: StudyResult) -> Figure:
             low, high = ends[order, c, 0] * scale, ends[order, c, 1] * scale
             panel.fill_between(x, low, high, color=look["color"], alpha=0.2, linewidth=0)
     for panel, metric in zip(panels, METRICS, strict=True):
-        panel.set(xlabel=axis_label(key), ylabel=METRICS[metric].axis_label)
+        panel.set(xlabel=key_label(key), ylabel=_metric_label(metric))
         panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
         _set_axis(panel, result.points.plan.study.vary[key], x, names)
     _legend(figure, panels[0], f"{_sample_size(result)}; bands are 95 % intervals")
@@ -163,7 +174,7 @@ def _maps(result: StudyResult) -> Figure:
     for r, metric in enumerate(METRICS):
         grid = METRICS[metric].scale * result.values[metric][0].reshape(*shape, columns)
         grids = [grid[..., c] for c in range(columns)]
-        label = METRICS[metric].axis_label
+        label = _metric_label(metric)
         _row_of_maps(figure, panels[r], grids, label, result, result.points.plan.keys)
     for panel, controller in zip(panels[0], controllers, strict=True):
         panel.set_title(controller)
@@ -190,9 +201,9 @@ def _row_of_maps(
     for panel, given in zip(panels, grids, strict=True):
         grid = given[np.ix_(*orders)]
         panel.grid(False)
-        panel.set_facecolor(_REJECTED_COLOUR)
+        panel.set_facecolor(RULE)
         image = panel.imshow(
-            grid.T, origin="lower", aspect="auto", cmap=_COLOUR_MAP, vmin=0, vmax=top
+            grid.T, origin="lower", aspect="auto", cmap=COLOUR_MAP, vmin=0, vmax=top
         )
         for axis, of, order in zip((panel.xaxis, panel.yaxis), levels, orders, strict=True):
             texts = [_tick(of[i]) for i in order]
@@ -200,10 +211,10 @@ def _row_of_maps(
             limit = 10 if axis is panel.yaxis else max(36 // (1 + max(map(len, texts))), 1)
             step = -(-len(texts) // limit)
             axis.set_ticks(range(0, len(texts), step), texts[::step])
-        panel.set_xlabel(axis_label(keys[0]))
+        panel.set_xlabel(key_label(keys[0]))
         if grid.size <= _MAX_LABELLED_CELLS:
             _label_cells(panel, grid, top)
-    panels[0].set_ylabel(axis_label(keys[1]))
+    panels[0].set_ylabel(key_label(keys[1]))
     figure.colorbar(image, ax=list(panels), label=name)
 
 
@@ -213,7 +224,7 @@ def _label_cells(panel: Any, grid: NDArray[np.float64], top: float) -> None:
             panel.text(i, k, "refused", ha="center", va="center", fontsize=6)
             continue
         text = f"{value:.3g}" if value < 100 else f"{value:.0f}"
-        colour = "white" if value < 0.45 * top else "black"
+        colour = ON_MAP["dark" if value < 0.45 * top else "light"]
         panel.text(i, k, text, ha="center", va="center", fontsize=7.5, color=colour)
 
 
@@ -228,7 +239,7 @@ def _pairs(result: StudyResult) -> Figure:
         others = tuple(k for k in range(len(keys)) if k not in pair)
         projection = _mean(grid, others)
         grids = [projection[..., c] for c in range(columns)]
-        label = METRICS["drop_rate"].axis_label
+        label = _metric_label("drop_rate")
         _row_of_maps(figure, row, grids, label, result, [keys[k] for k in pair])
     for panel, controller in zip(panels[0], controllers, strict=True):
         panel.set_title(controller)
@@ -267,11 +278,11 @@ def _over_each_key(result: StudyResult) -> Figure:
                 x, np.maximum(mean - half, 0), np.minimum(mean + half, 100), color=look["color"],
                 alpha=0.2, linewidth=0,
             )  # fmt: skip
-        panel.set_xlabel(axis_label(key))
+        panel.set_xlabel(key_label(key))
         _set_axis(panel, result.points.plan.study.vary[key], x, names)
     panels[0, 0].set_ylim(bottom=0)  # last: it fixes the limits, which all panels share
     for row in panels:
-        row[0].set_ylabel(METRICS["drop_rate"].axis_label)
+        row[0].set_ylabel(_metric_label("drop_rate"))
     points = plural(len(result.points.values), "point")
     title = f"mean over {points}, {_sample_size(result)};\nbands: 95 % intervals of that mean"
     _legend(figure, panels[0, 0], title)

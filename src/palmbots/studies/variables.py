@@ -94,11 +94,6 @@ class Display:
     is_signed: bool = False
     """Whether positive numbers have a plus sign."""
 
-    @property
-    def axis_label(self) -> str:
-        """Label of an axis or a colour bar."""
-        return f"{self.heading} [{self.unit.strip()}]"
-
 
 @dataclass(frozen=True)
 class Statistic:

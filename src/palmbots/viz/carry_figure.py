@@ -31,6 +31,7 @@ from palmbots.viz.style import (
     LINE,
     QUIET,
     ZERO,
+    axis_label,
     controller_title,
     styled,
 )
@@ -164,7 +165,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
             )
             panel.yaxis.set_label_coords(-0.58 / view.width_in, 0.5)
             _mark_end(panel, view)
-        panels["speeds"].set_xlabel("time (s)")
+        panels["speeds"].set_xlabel(axis_label("time", "s"))
         _draw_head(figure, view, left, height)
     return figure
 
@@ -243,7 +244,7 @@ def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
         place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
         panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **place)
     panel.set_ylim(-reach, reach)
-    panel.set_ylabel(f"{side}\ncontact (mm)")
+    panel.set_ylabel(axis_label(f"{side}\ncontact", "mm"))
 
 
 def _draw_sensor(panel: Axes, view: _View, side: Side) -> None:
@@ -278,7 +279,7 @@ def _draw_lateral(panel: Axes, view: _View) -> None:
         note = f"{what}, ±{edge:.0f} mm"
         panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
     panel.set_ylim(-reach, reach)
-    panel.set_ylabel("across\npalm (mm)")
+    panel.set_ylabel(axis_label("across\npalm", "mm"))
 
 
 def _draw_palms(panel: Axes, view: _View) -> None:
@@ -291,7 +292,7 @@ def _draw_palms(panel: Axes, view: _View) -> None:
     room = 0.25 * (angles[-1] - angles[0])
     panel.set_ylim(angles[0] - room, angles[-1] + room)
     panel.set_yticks(angles)
-    panel.set_ylabel("palm\nangle (°)")
+    panel.set_ylabel(axis_label("palm\nangle", "°"))
 
 
 def _draw_separation(panel: Axes, view: _View) -> None:
@@ -301,7 +302,7 @@ def _draw_separation(panel: Axes, view: _View) -> None:
     room = max(0.08 * (d.max() - d.min()), 0.5)
     panel.set_ylim(d.min() - room, d.max() + room)
     panel.locator_params(axis="y", nbins=4)
-    panel.set_ylabel("separation\n(mm)")
+    panel.set_ylabel(axis_label("separation\n", "mm"))
 
 
 def _draw_speeds(panel: Axes, view: _View) -> None:
@@ -317,7 +318,7 @@ def _draw_speeds(panel: Axes, view: _View) -> None:
         highest, lowest = max(highest, wanted.max()), min(lowest, wanted.min())
     room = max(0.06 * (highest - lowest), 0.1)
     panel.set_ylim(lowest - room, highest + room)
-    panel.set_ylabel("speed (cm/s)\nthick: commanded")
+    panel.set_ylabel(axis_label("thick: commanded\nspeed", "cm/s"))
 
 
 def _shade(panel: Axes, view: _View, name: str) -> None:

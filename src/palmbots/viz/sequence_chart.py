@@ -22,7 +22,16 @@ from matplotlib.patches import Rectangle
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import DROP, HATCH, HUE, INK, QUIET, controller_title, styled
+from palmbots.viz.style import (
+    DROP,
+    HATCH,
+    HUE,
+    INK,
+    QUIET,
+    axis_label,
+    controller_title,
+    styled,
+)
 from palmbots.viz.timeline import message_news, runs
 
 if TYPE_CHECKING:
@@ -63,7 +72,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         panels = np.atleast_1d(figure.subplots(1, columns, squeeze=True))
         for k, panel in enumerate(panels):
             _draw_column(panel, carry, messages, start + k * span, start + (k + 1) * span)
-        panels[0].set_ylabel("time (s)")
+        panels[0].set_ylabel(axis_label("time", "s"))
         _head(figure, carry)
         figure.subplots_adjust(
             left=0.55 / figure.get_figwidth(),

@@ -15,8 +15,19 @@ from PIL import Image, ImageDraw, ImageFont
 
 from palmbots._types import SIDES, Side
 from palmbots.geometry.placement import Placement
-from palmbots.viz.side_view_scene import FLOOR, WIDTH, Message, WorldView
-from palmbots.viz.style import DROP, HUE, INK, OBJECT, PALE, QUIET, SLIDES, ZERO
+from palmbots.viz.side_view_scene import WIDTH, Message, WorldView
+from palmbots.viz.style import (
+    BACKGROUND,
+    DROP,
+    FLOOR,
+    HUE,
+    INK,
+    OBJECT,
+    PALE,
+    QUIET,
+    SLIDES,
+    ZERO,
+)
 from palmbots.viz.timeline import Bar
 
 if TYPE_CHECKING:
@@ -24,7 +35,9 @@ if TYPE_CHECKING:
 
 __all__ = ["COLOURS", "Moment", "Stage"]
 
-COLOURS = ("#FFFFFF", INK, QUIET, ZERO, OBJECT, DROP, SLIDES, FLOOR, *HUE.values(), *PALE.values())
+COLOURS = (
+    BACKGROUND, INK, QUIET, ZERO, OBJECT, DROP, SLIDES, FLOOR, *HUE.values(), *PALE.values()
+)  # fmt: skip
 
 _TOP, _FOOT = 62, 128  # px above the scene for captions, below it for gauges and time axis
 _LINE = (56, WIDTH - 56)  # px, ends of the time axis
@@ -101,7 +114,7 @@ class Stage:
     # --- the constant parts ---------------------------------------------------------------------
 
     def _draw_backdrop(self, bars: Sequence[Bar], title: str) -> Image.Image:
-        image = Image.new("RGB", self.size, "white")
+        image = Image.new("RGB", self.size, BACKGROUND)
         draw = ImageDraw.Draw(image)
         draw.text((WIDTH / 2, 8), title, INK, _font(14), anchor="ma")
         for k, side in enumerate(SIDES):
@@ -125,13 +138,13 @@ class Stage:
         end = max(self._time_x(bar.end), start + 2)
         box = (start, self._line_y + low, end, self._line_y + high)
         if bar.assists:
-            draw.rectangle(box, "white", HUE[bar.hue])
+            draw.rectangle(box, BACKGROUND, HUE[bar.hue])
             return
-        draw.rectangle(box, HUE[bar.hue], "white")
+        draw.rectangle(box, HUE[bar.hue], BACKGROUND)
         name = bar.text.split(" ")[0]
         if draw.textlength(name, _font(11, True)) + 3 <= end - start:
             middle = ((start + end) / 2, self._line_y + (low + high) / 2)
-            draw.text(middle, name, "white", _font(11, True), anchor="mm")
+            draw.text(middle, name, BACKGROUND, _font(11, True), anchor="mm")
 
     def _gauge_x(self, k: int, p: float) -> float:
         """The position of a contact coordinate on its gauge, outward as in the image."""
@@ -170,7 +183,7 @@ class Stage:
             x, y = self._world.body_middle(moment.row, k)
             name = f"({case})" if case in _CASES else case or side[0].upper()
             font = _font(min(max(round(0.05 * self._world.scale), 9), 48), True)
-            draw.text((x, y + _TOP), name, "white" if case else HUE[side], font, anchor="mm")
+            draw.text((x, y + _TOP), name, BACKGROUND if case else HUE[side], font, anchor="mm")
         if moment.ending is not None:
             colour = ZERO if moment.good else DROP
             draw.text((WIDTH / 2, 34), moment.ending, colour, _font(16, True), anchor="ma")

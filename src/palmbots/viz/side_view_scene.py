@@ -22,15 +22,24 @@ from palmbots.geometry.robot_dimensions import (
     SHOULDER_INSET,
     WHEEL_RADIUS,
 )
-from palmbots.viz.style import HUE, INK, OBJECT, PALE, QUIET, SLIDES, ZERO
+from palmbots.viz.style import (
+    BACKGROUND,
+    FLOOR,
+    HUE,
+    INK,
+    OBJECT,
+    PALE,
+    QUIET,
+    SLIDES,
+    ZERO,
+)
 
 if TYPE_CHECKING:
     from palmbots._core import Spec
 
-__all__ = ["FLOOR", "WIDTH", "Message", "Note", "WorldView"]
+__all__ = ["WIDTH", "Message", "Note", "WorldView"]
 
 WIDTH = 900  # px
-FLOOR = "#EFEFEF"
 _TALLEST = 400  # px
 _FINE = 2  # drawn this many times larger, then reduced
 _MARGIN = 0.05  # m, around robots and object
@@ -85,7 +94,7 @@ class WorldView:
     ) -> tuple[Image.Image, list[Note]]:
         """The picture of one row, WIDTH by `height` pixels, and what is to be written into it."""
         camera = float(self.placement.pivot[row, :, 0].mean())
-        image = Image.new("RGB", (WIDTH * _FINE, self.height * _FINE), "white")
+        image = Image.new("RGB", (WIDTH * _FINE, self.height * _FINE), BACKGROUND)
         brush = _Brush(ImageDraw.Draw(image), self, row, camera)
         notes = brush.floor_marks()
         for k, side in enumerate(SIDES):
@@ -193,7 +202,7 @@ class _Brush:
         """The outline and the centre of mass."""
         self._outlined(self._pixels(*self._place.outline[self._row]), OBJECT, INK, 3)
         (x, y), r = self._pixels(self._place.com[self._row])[0], 12
-        self._disc((x, y), r, "white", INK, 2)
+        self._disc((x, y), r, BACKGROUND, INK, 2)
         for start in (0, 180):
             self._draw.pieslice((x - r, y - r, x + r, y + r), start, start + 90, INK)
 
@@ -204,14 +213,14 @@ class _Brush:
         turn = self._place.palm_turn[self._row, k]
         down = PALM_THICKNESS * np.array([math.sin(turn), -math.cos(turn)])
         self._draw.polygon(self._pixels(inner, outer, outer + down, inner + down), HUE[side])
-        self._disc(self._pixels(self._place.pivot[self._row, k])[0], 7, "white", INK, 2)
+        self._disc(self._pixels(self._place.pivot[self._row, k])[0], 7, BACKGROUND, INK, 2)
 
     def contact(self, k: int, motion: int) -> None:
         """A green disc where the contact sticks, a yellow triangle that points where it slides."""
         point = self._place.contact[self._row, k]
         turn = self._place.palm_turn[self._row, k]
         if motion == 0:
-            self._disc(self._pixels(point)[0], 9, ZERO, "white", 2)
+            self._disc(self._pixels(point)[0], 9, ZERO, BACKGROUND, 2)
             return
         size = 9 / self._view.scale
         along = motion * (-1.0, 1.0)[k] * size * np.array([math.cos(turn), math.sin(turn)])

@@ -1,67 +1,112 @@
 # SPDX-License-Identifier: Apache-2.0
 """The style of all figures: colours that colour-blind readers can distinguish, sizes for print.
 
-The colours are those of Okabe and Ito (2008). Colour is never the only distinction: the two robots
+Every colour of a picture has its name here, by what it means. The colours are those of Okabe and
+Ito (2008), pale versions of them, and greys. Colour is never the only distinction: the two robots
 also differ by line style and hatch, controllers by marker and line style, and every correction has
 its label.
+
+The label of an axis ends with the unit in square brackets, as in "contact p [mm]" (`axis_label`).
 """
 
 import contextlib
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
+from palmbots._util.units import name_of, unit_of
 from palmbots.control.registry import controller_names, describe
 
 __all__ = [
+    "BACKGROUND",
     "BOTH",
+    "COLOUR_MAP",
     "DROP",
+    "EXCLUDED",
+    "FLOOR",
     "HATCH",
     "HUE",
     "INK",
+    "LEADER",
     "LINE",
     "OBJECT",
+    "ON_MAP",
     "PALE",
+    "PAPER_PAIR",
+    "PATH",
     "QUIET",
+    "RULE",
+    "SERIES",
+    "SKY",
     "SLIDES",
+    "SWITCH",
+    "TILES",
     "ZERO",
     "Look",
+    "axis_label",
     "controller_looks",
     "controller_title",
+    "key_label",
     "styled",
 ]
 
-INK = "#222222"
-QUIET = "#8A8A8A"
-ZERO = "#009E73"  # the zero zone of the sensor; sticking contacts
-OBJECT = "#E9C46A"
-DROP = "#B00020"
-SLIDES = "#F0E442"  # a sliding contact
-BOTH = "#CC79A7"
+_BLACK, _WHITE = "#000000", "#FFFFFF"
+_BLUE, _SKY, _GREEN, _YELLOW = "#0072B2", "#56B4E9", "#009E73", "#F0E442"
+_ORANGE, _VERMILLION, _PURPLE = "#E69F00", "#D55E00", "#CC79A7"
 
-HUE = {"left": "#0072B2", "right": "#D55E00", "both": BOTH}
-PALE = {"left": "#CCE3F0", "right": "#F7DFCC", "zero": "#B2E2D3"}
+INK = "#222222"  # text, outlines, messages
+QUIET = "#8A8A8A"  # what is less important
+LEADER = "#BBBBBB"  # from a label to what it names
+RULE = "#DDDDDD"  # lines and areas behind everything else
+BACKGROUND = _WHITE
+
+OBJECT = "#E9C46A"
+FLOOR = "#EFEFEF"
+TILES = ("#E6E6E6", "#D6D6D6")  # of the floor in three dimensions
+SKY = "#DBE8F2"  # behind the floor in three dimensions
+PATH = "#595959"  # on the floor
+ZERO = _GREEN  # the zero zone of the sensor; sticking contacts
+SLIDES = _YELLOW  # a sliding contact
+DROP = "#B00020"  # failures and limits
+
+BOTH = _PURPLE
+HUE = {"left": _BLUE, "right": _VERMILLION, "both": BOTH}
+PALE = {"left": "#CCE3F0", "right": "#F7DFCC", "both": "#EFD9E6", "zero": "#B2E2D3"}
 LINE = {"left": "-", "right": (0, (4, 1.2))}
 HATCH = {"left": "////", "right": "\\\\\\\\", "both": "...."}
+SWITCH = {-1: RULE, 0: PALE["zero"], 1: "#F5F0B8"}  # by the sign that it reads
+
+COLOUR_MAP = "cividis"  # equal steps look equal, with every kind of colour vision
+ON_MAP = {"dark": _WHITE, "light": _BLACK}  # lines and texts on dark and on light parts of a map
+EXCLUDED = FLOOR  # pairs on a map that the limits rule out
+PAPER_PAIR = _VERMILLION  # the paper's palm angles on a map
 
 
 class Look(NamedTuple):
-    """How the curve of one controller is drawn."""
+    """How a curve is drawn."""
 
     colour: str
     marker: str
     line: Any
 
 
+SERIES = (
+    Look(_BLUE, "o", "-"),
+    Look(_VERMILLION, "^", LINE["right"]),
+    Look(_GREEN, "s", (0, (1, 1))),
+    Look(_PURPLE, "v", (0, (4, 1, 1, 1))),
+)
+"""Curves that belong to no robot and to no controller: worlds, engines, kinds of motion."""
+
 # In the order of the controller registry; they repeat after the last one.
 _LOOKS = (
     Look(QUIET, "^", ":"),
-    Look("#D55E00", "s", "--"),
-    Look("#0072B2", "o", "-"),
-    Look("#009E73", "v", (0, (5, 1, 1, 1))),
-    Look("#CC79A7", "D", "-."),
-    Look("#E69F00", "P", (0, (3, 1))),
-    Look("#56B4E9", "X", (0, (1, 1))),
-    Look("#000000", "*", (0, (7, 2))),
+    Look(_VERMILLION, "s", "--"),
+    Look(_BLUE, "o", "-"),
+    Look(_GREEN, "v", (0, (5, 1, 1, 1))),
+    Look(_PURPLE, "D", "-."),
+    Look(_ORANGE, "P", (0, (3, 1))),
+    Look(_SKY, "X", (0, (1, 1))),
+    Look(_BLACK, "*", (0, (7, 2))),
 )
 
 
@@ -80,6 +125,20 @@ def controller_looks(names: Iterable[str]) -> dict[str, Look]:
 def controller_title(name: str) -> str:
     """How titles name a controller."""
     return "no controller" if describe(name).team == "none" else f"{name} algorithm"
+
+
+def axis_label(quantity: str, unit: str | None) -> str:
+    """The label of an axis: the quantity and its unit, as in "contact p [mm]".
+
+    The unit is in the next line if the quantity ends with a line break.
+    """
+    gap = "" if quantity.endswith("\n") else " "
+    return f"{quantity}{gap}[{unit}]" if unit else quantity
+
+
+def key_label(key: str) -> str:
+    """The label of the axis of a scene key: `radio.latency_s` → "radio latency [s]"."""
+    return axis_label(name_of(key), unit_of(key))
 
 
 _SETTINGS: Any = {

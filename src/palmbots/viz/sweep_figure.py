@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from palmbots._util.text import plural
-from palmbots._util.units import axis_label
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import controller_looks, styled
+from palmbots.viz.style import axis_label, controller_looks, key_label, styled
 
 if TYPE_CHECKING:
     from palmbots.simulation.sweep import Comparison
@@ -20,9 +19,9 @@ __all__ = ["draw", "few_ticks", "save"]
 
 # Label, field of a row, field of its interval, factor.
 _PANELS = (
-    ("dropped [%]", "drop_rate", "interval", 100),
-    ("stalled [%]", "stall_rate", "stall_interval", 100),
-    ("contact rms [mm]", "rms_m", "rms_interval_m", 1e3),
+    (axis_label("dropped", "%"), "drop_rate", "interval", 100),
+    (axis_label("stalled", "%"), "stall_rate", "stall_interval", 100),
+    (axis_label("contact rms", "mm"), "rms_m", "rms_interval_m", 1e3),
     ("messages per metre", "messages_per_m", "messages_interval_per_m", 1),
 )
 
@@ -64,7 +63,7 @@ def draw(comparison: "Comparison") -> Figure:
         most = max(row.messages_per_m for row in comparison.rows)
         panels[3].set_ylim(-1, 2 * most + 10)
         for axes in panels[2:]:
-            axes.set_xlabel(axis_label(comparison.key))
+            axes.set_xlabel(key_label(comparison.key))
             axes.xaxis.set_major_locator(few_ticks())
         carries = plural(comparison.rows[0].n, "carry")
         figure.legend(

@@ -19,7 +19,7 @@ from matplotlib.patches import Rectangle
 
 from palmbots._types import SIDES
 from palmbots.control.registry import describe
-from palmbots.viz.style import DROP, HATCH, HUE, INK, QUIET
+from palmbots.viz.style import BACKGROUND, DROP, HATCH, HUE, INK, LEADER, QUIET, RULE
 
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry, Message
@@ -129,13 +129,13 @@ def draw_timeline(panel: Axes, carry: "Carry", start: float, end: float, width_i
             color=DROP,
             weight="bold",
             zorder=7,
-            bbox={"fc": "white", "ec": "none", "alpha": 0.85, "pad": 1.0},
+            bbox={"fc": BACKGROUND, "ec": "none", "alpha": 0.85, "pad": 1.0},
         )
     reach = _ROW["left"] + _BAR + 0.1 + levels_used * _LEVEL
     panel.set_ylim(-reach, reach)
     panel.grid(False)
     for level in _ROW.values():
-        panel.axhline(level, color="#DDDDDD", lw=0.8, zorder=0)
+        panel.axhline(level, color=RULE, lw=0.8, zorder=0)
     panel.set_yticks(list(_ROW.values()), list(_ROW))
     panel.set_ylabel("correction\n(case)")
 
@@ -188,9 +188,9 @@ def _draw_row(
     for bar in bars:
         place, duration = (bar.start, _ROW[row] - _BAR), bar.end - bar.start
         if bar.assists:
-            look = {"fc": "white", "ec": HUE[row], "hatch": HATCH[row], "lw": 0.7, "zorder": 2}
+            look = {"fc": BACKGROUND, "ec": HUE[row], "hatch": HATCH[row], "lw": 0.7, "zorder": 2}
         else:
-            look = {"fc": HUE[bar.hue], "ec": "white", "lw": 0.4, "zorder": 3}
+            look = {"fc": HUE[bar.hue], "ec": BACKGROUND, "lw": 0.4, "zorder": 3}
         panel.add_patch(Rectangle(place, duration, 2 * _BAR, **look))
 
     labelled = [bar for bar in bars if bar.text]
@@ -209,7 +209,7 @@ def _draw_row(
         panel.text(centre, y, bar.text, ha="center", va=va, size=size, color=colour, zorder=6)
         if level:
             edge = _ROW[row] + outward * _BAR
-            panel.plot([centre, centre], [edge, y], color="#BBBBBB", lw=0.5, zorder=1)
+            panel.plot([centre, centre], [edge, y], color=LEADER, lw=0.5, zorder=1)
     return 1 + max((level for level in levels if level is not None), default=0)
 
 

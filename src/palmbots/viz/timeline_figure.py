@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from palmbots.viz.carry_figure import figure_title, time_window
-from palmbots.viz.style import styled
+from palmbots.viz.style import axis_label, styled
 from palmbots.viz.timeline import draw_timeline, message_key
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         axes = figure.subplots()
         axes.set_xlim(start, end)
         draw_timeline(axes, carry, start, end, shown.width_in)
-        axes.set_xlabel("time (s)")
+        axes.set_xlabel(axis_label("time", "s"))
         axes.set_title(figure_title(carry), loc="left", weight="bold")
         handles = message_key(carry)
         if handles:

@@ -104,7 +104,7 @@ def design_report(design: "Design", scene_name: str, written: Sequence[Path]) ->
     console = report_console()
     name = QUANTITIES[design.quantity][-1]
     head = Text(f"{design.shallow_deg:g}° and {design.steep_deg:g}°", style="bold green")
-    head.append(f"  largest tolerance: {name.split(' [')[0]}", style="bold")
+    head.append(f"  largest tolerance: {name}", style="bold")
     head.append(f"   {scene_name}", style="dim")
     console.print(head)
 

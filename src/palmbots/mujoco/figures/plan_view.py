@@ -19,7 +19,7 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import Line, line_of
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import DROP, HUE, INK, LINE, OBJECT, QUIET, styled
+from palmbots.viz.style import DROP, HUE, INK, LINE, OBJECT, QUIET, axis_label, styled
 
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
@@ -72,8 +72,8 @@ def draw(carry: "Carry") -> Figure:
         panel.set_aspect("equal")
         panel.set_xlim(low[0], high[0])
         panel.set_ylim(low[1], high[1])
-        panel.set_xlabel("x (m)")
-        panel.set_ylabel("y (m)")
+        panel.set_xlabel(axis_label("x", "m"))
+        panel.set_ylabel(axis_label("y", "m"))
         _head(figure, carry)
     return figure
 

@@ -13,11 +13,16 @@ from matplotlib.figure import Figure
 from palmbots._types import SIDES
 from palmbots.mujoco.validation.validation import Tilt, Validation
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import DROP, HUE, INK, LINE, QUIET, ZERO, styled
+from palmbots.viz.style import DROP, HUE, INK, LINE, QUIET, SERIES, ZERO, axis_label, styled
 
 __all__ = ["draw", "save"]
 
-_MARK = {"MuJoCo": "o", "pymunk": "s", "Box2D": "^"}
+_ENGINES = {
+    "MuJoCo": (INK, "o"),
+    "pymunk": (SERIES[0].colour, "s"),
+    "Box2D": (SERIES[1].colour, "^"),
+}
+"""Colour and marker of each engine."""
 
 
 def save(validation: Validation, path: str | os.PathLike[str]) -> None:
@@ -51,12 +56,12 @@ def _agreement(panel: Axes, validation: Validation) -> None:
             rates.append(100 * np.mean(some) if some else np.nan)
         where = np.arange(len(frictions)) + 0.12 * (k - 0.5 * (len(validation.agreement) - 1))
         label = f"{own.engine}: {100 * own.decisive_rate:.1f} % of {own.decisive_n}"
-        colour = (INK, HUE["left"], HUE["right"])[k % 3]
-        panel.plot(where, rates, _MARK[own.engine], color=colour, ms=6, mfc="none", label=label)
+        colour, marker = _ENGINES[own.engine]
+        panel.plot(where, rates, marker, color=colour, ms=6, mfc="none", label=label)
     panel.axhline(99, color=DROP, lw=0.8, ls=":")
     panel.set_xticks(range(len(frictions)), [f"{f:g}" for f in frictions])
     panel.set_xlabel("friction μ")
-    panel.set_ylabel("expected contact slides (%)")
+    panel.set_ylabel(axis_label("expected contact slides", "%"))
     low, _ = panel.get_ylim()
     panel.set_ylim(min(low, 90), 101)
     panel.set_title("Same contact slides, margin > 1° (dotted: 99 %)", loc="left")
@@ -65,15 +70,15 @@ def _agreement(panel: Axes, validation: Validation) -> None:
 
 def _lines(panel: Axes, validation: Validation) -> None:
     """COM at which the other contact begins to slide."""
-    for name, closing, side in (("closing", True, "left"), ("opening", False, "right")):
+    for name, closing, look in (("closing", True, SERIES[0]), ("opening", False, SERIES[1])):
         rows = [one for one in validation.lines if one.closing == closing]
         rights = [1e3 * one.right_m for one in rows]
         known: Any = [np.nan if one.known_m is None else 1e3 * one.known_m for one in rows]
         seen: Any = [np.nan if one.seen_m is None else 1e3 * one.seen_m for one in rows]
-        panel.plot(known, rights, color=HUE[side], ls=LINE[side], label=f"{name}, quasistatic")
-        panel.plot(seen, rights, "o", color=HUE[side], mfc="none", label=f"{name}, MuJoCo")
-    panel.set_xlabel("COM off the middle (mm)")
-    panel.set_ylabel("right contact p (mm), left at 0")
+        panel.plot(known, rights, color=look.colour, ls=look.line, label=f"{name}, quasistatic")
+        panel.plot(seen, rights, "o", color=look.colour, mfc="none", label=f"{name}, MuJoCo")
+    panel.set_xlabel(axis_label("COM off the middle", "mm"))
+    panel.set_ylabel(axis_label("right contact p, left at 0", "mm"))
     panel.set_title("Switch lines, both palms at 15°, μ = 0.3", loc="left")
     panel.legend(loc="upper left")
     panel.margins(x=0.35)
@@ -88,8 +93,8 @@ def _tilts(panel: Axes, tilts: tuple[Tilt, ...]) -> None:
         panel.plot(places, known, color=HUE[side], ls=LINE[side], label=f"{side}, quasistatic")
         panel.plot(places, seen, "o", color=HUE[side], mfc="none", label=f"{side}, MuJoCo")
     panel.axhline(0, color=QUIET, lw=0.5)
-    panel.set_xlabel("left contact before (mm), right at 0")
-    panel.set_ylabel("contact slides outward (mm)")
+    panel.set_xlabel(axis_label("left contact before, right at 0", "mm"))
+    panel.set_ylabel(axis_label("contact slides outward", "mm"))
     panel.set_title("Tilting the left palm up, robots at rest", loc="left")
     panel.legend(loc="lower left")
 
@@ -110,7 +115,7 @@ def _carries(panel: Axes, validation: Validation) -> None:
     panel.set_xlim(0, most)
     panel.set_ylim(0, most)
     panel.set_aspect("equal")
-    panel.set_xlabel("contact rms, quasistatic (mm)")
-    panel.set_ylabel("contact rms, MuJoCo (mm)")
+    panel.set_xlabel(axis_label("contact rms, quasistatic", "mm"))
+    panel.set_ylabel(axis_label("contact rms, MuJoCo", "mm"))
     panel.set_title(f"Carries paired by seed, {validation.controller}", loc="left")
     panel.legend(loc="lower right")

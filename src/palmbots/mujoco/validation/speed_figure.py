@@ -13,15 +13,15 @@ from matplotlib.figure import Figure
 from palmbots._types import SIDES
 from palmbots.mujoco.validation.speed_limits import MOST, SpeedLimits
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import BOTH, DROP, HUE, LINE, ZERO, styled
+from palmbots.viz.style import DROP, SERIES, axis_label, styled
 
 __all__ = ["draw", "save"]
 
 _KINDS = (
-    (True, True, "closing, accelerating", HUE["left"], "-", "o"),
-    (False, True, "opening, accelerating", ZERO, (0, (1, 1)), "s"),
-    (True, False, "closing, braking", HUE["right"], (0, (4, 1.2)), "^"),
-    (False, False, "opening, braking", BOTH, (0, (4, 1, 1, 1)), "v"),
+    (True, True, "closing, accelerating", SERIES[0]),
+    (False, True, "opening, accelerating", SERIES[2]),
+    (True, False, "closing, braking", SERIES[1]),
+    (False, False, "opening, braking", SERIES[3]),
 )
 
 
@@ -42,7 +42,7 @@ def draw(result: SpeedLimits) -> Figure:
 
 def _limits(panel: Axes, result: SpeedLimits) -> None:
     """Lines: closed form; markers: MuJoCo."""
-    for closing, forward, name, colour, line, mark in _KINDS:
+    for closing, forward, name, (colour, mark, line) in _KINDS:
         rows = [r for r in result.limits if (r.closing, r.forward) == (closing, forward)]
         friction = [r.friction for r in rows]
         known: Any = [np.nan if r.known is None else r.known for r in rows]
@@ -56,7 +56,7 @@ def _limits(panel: Axes, result: SpeedLimits) -> None:
         panel.text(0.99, 0.03, note, color=DROP, ha="right", transform=panel.transAxes)
     panel.set_ylim(0, MOST * 1.02)
     panel.set_xlabel("friction μ")
-    panel.set_ylabel("acceleration (m/s²)")
+    panel.set_ylabel(axis_label("acceleration", "m/s²"))
     panel.set_title("The same contact slides up to here (lines: closed form)", loc="left")
     panel.legend(loc="upper left")
 
@@ -64,11 +64,12 @@ def _limits(panel: Axes, result: SpeedLimits) -> None:
 def _paces(panel: Axes, result: SpeedLimits) -> None:
     """Contact rms and peak of carries over speed."""
     speeds = [p.speed_m_s for p in result.paces]
-    for k, (world, side) in enumerate((("quasistatic", "left"), ("MuJoCo", "right"))):
+    for k, world in enumerate(("quasistatic", "MuJoCo")):
+        colour, _, line = SERIES[k]
         rms = [1e3 * p.rms_m[k] for p in result.paces]
         peak = [1e3 * p.peak_m[k] for p in result.paces]
-        panel.plot(speeds, rms, "o", color=HUE[side], ls=LINE[side], label=f"{world}, rms")
-        panel.plot(speeds, peak, "^", color=HUE[side], ls=LINE[side], alpha=0.5, mfc="none",
+        panel.plot(speeds, rms, "o", color=colour, ls=line, label=f"{world}, rms")
+        panel.plot(speeds, peak, "^", color=colour, ls=line, alpha=0.5, mfc="none",
                    label=f"{world}, peak")  # fmt: skip
     half = 1e3 * min(result.scene.palm_of(s).length_m for s in SIDES) / 2
     panel.axhline(half, color=DROP, lw=0.9, label="end of the palm")
@@ -79,7 +80,9 @@ def _paces(panel: Axes, result: SpeedLimits) -> None:
     panel.set_xticks(speeds, ticks)
     panel.minorticks_off()
     panel.set_ylim(0, 1.55 * half)
-    panel.set_xlabel("nominal speed (m/s); delivered quasistatic · MuJoCo")
-    panel.set_ylabel("contact (mm)")
+    panel.set_xlabel(
+        axis_label("nominal speed", "m/s") + "\nbelow: delivered, quasistatic · MuJoCo"
+    )
+    panel.set_ylabel(axis_label("contact", "mm"))
     panel.set_title("Carries, speed, correction and noise scaled alike", loc="left")
     panel.legend(loc="upper left", ncols=2)

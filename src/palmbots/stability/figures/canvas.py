@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from palmbots.stability.problem import Pair
-from palmbots.viz.style import INK, QUIET
+from palmbots.viz.style import BACKGROUND, INK, QUIET
 
 __all__ = [
     "MM",
@@ -157,7 +157,7 @@ class View:
     def caption(self, text: str, x: float, y: float) -> None:
         """A text centred just above a point, on top of lines, shifted to stay in the view."""
         shown = self.axes.text(x, y + 3 * self.point, text, size=8, va="bottom", zorder=8)
-        shown.set_bbox({"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none"})
+        shown.set_bbox({"boxstyle": "square,pad=0.1", "fc": BACKGROUND, "ec": "none"})
         half = 0.5 * shown.get_window_extent().width / self._unit * self.point
         x = min(max(x, self.corners[0][0] + half), self.corners[1][0] - half)
         shown.set(x=x, ha="center")

@@ -24,7 +24,7 @@ from palmbots.stability.figures.canvas import (
     sheet,
 )
 from palmbots.stability.figures.drawn_state import State, draw_bodies, draw_description, shown_area
-from palmbots.viz.style import BOTH, HUE, INK, LINE, PALE, styled
+from palmbots.viz.style import BACKGROUND, BOTH, HUE, INK, LINE, PALE, axis_label, styled
 
 __all__ = ["figure3", "figure4"]
 
@@ -120,7 +120,7 @@ def _mark(view: View, point: Array | None, name: str) -> bool:
     """A named point, if it is in the view; returns whether it is."""
     if point is None or not ((point > view.corners[0]) & (point < view.corners[2])).all():
         return False
-    view.axes.plot(*point, "s", ms=4, mfc="white", mec=INK, zorder=7)
+    view.axes.plot(*point, "s", ms=4, mfc=BACKGROUND, mec=INK, zorder=7)
     view.occupy(point)
     if name:
         view.label(name, point + 2 * view.point, (1, 0))
@@ -226,7 +226,7 @@ def _draw_squeezes(figure: Figure, state: State) -> None:
     view = View(axes, (low - room, top + room), (-0.6, 1.9))
     axes.set_yticks([1, 0], ["$I_L$", "$I_R$"])
     axes.locator_params(axis="x", nbins=4)
-    axes.set_xlabel("squeeze H [weight]")
+    axes.set_xlabel(axis_label("squeeze H", "weight"))
     view.line((0, -0.6), (0, 1.9), zorder=1)
     for side, name in enumerate(SIDES):
         start, end = state.squeeze[side]

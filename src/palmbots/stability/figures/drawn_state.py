@@ -15,7 +15,7 @@ from palmbots.geometry.robot_dimensions import PALM_THICKNESS
 from palmbots.mechanics.mode_analysis import CONTACT_MODES, Mode, modes_batch
 from palmbots.stability.figures.canvas import MM, Array, View
 from palmbots.stability.problem import Pair, StabilityProblem
-from palmbots.viz.style import HATCH, HUE, INK, OBJECT, PALE
+from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, OBJECT, PALE, axis_label
 
 __all__ = ["State", "draw_bodies", "draw_description", "shown_area", "state_of"]
 
@@ -136,13 +136,13 @@ def draw_bodies(view: View, state: State) -> None:
         view.avoid(inner + under, outer + under)
         view.line(inner, outer, colour=HUE[name], width=1.6)
         view.line(pivot, foot, colour=HUE[name], width=1.2)
-        view.axes.plot(*pivot, "o", ms=4, mfc="white", mec=HUE[name], zorder=4)
+        view.axes.plot(*pivot, "o", ms=4, mfc=BACKGROUND, mec=HUE[name], zorder=4)
         view.axes.plot(*state.point("contact", side), "o", ms=3.5, color=INK, zorder=5)
     com = state.point("com")
-    view.axes.plot(*com, "o", ms=5, mfc="white", mec=INK, mew=0.8, zorder=5)
+    view.axes.plot(*com, "o", ms=5, mfc=BACKGROUND, mec=INK, mew=0.8, zorder=5)
     view.axes.plot(*com, "+", ms=5, color=INK, mew=0.8, zorder=6)
     view.occupy(com)
-    view.axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    view.axes.set(xlabel=axis_label("x", "mm"), ylabel=axis_label("y", "mm"))
 
 
 def draw_description(figure: Figure, state: State) -> None:

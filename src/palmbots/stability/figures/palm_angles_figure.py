@@ -18,14 +18,23 @@ from matplotlib.patches import Patch
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.palm_angles import PAPER_DEG, Design
 from palmbots.viz.save_figure import save_figure
-from palmbots.viz.style import INK, QUIET, styled
+from palmbots.viz.style import (
+    BACKGROUND,
+    COLOUR_MAP,
+    EXCLUDED,
+    INK,
+    ON_MAP,
+    PAPER_PAIR,
+    QUIET,
+    axis_label,
+    styled,
+)
 
 __all__ = ["palm_angles", "save"]
 
-_PAPER = "#D55E00"
-_BARRED = {"facecolor": "#F0F0F0", "edgecolor": QUIET, "hatch": "////", "linewidth": 0.0}
-_BEST = {"marker": "*", "ms": 13, "mfc": "white", "mec": INK, "mew": 0.9}
-_PAPER_LOOK = {"marker": "o", "ms": 6, "mfc": _PAPER, "mec": "white", "mew": 0.9}
+_BARRED = {"facecolor": EXCLUDED, "edgecolor": QUIET, "hatch": "////", "linewidth": 0.0}
+_BEST = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
+_PAPER_LOOK = {"marker": "o", "ms": 6, "mfc": PAPER_PAIR, "mec": BACKGROUND, "mew": 0.9}
 _LEVELS = 5
 _MARGIN_DEG = 2.0
 
@@ -43,10 +52,10 @@ def palm_angles(result: Design) -> Figure:
         axes = figure.subplots()
         axes.grid(visible=False)
         shades = axes.pcolormesh(
-            steep, shallow, shown, cmap="cividis", vmin=0, shading="nearest", rasterized=True
+            steep, shallow, shown, cmap=COLOUR_MAP, vmin=0, shading="nearest", rasterized=True
         )
         bar = figure.colorbar(shades, ax=axes, pad=0.02)
-        bar.set_label(f"tolerance of {name}")
+        bar.set_label(axis_label(f"tolerance of {name}, ±", result.shown_unit))
         barred = np.isfinite(tolerance) & ~allowed
         if barred.any():
             axes.contourf(
@@ -57,15 +66,15 @@ def palm_angles(result: Design) -> Figure:
                 colors=_BARRED["facecolor"],
                 hatches=[_BARRED["hatch"]],
             )
-        lines = axes.contour(steep, shallow, shown, _LEVELS, colors="white", linewidths=0.6)
+        lines = axes.contour(steep, shallow, shown, _LEVELS, colors=ON_MAP["dark"], linewidths=0.6)
         bar.add_lines(lines)
         bar.set_ticks([level for level in lines.levels if 0 <= level <= np.nanmax(shown)])
         axes.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST)
         axes.plot(PAPER_DEG[1], PAPER_DEG[0], ls="", zorder=5, **_PAPER_LOOK)
         rows, columns = allowed.any(axis=1), allowed.any(axis=0)
         axes.set(
-            xlabel="steep palm angle [°]",
-            ylabel="shallow palm angle [°]",
+            xlabel=axis_label("steep palm angle", "°"),
+            ylabel=axis_label("shallow palm angle", "°"),
             xlim=(
                 min(steep[columns][0], PAPER_DEG[1]) - _MARGIN_DEG,
                 steep[columns][-1] + _MARGIN_DEG,
@@ -98,7 +107,7 @@ def _draw_legend(figure: Figure, result: Design) -> None:
             **_BARRED,
             label=f"clearance below {clearance:g}° or angles less than {difference:g}° apart",
         ),
-        Patch(facecolor="white", edgecolor=QUIET, linewidth=0.6, label="a property fails"),
+        Patch(facecolor=BACKGROUND, edgecolor=QUIET, linewidth=0.6, label="a property fails"),
     ]
     figure.legend(handles=handles, loc="outside upper left", ncols=1, fontsize=8)
 

@@ -28,12 +28,12 @@ from palmbots.stability.figures.canvas import (
 )
 from palmbots.stability.linear_conditions import failing
 from palmbots.stability.problem import Pair, StabilityProblem
-from palmbots.viz.style import HATCH, HUE, INK, LINE, PALE, QUIET, styled
+from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, LINE, PALE, QUIET, axis_label, styled
 
 __all__ = ["figure5", "figure6"]
 
 _STABLE: dict[str, Any] = {"fc": PALE["zero"], "ec": "none", "alpha": 0.7, "zorder": 0.5}
-_FAILS: dict[str, Any] = {"fc": "white", "ec": QUIET, "lw": 0, "hatch": "xxxx", "zorder": 0.6}
+_FAILS: dict[str, Any] = {"fc": BACKGROUND, "ec": QUIET, "lw": 0, "hatch": "xxxx", "zorder": 0.6}
 
 
 def _mm(value: float) -> str:
@@ -43,7 +43,7 @@ def _mm(value: float) -> str:
 
 def _look(name: str) -> dict[str, Any]:
     """The style of an area that belongs to one palm or to both."""
-    pale = PALE.get(name, "#EFD9E6")
+    pale = PALE[name]
     return {"fc": pale, "ec": HUE[name], "lw": 0.6, "ls": LINE.get(name, "-"), "hatch": HATCH[name]}
 
 
@@ -80,7 +80,7 @@ def figure5(analysis: Analysis) -> Figure:
         key = [
             Patch(**_STABLE, label="holds"),
             Patch(**_FAILS, label="fails"),
-            Patch(fc="white", ec=INK, lw=1.0, label="on both palms"),
+            Patch(fc=BACKGROUND, ec=INK, lw=1.0, label="on both palms"),
             *(Patch(**_look(side), label=f"needed, {side} shallow") for side in sides),
         ]
         place = {"loc": "upper left", "bbox_to_anchor": (0.6 / 7, 1 - 0.24 / high)}
@@ -183,7 +183,7 @@ def _describe_plane(
     holds = "holds" if report.holds else "fails"
     title = f"{letter} property {number}, {shallow} palm shallow: {holds}"
     headline(view.axes, title, "\n".join(lines))
-    view.axes.set(xlabel="$p_L$ [mm]", ylabel="$p_R$ [mm]")
+    view.axes.set(xlabel=axis_label("$p_L$", "mm"), ylabel=axis_label("$p_R$", "mm"))
 
 
 # Figure 6
@@ -269,10 +269,11 @@ def figure6(analysis: Analysis) -> Figure:
             view.line(*outline, outline[0], colour=INK, width=1.0)
             _draw_ranges(view, problem, cases, low[1])
             com = MM * np.array(problem.com)
-            view.axes.plot(*com, "o", ms=5, mfc="white", mec=INK, zorder=5)
+            view.axes.plot(*com, "o", ms=5, mfc=BACKGROUND, mec=INK, zorder=5)
             view.axes.plot(*com, "+", ms=5, color=INK, mew=0.8, zorder=6)
             headline(view.axes, f"({'abc'[k]}) {title}")
-            view.axes.set(xlabel="$c_x$ [mm]", ylabel="" if k else "$c_y$ [mm]")
+            view.axes.set_xlabel(axis_label("$c_x$", "mm"))
+            view.axes.set_ylabel("" if k else axis_label("$c_y$", "mm"))
             view.axes.tick_params(axis="y", labelleft=k == 0)
             ticks = view.axes.get_yticks()
             view.axes.set_yticks([t for t in ticks if low[1] <= t <= high[1]])

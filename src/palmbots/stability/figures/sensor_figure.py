@@ -12,7 +12,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.scene.robot_section import Tactile
 from palmbots.stability.figures.canvas import MM, View, headline, sheet
-from palmbots.viz.style import INK, PALE, styled
+from palmbots.viz.style import INK, SWITCH, axis_label, styled
 
 __all__ = ["Zone", "figure7", "readings"]
 
@@ -20,7 +20,7 @@ Zone = tuple[int, float, float]
 """Sign (−1, 0 or 1), from, to."""
 
 _TEXT = {-1: "−", 0: "0", 1: "+"}
-_LOOK = {-1: ("#DDDDDD", "---"), 0: (PALE["zero"], ""), 1: ("#F5F0B8", "+++")}
+_HATCH = {-1: "---", 0: "", 1: "+++"}
 
 
 def figure7(tactile: Tactile, spec: _core.Spec) -> Figure:
@@ -44,9 +44,8 @@ def figure7(tactile: Tactile, spec: _core.Spec) -> Figure:
             reach = 1.14 * half * inward
             view = View(figure.add_axes(box), (reach, -reach), (-depth - 2.1, 1.1))
             _draw_palm(view, zones, lanes, half)
-            label = f"$p_{'LR'[k]}$ [mm]"
             axes = view.axes
-            axes.set_xlabel(f"{label}   outward →" if k else f"← outward   {label}")
+            axes.set_xlabel(axis_label("outward →   $p_R$" if k else "← outward   $p_L$", "mm"))
             headline(axes, f"{side} palm, {2 * half:.4g} mm")
             rows = [-0.5 * depth, -depth - 1.3]
             axes.set_yticks(rows, ["", ""] if k else ["switches", "reads"])
@@ -93,7 +92,7 @@ def _draw_palm(view: View, zones: list[Zone], lanes: list[int], half: float) -> 
 
 
 def _draw_switch(view: View, sign: int, low: float, high: float, bottom: float) -> None:
-    colour, hatch = _LOOK[sign]
+    colour, hatch = SWITCH[sign], _HATCH[sign]
     view.axes.fill_between(
         (low, high), bottom, bottom + 0.8, fc=colour, ec=INK, lw=0.7, hatch=hatch
     )

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All figures have one style: the unit stands last on every axis, colours have one home."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib.colors import get_named_colors_mapping
+from matplotlib.figure import Figure
+
+import palmbots as pb
+from palmbots import viz
+from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
+from palmbots.scene.scene import Scene
+from palmbots.studies.study_file import load_plan
+from palmbots.studies.study_runner import run_study
+from study_fixtures import SMALL
+
+ROOT = Path(__file__).parent.parent.parent
+SHORT = {"task.distance_m": 0.2}
+ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
+
+# What labels may state in square brackets, and labels that have no unit.
+UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "s", "weight", "°"}
+WITHOUT_UNIT = {
+    "correction\n(case)",
+    "friction μ",
+    "messages per metre",
+    "palm friction",
+    "sensor",
+    "share of the variance (Sobol index)",
+    "tolerance of friction, ±",
+}
+
+
+def speed_limits() -> SpeedLimits:
+    """Two frictions and two speeds, as if they had been measured."""
+    limits = [
+        Limit(friction, closing, forward, "left" if closing else "right", 1.0, 1.1)
+        for friction in (0.2, 0.3)
+        for closing in (True, False)
+        for forward in (True, False)
+    ]
+    paces = [Pace(speed, 4, (4, 3), (0.004, 0.005), (0.01, 0.012)) for speed in (0.06, 0.12)]
+    return SpeedLimits(Scene(), tuple(limits), tuple(paces), 0.5)
+
+
+def results(folder: Path) -> Iterator[tuple[str, Any]]:
+    """A small result for every registered figure; studies have several."""
+    carry = pb.carry("paper", overrides=SHORT)
+    for name in ("carry", "timeline", "message_sequence", "side_view"):
+        yield name, carry
+    curved = pb.carry("paper", world="mujoco", overrides=ARC)
+    yield "carry", curved  # one more panel
+    yield "plan_view", curved
+    yield "sweep", pb.compare("paper", values=[0.0, 0.2], carries=2, overrides=SHORT)
+    analysis = pb.analyze("paper")
+    for name in ("stability-geometry", "friction-cones", "meeting-points", "operating-region",
+                 "permitted-com", "tactile-zones"):  # fmt: skip
+        yield name, analysis
+    for quantity in ("com", "friction"):  # with a unit and without
+        angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
+        yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
+    yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
+    yield "speed_limits", speed_limits()
+    ranges = {
+        "palm.friction": {"from": 0.2, "to": 0.3},
+        "robot.noise_m_s": {"from": 0.0, "to": 0.1},
+    }
+    sobol = {"vary": ranges, "design": {"kind": "sobol-indices", "points": 8}}
+    for k, table in enumerate(({}, {"vary": {"palm.friction": [0.2, 0.3]}}, sobol)):
+        plan = load_plan({**SMALL, "set": SHORT, "seeds": {"count": 2}, **table})
+        yield "study", run_study(plan, folder / str(k))
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Figure]]:
+    made = results(tmp_path_factory.mktemp("studies"))
+    return [(name, viz.FIGURES.get(name)(result)) for name, result in made]
+
+
+def test_every_registered_figure_is_drawn(figures: list[tuple[str, Figure]]) -> None:
+    assert {name for name, _ in figures} == set(viz.FIGURES.names())
+
+
+def test_the_unit_stands_last_in_square_brackets(figures: list[tuple[str, Figure]]) -> None:
+    seen: set[str] = set()
+    for name, figure in figures:
+        for axes in figure.axes:
+            for label in (axes.get_xlabel(), axes.get_ylabel()):
+                units = re.findall(r"\[(.*?)\]$", label, re.MULTILINE)
+                expected = 0 if label in WITHOUT_UNIT | {""} else 1
+                assert label.count("[") == len(units) == expected, (name, label)
+                assert set(units) <= UNITS, (name, label)
+                seen |= set(units) or {label}
+    assert seen >= UNITS  # no unit is listed for nothing
+
+
+# Colours
+
+LITERAL = re.compile(r"#([0-9a-f]{3}|[0-9a-f]{6}|[0-9a-f]{8})|C\d+|(tab|xkcd):.*", re.IGNORECASE)
+NAMED = {name for name in get_named_colors_mapping() if len(name) > 1}
+SHORT_KEYWORDS = {"ec", "fc", "mec", "mfc", "rgb1", "rgb2", "rgba"}
+LONG_KEYWORDS = {"cmap", "color", "colors", "colour", "edgecolor", "facecolor", "fill", "outline"}
+STYLE = ROOT / "src/palmbots/viz/style.py"
+
+
+def literals(source: str) -> list[tuple[int, str]]:
+    """Colours in a source: hex codes, names, and any text that is passed as a colour."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            text = node.value
+            if LITERAL.fullmatch(text) or text.lower() in NAMED:
+                found.append((node.lineno, text))
+        pairs: list[tuple[Any, ast.expr]] = []
+        if isinstance(node, ast.Call):
+            pairs = [(keyword.arg, keyword.value) for keyword in node.keywords]
+        elif isinstance(node, ast.Dict):
+            keys = (k.value if isinstance(k, ast.Constant) else None for k in node.keys)
+            pairs = list(zip(keys, node.values, strict=True))
+        for key, value in pairs:
+            text = value.value if isinstance(value, ast.Constant) else None
+            if key in SHORT_KEYWORDS | LONG_KEYWORDS and isinstance(text, str) and text != "none":
+                found.append((value.lineno, text))
+    return sorted(set(found))
+
+
+def test_colours_are_recognized() -> None:
+    source = "draw('#AA00bb', fc='k', look={'ec': 'w', 'lw': 1}, cmap='hot')\nf('Teal', 'C0', 'c')"
+    assert [text for _, text in literals(source)] == ["#AA00bb", "hot", "k", "w", "C0", "Teal"]
+    assert literals("draw(fc='none', color=INK)\nwork('Cases', case='c')") == []
+    assert len(literals(STYLE.read_text())) > 20
+
+
+def test_all_colours_are_in_the_style() -> None:
+    """Reports are exempt: the terminal chooses what its colours look like."""
+    sources = [*(ROOT / "src/palmbots").rglob("*.py"), *(ROOT / "scripts").rglob("*.py")]
+    for path in sources:
+        if path != STYLE and "cli" not in path.parts:
+            assert literals(path.read_text()) == [], path
