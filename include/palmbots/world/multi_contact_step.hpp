@@ -60,7 +60,8 @@ struct MultiContactStep {
     int decisions = 0;
     bool forced = by_force;
     for (result.segments = 1; done < Real(1); ++result.segments) {
-      const Real goal = done + look() < Real(1) ? done + look() : Real(1);
+      const Real length = forced && !by_force ? look() * forced_share : look();
+      const Real goal = done + length < Real(1) ? done + length : Real(1);
       const auto at = [&](Real t, Configuration<Real>& there) {
         there = between(from, configuration, t);
         return settle(model, constraints, there);
@@ -105,9 +106,12 @@ struct MultiContactStep {
   }
 
  private:
-  // Decisions within one look; then the constraints are kept to its end. Contacts that slide
-  // alternately would do so for ever.
+  // Decisions without progress; then the constraints are kept for a share of a look. Contacts that
+  // slide alternately would alternate forever: each slides until the other one would slide next.
+  // Instead, each slides a little too far, by up to that share, and the next decision passes on to
+  // the other. The path therefore deviates from the exact one by at most that share.
   static constexpr int most_decisions = 6;
+  static constexpr Real forced_share = Real(1) / Real(64);
 
   // What happens from here on; false where there are no constraints.
   bool decide(const Configuration<Real>& configuration, ContactConstraints<Real>& constraints,
