@@ -13,14 +13,16 @@ __all__ = ["main"]
 def main() -> None:
     """Run the command line and exit with its status."""
     from palmbots.cli import INTERRUPTION_LINE
+    from palmbots.cli._streams import open_closed_streams, say
 
+    open_closed_streams()
     try:
         from palmbots.cli.main import main as run_command
 
         run_command()
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        print(INTERRUPTION_LINE, file=sys.stderr)
+        say(INTERRUPTION_LINE)
         sys.exit(130)
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""stdout: 80 columns, no trailing blanks, no shortened numbers, full disks, other encodings."""
+"""stdout: 80 columns, no trailing blanks, no shortened numbers, full disks, other encodings, closed
+streams, and pipes that nobody reads."""
 
+import os
 import re
 import subprocess
 import sys
@@ -12,7 +14,7 @@ from commands import Run
 from palmbots.cli.reports.console import plain_table, report_console
 from shell import palmbots
 
-DONE, BAD_INPUT = 0, 2
+DONE, BAD_INPUT, CLOSED_PIPE = 0, 2, 141
 SHORT = ("--set", "task.distance_m=0.1")
 
 # All reports, also with long keys, warnings and several contacts.
@@ -99,6 +101,63 @@ def test_full_disk_under_stdout_is_reported_in_one_line(option: tuple[str, ...])
         )
     assert result.returncode == BAD_INPUT
     assert result.stderr == "palmbots: the output cannot be written: No space left on device\n"
+
+
+def with_streams(
+    redirections: str, *arguments: str, cwd: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """`palmbots` with redirections of the shell, such as ``>&-`` for a closed stdout."""
+    command = f'exec "$0" -m palmbots "$@" {redirections}'
+    return subprocess.run(
+        ["sh", "-c", command, sys.executable, *arguments],
+        capture_output=True, text=True, cwd=cwd, timeout=120, check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("redirections", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_discard_the_output(redirections: str) -> None:
+    result = with_streams(redirections, "keys")
+    assert (result.returncode, result.stderr) == (DONE, "")
+    assert bool(result.stdout) == (redirections == "2>&-")
+
+
+@pytest.mark.parametrize("redirections", ["2>&-", "2>/dev/full"])
+def test_refusal_without_stderr_has_its_status_and_nothing_on_stdout(redirections: str) -> None:
+    result = with_streams(redirections, "carry", "nowhere.toml")
+    assert (result.returncode, result.stdout, result.stderr) == (BAD_INPUT, "", "")
+
+
+def test_file_is_the_same_with_closed_streams(tmp_path: Path) -> None:
+    """The first file that is opened would get the number of the closed stdout."""
+    for name, redirections in (("open.toml", ""), ("closed.toml", "<&- >&- 2>&-")):
+        assert with_streams(redirections, "init", "scene", name, cwd=tmp_path).returncode == DONE
+    assert (tmp_path / "closed.toml").read_text() == (tmp_path / "open.toml").read_text()
+
+
+PIPED = [
+    ("--help",),
+    ("keys",),
+    ("modes", "--json"),
+    ("carry", *SHORT),
+]
+
+
+@pytest.mark.parametrize("arguments", PIPED, ids=" ".join)
+def test_pipe_that_nobody_reads_ends_the_command_quietly(arguments: tuple[str, ...]) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    with open(writer, "w") as stdout:
+        result = subprocess.run(
+            [sys.executable, "-m", "palmbots", *arguments],
+            stdout=stdout, stderr=subprocess.PIPE, text=True, timeout=120, check=False,
+        )  # fmt: skip
+    assert (result.returncode, result.stderr) == (CLOSED_PIPE, "")
+
+
+def test_warning_that_nobody_reads_does_not_stop_the_command() -> None:
+    narrow = ("--set", "tactile.zero_half_width_m=0.0001", "--json")
+    result = with_streams("2>/dev/full", "carry", *narrow, *SHORT)
+    assert '"warnings": ["the zero zone is' in result.stdout
 
 
 def test_encoding_without_a_character_prints_a_question_mark(

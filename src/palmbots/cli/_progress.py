@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Progress on stderr: a bar in a terminal, a line a minute in a log file or batch job."""
 
+import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -38,7 +39,8 @@ class LineProgress:
         )
         percent = int(100 * min(fraction, 1.0))
         line = f"palmbots: {stage}: {percent} % after {_duration(spent)}{left}"
-        print(line, file=self._stream, flush=True)
+        with contextlib.suppress(OSError):  # a full disk, or a pipe that nobody reads
+            print(line, file=self._stream, flush=True)
 
 
 def _duration(seconds: float) -> str:

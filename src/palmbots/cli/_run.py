@@ -4,13 +4,13 @@
 import json
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def interruption_line(line: str) -> Iterator[None]:
     def print_line() -> None:
         nonlocal printed
         if not printed:
-            print(line, file=sys.stderr, flush=True)
+            say(line)
         printed = True
 
     def handle(*_: object) -> None:
@@ -144,7 +144,7 @@ def print_list(kind: str, meanings: Mapping[str, str], *, as_json: bool) -> None
 
 def warn(text: str) -> None:
     """Print a warning on stderr."""
-    print(f"palmbots: warning: {text}", file=sys.stderr)
+    say(f"palmbots: warning: {text}")
 
 
 def number_list(option: str, text: str) -> list[float]:

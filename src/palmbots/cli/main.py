@@ -7,13 +7,12 @@ group of commands, `ORDER`, its place in ``palmbots --help``, and `EXAMPLE`. The
 
 Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
 command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
-with one line, and 130 after Ctrl-C.
+with one line, 130 after Ctrl-C, and 141 where nobody reads stdout any more (``palmbots keys | head
+-1``). Closed streams, as in ``palmbots modes >&-``, discard what is written to them.
 """
 
-import contextlib
 import importlib
 import io
-import os
 import pkgutil
 import signal
 import sys
@@ -26,11 +25,12 @@ from typer.main import get_command
 
 from palmbots.cli import INTERRUPTION_LINE, commands
 from palmbots.cli._run import Interrupted
+from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli.old_names import renamed_command, renamed_option
-from palmbots.cli.options import BAD_INPUT, DONE, FAILED, INTERRUPTED
+from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, FAILED, INTERRUPTED
 from palmbots.errors import PalmbotsError, one_line
 
-__all__ = ["BAD_INPUT", "DONE", "FAILED", "INTERRUPTED", "build_app", "main", "run"]
+__all__ = ["BAD_INPUT", "CLOSED_PIPE", "DONE", "FAILED", "INTERRUPTED", "build_app", "main", "run"]
 
 _SUFFIX = "_command"
 # The base of all usage errors. Typer contains a copy of click under a private name.
@@ -47,11 +47,12 @@ def main() -> None:
         status = run(sys.argv[1:])
         if status == INTERRUPTED:  # a second Ctrl-C must not disturb the exit
             signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if sys.stdout is not None:
-            sys.stdout.flush()  # here, so that a full disk is reported in one line
+        sys.stdout.flush()  # here, so that a full disk is reported in one line
+    except BrokenPipeError:
+        status = CLOSED_PIPE
     except OSError as error:
-        _discard_stdout()
-        status = FAILED if isinstance(error, BrokenPipeError) else _unwritable(error)
+        status = _unwritable(error)
+    discard_unwritable("stdout", "stderr")
     sys.exit(status)
 
 
@@ -72,10 +73,14 @@ def run(arguments: list[str]) -> int:
         return stop.exit_code
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
+    except SystemExit as stop:  # how Typer and Rich answer to a closed pipe
+        if isinstance(stop.__context__, BrokenPipeError):
+            return CLOSED_PIPE
+        raise
 
 
 def _interrupted() -> int:
-    print(INTERRUPTION_LINE, file=sys.stderr)
+    say(INTERRUPTION_LINE)
     return INTERRUPTED
 
 
@@ -187,12 +192,6 @@ def _number_fault(error: Any) -> str | None:
     return f"{parameter.opts[0]}: value is {show(faults[0]['input'])}; allowed: {allowed}"
 
 
-def _discard_stdout() -> None:
-    """Discard pending output: the reader has closed the pipe, or the disk is full."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def _unwritable(error: OSError) -> int:
     name = f"{error.filename}: " if error.filename else ""
     return _refuse(f"{name}the output cannot be written: {error.strerror or error}")
@@ -200,5 +199,5 @@ def _unwritable(error: OSError) -> int:
 
 def _refuse(message: str) -> int:
     text = one_line(message)
-    print(text if text.startswith("palmbots") else f"palmbots: {text}", file=sys.stderr)
+    say(text if text.startswith("palmbots") else f"palmbots: {text}")
     return BAD_INPUT

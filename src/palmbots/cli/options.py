@@ -8,6 +8,7 @@ import typer
 
 __all__ = [
     "BAD_INPUT",
+    "CLOSED_PIPE",
     "DONE",
     "FAILED",
     "INTERRUPTED",
@@ -25,6 +26,8 @@ __all__ = [
 ]
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+CLOSED_PIPE = 141
+"""Nobody reads stdout any more: what a shell reports of programs that SIGPIPE ends."""
 
 
 def _path(text: str) -> Path:

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The standard streams where the caller has closed them, or nobody reads them any more.
+
+This module imports almost nothing: it is used before anything else is imported.
+"""
+
+import contextlib
+import os
+import sys
+
+__all__ = ["discard_unwritable", "open_closed_streams", "say"]
+
+
+def open_closed_streams() -> None:
+    """Let a closed stream, as in ``palmbots modes >&-``, discard what is written to it.
+
+    Otherwise the first file that is opened would get the number of the stream, and with it
+    everything that some library prints.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, "w" if number else "r", encoding="utf-8")  # noqa: SIM115
+            os.set_inheritable(stream.fileno(), True)  # as the other streams are
+            setattr(sys, name, stream)
+
+
+def say(line: str) -> None:
+    """Print a line on stderr; nothing happens where stderr is full or nobody reads it."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
+
+
+def discard_unwritable(*names: str) -> None:
+    """Discard the pending output of streams (``stdout``, ``stderr``) that cannot be written.
+
+    Otherwise the interpreter would report it at its end, or end with a status of its own.
+    """
+    for name in names:
+        stream = getattr(sys, name)
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with contextlib.suppress(OSError, ValueError):
+                null = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(null, stream.fileno())
+                os.close(null)
