@@ -21,7 +21,7 @@ def show(value: object) -> str:
         return "null"
     try:
         text = toml_value(value)
-    except Exception:  # a repr() may do anything; int's own refuses very long numbers
+    except (Exception, SystemExit):  # a repr() may do anything; int's refuses very long numbers
         text = f"<{type(value).__name__}>"
     text = one_line(text)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"

@@ -11,12 +11,13 @@ and ``assisted_cases`` lists those in which a robot asks its partner for assista
 recorded only while `StepOutput.case` holds a letter.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, cast, get_args
 
 import palmbots._core as _core
 from palmbots._util.arguments import show
+from palmbots.control.own_code import name_of, own_code, show_error
 from palmbots.errors import PalmbotsError
 
 __all__ = [
@@ -131,6 +132,28 @@ def make_step(maker: Callable[[], Controller]) -> Step:
         PalmbotsError: `maker` is no class of controllers. When the core calls the step, also: the
             controller fails, or returns something that is not legal.
     """
+    with own_code(f"controller: {name_of(maker)} cannot be used"):
+        controller = _make(maker)
+        name = type(controller).__name__
+        if not callable(getattr(controller, "step", None)):
+            raise PalmbotsError(
+                f"controller: {name} has no step; needed: "
+                "def step(self, seen: StepInput) -> StepOutput"
+            )
+
+    def step(sign: int, message: int, palm_at_target: bool) -> tuple[object, ...]:
+        seen = StepInput((-1, 0, 1)[sign + 1], MESSAGE_KINDS[message], palm_at_target)
+        try:
+            return _numbers(controller.step(seen), name)
+        except (KeyboardInterrupt, PalmbotsError):
+            raise
+        except BaseException as error:  # SystemExit, too
+            raise PalmbotsError(f"controller: {name}.step failed: {show_error(error)}") from error
+
+    return step
+
+
+def _make(maker: Any) -> Any:
     if not callable(maker):
         if hasattr(maker, "step"):
             name = type(maker).__name__
@@ -141,46 +164,27 @@ def make_step(maker: Callable[[], Controller]) -> Step:
         raise PalmbotsError(
             f"controller: value is {_shown(maker)}; allowed: a name, or a class with a step"
         )
-    try:
-        controller: Any = maker()
-    except PalmbotsError:
-        raise
-    except Exception as error:
-        called = getattr(maker, "__name__", type(maker).__name__)
-        raise PalmbotsError(
-            f"controller: {called}() failed: {type(error).__name__}: {error}"
-        ) from error
-    name = type(controller).__name__
-    if not callable(getattr(controller, "step", None)):
-        raise PalmbotsError(
-            f"controller: {name} has no step; needed: def step(self, seen: StepInput) -> StepOutput"
-        )
+    with own_code(f"controller: {name_of(maker)}() failed"):
+        return maker()
 
-    def step(sign: int, message: int, palm_at_target: bool) -> tuple[object, ...]:
-        seen = StepInput((-1, 0, 1)[sign + 1], MESSAGE_KINDS[message], palm_at_target)
-        try:
-            output: object = controller.step(seen)
-        except PalmbotsError:
-            raise
-        except Exception as error:
-            raise PalmbotsError(
-                f"controller: {name}.step failed: {type(error).__name__}: {error}"
-            ) from error
-        if not isinstance(output, StepOutput):
-            raise PalmbotsError(
-                f"controller: {name}.step returned {_shown(output)}; allowed: a StepOutput, as in "
-                'StepOutput(palm="shallow", move="away")'
-            )
-        return (
-            _index("palm", PALMS, output.palm),
-            _index("move", MOVES, output.move),
-            _index("send", MESSAGE_KINDS, output.send),
-            bool(output.consume),
-            _case(output.case),
-            bool(output.waiting),
-        )
 
-    return step
+def _numbers(output: object, name: str) -> tuple[object, ...]:
+    """The output of a step in the core's numbers; `name` is the class of the controller."""
+    if not isinstance(output, StepOutput):
+        if isinstance(output, Coroutine):
+            output.close()  # otherwise Python warns that nobody awaited it
+        raise PalmbotsError(
+            f"controller: {name}.step returned {_shown(output)}; allowed: a StepOutput, as in "
+            'StepOutput(palm="shallow", move="away")'
+        )
+    return (
+        _index("palm", PALMS, output.palm),
+        _index("move", MOVES, output.move),
+        _index("send", MESSAGE_KINDS, output.send),
+        bool(output.consume),
+        _case(output.case),
+        bool(output.waiting),
+    )
 
 
 def _shown(value: object) -> str:

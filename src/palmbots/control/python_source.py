@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from palmbots._util.arguments import show
+from palmbots.control.own_code import own_code
 from palmbots.errors import PalmbotsError
 
 __all__ = ["ControllerSource", "hash_of_reference", "load_class", "source_of"]
@@ -46,12 +47,13 @@ def load_class(
             f"{called}: value is {show(reference)}; allowed: module:Class, FILE.py:Class"
         )
     module = _load_file(place, called, folder) if _is_file(place) else _load_module(place, called)
-    maker: Any = module
-    for part in name.split("."):
-        maker = getattr(maker, part, None)
-    if maker is None:
-        raise PalmbotsError(f"{called}: {place} has no {name}")
-    return maker, ControllerSource(reference, source_of(maker).sha256)
+    with own_code(f"{called}: {name} of {place} cannot be used"):
+        maker: Any = module
+        for part in name.split("."):
+            maker = getattr(maker, part, None)
+        if maker is None:
+            raise PalmbotsError(f"{called}: {place} has no {name}")
+        return maker, ControllerSource(reference, source_of(maker).sha256)
 
 
 def _is_file(place: str) -> bool:
@@ -65,6 +67,8 @@ def _path(place: str, folder: str | None) -> Path:
 def _load_file(place: str, called: str, folder: str | None) -> Any:
     path = _path(place, folder)
     try:
+        if path.exists() and not path.is_file() and not path.is_dir():
+            raise PalmbotsError(f"{called}: {place}: is not a regular file")  # it is read twice
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
         reason = error.strerror or str(error)
@@ -79,20 +83,17 @@ def _load_file(place: str, called: str, folder: str | None) -> Any:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        with _importable(path.resolve().parent):
+        with own_code(f"{called}: {place} cannot be loaded"), _importable(path.resolve().parent):
             spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may raise anything
-        del sys.modules[name]
-        raise PalmbotsError(f"{called}: {place} cannot be loaded: {_brief(error)}") from error
+    except BaseException:
+        sys.modules.pop(name, None)
+        raise
     return module
 
 
 def _load_module(place: str, called: str) -> Any:
-    try:
-        with _importable(Path.cwd()):
-            return importlib.import_module(place)
-    except Exception as error:  # likewise
-        raise PalmbotsError(f"{called}: {place} cannot be imported: {_brief(error)}") from error
+    with own_code(f"{called}: {place} cannot be imported"), _importable(Path.cwd()):
+        return importlib.import_module(place)
 
 
 @contextlib.contextmanager
@@ -105,11 +106,6 @@ def _importable(folder: Path) -> Iterator[None]:
     finally:
         with contextlib.suppress(ValueError):
             sys.path.remove(entry)
-
-
-def _brief(error: Exception) -> str:
-    lines = str(error).strip().splitlines()
-    return f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__
 
 
 def source_of(maker: Any) -> ControllerSource:
@@ -160,7 +156,7 @@ def hash_of_reference(reference: str, folder: str | None = None) -> str | None:
         try:
             with _importable(Path.cwd()):
                 spec = importlib.util.find_spec(place)
-        except (ImportError, ValueError):
+        except (Exception, SystemExit):  # the package of a user may raise anything
             return None
         path = Path(spec.origin) if spec is not None and spec.origin else None
     try:

@@ -8,7 +8,7 @@ given by its name, as a class with a ``step`` (`palmbots.control.Controller`), o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -16,6 +16,7 @@ import palmbots._core as _core
 from palmbots._util.arguments import one_of, show
 from palmbots._util.named_registry import Registry
 from palmbots.control.interface import Controller, make_controller_pair, make_step
+from palmbots.control.own_code import name_of, own_code
 from palmbots.control.python_source import (
     ControllerSource,
     hash_of_reference,
@@ -155,16 +156,42 @@ def resolve(
 
 def _python_entry(maker: Any, name: str | None, source: ControllerSource | None) -> ControllerEntry:
     make_step(maker)  # refuses what makes no controller, before anything runs
-    called: str = name or getattr(maker, "__name__", type(maker).__name__)
-    lines = (getattr(maker, "__doc__", None) or "").strip().splitlines()
-    return ControllerEntry(
-        called,
-        lines[0] if lines else f"{called}, a controller in Python",
-        cases=dict(getattr(maker, "cases", {})),
-        assisted_cases=tuple(getattr(maker, "assisted_cases", ())),
-        maker=maker,
-        source=source or source_of(maker),
-    )
+    called = name or name_of(maker)
+    with own_code(f"controller: {called} cannot be used"):
+        text = getattr(maker, "__doc__", None)
+        lines = text.strip().splitlines() if isinstance(text, str) else []
+        return ControllerEntry(
+            called,
+            lines[0] if lines else f"{called}, a controller in Python",
+            cases=_cases(maker),
+            assisted_cases=_assisted_cases(maker),
+            maker=maker,
+            source=source or source_of(maker),
+        )
+
+
+def _cases(maker: Any) -> dict[str, str]:
+    cases = getattr(maker, "cases", {})
+    if not isinstance(cases, Mapping) or not _are_texts([*cases, *cases.values()]):
+        raise PalmbotsError(
+            f"controller: cases is {show(cases)}; allowed: a dictionary of texts, as in "
+            '{"a": "own p > 0"}'
+        )
+    return dict(cases)
+
+
+def _assisted_cases(maker: Any) -> tuple[str, ...]:
+    cases = getattr(maker, "assisted_cases", ())
+    if not isinstance(cases, Iterable) or not _are_texts(cases := tuple(cases)):
+        raise PalmbotsError(
+            f"controller: assisted_cases is {show(cases)}; allowed: a list of texts, as in "
+            '("a", "c")'
+        )
+    return cases
+
+
+def _are_texts(values: Iterable[object]) -> bool:
+    return all(isinstance(value, str) for value in values)
 
 
 def recover(
