@@ -57,6 +57,8 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["design", "--maximize", "speed"], ["maximize", "com"]),
     (["export"], ["export needs --mjcf FILE, --urdf FILE or both"]),
     (["export", "--mjcf", "a", "--urdf", "a"], ["--urdf", "another file"]),
+    (["export", "--mjcf", "a", "--urdf", "../EMPTY/a"], ["--urdf: value is", "another file"]),
+    (["export", "--mjcf", "a", "--urdf", "none/b"], ["none/b: cannot be written: none does not"]),
     (["export", "--urdf", "a", "--robot", "top"], ["--robot", "left, right"]),
     (["drop-rate", "--relative-error-percent", "0"], ["--relative-error-percent", "1 to 100"]),
     (["derive", "--policy", "x"], ["--policy", "table-1"]),
@@ -72,6 +74,9 @@ BAD: list[tuple[list[str], list[str]]] = [
      ["--scheduler and --local-cluster exclude each other"]),
     (["keys", "nonsense"], ["nonsense", "matches no key"]),
     (["init", "scene"], ["FILE"]),
+    (["init", "scene", "none/x.toml"], ["palmbots: none/x.toml: cannot be written: none does not"]),
+    (["init", "scene", "/dev/null/x.toml"], ["palmbots: /dev/null/x.toml:", "is not a folder"]),
+    (["init", "scene", "/dev/full"], ["FILE: value is /dev/full", "ends in .toml"]),
     (["init", "pair", "x.toml"], ["pair", "--help"]),
     (["init"], ["init", "--help"]),
 ]  # fmt: skip
@@ -85,9 +90,11 @@ def test_bad_input_is_one_line_and_exit_status_2(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.chdir(tmp_path)
+    place = tmp_path / "EMPTY"
+    place.mkdir()
+    monkeypatch.chdir(place)
     assert_refused(here(*arguments), *words)
-    assert list(tmp_path.iterdir()) == []
+    assert list(place.iterdir()) == []
 
 
 def test_every_command_refuses_an_unknown_option(here: Run) -> None:
@@ -133,13 +140,14 @@ WORK = {
     ("validate", "--out"): ("palmbots.mujoco.validation.validation", "validate"),
     ("speed-limits", "--out"): ("palmbots.mujoco.validation.speed_limits", "speed_limits"),
 }
+PROOF = ("palmbots.stability.certificates.prover", "certify")
 
 
 def forbid_work(command: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*_: object, **__: object) -> None:
         pytest.fail("worked before the output was checked")
 
-    module, function = WORK[command]
+    module, function = WORK.get(command, PROOF)
     monkeypatch.setattr(importlib.import_module(module), function, work)
 
 
@@ -153,6 +161,17 @@ def test_impossible_folder_is_refused_before_the_work(
     taken.write_text("mine")
     assert_refused(here(*command, str(taken)), "file", "cannot be used as a folder")
     assert taken.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["none/box.json", "file/box.json", ".", "/dev/full"])
+def test_impossible_certificate_file_is_refused_before_the_proof(
+    name: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certify = ("certify", "--out")
+    forbid_work(certify, monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    assert_refused(here(*certify, name), f"palmbots: {name}: cannot be written: ")
 
 
 @pytest.mark.parametrize("command", WORK, ids=" ".join)

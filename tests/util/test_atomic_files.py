@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from palmbots._util.atomic_files import check_folder, folder, set_aside, whole_file, write_whole
+from palmbots._util.atomic_files import (
+    check_file,
+    check_folder,
+    folder,
+    set_aside,
+    whole_file,
+    write_whole,
+)
 from palmbots.errors import PalmbotsError
 
 
@@ -59,17 +66,43 @@ def test_full_disk_is_one_line(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_missing_folder_is_refused(tmp_path):
-    with pytest.raises(PalmbotsError) as error:
-        write_whole(tmp_path / "none" / "log", "x")
-    assert only_line(error).endswith("No such file or directory")
-
-
-def test_file_as_parent_is_refused(tmp_path):
+@pytest.mark.parametrize("new", [False, True])
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("none/log", "none does not exist"),
+        ("file/log", "file is not a folder"),
+        ("file/sub/log", "sub does not exist"),
+        ("circle/log", "it is a circular link"),
+        ("n" * 256, "File name too long"),
+        ("n" * 256 + "/log", "File name too long"),
+    ],
+)
+def test_impossible_place_is_refused_by_the_name_that_was_given(tmp_path, name, reason, new):
     write_whole(tmp_path / "file", "x")
-    with pytest.raises(PalmbotsError) as error:
-        write_whole(tmp_path / "file" / "log", "x")
-    assert "cannot be written" in only_line(error)
+    (tmp_path / "circle").symlink_to("circle")
+    for write in (check_file, lambda path: write_whole(path, "x", new=new)):
+        with pytest.raises(PalmbotsError) as error:
+            write(tmp_path / name)
+        assert only_line(error).startswith(f"{tmp_path / name}: cannot be written: ")
+        assert only_line(error).endswith(reason)
+    assert sorted(os.listdir(tmp_path)) == ["circle", "file"]
+
+
+def test_new_file_never_replaces_another(tmp_path):
+    write_whole(tmp_path / "log", "old")
+    (tmp_path / "link").symlink_to("nowhere")
+    for name in ("log", "link"):
+        with pytest.raises(PalmbotsError, match="exists already and is never overwritten"):
+            write_whole(tmp_path / name, "new", new=True)
+    with (
+        pytest.raises(PalmbotsError, match="exists already"),
+        whole_file(tmp_path / "late", new=True) as stream,
+    ):
+        stream.write(b"new")
+        write_whole(tmp_path / "late", "old")  # meanwhile
+    assert (tmp_path / "log").read_text() == (tmp_path / "late").read_text() == "old"
+    assert sorted(os.listdir(tmp_path)) == ["late", "link", "log"]
 
 
 def test_folder_and_device_are_refused(tmp_path):

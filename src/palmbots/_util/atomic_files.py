@@ -21,12 +21,12 @@ from typing import BinaryIO
 from palmbots.errors import PalmbotsError
 
 __all__ = [
+    "check_file",
     "check_folder",
     "folder",
     "remove",
     "set_aside",
     "whole_file",
-    "write_new",
     "write_whole",
 ]
 
@@ -35,23 +35,33 @@ def _refusal(path: Path, error: OSError) -> PalmbotsError:
     return PalmbotsError(f"{path}: cannot be written: {error.strerror or error}")
 
 
+def _taken(path: Path) -> PalmbotsError:
+    return PalmbotsError(f"{path}: exists already and is never overwritten")
+
+
 def _final_path(path: Path) -> Path:
     """The file that a write to `path` replaces: links are followed.
 
     Devices and pipes are refused, because the renaming would replace the device itself.
     """
+    mode = None
     try:
         final = path.resolve()
-        mode = final.stat().st_mode
-    except FileNotFoundError:
-        return path.resolve()
-    except (OSError, RuntimeError) as error:  # RuntimeError: a link that points to itself
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise PalmbotsError(f"{path}: cannot be written: {reason}") from None
-    if stat.S_ISDIR(mode):
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            mode = final.stat().st_mode
+    except OSError as error:
+        raise _refusal(path, error) from None
+    except RuntimeError:  # a link that points to itself
+        raise PalmbotsError(f"{path}: cannot be written: it is a circular link") from None
+    if mode is None and not final.parent.is_dir():
+        fault = "is not a folder" if os.path.lexists(final.parent) else "does not exist"
+        raise PalmbotsError(f"{path}: cannot be written: {path.parent} {fault}")
+    if mode is not None and stat.S_ISDIR(mode):
         raise PalmbotsError(f"{path}: cannot be written: it is a folder")
-    if not stat.S_ISREG(mode):
+    if mode is not None and not stat.S_ISREG(mode):
         raise PalmbotsError(f"{path}: cannot be written: it is not a regular file")
+    if not os.access(final.parent, os.W_OK | os.X_OK):
+        raise PalmbotsError(f"{path}: cannot be written: permission denied")
     return final
 
 
@@ -65,13 +75,24 @@ def _sync_folder(path: Path) -> None:
             os.close(handle)
 
 
+def check_file(path: str | os.PathLike[str]) -> None:
+    """Raise the errors of writing to the file `path` that are known without creating anything.
+
+    Long computations call it before they start.
+    """
+    _final_path(Path(path))
+
+
 @contextlib.contextmanager
-def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def whole_file(path: str | os.PathLike[str], *, new: bool = False) -> Iterator[BinaryIO]:
     """Open a binary file (readable, writable, seekable) that gets the name `path` on success.
 
-    An exception in the block removes the temporary file and leaves `path` unchanged.
+    An exception in the block removes the temporary file and leaves `path` unchanged. With `new`, a
+    file that exists is refused.
     """
     shown = Path(path)
+    if new and os.path.lexists(shown):
+        raise _taken(shown)
     final = _final_path(shown)
     temporary = final.with_name(f".palmbots-{secrets.token_hex(6)}.part")
     try:
@@ -84,37 +105,22 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
             yield stream
             stream.flush()
             os.fsync(stream.fileno())
-        os.replace(temporary, final)
+        # Unlike a renaming, a link fails if the file has appeared meanwhile.
+        (os.link if new else os.replace)(temporary, final)
         _sync_folder(final.parent)
-    except OSError as error:
-        raise _refusal(shown, error) from None
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
-
-
-def write_whole(path: str | os.PathLike[str], data: bytes | str) -> None:
-    """Write `data` (text as UTF-8) to `path`, completely or not at all."""
-    with whole_file(path) as stream:
-        stream.write(data.encode() if isinstance(data, str) else data)
-
-
-def write_new(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text to a new file, whole or not at all; never replaces a file that exists."""
-    shown = Path(path)
-    if os.path.lexists(shown):
-        raise PalmbotsError(f"{shown}: exists already and is never overwritten")
-    temporary = shown.with_name(f".palmbots-{secrets.token_hex(6)}.part")
-    try:
-        write_whole(temporary, text)
-        os.link(temporary, shown)  # unlike a rename, fails if the file has appeared meanwhile
     except FileExistsError:
-        raise PalmbotsError(f"{shown}: exists already and is never overwritten") from None
+        raise _taken(shown) from None
     except OSError as error:
         raise _refusal(shown, error) from None
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def write_whole(path: str | os.PathLike[str], data: bytes | str, *, new: bool = False) -> None:
+    """Write `data` (text as UTF-8) to `path`, completely or not at all; see `whole_file`."""
+    with whole_file(path, new=new) as stream:
+        stream.write(data.encode() if isinstance(data, str) else data)
 
 
 def remove(path: Path) -> bool:

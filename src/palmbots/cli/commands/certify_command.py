@@ -72,9 +72,12 @@ def certify(
 
     Exit status 1: the properties fail somewhere, or the prover could not decide.
     """
+    from palmbots._util.atomic_files import check_file
     from palmbots.cli.reports.certificate_report import certificate_report
     from palmbots.stability.certificates.prover import certify as run_proof
 
+    if out is not None:
+        check_file(out)
     result = run_proof(
         load(scene, changes),
         com_x_m=com_x_m,

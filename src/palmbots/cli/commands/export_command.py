@@ -35,7 +35,7 @@ def export(
 ) -> int:
     """Write the scene as MJCF, or one robot as URDF."""
     from palmbots._util.arguments import one_of
-    from palmbots._util.atomic_files import write_whole
+    from palmbots._util.atomic_files import check_file, write_whole
     from palmbots.cli.reports.console import print_written_files, report_console
     from palmbots.mujoco.mjcf import mjcf as scene_mjcf
     from palmbots.mujoco.urdf import robot_urdf
@@ -43,8 +43,10 @@ def export(
     one_of("--robot", robot, SIDES)
     if mjcf is None and urdf is None:
         raise PalmbotsError("export needs --mjcf FILE, --urdf FILE or both")
-    if mjcf is not None and mjcf == urdf:
-        raise PalmbotsError(f"--urdf: value is {mjcf}, the file of --mjcf; allowed: another file")
+    for path in filter(None, (mjcf, urdf)):
+        check_file(path)
+    if mjcf is not None and urdf is not None and mjcf.resolve() == urdf.resolve():
+        raise PalmbotsError(f"--urdf: value is {urdf}, the file of --mjcf; allowed: another file")
     chosen = load(scene, changes)
     texts: dict[Path, str] = {}
     if mjcf is not None:

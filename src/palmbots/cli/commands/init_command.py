@@ -31,14 +31,14 @@ def init_scene(
 
     An existing file is never overwritten.
     """
-    from palmbots._util.atomic_files import write_new
+    from palmbots._util.atomic_files import write_whole
     from palmbots.cli.reports.console import print_written_files, report_console
     from palmbots.scene.key_reference import default_scene_toml
     from palmbots.scene.scene import Scene
 
-    if path.suffix != ".toml":
+    if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {path}; allowed: a name that ends in .toml")
-    write_new(path, default_scene_toml())
+    write_whole(path, default_scene_toml(), new=True)
     if as_json:
         print_json({"file": str(path), "scene": Scene().model_dump()})
     else:
