@@ -135,6 +135,7 @@ def _kind(value: object) -> str:
         list: "a list",
         tuple: "a list",
         dict: "a table",
+        type(None): "empty",
     }
     return words.get(type(value), f"of type {type(value).__name__}")
 

@@ -88,7 +88,7 @@ INCONSISTENT: list[tuple[Callable[[Data], None], str]] = [
     (_crossed, "crosses or touches itself"),
     (_contact_elsewhere, "contact vertices of the outline are at different distances"),
     (_slit, "crosses or touches itself"),
-    (_no_scene, "'scene'"),
+    (_no_scene, "^scene is missing$"),
     (_bad_scene, "object.contacts"),
     (_taller_scene, "not the object of the certificate's scene"),
 ]

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The file of a certificate: its size, its format and the numbers in it."""
+"""The file of a certificate: its size, its format, and the values in it with their places."""
 
 import json
+import math
 import re
+from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from palmbots._util.arguments import show
@@ -12,7 +13,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed
 
-__all__ = ["FORMAT", "interval", "number", "per_side", "read_certificate"]
+__all__ = ["FORMAT", "Entry", "read_certificate"]
 
 _FORMAT_NAME = "palmbots certificate"
 _FORMAT_NUMBER = 3
@@ -31,13 +32,14 @@ def read_certificate(path: Any) -> dict[str, Any]:
         PalmbotsError: the file cannot be read, is not a certificate or has another format.
     """
     try:
-        if Path(path).stat().st_size > _MOST_BYTES:
-            raise PalmbotsError(f"{path}: is too large for a certificate")
-        certificate = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
-        raise PalmbotsError(f"{path}: is not a certificate: {error}") from None
+        with open(path, "rb") as stream:
+            data = stream.read(_MOST_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise PalmbotsError(f"{path}: cannot be read: {reason}") from None
+    if len(data) > _MOST_BYTES:
+        raise PalmbotsError(f"{path}: is too large for a certificate")
+    certificate = _json(path, data)
     name = certificate.get("format") if isinstance(certificate, dict) else None
     if name == FORMAT:
         return certificate
@@ -50,30 +52,84 @@ def read_certificate(path: Any) -> dict[str, Any]:
     raise PalmbotsError(f'{path}: is not a certificate; allowed: JSON with "format": "{FORMAT}"')
 
 
-def number(value: Any) -> Fraction:
-    """An exact number: a decimal or a quotient, as text."""
-    # No exponents: a short text could then ask for more digits than fit into memory.
-    if (
-        not isinstance(value, str)
-        or len(value) > _MOST_DIGITS
-        or not value.isascii()
-        or not _NUMBER.fullmatch(value)
-    ):
-        raise CheckFailed(f"{show(value)} is not an exact number")
+def _json(path: Any, data: bytes) -> Any:
     try:
-        return Fraction(value)
-    except ZeroDivisionError:
-        raise CheckFailed(f"{show(value)} is not an exact number") from None
+        return json.loads(data.decode(), parse_float=_finite, parse_constant=_finite)
+    except json.JSONDecodeError as error:
+        fault = f"not valid JSON at line {error.lineno}, column {error.colno}"
+    except UnicodeDecodeError as error:
+        fault = f"byte {error.start + 1} is not UTF-8"
+    except RecursionError:
+        fault = "lists nested too deeply"
+    except ValueError:  # int() refuses very long numbers, `_finite` others
+        fault = "a number is too large or not finite"
+    raise PalmbotsError(f"{path}: is not a certificate: {fault}")
 
 
-def interval(value: Any) -> Ends:
-    """Two exact numbers, the lower one first."""
-    low, high = (number(end) for end in value)
-    if low > high:
-        raise CheckFailed(f"{show(value)} has the higher end first")
-    return low, high
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError
+    return number
 
 
-def per_side(table: dict[str, Any], key: str) -> tuple[Ends, Ends]:
-    """The intervals of the left and of the right palm."""
-    return interval(table[key]["left"]), interval(table[key]["right"])
+@dataclass(frozen=True)
+class Entry:
+    """A value of a certificate, and its place in the file, as in ``box.friction.left[0]``.
+
+    All methods raise `CheckFailed` where the value has another form; the message names the place.
+    """
+
+    value: Any
+    place: str = ""
+
+    def fault(self, allowed: str) -> CheckFailed:
+        """The error that states the value and what is allowed."""
+        return CheckFailed(f"{self.place}: value is {show(self.value)}; allowed: {allowed}")
+
+    def __getitem__(self, key: str) -> "Entry":
+        if not isinstance(self.value, dict):
+            raise self.fault("a table")
+        place = f"{self.place}.{key}" if self.place else key
+        if key not in self.value:
+            raise CheckFailed(f"{place} is missing")
+        return Entry(self.value[key], place)
+
+    def items(self, count: int | None = None) -> list["Entry"]:
+        """The entries of a list, which has this many where a count is given."""
+        if not isinstance(self.value, list) or count not in (None, len(self.value)):
+            raise self.fault("a list" if count is None else f"a list of {count}")
+        return [Entry(item, f"{self.place}[{k}]") for k, item in enumerate(self.value)]
+
+    def text(self) -> str:
+        """A text."""
+        if not isinstance(self.value, str):
+            raise self.fault("a text")
+        return self.value
+
+    def index(self, least: int, end: int) -> int:
+        """A whole number from `least` to below `end`."""
+        if type(self.value) is not int or not least <= self.value < end:
+            raise self.fault(f"a whole number from {least} to {end - 1}")
+        return self.value
+
+    def number(self) -> Fraction:
+        """An exact number: a decimal or a quotient, as text."""
+        value = self.value
+        # No exponents: a short text could then ask for more digits than fit into memory.
+        if isinstance(value, str) and len(value) <= _MOST_DIGITS and value.isascii():
+            _, _, bottom = value.partition("/")
+            if _NUMBER.fullmatch(value) and (not bottom or int(bottom)):
+                return Fraction(value)
+        raise self.fault('an exact number as text, as in "0.25" or "1/3"')
+
+    def interval(self) -> Ends:
+        """Two exact numbers, the lower one first."""
+        low, high = (end.number() for end in self.items(2))
+        if low > high:
+            raise self.fault("two numbers, the lower one first")
+        return low, high
+
+    def sides(self) -> tuple[Ends, Ends]:
+        """The intervals of the left and of the right palm."""
+        return self["left"].interval(), self["right"].interval()

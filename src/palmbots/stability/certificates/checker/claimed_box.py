@@ -3,9 +3,8 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
-from palmbots.stability.certificates.checker.certificate_file import interval, number, per_side
+from palmbots.stability.certificates.checker.certificate_file import Entry
 from palmbots.stability.certificates.checker.clearance_conditions import ObjectOutline
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.outline_validity import require_valid_outline
@@ -14,6 +13,7 @@ from palmbots.stability.certificates.checker.property_conditions import CheckFai
 __all__ = ["ClaimedBox", "read_box"]
 
 _STEEPEST_DEG = 80
+_MOST_COMS = 100
 
 
 @dataclass(frozen=True)
@@ -33,47 +33,47 @@ class ClaimedBox:
     beyond: Fraction
 
 
-def read_box(table: dict[str, Any]) -> ClaimedBox:
+def read_box(entry: Entry) -> ClaimedBox:
     """The box of a certificate.
 
     Raises:
-        CheckFailed: a value is out of range or contradicts another one.
+        CheckFailed: a value is missing, out of range or contradicts another one.
     """
-    com = tuple((number(x), number(y)) for x, y in table["com_m"])
-    if not com:
-        raise CheckFailed("there is no COM")
-    width = interval(table["width_m"])
-    friction, common = per_side(table, "friction"), table["friction"]["common"]
-    if common is not True and common is not False:
-        raise CheckFailed("friction.common is neither true nor false")
-    if common and friction[0] != friction[1]:
+    points = [point.items(2) for point in entry["com_m"].items()]
+    if not 1 <= len(points) <= _MOST_COMS:
+        raise CheckFailed(f"the box does not have 1 to {_MOST_COMS} COMs")
+    com = tuple((x.number(), y.number()) for x, y in points)
+    width = entry["width_m"].interval()
+    friction, common = entry["friction"].sides(), entry["friction"]["common"]
+    if not isinstance(common.value, bool):
+        raise common.fault("true, false")
+    if common.value and friction[0] != friction[1]:
         raise CheckFailed("a common friction has two intervals")
     if friction[0][0] < 0 or friction[1][0] < 0 or width[0] <= 0:
         raise CheckFailed("friction or width is negative")
     box = ClaimedBox(
-        params=ObjectParams(com, interval(table["slope"]), per_side(table, "offset_m")),
-        outline=_outline(table),
+        params=ObjectParams(com, entry["slope"].interval(), entry["offset_m"].sides()),
+        outline=_outline(entry),
         friction=friction,
-        common_friction=common,
+        common_friction=common.value,
         width=width,
-        shallow_deg=per_side(table, "shallow_deg"),
-        steep_deg=per_side(table, "steep_deg"),
-        contacts=per_side(table, "contacts_m"),
-        beyond=number(table["beyond_m"]),
+        shallow_deg=entry["shallow_deg"].sides(),
+        steep_deg=entry["steep_deg"].sides(),
+        contacts=entry["contacts_m"].sides(),
+        beyond=entry["beyond_m"].number(),
     )
     _require_palms(box)
     require_valid_outline(box.outline, width)
     return box
 
 
-def _outline(table: dict[str, Any]) -> ObjectOutline:
+def _outline(entry: Entry) -> ObjectOutline:
+    rows = [row.items(3) for row in entry["outline_m"].items()]
     vertices = tuple(
-        (number(left), number(right), number(height)) for left, right, height in table["outline_m"]
+        (left.number(), right.number(), height.number()) for left, right, height in rows
     )
-    contact = table["right_contact"]
-    if type(contact) is not int or not 0 < contact < len(vertices):
-        raise CheckFailed("the outline has no right contact vertex")
-    return ObjectOutline(vertices, contact, per_side(table, "half_length_m"))
+    contact = entry["right_contact"].index(1, max(len(vertices), 3))
+    return ObjectOutline(vertices, contact, entry["half_length_m"].sides())
 
 
 def _require_palms(box: ClaimedBox) -> None:

@@ -24,6 +24,7 @@ from fractions import Fraction
 from functools import lru_cache
 from itertools import product
 
+from palmbots._util.arguments import show
 from palmbots.stability.certificates.checker.enclosures import (
     Ends,
     cosine_of_degrees,
@@ -73,7 +74,9 @@ class Box:
 
         def split(ends: Ends) -> tuple[Ends, Ends]:
             if not ends[0] < at < ends[1]:
-                raise CheckFailed(f"{name} is bisected at {at}, which is not inside its interval")
+                raise CheckFailed(
+                    f"{name} is bisected at {show(str(at))}, which is not inside its interval"
+                )
             return (ends[0], at), (at, ends[1])
 
         def split_side(pair: tuple[Ends, Ends], side: int) -> list[tuple[Ends, Ends]]:
@@ -92,7 +95,7 @@ class Box:
         if name == "friction" and self.common:
             low, high = split(self.friction[0])
             return replace(self, friction=(low, low)), replace(self, friction=(high, high))
-        raise CheckFailed(f"{name!r} is not a quantity that can be bisected")
+        raise CheckFailed(f"{show(name)} is not a quantity that can be bisected")
 
 
 @dataclass(frozen=True)
@@ -260,7 +263,7 @@ def refute_property(number: int, shallow: int, what: str, at: list[Corner]) -> N
         slides_of[word] = {shallow: shallow_slide, steep: steep_slide}
         forms[word] = comparison(slides_of[word], shallow if smaller == "shallow" else steep)
     if what not in forms:
-        raise CheckFailed(f"{what!r} is not a condition of this property")
+        raise CheckFailed(f"{show(what)} is not a condition of this property")
     if not all(forms[what](corner) < 0 for corner in at):
         raise CheckFailed("the property does not certainly fail at the witness")
     for side, slide in slides_of.get(what, {}).items():

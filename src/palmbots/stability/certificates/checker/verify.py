@@ -16,12 +16,11 @@ from fractions import Fraction
 from os import PathLike
 from typing import Any
 
-from palmbots._util.arguments import show
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.certificates.checker.box_text import box_facts, scene_text
-from palmbots.stability.certificates.checker.certificate_file import number, read_certificate
+from palmbots.stability.certificates.checker.certificate_file import Entry, read_certificate
 from palmbots.stability.certificates.checker.claimed_box import ClaimedBox, read_box
 from palmbots.stability.certificates.checker.clearance_conditions import (
     prove_clear,
@@ -37,6 +36,7 @@ from palmbots.stability.certificates.checker.property_conditions import (
     refute_property,
 )
 from palmbots.stability.certificates.checker.required_obligations import (
+    CLAIMS,
     Obligation,
     required_obligations,
 )
@@ -104,15 +104,13 @@ def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> C
     """
     data = read_certificate(certificate)
     given = None if scene is None else load_scene(scene)
-    verdict, claims = data.get("verdict"), data.get("claims")
-    if not isinstance(claims, list) or not all(isinstance(c, str) for c in claims):
-        return CheckResult(False, "", "claims is not a list of names")
-    one_of_them = "at least one of " if verdict == "fails" and len(claims) > 1 else ""
-    result = CheckResult(False, f"{verdict}: {one_of_them}{', '.join(claims)}", "")
+    result = CheckResult(False, "", "")
     try:
-        box = read_box(data["box"])
+        claim, run = _claim(Entry(data))
+        result = replace(result, claim=claim)
+        box = read_box(Entry(data)["box"])
         result = replace(result, box=data["box"], box_text=box_facts(box))
-        own = _stated_scene(data)
+        own = _stated_scene(Entry(data)["scene"])
         result = replace(
             result,
             scene=data["scene"],
@@ -120,24 +118,31 @@ def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> C
             outside=values_outside(box, own),
         )
         _require_scene(box, own, given)
-        if verdict == "holds":
-            _check_holds(box, data)
-        elif verdict == "fails":
-            _check_fails(box, data)
-        else:
-            raise CheckFailed("the verdict is neither 'holds' nor 'fails'")
+        run(box, Entry(data))
     except CheckFailed as error:
         return replace(result, reason=str(error))
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        return replace(result, reason=f"is incomplete or malformed: {error!r}")
     return replace(result, valid=True)
 
 
-def _stated_scene(data: dict[str, Any]) -> Scene:
-    if not isinstance(data["scene"], dict):
-        raise CheckFailed("scene is not a table")
+def _claim(certificate: Entry) -> tuple[str, Callable[[ClaimedBox, Entry], None]]:
+    """What a certificate claims, in words, and the function that checks it."""
+    verdict = certificate["verdict"]
+    claims = [claim.text() for claim in certificate["claims"].items()]
+    if not claims or set(claims) - CLAIMS:
+        raise certificate["claims"].fault(f"a list of {', '.join(sorted(CLAIMS))}")
+    text = f"{verdict.value}: {', '.join(claims)}"
+    if verdict.value == "holds":
+        return text, _check_holds
+    if verdict.value != "fails":
+        raise verdict.fault("holds, fails")
+    return text.replace(": ", ": at least one of ", 1) if len(claims) > 1 else text, _check_fails
+
+
+def _stated_scene(entry: Entry) -> Scene:
+    if not isinstance(entry.value, dict):
+        raise entry.fault("a table")
     try:
-        return load_scene(data["scene"])
+        return load_scene(entry.value)
     except SceneError as error:
         raise CheckFailed(str(error)) from None
 
@@ -155,9 +160,9 @@ def _require_scene(box: ClaimedBox, stated: Scene, given: Scene | None) -> None:
         raise CheckFailed(f"the scene is not in the box: {'; '.join(outside)}")
 
 
-def _follow(tree: Any, box: Box, prove: Callable[[Box], None]) -> None:
+def _follow(proof: Entry, box: Box, prove: Callable[[Box], None]) -> None:
     """Follow the bisections of a proof down to boxes whose corners suffice."""
-    pending = [(tree, box)]
+    pending = [(proof.value, box)]
     while pending:
         node, part = pending.pop()
         if node == "corners":
@@ -165,12 +170,13 @@ def _follow(tree: Any, box: Box, prove: Callable[[Box], None]) -> None:
             continue
         if not (isinstance(node, list) and len(node) == 4 and isinstance(node[0], str)):
             raise CheckFailed("a proof is neither 'corners' nor [quantity, value, below, above]")
-        low, high = part.halves(node[0], number(node[1]))
+        low, high = part.halves(node[0], Entry(node[1], "a proof").number())
         pending += [(node[3], high), (node[2], low)]
 
 
-def _check_holds(box: ClaimedBox, certificate: dict[str, Any]) -> None:
-    for name, obligation in required_obligations(box, certificate["claims"]).items():
+def _check_holds(box: ClaimedBox, certificate: Entry) -> None:
+    proofs = certificate["proof"]
+    for name, obligation in required_obligations(box, certificate["claims"].value).items():
         whole = Box(
             obligation.angles, box.friction, box.width, obligation.contacts, box.common_friction
         )
@@ -182,40 +188,36 @@ def _check_holds(box: ClaimedBox, certificate: dict[str, Any]) -> None:
                 at = list(corners(part, box.params))
                 prove_property(obligation.number, obligation.side, at)
 
+        proof = proofs[name]
         try:
-            _follow(certificate["proof"][name], whole, prove)
-        except KeyError:
-            raise CheckFailed(f"the proof of {name!r} is missing") from None
+            _follow(proof, whole, prove)
         except CheckFailed as error:
             raise CheckFailed(f"{name}: {error}") from None
 
 
-def _check_fails(box: ClaimedBox, certificate: dict[str, Any]) -> None:
+def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
     """Require that a claim certainly fails at one point of the box."""
     witness = certificate["witness"]
-    obligations = required_obligations(box, certificate["claims"])
-    if witness["claim"] not in obligations:
-        raise CheckFailed(f"{show(witness['claim'])} is not claimed")
-    obligation = obligations[witness["claim"]]
+    obligations = required_obligations(box, certificate["claims"].value)
+    if witness["claim"].text() not in obligations:
+        raise witness["claim"].fault(", ".join(obligations))
+    obligation = obligations[witness["claim"].text()]
 
     def both(key: str, within: tuple[Ends, Ends]) -> tuple[Ends, Ends]:
-        left, right = (number(witness[key][side]) for side in ("left", "right"))
+        left, right = (witness[key][side].number() for side in ("left", "right"))
         return _inside(left, within[0]), _inside(right, within[1])
 
     angles = both("angle_deg", obligation.angles)
     contacts = both("contacts_m", obligation.contacts)
     offset = both("offset_m", box.params.offset)
-    w = _inside(number(witness["width_m"]), box.width)
+    w = _inside(witness["width_m"].number(), box.width)
     if obligation.claim == "clearance":
         unused = (Fraction(0), Fraction(0))
         point = Box(angles, (unused, unused), w, contacts, False)
         half_length = both("half_length_m", box.outline.half_length)
-        edge = witness["edge"]
-        if type(edge) is not int or not 0 <= edge < len(box.outline.outline):
-            raise CheckFailed(f"{show(edge)} is not an edge of the outline")
         prove_touching(
             obligation.side,
-            edge,
+            witness["edge"].index(0, len(box.outline.outline)),
             point,
             replace(box.params, offset=offset),
             replace(box.outline, half_length=half_length),
@@ -224,14 +226,17 @@ def _check_fails(box: ClaimedBox, certificate: dict[str, Any]) -> None:
     mu = both("friction", box.friction)
     if box.common_friction and mu[0] != mu[1]:
         raise CheckFailed("the witness is not a point of the box")
-    x, y = (number(value) for value in witness["com_m"])
+    x, y = (value.number() for value in witness["com_m"].items(2))
     if (x, y) not in box.params.com:
         raise CheckFailed("the witness is not a point of the box")
-    slope = _inside(number(witness["slope"]), box.params.slope)
+    slope = _inside(witness["slope"].number(), box.params.slope)
     params = ObjectParams(((x, y),), slope, offset)
     point = Box(angles, mu, w, contacts, False)
     refute_property(
-        obligation.number, obligation.side, witness["fails"], list(corners(point, params))
+        obligation.number,
+        obligation.side,
+        witness["fails"].text(),
+        list(corners(point, params)),
     )
 
 
