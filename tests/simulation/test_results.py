@@ -2,6 +2,7 @@
 """Results in Python: short texts, tables for notebooks, conversions, figures."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,27 @@ def test_refusals_of_plot_name_what_is_allowed() -> None:
         carry.plot()
     with pytest.raises(PalmbotsError, match=r"there is no figure of a ContactModes"):
         pb.modes("paper").plot()
+
+
+def test_figures_of_other_results_are_refused(
+    comparison: pb.simulation.Comparison, tmp_path: Path
+) -> None:
+    """With the figures that this kind of result has; some of them are registered for others."""
+    carry = pb.carry("paper", overrides=SHORT)
+    for result, figures in (
+        (carry, "carry, message_sequence"),
+        (comparison, "sweep"),
+        (pb.analyze("paper"), "operating-region, stability-geometry, friction-cones"),
+    ):
+        for name in {"carry", "sweep", "operating-region", "study", "timeline", "", 5, ("carry",)}:
+            if name == result.figure:
+                continue
+            with pytest.raises(PalmbotsError, match=f"^figure: value is .*; .*allowed: {figures}"):
+                result.plot(name)  # type: ignore[arg-type]
+            with pytest.raises(PalmbotsError, match=f"^figure: value is .*; .*allowed: {figures}"):
+                result.save_figure(tmp_path / "x.png", name)  # type: ignore[arg-type]
+    carry.save_figure(tmp_path / "messages.svg", "message_sequence")
+    assert [path.name for path in tmp_path.iterdir()] == ["messages.svg"]
 
 
 def test_figure_from_outside_the_package_is_drawn() -> None:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from palmbots._util.arguments import one_of
 from palmbots._util.named_registry import Registry
 from palmbots.errors import PalmbotsError
 
@@ -25,6 +26,8 @@ class Result:
 
     figure: str | None = None
     """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
+    more_figures: tuple[str, ...] = ()
+    """Names of the other figures in `FIGURES` that `plot` draws on request."""
 
     def headline(self) -> str:
         """One line that states the result."""
@@ -47,25 +50,33 @@ class Result:
         )
         return f"<table><caption>{html.escape(self.headline())}</caption>{rows}</table>"
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw the result.
+
+        Args:
+            figure: the name of a figure of this kind of result; None: its main figure.
+            options: options of that figure.
 
         Returns:
             The `matplotlib.figure.Figure`; save it with its ``savefig``.
 
         Raises:
-            PalmbotsError: this kind of result has no figure.
+            PalmbotsError: this kind of result has no figure, or none of that name.
         """
         if self.figure is None:
             raise PalmbotsError(f"plot: there is no figure of a {type(self).__name__}")
-        return FIGURES.get(self.figure)(self, **options)
+        name = self.figure if figure is None else figure
+        one_of("figure", name, (self.figure, *self.more_figures))
+        return FIGURES.get(name)(self, **options)
 
-    def save_figure(self, path: str | os.PathLike[str], **options: Any) -> None:
+    def save_figure(
+        self, path: str | os.PathLike[str], figure: str | None = None, **options: Any
+    ) -> None:
         """Draw the result and write it as PNG, SVG or PDF, by the suffix of the path.
 
         The file appears only when it is complete.
 
         Raises:
-            PalmbotsError: this kind of result has no figure, or the file cannot be written.
+            PalmbotsError: this kind of result has no such figure, or the file cannot be written.
         """
-        WRITERS.get("figure")(path, self.plot(**options))
+        WRITERS.get("figure")(path, self.plot(figure, **options))

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from palmbots._types import SIDES
-from palmbots._util.arguments import one_of
-from palmbots._util.results import FIGURES, Result
+from palmbots._util.results import Result
 from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
@@ -94,6 +93,9 @@ class LinkStatistics:
 class Carry(Result):
     """A finished carry. Dictionaries have the keys ``left`` and ``right``."""
 
+    figure = "carry"
+    more_figures = ("message_sequence",)
+
     scene: Scene
     controller: str
     world: str
@@ -163,8 +165,8 @@ class Carry(Result):
             facts["warning"] = self.warnings[0] + (f" (and {more} more)" if more else "")
         return facts
 
-    def plot(self, figure: str = "carry", **options: Any) -> Any:
-        """Draw the carry: ``carry`` (its panels over time) or ``message_sequence``.
+    def plot(self, figure: str | None = None, **options: Any) -> Any:
+        """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
 
         Returns:
             The `matplotlib.figure.Figure`; save it with its ``savefig``.
@@ -172,8 +174,7 @@ class Carry(Result):
         Raises:
             PalmbotsError: the carry has no trace, or there is no such figure.
         """
-        one_of("figure", figure, ("carry", "message_sequence"))
-        return FIGURES.get(figure)(self, **options)
+        return super().plot(figure, **options)
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots carry --json`` prints."""

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from palmbots._types import SIDES, Interval, Overrides, Side
-from palmbots._util.results import FIGURES, Result
+from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
 from palmbots.stability.first_contact import FirstTouch, first_touch
@@ -107,6 +107,9 @@ class Analysis(Result):
     """Numbers of the scene that exceed what properties 1 and 2 allow."""
 
     figure = "operating-region"
+    more_figures = (
+        "stability-geometry", "friction-cones", "meeting-points", "permitted-com", "tactile-zones",
+    )  # fmt: skip
 
     @property
     def holds(self) -> bool:
@@ -165,8 +168,11 @@ class Analysis(Result):
 
         Returns:
             The `matplotlib.figure.Figure`.
+
+        Raises:
+            PalmbotsError: the analysis has no figure of that name.
         """
-        return FIGURES.get(figure or "operating-region", "figure")(self, **options)
+        return super().plot(figure, **options)
 
     def summary(self) -> dict[str, Any]:
         """The object that ``palmbots analyze --json`` prints."""
