@@ -9,6 +9,7 @@
 import importlib as _importlib
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from palmbots._util.renamed_names import renamed_in_module as _renamed_in_module
 from palmbots._version import __version__ as __version__
 
 if _TYPE_CHECKING:
@@ -142,9 +143,9 @@ _RENAMED = {
     "Touch": "palmbots.simulation.ContactEvent",
     "Validation": "palmbots.mujoco.Validation",
     "animation": "palmbots.viz",
-    "batch": "palmbots.simulation",
+    "batch": "palmbots.simulation.run_batch",
     "controllers": "palmbots.control",
-    "drops": "palmbots.simulation",
+    "drops": "palmbots.simulation.is_unavoidable",
     "dynamic": "palmbots.mujoco",
     "figure8": "palmbots.viz",
     "objects": "palmbots.object_names",
@@ -155,14 +156,15 @@ _RENAMED = {
 
 
 def __getattr__(name: str) -> object:
-    if name in _RENAMED:
-        raise AttributeError(f"palmbots.{name} is renamed to {_RENAMED[name]}")
     if name not in _LAZY:
         raise AttributeError(f"module 'palmbots' has no attribute {name!r}")
     module, _, attribute = _LAZY[name].partition(":")
     loaded = _importlib.import_module(module)
     value = globals()[name] = getattr(loaded, attribute) if attribute else loaded
     return value
+
+
+_renamed_in_module(__name__, _RENAMED)
 
 
 def __dir__() -> list[str]:

@@ -20,6 +20,7 @@ from typing import Literal, get_args
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
+from palmbots._util.renamed_names import RenamedKeys, renamed_fields
 from palmbots.control.interface import MessageKind, Move, Palm
 from palmbots.errors import PalmbotsError
 
@@ -74,6 +75,13 @@ Verdict = Literal[
 _ROLES: tuple[Role, ...] = get_args(Role)
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 _VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+_RENAMED_VERDICTS: dict[str, Verdict] = {
+    "forged": "bad_tag",
+    "misdirected": "wrong_receiver",
+    "other_version": "wrong_version",
+    "stranger": "wrong_pair",
+    "unanswered": "no_session",
+}
 _MESSAGES: tuple[MessageKind, ...] = get_args(MessageKind)  # the payload counts them from 1
 _BEACONS = ("I", "R", "G", "D", "W")
 _PALMS: tuple[Palm, ...] = get_args(Palm)
@@ -82,6 +90,7 @@ _Fields = tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
 
 
+@renamed_fields(rests="stopped")
 @dataclass(frozen=True, slots=True)
 class Beacon:
     """What a robot sends periodically in the resilient algorithm."""
@@ -93,6 +102,7 @@ class Beacon:
     """The robot is free to travel."""
 
 
+@renamed_fields(turned="palm_at_target")
 @dataclass(frozen=True, slots=True)
 class Report:
     """What a robot reports to the station."""
@@ -118,6 +128,7 @@ Body = MessageKind | Beacon | Report | Command | None
 report or a command of the centralized one, or None for a hello."""
 
 
+@renamed_fields(heard="acknowledged")
 @dataclass(frozen=True, slots=True)
 class Packet:
     """One packet, without its tag."""
@@ -229,7 +240,8 @@ class Endpoint:
     @property
     def counts(self) -> dict[Verdict, int]:
         """Number of received packets by verdict."""
-        return {_verdict(name): count for name, count in self._core.counts}
+        counts = ((_verdict(name), count) for name, count in self._core.counts)
+        return RenamedKeys(counts, _RENAMED_VERDICTS)
 
 
 def _payload(body: Body) -> tuple[int, int]:

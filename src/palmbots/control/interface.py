@@ -17,6 +17,7 @@ from typing import Any, Literal, Protocol, cast, get_args
 
 import palmbots._core as _core
 from palmbots._util.arguments import show
+from palmbots._util.renamed_names import renamed_fields
 from palmbots.control.own_code import name_of, own_code, show_error
 from palmbots.errors import PalmbotsError
 
@@ -55,6 +56,7 @@ MESSAGE_KINDS = cast(
 )
 
 
+@renamed_fields(letter="message", turned="palm_at_target")
 @dataclass(frozen=True, slots=True)
 class StepInput:
     """What a robot knows at a tick."""
@@ -67,6 +69,16 @@ class StepInput:
     """The palm has reached the angle last commanded."""
 
 
+# Every possible input. Finding one is faster than making it.
+_INPUTS = {
+    (sign, number, at_target): StepInput(sign, message, at_target)
+    for sign in (-1, 0, 1)
+    for number, message in enumerate(MESSAGE_KINDS)
+    for at_target in (False, True)
+}
+
+
+@renamed_fields(read="consume", waits="waiting")
 @dataclass(frozen=True, slots=True)
 class StepOutput:
     """What a robot does until the next tick."""
@@ -142,7 +154,7 @@ def make_step(maker: Callable[[], Controller]) -> Step:
             )
 
     def step(sign: int, message: int, palm_at_target: bool) -> tuple[object, ...]:
-        seen = StepInput((-1, 0, 1)[sign + 1], MESSAGE_KINDS[message], palm_at_target)
+        seen = _INPUTS[sign, message, palm_at_target]
         try:
             return _numbers(controller.step(seen), name)
         except (KeyboardInterrupt, PalmbotsError):

@@ -4,6 +4,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from palmbots._util.renamed_names import renamed_in_module
 from palmbots.learn.baseline import Baseline as Baseline
 from palmbots.learn.baseline import EpisodeResult as EpisodeResult
 from palmbots.learn.baseline import Policy as Policy
@@ -36,11 +37,19 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "LETTERS":
-        raise AttributeError("palmbots.learn.LETTERS is renamed to palmbots.learn.MESSAGES")
     if name != "carry_v0":
         raise AttributeError(f"module 'palmbots.learn' has no attribute {name!r}")
     return importlib.import_module("palmbots.learn.carry_v0")  # here: it needs pettingzoo
+
+
+renamed_in_module(
+    __name__,
+    {
+        "LETTERS": "palmbots.learn.MESSAGES",
+        "episodes": "palmbots.learn.episode, and Now in it to StepResult",
+        "meaning": "palmbots.learn.spaces, and in it Do to RobotAction, Seen to RobotObservation",
+    },
+)
 
 
 def __dir__() -> list[str]:

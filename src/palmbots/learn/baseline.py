@@ -15,11 +15,14 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from palmbots._util.renamed_names import renamed_in_module
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
 
 __all__ = ["Baseline", "EpisodeResult", "Policy", "run_episode"]
+
+renamed_in_module(__name__, {"Played": "EpisodeResult", "play": "run_episode"})
 
 
 class Policy(Protocol):

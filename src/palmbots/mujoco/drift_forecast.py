@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import SceneError
@@ -229,6 +230,7 @@ class _Rates:
         return float(rate)
 
 
+@renamed_arguments(**PROGRESS)
 def forecast(
     scene: Scene,
     controller: ControllerLike = "distributed",

@@ -24,6 +24,7 @@ import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
 from palmbots._util.confidence import student_t95
+from palmbots._util.renamed_names import PROGRESS, renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, resolve
@@ -50,6 +51,11 @@ FEWEST, MOST = 16, 10_000
 _RESERVE = 1.7
 
 
+@renamed_fields(
+    carries="equivalent_carries",
+    planning="pilot_replicates",
+    reached="conditional_probabilities",
+)
 @dataclass(frozen=True, repr=False)
 class DropRate(Result):
     """A drop rate, its interval, and how it was estimated."""
@@ -106,6 +112,7 @@ class DropRate(Result):
         }
 
 
+@renamed_arguments(within="relative_half_width", **PROGRESS)
 def estimate_drop_rate(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",

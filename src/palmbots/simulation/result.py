@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from palmbots._types import SIDES
+from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
 from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
@@ -62,6 +63,7 @@ class ContactEvent:
     end_s: float
 
 
+@renamed_fields(letter="kind")
 @dataclass(frozen=True, slots=True)
 class Message:
     """One message between robots."""
@@ -74,6 +76,7 @@ class Message:
     kind: str
 
 
+@renamed_fields(late="expired")
 @dataclass(frozen=True, slots=True)
 class LinkStatistics:
     """Counts of the messages on one link, in one direction."""
@@ -89,6 +92,13 @@ class LinkStatistics:
     """Arrived damaged; or ignored by the resilient algorithm as a duplicate or out of order."""
 
 
+@renamed_fields(
+    across_peak_m="lateral_peak_m",
+    bumps="bump_count",
+    letters="message_log",
+    physics="mujoco_record",
+    touches="contact_events",
+)
 @dataclass(frozen=True, repr=False)
 class Carry(Result):
     """A finished carry. Dictionaries have the keys ``left`` and ``right``."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from palmbots._types import Overrides
 from palmbots._util.arguments import seed_of
+from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots.control.registry import ControllerLike
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.simulation.prepare import prepare
@@ -17,6 +18,7 @@ from palmbots.simulation.worlds import check_precision, world_entry
 __all__ = ["carry"]
 
 
+@renamed_arguments(watch="on_tick", **PROGRESS)
 def carry(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",

@@ -17,6 +17,7 @@ import numpy as np
 
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import one_of, show, two_numbers
+from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -27,7 +28,11 @@ from palmbots.stability.angle_grid import (
     Uncertainty,
     evaluate,
 )
-from palmbots.stability.certificates.box_from_scene import box_of, slope_interval
+from palmbots.stability.certificates.box_from_scene import (
+    RENAMED_ARGUMENTS,
+    box_of,
+    slope_interval,
+)
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
@@ -82,17 +87,17 @@ class Design(Result):
         name = QUANTITIES[self.quantity][4]
         return f"palm angles {self.shallow_deg:g}° and {self.steep_deg:g}° tolerate most: {name}"
 
-    def tolerance_text(self, tolerance: float) -> str:
-        """A tolerance of the quantity with its unit."""
-        scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
-        gap = "" if unit in ("", "°") else " "
-        return f"±{scale * tolerance:.3g}{gap}{unit}"
     @property
     def shown_unit(self) -> str:
         """The unit in which people read the quantity; empty: it has none."""
         unit = QUANTITIES[self.quantity][2]
         return {"m": "mm", "rad": "°"}.get(unit, unit)
 
+    def tolerance_text(self, tolerance: float) -> str:
+        """A tolerance of the quantity with its unit."""
+        scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
+        gap = "" if unit in ("", "°") else " "
+        return f"±{scale * tolerance:.3g}{gap}{unit}"
 
     def facts(self) -> dict[str, str]:
         """Tolerance, clearance, region, friction and certificate."""
@@ -128,6 +133,12 @@ class Design(Result):
         }
 
 
+@renamed_arguments(
+    angles_deg="angle_range_deg",
+    least_clearance_deg="min_clearance_deg",
+    least_difference_deg="min_angle_difference_deg",
+    **RENAMED_ARGUMENTS,
+)
 def design(
     scene: SceneLike = "paper",
     *,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from palmbots._util.arguments import whole_number
 from palmbots._util.confidence import wilson
 from palmbots._util.optional_imports import require
+from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import FIGURES, Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
@@ -254,6 +255,7 @@ def run_study(
     )
 
 
+@renamed_arguments(chunk="chunk_size", **PROGRESS)
 def study(
     source: StudyLike,
     out: PathLike | None = None,

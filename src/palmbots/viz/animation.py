@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
+from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots.errors import PalmbotsError
 from palmbots.geometry.placement import placements
 from palmbots.scene.spec import to_spec
@@ -36,6 +37,7 @@ _LONGEST_S = 60.0  # a longer carry is shown faster
 Progress = Callable[[int, int], None]
 
 
+@renamed_arguments(**PROGRESS)
 def save(
     carry: Carry,
     path: str | os.PathLike[str],

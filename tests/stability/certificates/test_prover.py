@@ -248,7 +248,7 @@ def test_friction_is_independent_unless_common_is_asked_for() -> None:
 
 def test_unknown_intervals_are_refused() -> None:
     with pytest.raises(pb.PalmbotsError, match="did you mean slope_deg"):
-        certify("paper", slope=(-0.1, 0.1))
+        certify("paper", slope_degrees=(-0.1, 0.1))
     with pytest.raises(pb.PalmbotsError, match=r"contains the width of the scene's outline, 0\.25"):
         certify("paper", width_m=(0.26, 0.27))
 

@@ -17,7 +17,7 @@ from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.certificates.parameter_box import Box, Ends, exact
 
-__all__ = ["INTERVALS", "box_of", "slope_interval"]
+__all__ = ["INTERVALS", "RENAMED_ARGUMENTS", "box_of", "slope_interval"]
 
 INTERVALS = (
     "com_x_m",
@@ -34,6 +34,11 @@ INTERVALS = (
     "region_m",
 )
 """The intervals that `certify` accepts, by name."""
+RENAMED_ARGUMENTS = {
+    "common": "common_friction",
+    "slope": "slope_deg, in degrees instead of a tangent",
+}
+"""Old arguments of `certify` and `design`."""
 
 _SLOPE_DIGITS = 12
 _STEEPEST_DEG = 45.0

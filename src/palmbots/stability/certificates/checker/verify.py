@@ -16,6 +16,7 @@ from fractions import Fraction
 from os import PathLike
 from typing import Any
 
+from palmbots._util.renamed_names import renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -48,6 +49,7 @@ from palmbots.stability.certificates.checker.scene_comparison import (
 __all__ = ["CheckResult", "check"]
 
 
+@renamed_fields(why="reason")
 @dataclass(frozen=True, repr=False)
 class CheckResult(Result):
     """The result of a check."""
@@ -88,6 +90,7 @@ class CheckResult(Result):
         }
 
 
+@renamed_arguments(path="certificate")
 def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> CheckResult:
     """Verify a certificate file.
 
