@@ -63,6 +63,9 @@ def test_malformed_override_is_refused_in_one_line(text, line):
         ["a={b=1}", "a.b=3"],
         ["a.b=3", "a={b=1, c=2}"],
         ["a={b=1}", "a={b=1}"],
+        ["a.b=1", "a.b={c=2}"],
+        ["a.b={c=2}", "a.b=1"],
+        ["a.b={}", "a.b=1"],
     ],
 )
 def test_key_given_twice_is_refused(texts):

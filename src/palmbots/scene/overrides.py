@@ -48,12 +48,18 @@ def parse_overrides(texts: Iterable[str]) -> dict[str, Any]:
         key, value = parse_override(text)
         for name in _leaves(key, value):
             if name in given:
-                raise SceneError(f"--set {name}: is given twice; allowed: each key once")
+                raise _twice(name)
             given.add(name)
-        if key in overrides and isinstance(value, Mapping):  # two tables with different keys
+        if key in overrides:  # two tables with different keys
+            if not (isinstance(value, Mapping) and isinstance(overrides[key], Mapping)):
+                raise _twice(key)
             value = merged(overrides[key], value, f"{key}.", "--set")
         overrides[key] = value
     return overrides
+
+
+def _twice(key: str) -> SceneError:
+    return SceneError(f"--set {key}: is given twice; allowed: each key once")
 
 
 def _leaves(key: str, value: Any) -> list[str]:
