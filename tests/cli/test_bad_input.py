@@ -82,6 +82,15 @@ BAD: list[tuple[list[str], list[str]]] = [
 ]  # fmt: skip
 
 
+BLIND = ["--set", "tactile.zero_half_width_m=0.3"]  # a scene that `carry` warns about
+BAD += [
+    (["carry", *BLIND, "-c", "resilient"], ["palmbots: radio.lease_s: "]),
+    (["carry", *BLIND, "--world", "moon"], ["palmbots: --world: "]),
+    (["carry", *BLIND, "--precision", "half"], ["palmbots: --precision: "]),
+    (["carry", *BLIND, "--seed", "-1"], ["palmbots: --seed: "]),
+]
+
+
 @pytest.mark.parametrize(("arguments", "words"), BAD, ids=lambda x: " ".join(x)[:40])
 def test_bad_input_is_one_line_and_exit_status_2(
     arguments: list[str],
@@ -181,10 +190,16 @@ def test_unknown_matplotlib_backend_is_refused_before_the_work(
     """``MPLBACKEND=nonsense`` makes the import of matplotlib fail."""
     forbid_work(command, monkeypatch)
     monkeypatch.setenv("MPLBACKEND", "nonsense")
-    for name in [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]:
+    for name in _modules_of_matplotlib():
         monkeypatch.delitem(sys.modules, name)
     line = 'palmbots: MPLBACKEND: value is "nonsense"; allowed: agg, or leave it unset\n'
     assert_refused(here(*command, str(tmp_path)), line)
+    for name in _modules_of_matplotlib():  # what was imported until the refusal
+        del sys.modules[name]
+
+
+def _modules_of_matplotlib() -> list[str]:
+    return [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]
 
 
 def test_scene_passed_as_study_is_named(here: Run, tmp_path: Path) -> None:

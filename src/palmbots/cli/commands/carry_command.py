@@ -68,31 +68,36 @@ def carry(
 
     To list what you can set, run palmbots scenes, keys, objects or controllers.
     """
+    from palmbots._util.arguments import seed_of
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
-    from palmbots.control.registry import resolve
+    from palmbots.simulation.prepare import prepare
     from palmbots.simulation.single import carry as run_carry
+    from palmbots.simulation.worlds import check_precision
     from palmbots.stability.scene_limits import self_check
 
     _check_options(animation, video, view, world, out)
     chosen = load(scene, changes)
     check_output(out)
+    prepared = prepare(chosen, controller, world)  # all refusals come before the warnings
+    check_precision(prepared.world, precision)
+    seed_of(seed)
     video_file = mujoco_outputs.video_file(out) if video and out is not None else None
-    early_warnings = warnings_before(chosen, controller)
-    limits = () if resolve(controller).team == "none" else self_check(chosen)
-    for text in (*early_warnings, *limits):
-        warn(text)
+    early_warnings = warnings_before(chosen, prepared.controller)
+    limits = () if prepared.controller.team == "none" else self_check(chosen)
     is_curved = chosen.task.path.is_curved
     budget = None
     if world == "mujoco" and is_curved:
         budget = mujoco_outputs.drift_budget(
             chosen, controller, quiet=as_json, accept_excess=accept_excess
         )
+    for text in (*early_warnings, *limits):
+        warn(text)
     expected_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
     with mujoco_outputs.viewer(view) as show, progress("carrying", as_json, expected_s) as report:
         result = run_carry(
             chosen,
-            controller,
+            prepared.controller,
             world=world,
             precision=precision,
             seed=seed,
