@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 
 _STICK, _UP, _DOWN, _BREAK = range(4)
 _OUT = (-1.0, 1.0)
+FLUSH = 1e-3  # an edge is flush with a plate up to this angle [rad]
 
 
 class SlowContacts:
@@ -61,12 +62,17 @@ class SlowContacts:
         before = -np.roll(edges, 1, axis=0)
         # An inner corner touches nothing flat.
         outer = before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0] <= 0
+        reach = np.hypot(before[:, 0], before[:, 1])
         found = []
         for side in (0, 1):
             foot, along, normal = self._foot(side), self._along(side), self._normal(side)
             half = self.spec.palms[side].length / 2
             gap, place = (corners - foot) @ normal, (corners - foot) @ along
-            for i in np.flatnonzero(outer & (abs(gap) < near) & (abs(place) <= half)).tolist():
+            # The plate's normal must be one that the corner has: if an edge of the corner goes
+            # below the plate, the palm's tip touches that edge instead, however near it is.
+            above = (edges @ normal >= -FLUSH * lengths) & (before @ normal >= -FLUSH * reach)
+            on_plate = outer & above & (abs(gap) < near) & (abs(place) <= half)
+            for i in np.flatnonzero(on_plate).tolist():
                 found.append((("corner", side, i), side, corners[i], normal, gap[i]))
             for end in (-half, half):
                 tip = foot + end * along

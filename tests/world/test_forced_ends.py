@@ -48,11 +48,40 @@ SLIP_TURNS_AT_LEVEL = Script(
     },
     [(0.0, 0.0, -5.0), (0.0, 0.0, 2.0)],
 )
+# The tip of the left palm slides along an edge to its corner, and the next edge is too steep to rest
+# on. Exactly at the corner the plate's normal would balance the object, but the corner has no such
+# normal: its edges enclose the plate's end.
+CORNER_SLIDES_OFF = Script(
+    KEEL_OBJECT,
+    {
+        "palm.friction": 0.08,
+        "palm.right": {"friction": 0.2},
+        "palm.pivot_offset_m": 0.01,
+        "start.left_m": 0.02517613806537323,
+        "start.right_m": 0.029369142075846864,
+    },
+    [
+        (0.0, -2.0, 0.0),
+        (-0.004965455877562412, 1.0, 3.0),
+        (0.017142361495337672, 3.0, 1.0),
+        (0.0, 3.0, 3.0),
+        (0.017881022107362584, 3.0, -5.0),
+        (0.0, 5.0, 5.0),
+        (0.0, -5.0, 1.0),
+    ],
+)
 
 
 @pytest.mark.parametrize("script", [CORNER_PASSES_TIP, THROUGH_LEVEL, SLIP_TURNS_AT_LEVEL])
 def test_carry_continues_where_an_edge_passes_a_tip_or_level(script: Script) -> None:
     assert Runner().end(script) is None
+
+
+def test_carry_ends_where_a_corner_slides_off_a_tip() -> None:
+    runner = Runner()
+    end = runner.end(CORNER_SLIDES_OFF)
+    assert end is not None and (end.reason, end.move) == ("sliding", 6)
+    assert runner.is_forced(CORNER_SLIDES_OFF, end)
 
 
 def test_random_scripts_end_only_where_the_slow_world_ends() -> None:
