@@ -25,6 +25,16 @@ void bind_episode(nb::module_& m);
 void bind_wire(nb::module_& m);
 void bind_multi_contact(nb::module_& m);
 
+// The names that the core gives to an enumeration of consecutive values from 0 to `last`, in order.
+template <class Enum>
+nb::tuple names_to(Enum last) {
+  nb::list names;
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
+    names.append(nb::str(name_of(static_cast<Enum>(i))));
+  }
+  return nb::tuple(names);
+}
+
 // A C++ vector handed over to NumPy without a copy.
 template <class T>
 nb::capsule owner_of(std::vector<T>* values) {

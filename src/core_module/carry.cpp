@@ -177,6 +177,8 @@ std::string hex(std::uint64_t value) {
 }  // namespace
 
 void bind_carry(nb::module_& m) {
+  m.attr("carry_outcomes") = names_to(Outcome::stalled);
+  m.attr("drop_reasons") = names_to(DropReason::lifting);
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
       .def_prop_ro("reason",

@@ -111,6 +111,7 @@ std::vector<std::vector<int>> outcomes(const std::vector<SupportTuple>& given,
 }  // namespace
 
 void bind_multi_contact(nb::module_& m) {
+  m.attr("contact_kinds") = names_to(ContactKind::tip);
   m.attr("contact_tolerance") = contact_tolerance<double>;
   m.attr("wrench_tolerance") = wrench_tolerance<double>;
   m.def("contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),

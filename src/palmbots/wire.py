@@ -15,13 +15,13 @@ packets, and distinguishes new packets from old ones.
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.renamed_names import RenamedKeys, renamed_fields
-from palmbots.control.interface import MessageKind, Move, Palm
+from palmbots.control.interface import MESSAGE_KINDS, MOVES, PALMS, MessageKind, Move, Palm
 from palmbots.errors import PalmbotsError
 
 __all__ = [
@@ -72,9 +72,11 @@ Verdict = Literal[
     "no_session",
 ]
 
-_ROLES: tuple[Role, ...] = get_args(Role)
-_KINDS: tuple[Kind, ...] = get_args(Kind)
-_VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+# In the order of the core's numbers.
+_ROLES: tuple[Role, ...] = _core.wire.roles
+_KINDS: tuple[Kind, ...] = _core.wire.packet_kinds
+_VERDICTS: tuple[Verdict, ...] = _core.wire.verdicts
+_MESSAGES = MESSAGE_KINDS[1:]  # the payload counts them from 1
 _RENAMED_VERDICTS: dict[str, Verdict] = {
     "forged": "bad_tag",
     "misdirected": "wrong_receiver",
@@ -82,10 +84,7 @@ _RENAMED_VERDICTS: dict[str, Verdict] = {
     "stranger": "wrong_pair",
     "unanswered": "no_session",
 }
-_MESSAGES: tuple[MessageKind, ...] = get_args(MessageKind)  # the payload counts them from 1
 _BEACONS = ("I", "R", "G", "D", "W")
-_PALMS: tuple[Palm, ...] = get_args(Palm)
-_MOVES: tuple[Move, ...] = get_args(Move)
 _Fields = tuple[int, int, int, int, tuple[int, int], tuple[int, int], int]
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
 
@@ -252,10 +251,10 @@ def _payload(body: Body) -> tuple[int, int]:
         case Report():
             sign = _SIGNS[_index("sign", _SIGNS, body.sign)]
             return 3, _core.wire.report(
-                sign, _index("palm", _PALMS, body.palm), bool(body.palm_at_target)
+                sign, _index("palm", PALMS, body.palm), bool(body.palm_at_target)
             )
         case Command():
-            palm, move = _index("palm", _PALMS, body.palm), _index("move", _MOVES, body.move)
+            palm, move = _index("palm", PALMS, body.palm), _index("move", MOVES, body.move)
             return 4, _core.wire.command(palm, move)
         case Beacon():
             _index("letter of a beacon", _BEACONS, body.letter)
@@ -278,10 +277,10 @@ def _body(kind: int, payload: int) -> Body:
             return Beacon(letter, stopped, ready)  # type: ignore[arg-type]
         case "report":
             sign, palm, palm_at_target = _core.wire.report_of(payload)
-            return Report(_SIGNS[sign + 1], _PALMS[palm], palm_at_target)
+            return Report(_SIGNS[sign + 1], PALMS[palm], palm_at_target)
         case "command":
             palm, move = _core.wire.command_of(payload)
-            return Command(_PALMS[palm], _MOVES[move])
+            return Command(PALMS[palm], MOVES[move])
 
 
 def _decoded(verdict: str, fields: _Fields) -> Decoded:

@@ -54,6 +54,7 @@ inline constexpr CaseMeaning table1_cases[] = {
 inline constexpr CaseMeaning table2_cases[] = {
     {"a", "own p > 0, partner assists (c)"},
     {"b", "both p > 0"},
+    {"c", "assists: palm up"},
     {"d", "own p < 0"},
 };
 inline constexpr std::string_view station_messages[] = {"report", "command"};

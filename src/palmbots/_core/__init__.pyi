@@ -569,6 +569,10 @@ class Centralized:
     @property
     def stage(self) -> int: ...
 
+carry_outcomes: tuple = ('running', 'delivered', 'dropped', 'stalled')
+
+drop_reasons: tuple = ...
+
 class Run:
     """A finished carry."""
 
@@ -779,6 +783,8 @@ class ExternalCoSimulation:
 
     def run(self) -> Run:
         """What became of it; takes the trace with it."""
+
+contact_kinds: tuple = ('', 'vertex', 'flush', 'tip')
 
 contact_tolerance: float = 1e-05
 

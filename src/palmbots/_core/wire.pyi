@@ -2,6 +2,12 @@
 
 
 
+packet_kinds: tuple = ...
+
+roles: tuple = ('left', 'right', 'station')
+
+verdicts: tuple = ...
+
 def layout() -> list[tuple[str, int, int]]:
     """The fields of a packet: name, offset and size [bytes]."""
 

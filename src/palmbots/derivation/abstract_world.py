@@ -15,18 +15,20 @@ station of the centralized algorithm takes a turn for both robots at once.
 from collections.abc import Iterator
 from copy import copy
 from functools import cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, cast
 
 import palmbots._core as _core
+from palmbots.control.interface import MOVES
 from palmbots.derivation.contact_motion import Palm, Palms, sliders, up
 from palmbots.derivation.global_policy import Direction, Signs
 
 __all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
 
 
-_MOVES: tuple[Direction | None, ...] = (None, "away", "closer")
-_MESSAGES = ("", "TiltUp", "TiltDown", "Ack", "Closing", "Raised")
-_STEEP = 0
+# By the numbers of the core; it names the absence of a message "none".
+_MOVES = cast("tuple[Direction | None, ...]", (None, *MOVES[1:]))
+_MESSAGES = ("", *tuple(_core.MessageKind.__members__)[1:])
+_STEEP = int(_core.Palm.steep)
 _AHEAD = 1  # number of turns by which one robot may be ahead of the other
 _TURNING = 1  # number of turns after a command in which the palm is still turning
 

@@ -12,7 +12,8 @@ import palmbots._core as _core
 __all__ = ["DONE", "RELEASE", "REQUEST", "Program", "table_2"]
 
 # The paper's messages: what every request for the partner's palm needs (section 4).
-REQUEST, DONE, RELEASE = "TiltUp", "Ack", "TiltDown"
+_KIND = _core.MessageKind
+REQUEST, DONE, RELEASE = _KIND.TiltUp.name, _KIND.Ack.name, _KIND.TiltDown.name
 
 _NAMES = {"tilt_up": REQUEST, "ack": DONE, "tilt_down": RELEASE}
 _CONTACT = {

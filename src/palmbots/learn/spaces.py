@@ -45,7 +45,7 @@ names."""
 
 ACTION = ("palm", "move", "send")
 """Indices of `PALMS`, `MOVES` and `MESSAGES`."""
-OBSERVATION = ("sign", "palm", "turned", "move", "TiltUp", "TiltDown", "Ack")
+OBSERVATION = ("sign", "palm", "turned", "move", *(kind for kind in MESSAGES if kind))
 """`sign` of the contact coordinate: -1, 0 or 1; outward is positive. `palm` as last commanded: 1
 shallow, -1 steep. `turned` is 1 once the palm is at its target, else 0. `move` as last commanded: 1
 away, -1 closer, 0 hold. The others are 1 if that message was received, else 0; at most one of them

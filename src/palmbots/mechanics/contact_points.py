@@ -21,15 +21,29 @@ from palmbots.errors import PalmbotsError
 from palmbots.mechanics.state import PalmState, palm_state
 from palmbots.scene.scene import SceneLike
 
-__all__ = ["Contact", "Kind", "Motions", "Touching", "contacts", "touching"]
+__all__ = [
+    "CODE_OF",
+    "MOTION_CODES",
+    "Contact",
+    "Kind",
+    "Motions",
+    "Touching",
+    "contacts",
+    "touching",
+]
 
 Kind = Literal["vertex", "flush", "tip"]
 Motions = tuple[str, ...]
 """How each contact moves, in the order of the contacts."""
+MOTION_CODES = ("ST", "SL", "SR", "BR")
+"""A contact sticks, slides to the left, slides to the right, or breaks."""
+
+_ST, _SL, _SR, _BR = MOTION_CODES
+CODE_OF = ({0: _ST, 1: _SL, -1: _SR, 2: _BR}, {0: _ST, 1: _SR, -1: _SL, 2: _BR})
+"""The code of a motion by palm and by the number that the core gives it: 1 slides up the palm."""
 
 _MOST = 8
 _PalmMotion = tuple[float, float, float]  # velocity of the pivot [m/s], anticlockwise turn [rad/s]
-_NAMES = ({0: "ST", 1: "SL", -1: "SR", 2: "BR"}, {0: "ST", 1: "SR", -1: "SL", 2: "BR"})
 _CLOSING: tuple[_PalmMotion, _PalmMotion] = ((0.5, 0.0, 0.0), (-0.5, 0.0, 0.0))
 _OPENING: tuple[_PalmMotion, _PalmMotion] = ((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0))
 
@@ -100,7 +114,7 @@ class Touching:
     def _outcomes(self, palms: tuple[_PalmMotion, _PalmMotion]) -> tuple[Motions, ...]:
         velocities = _core.palm_velocities(self.supports, self.pivots, palms)
         return tuple(
-            tuple(_NAMES[s[0]][motion] for s, motion in zip(self.supports, motions, strict=True))
+            tuple(CODE_OF[s[0]][motion] for s, motion in zip(self.supports, motions, strict=True))
             for motions in _core.outcomes(self.supports, velocities, self.slope)
         )
 

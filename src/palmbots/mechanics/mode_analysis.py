@@ -23,7 +23,7 @@ from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
 from palmbots.mechanics.array_arguments import columns_of
-from palmbots.mechanics.contact_points import Contact, Motions, touching
+from palmbots.mechanics.contact_points import CODE_OF, Contact, Motions, touching
 from palmbots.mechanics.state import palm_state
 from palmbots.scene.scene import Scene, SceneLike
 
@@ -43,9 +43,8 @@ __all__ = [
 Mode: TypeAlias = tuple[str, str]
 ModeBits: TypeAlias = NDArray[np.uint16]
 
-# ST sticks, SL slides to the left, SR to the right: up is SL on the left palm and SR on the right.
-_LEFT = ("ST", "SL", "SR")
-_RIGHT = ("ST", "SR", "SL")
+# Sticks, slides up, slides down: up is SL on the left palm and SR on the right.
+_LEFT, _RIGHT = (tuple(code[motion] for motion in (0, 1, -1)) for code in CODE_OF)
 _UP = (_LEFT[1], _RIGHT[1])
 _DOWN = (_LEFT[2], _RIGHT[2])
 

@@ -37,11 +37,11 @@ __all__ = [
     "run_seeds",
 ]
 
-# Entries of the column `outcome`; 0: not carried.
-DELIVERED, DROPPED, STALLED = 1, 2, 3
-OUTCOMES = ("", "delivered", "dropped", "stalled")
-REASONS = (None, "off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting")
-"""The drop reasons in the order of the column `reason` (`mechanics/holding_conditions.hpp`)."""
+OUTCOMES: tuple[str, ...] = _core.carry_outcomes
+"""The outcomes in the order of the column `outcome`; 0: not carried."""
+DELIVERED, DROPPED, STALLED = map(OUTCOMES.index, ("delivered", "dropped", "stalled"))
+REASONS: tuple[str | None, ...] = (None, *_core.drop_reasons[1:])
+"""The drop reasons in the order of the column `reason`; None: not dropped."""
 
 Columns = dict[str, NDArray[Any]]
 """One entry per carry: finished, outcome, reason (an index of `REASONS`), time_s, distance_m,

@@ -44,10 +44,14 @@ def _waiting(measured: Any, scene: Scene) -> list[str]:
     if measured.messages_lost == 0 and not damaged:
         return []
     longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
-    names = {"": "a message", "Ack": "an Ack", "TiltDown": "a TiltDown"}
     return [
-        f"the {side} robot has waited since {since:.1f} s for {names[kind]} that does not arrive "
+        f"the {side} robot has waited since {since:.1f} s for {_a(kind)} that does not arrive "
         f"(a message {'was lost' if measured.messages_lost else 'arrived damaged'})"
         for side, (since, duration, kind) in zip(SIDES, measured.hanging, strict=True)
         if duration > longest
     ]
+
+
+def _a(kind: str) -> str:
+    """A kind of message with its article; empty: any message."""
+    return f"{'an' if kind[:1] in 'AEIOU' else 'a'} {kind}" if kind else "a message"

@@ -10,13 +10,14 @@ side] for a variable that each robot has. Where there is no result, `outcome` is
 `MISSING`, and every other variable has its own value for "missing".
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palmbots.simulation import batch
 from palmbots.simulation.batch import DELIVERED, DROPPED, STALLED
 
 __all__ = [
@@ -43,24 +44,15 @@ MISSING = 255
 """`outcome` and `reason` of a carry that has no result: it was not carried yet, or its file is
 lost. Zarr returns this value for a chunk that has no file."""
 
-OUTCOMES: Mapping[str, int] = {
-    "not carried": NOT_CARRIED,
-    "delivered": DELIVERED,
-    "dropped": DROPPED,
-    "stalled": STALLED,
-    "missing": MISSING,
-}
-REASONS: Mapping[str, int] = {
-    "none": 0,
-    "off-palm": 1,
-    "sliding": 2,
-    "flush": 3,
-    "tip": 4,
-    "tipping": 5,
-    "jammed": 6,
-    "lifting": 7,
-    "missing": MISSING,
-}
+
+def _codes(first: str, names: Sequence[str | None]) -> Mapping[str, int]:
+    """The number of each name; `first` is what the core's number 0 means in a study."""
+    codes = {name: code for code, name in enumerate(names) if code and name}
+    return {first: 0, **codes, "missing": MISSING}
+
+
+OUTCOMES = _codes("not carried", batch.OUTCOMES)
+REASONS = _codes("none", batch.REASONS)
 
 EVENTS: Mapping[str, tuple[int, ...]] = {
     "carried": (DELIVERED, DROPPED, STALLED),

@@ -17,6 +17,7 @@ import numpy as np
 from PIL import Image
 
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments
+from palmbots.control.registry import describe
 from palmbots.errors import PalmbotsError
 from palmbots.geometry.placement import placements
 from palmbots.scene.spec import to_spec
@@ -116,7 +117,9 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
     ]
     name = controller_title(carry.controller)
     title = f"{name}, seed {carry.seed}" + (f", {speedup} × real time" if speedup > 1 else "")
-    return Stage(spec, placement, correction_bars(carry), float(times[-1]), title), moments
+    cases = (carry.controller_entry or describe(carry.controller)).cases
+    stage = Stage(spec, placement, correction_bars(carry), float(times[-1]), title, cases)
+    return stage, moments
 
 
 def _messages_shown(carry: Carry, times: np.ndarray) -> list[Message | None]:

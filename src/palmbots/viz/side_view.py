@@ -5,7 +5,7 @@ The upper part shows the robots and the object to scale (`side_view_scene`). Bel
 for each palm (contact coordinate, zero zone, palm ends) and a time axis with all corrections.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -41,12 +41,6 @@ COLOURS = (
 
 _TOP, _FOOT = 62, 128  # px above the scene for captions, below it for gauges and time axis
 _LINE = (56, WIDTH - 56)  # px, ends of the time axis
-_CASES = {
-    "a": "(a)  p > 0: moves away",
-    "b": "(b)  both p > 0: moves away in turn",
-    "c": "(c)  assists: palm up",
-    "d": "(d)  p < 0: moves closer",
-}
 
 
 @cache
@@ -81,9 +75,12 @@ class Stage:
         bars: Sequence[Bar],
         duration: float,
         title: str,
+        cases: Mapping[str, str] | None = None,
     ) -> None:
-        """`bars` are the corrections on the time axis, `duration` is its length in s."""
+        """`bars` are the corrections on the time axis, `duration` is its length in s, `cases` are
+        the meanings of the cases."""
         self._spec, self._placement = spec, placement
+        self._cases = cases or {}
         self._duration = max(duration, 1e-9)
         self._world = WorldView(spec, placement)
         self.size = (WIDTH, _TOP + self._world.height + _FOOT)  #: px, both even
@@ -175,13 +172,13 @@ class Stage:
         for k, side in enumerate(SIDES):
             case = moment.case[k]
             text = moment.does[k] if moment.does is not None else "carries on"
-            text = _CASES.get(case, f"case {case}") if case else text
+            text = f"({case})  {self._cases.get(case, '')}" if case else text
             place, anchor = ((12, 34), "la") if k == 0 else ((WIDTH - 12, 34), "ra")
             shade = HUE[side] if case else QUIET
             draw.text(place, f"{side}: {text}", shade, _font(14, bool(case)), anchor=anchor)
 
             x, y = self._world.body_middle(moment.row, k)
-            name = f"({case})" if case in _CASES else case or side[0].upper()
+            name = f"({case})" if case else side[0].upper()
             font = _font(min(max(round(0.05 * self._world.scale), 9), 48), True)
             draw.text((x, y + _TOP), name, BACKGROUND if case else HUE[side], font, anchor="mm")
         if moment.ending is not None:

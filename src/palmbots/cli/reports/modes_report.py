@@ -24,6 +24,8 @@ _SYMBOLS = "ST: sticks, SL: slides left, SR: slides right"
 
 def modes_report(found: "ContactModes") -> None:
     """Print the nine modes as a 3 × 3 table, and those that occur."""
+    from palmbots.mechanics.contact_points import MOTION_CODES
+
     console = report_console()
     console.print(
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
@@ -38,10 +40,11 @@ def modes_report(found: "ContactModes") -> None:
         console.print("\nIf only the two contact vertices touched the palms:")
     table = Table()
     table.add_column("left ↓  right →")
-    for right in ("ST", "SL", "SR"):
+    slides = MOTION_CODES[:3]
+    for right in slides:
         table.add_column(right, justify="center")
-    for left in ("ST", "SL", "SR"):
-        row = [_verdict_mark(found, (left, right)) for right in ("ST", "SL", "SR")]
+    for left in slides:
+        row = [_verdict_mark(found, (left, right)) for right in slides]
         table.add_row(Text(left, style="bold"), *row)
     console.print(table)
     console.print(_SYMBOLS, style=QUIET)
