@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import track
 
 from _machine import processor
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots._version import __version__
 from palmbots.learn import carry_v0
 from palmbots.learn.baseline import Baseline, EpisodeResult, run_episode

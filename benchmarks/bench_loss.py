@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from palmbots.simulation.unavoidable_drops import is_unavoidable

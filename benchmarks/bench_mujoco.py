@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from _machine import compiler, processor
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots._version import __version__
 from palmbots.mujoco.engine import mujoco
 from palmbots.scene.scene import load_scene

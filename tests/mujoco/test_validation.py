@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.cli import main as cli
 from palmbots.control.interface import StepInput, StepOutput
 from palmbots.mechanics.mode_analysis import modes

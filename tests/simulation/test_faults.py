@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.errors import SceneError
 from palmbots.simulation.result import Carry
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 
 ASSISTED: dict[str, Any] = {
     "robot.noise_m_s": 0.0,

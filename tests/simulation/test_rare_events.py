@@ -14,7 +14,7 @@ from scipy import stats
 
 import palmbots as pb
 import palmbots._core as _core
-from palmbots._util.confidence import student_t95
+from palmbots._util.confidence_intervals import student_t95
 from palmbots.cli import main as cli
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec

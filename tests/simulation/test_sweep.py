@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds

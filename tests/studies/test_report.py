@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.cli.reports.study_report import cost_report, study_report
 from palmbots.studies.cost_estimate import Cost
 from palmbots.studies.points import design_points

@@ -16,7 +16,7 @@ import xarray as xr
 import zarr
 
 import palmbots as pb
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.errors import PalmbotsError
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study

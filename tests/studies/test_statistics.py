@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots.studies.chunk_task import Block
 from palmbots.studies.exact_sums import WIDTH, count_of, exact_sums_of, sum_of
 from palmbots.studies.statistics import pooled_counts, statistics_of

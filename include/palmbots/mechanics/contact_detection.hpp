@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/twist_feasibility.hpp"
 
 namespace palmbots {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "palmbots/control/resilient_timing.hpp"
-#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/robot/actuators.hpp"
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"

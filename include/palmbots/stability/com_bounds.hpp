@@ -28,7 +28,7 @@
 // docs/theory/stability.md; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
 #pragma once
 
-#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
 
 namespace palmbots {
 

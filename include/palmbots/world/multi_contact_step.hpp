@@ -6,7 +6,7 @@
 // where that leaves the object is exact (world/contact_constraints.hpp).
 //
 // The carry is over when nothing touches one of the palms any more, and as in
-// mechanics/holding_conditions.hpp. As in world/quasistatic_world.hpp `push` decides which contacts
+// mechanics/drop_reason.hpp. As in world/quasistatic_world.hpp `push` decides which contacts
 // slide, not whether the object is held. Source: docs/theory/mechanics.md.
 #pragma once
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
-#include "palmbots/mechanics/holding_conditions.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/slip_onset.hpp"
 
 namespace palmbots {

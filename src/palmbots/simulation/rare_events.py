@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
-from palmbots._util.confidence import student_t95
+from palmbots._util.confidence_intervals import student_t95
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots._util.text import plural

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, whole_number
-from palmbots._util.confidence import Z95, wilson
+from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.optional_imports import require
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import Result

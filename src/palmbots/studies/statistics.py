@@ -4,7 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._util.confidence import Z95, wilson_bounds
+from palmbots._util.confidence_intervals import Z95, wilson_bounds
 from palmbots.studies.exact_sums import ExactSums, count_of, sum_of
 from palmbots.studies.stopping import mean_and_half, root_mean_interval
 from palmbots.studies.variables import STATISTICS, Statistic

@@ -12,7 +12,7 @@ carries, the coverage of a nominal 95 % interval stays above 90 % (simulated in
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._util.confidence import Z95, wilson_bounds
+from palmbots._util.confidence_intervals import Z95, wilson_bounds
 from palmbots.studies.exact_sums import ExactSums, count_of, sum_of
 from palmbots.studies.study_file import Stop
 

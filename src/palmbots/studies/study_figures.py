@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from palmbots._util.confidence import Z95
+from palmbots._util.confidence_intervals import Z95
 from palmbots._util.text import format_number, plural
 from palmbots._util.units import name_of
 from palmbots.errors import PalmbotsError

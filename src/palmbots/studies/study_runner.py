@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.arguments import whole_number
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots._util.optional_imports import require
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import FIGURES, Result

@@ -21,7 +21,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from palmbots._util.arguments import show
-from palmbots._util.confidence import wilson
+from palmbots._util.confidence_intervals import wilson
 from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
