@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holding conditions: when two palms hold an object at one instant, and why a carry ends if they do
-// not.
+// Drop reason: the criterion by which a carry ends with a drop. Two palms hold an object at one
+// instant if these conditions hold; the first one that fails is the reason.
 //
 // Source: docs/theory/contacts.md.
 #pragma once
