@@ -35,6 +35,9 @@ def path(done, tmp_path_factory):
     return path
 
 
+FOREIGN = "not a carry log of palmbots: its records are incomplete or malformed"
+
+
 def refusal(path):
     with pytest.raises(PalmbotsError) as error:
         read_log(path)
@@ -197,7 +200,8 @@ def test_files_that_are_no_logs_are_refused(tmp_path):
     assert refusal(tmp_path / "none.mcap") == "cannot be read: No such file or directory"
     assert refusal(tmp_path) == "cannot be read: Is a directory"
     (tmp_path / "text").write_text("a text that is long enough to be something else" * 10)
-    assert refusal(tmp_path / "text") == "not an MCAP log, as palmbots carry --out writes it"
+    for name in (tmp_path / "text", "/dev/zero"):  # the second one is endless
+        assert refusal(name) == "not an MCAP log, as palmbots carry --out writes it"
 
 
 def foreign(path, metadata, crcs=True):
@@ -217,7 +221,7 @@ def test_foreign_mcap_files_are_refused(tmp_path, crcs):
     foreign(there, {}, crcs)
     assert refusal(there) == "not a carry log of palmbots: it has no metadata record of that name"
     foreign(there, {"palmbots": {}}, crcs)
-    assert refusal(there).startswith("not a carry log of palmbots")
+    assert refusal(there) == FOREIGN
 
 
 def with_facts(path, there, **changes):
@@ -241,9 +245,9 @@ def test_log_without_its_messages_is_refused(tmp_path, path):
     with_facts(path, there)
     assert refusal(there).startswith("samples are missing: ")
     with_facts(path, there, samples="{\n")
-    assert refusal(there).startswith("not a carry log of palmbots")
+    assert refusal(there) == FOREIGN
     with_facts(path, there, variables='[{"name": "x"}]')
-    assert refusal(there).startswith("not a carry log of palmbots")
+    assert refusal(there) == FOREIGN
 
 
 def rewritten(path, there, **options):

@@ -12,7 +12,6 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Channel, Metadata
@@ -54,9 +53,13 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         PalmbotsError: the file cannot be read, is no carry log of this format, or is damaged.
     """
     try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
+        with open(path, "rb") as stream:
+            data = stream.read(len(_MAGIC))
+            if data == _MAGIC:  # otherwise it is no log, and may be endless
+                data += stream.read()
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise PalmbotsError(f"{path}: cannot be read: {reason}") from None
     damage = _damage(data)
     if damage is not None:
         raise PalmbotsError(f"{path}: {damage}")
@@ -68,15 +71,12 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         raise PalmbotsError(
             f"{path}: the log is damaged: a checksum of its data is wrong"
         ) from None
-    except Exception as error:
+    except Exception:
         # The checksums show only that the file is complete, not which program wrote it. The parsers
         # may raise anything on a foreign file; for the user all of that is one error.
-        raise PalmbotsError(f"{path}: not a carry log of palmbots: {_brief(error)}") from None
-
-
-def _brief(error: Exception) -> str:
-    text = str(error).strip()
-    return text.splitlines()[0][:120] if text else type(error).__name__
+        raise PalmbotsError(
+            f"{path}: not a carry log of palmbots: its records are incomplete or malformed"
+        ) from None
 
 
 def _damage(data: bytes) -> str | None:
