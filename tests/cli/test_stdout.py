@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from commands import Run
+from palmbots.cli import main as cli
 from palmbots.cli.reports.console import plain_table, report_console
 from shell import palmbots
 
@@ -101,6 +102,19 @@ def test_full_disk_under_stdout_is_reported_in_one_line(option: tuple[str, ...])
         )
     assert result.returncode == BAD_INPUT
     assert result.stderr == "palmbots: the output cannot be written: No space left on device\n"
+
+
+def test_file_that_vanishes_is_named_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def vanished(_: list[str]) -> int:
+        raise FileNotFoundError(2, "No such file or directory", "part.mcap")
+
+    monkeypatch.setattr(cli, "run", vanished)
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    assert stop.value.code == BAD_INPUT
+    assert capsys.readouterr().err == "palmbots: part.mcap: No such file or directory\n"
 
 
 def with_streams(

@@ -162,6 +162,7 @@ FORM = "allowed: a TOML file with the table [object] alone"
     ("text", "problem"),
     [
         (None, "cannot be used: no such file"),
+        ("\xff" * (1 << 20), "cannot be used: is larger than 1 MiB"),
         ("[object", "cannot be used: line 1, end of the file: not valid TOML: Expected ']' at the "
          "end of a table declaration"),
         (CRATE + "[task]\n", "contains something else"),

@@ -193,8 +193,8 @@ def _number_fault(error: Any) -> str | None:
 
 
 def _unwritable(error: OSError) -> int:
-    name = f"{error.filename}: " if error.filename else ""
-    return _refuse(f"{name}the output cannot be written: {error.strerror or error}")
+    what = error.filename or "the output cannot be written"  # stdout has no name
+    return _refuse(f"{what}: {error.strerror or error}")
 
 
 def _refuse(message: str) -> int:

@@ -69,7 +69,7 @@ def _from_file(name: str) -> dict[str, Any]:
     try:
         table = read_table(name, "an object file")
     except SceneError as error:
-        problem = str(error).removeprefix(f"{name}: ")
+        problem = str(error).removeprefix(f"{name}: ").partition("; allowed: ")[0]
         raise field_error(name, f"cannot be used: {problem}", allowed) from None
     if list(table) != ["object"] or not isinstance(table["object"], dict):
         raise field_error(name, "contains something else", allowed)
