@@ -70,7 +70,7 @@ def draw(comparison: "Comparison") -> Figure:
             *panels[0].get_legend_handles_labels(),
             loc="outside upper center",
             ncols=4,
-            title=f"{carries} a point, the same seeds for every controller; bars: 95 % intervals",
+            title=f"{carries} per point, same seeds for every controller; bars: 95 % intervals",
         )
         return figure
 

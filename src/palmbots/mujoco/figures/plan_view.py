@@ -18,6 +18,7 @@ from matplotlib.patches import Patch, Polygon
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import Line, line_of
+from palmbots.viz.carry_figure import figure_title
 from palmbots.viz.save_figure import save_figure
 from palmbots.viz.style import DROP, HUE, INK, LINE, OBJECT, QUIET, axis_label, styled
 
@@ -120,15 +121,13 @@ def _draw_object(
 
 def _head(figure: Figure, carry: "Carry") -> None:
     high, wide = figure.get_figheight(), figure.get_figwidth()
-    ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
-    first = f"{carry.controller}: {ending} after {carry.time_s:.1f} s and {carry.distance_m:.2f} m"
     facts = [f"seed {carry.seed}", "from above"]
     if carry.lateral_peak_m is not None:
         left, right = (1e3 * carry.lateral_peak_m[side] for side in SIDES)
-        most = f"left {left:.1f}, right {right:.1f} mm".replace("-", "−")
-        facts.insert(0, f"lateral slip at most {most}")
+        peaks = f"left {left:.1f}, right {right:.1f} mm".replace("-", "−")
+        facts.insert(0, f"lateral peak {peaks}")
     x = 0.65 / wide
-    figure.text(x, 1 - 0.1 / high, first, va="top", weight="bold", size=9)
+    figure.text(x, 1 - 0.1 / high, figure_title(carry), va="top", weight="bold", size=9)
     figure.text(x, 1 - 0.28 / high, "  ·  ".join(facts), va="top", size=7.5)
     handles = [
         Line2D([], [], color=QUIET, lw=4, alpha=0.35, label="path"),

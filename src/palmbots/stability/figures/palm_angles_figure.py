@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.palm_angles import PAPER_DEG, Design
@@ -66,9 +67,12 @@ def palm_angles(result: Design) -> Figure:
                 colors=_BARRED["facecolor"],
                 hatches=[_BARRED["hatch"]],
             )
-        lines = axes.contour(steep, shallow, shown, _LEVELS, colors=ON_MAP["dark"], linewidths=0.6)
+        top = float(np.nanmax(shown))
+        levels = [level for level in MaxNLocator(_LEVELS).tick_values(0, top) if 0 < level < top]
+        colours = [ON_MAP["dark" if level < 0.6 * top else "light"] for level in levels]
+        lines = axes.contour(steep, shallow, shown, levels, colors=colours, linewidths=0.6)
         bar.add_lines(lines)
-        bar.set_ticks([level for level in lines.levels if 0 <= level <= np.nanmax(shown)])
+        bar.set_ticks([0, *levels])
         axes.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST)
         axes.plot(PAPER_DEG[1], PAPER_DEG[0], ls="", zorder=5, **_PAPER_LOOK)
         rows, columns = allowed.any(axis=1), allowed.any(axis=0)

@@ -118,8 +118,9 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
         if bad is not None:
             part = clipped(view.corners, gain, MM * bad[1] - base)
             view.fill(clipped(part, -gain, base - MM * bad[0]), **_FAILS, gid="fails")
-    view.axes.axhline(0, color=QUIET, lw=0.5, zorder=2)
-    view.axes.axvline(0, color=QUIET, lw=0.5, zorder=2)
+    low, high = view.corners[0], view.corners[2]
+    view.line((low[0], 0), (high[0], 0), width=0.5, zorder=2)
+    view.line((0, low[1]), (0, high[1]), width=0.5, zorder=2)
 
     half = problem.half_length
     square = _rectangle((-half[0], half[0]), (-half[1], half[1]))
