@@ -1,8 +1,5 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draw the labelled picture of the task, docs/images/task.png.
-
-Run it with the tree's own Python: .venv/bin/python scripts/draw_task.py
+"""Draws the labelled picture of the task, docs/images/task.png, for `draw_images.py`.
 
 The palm angles are larger than in the paper, so that they can be seen; lengths are the paper's.
 """
@@ -20,8 +17,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Wedge
 
 from palmbots.viz.style import BACKGROUND, HUE, INK, OBJECT, PALE, QUIET, ZERO, styled
-
-TARGET = Path(__file__).parent.parent / "docs" / "images" / "task.png"
 
 SHALLOW, STEEP = math.radians(8), math.radians(21)
 HALF_PALM = 0.075
@@ -91,8 +86,8 @@ def callout(axes: Axes, text: str, at: tuple[float, float], label: tuple[float, 
     )  # fmt: skip
 
 
-def draw() -> None:
-    """Draw the picture and save it."""
+def draw(path: Path) -> None:
+    """Draw the picture and write it to a PNG file."""
     with styled():
         figure, axes = plt.subplots(figsize=(7.2, 3.7))
         pivot_left, pivot_right, left, right = contact_points()
@@ -142,9 +137,5 @@ def draw() -> None:
         axes.set(xlim=(-0.32, pivot_right[0] + 0.32), ylim=(FLOOR - 0.012, 0.2), aspect="equal")
         axes.axis("off")
         figure.savefig(
-            TARGET, dpi=200, bbox_inches="tight", pad_inches=0.04, metadata={"Software": None}
+            path, dpi=200, bbox_inches="tight", pad_inches=0.04, metadata={"Software": None}
         )
-
-
-if __name__ == "__main__":
-    draw()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The docs are true: links have targets, tables match the code, commands and examples run."""
 
+import importlib
+import itertools
 import re
 import subprocess
 import sys
@@ -10,6 +12,7 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
+import palmbots as pb
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
 
@@ -61,6 +64,20 @@ def commands() -> list[str]:
     return sorted(set(found))
 
 
+def transcript(command: str) -> list[str]:
+    """The lines that the pages show as the output of a command."""
+    block = rf"^    \$ {re.escape(command)}\n((?:    [^$\n].*\n)*)"
+    shown = [re.findall(block, page.read_text(), re.MULTILINE) for page in PAGES]
+    return [line[4:] for text in itertools.chain(*shown) for line in text.splitlines()]
+
+
+def fewer(command: str) -> list[str]:
+    """Options that shorten a command that would take long; none: it does not."""
+    words = command.split()[1:]
+    films = words[0] == "carry" and "--out" in words
+    return FEW["carry --out" if films else words[0]] if films or words[0] in FEW else []
+
+
 @pytest.mark.parametrize("command", commands())
 def test_commands_run(
     command: str,
@@ -69,14 +86,55 @@ def test_commands_run(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
     words = command.split()[1:]
-    is_pattern = re.search(r"\b[A-Z]{3,}\b", command) is not None
+    is_pattern = "|" in words or re.search(r"\b[A-Z]{3,}\b", command) is not None
     if words in NAMED or is_pattern or (words[-1].endswith(".toml") and words[0] != "init"):
         return
-    films = words[0] == "carry" and "--out" in words
-    less = FEW["carry --out" if films else words[0]] if films or words[0] in FEW else []
+    less = fewer(command)
     assert cli.run([*words, *less]) in (cli.DONE, cli.FAILED)
-    assert capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert printed.out
+    if not less:
+        assert set(transcript(command)) <= set((printed.out + printed.err).splitlines())
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("command", [c for c in commands() if fewer(c) and transcript(c)])
+def test_transcripts_of_long_commands_are_their_output(
+    command: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    assert cli.run(command.split()[1:]) == cli.DONE
+    assert set(transcript(command)) <= set(capsys.readouterr().out.splitlines())
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", ["centralized-vs-distributed", "what-matters"])
+def test_hash_of_the_study_is_on_its_page(name: str, tmp_path: Path) -> None:
+    """The sections of the page begin with the command."""
+    page = (ROOT / "docs" / "guide" / "studies.md").read_text()
+    section = page.split(f"palmbots study {name} --plot")[1]
+    shown = re.findall(r"result hash `(\w+)`", section)
+    assert shown[0] == pb.study(name, tmp_path).attrs["hash"]
+
+
+def test_every_picture_has_a_command_and_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command stands on a page that shows the picture."""
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    draw_images = importlib.import_module("draw_images")
+    drawn = {*draw_images.FUNCTIONS, *itertools.chain(*draw_images.COMMANDS.values())}
+    assert drawn == {path.name for path in (ROOT / "docs" / "images").iterdir()}
+    texts = [" ".join(page.read_text().split()) for page in PAGES]
+    pages = {name: [text for text in texts if f"images/{name})" in text] for name in drawn}
+    assert all(pages.values())
+    for command, written in draw_images.COMMANDS.items():
+        for name in written:
+            assert any(command in text for text in pages[name]), (command, name)
 
 
 def test_readme_summary_is_the_output_of_the_command(
