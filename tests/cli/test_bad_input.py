@@ -88,6 +88,8 @@ BAD += [
     (["carry", *BLIND, "--world", "moon"], ["palmbots: --world: "]),
     (["carry", *BLIND, "--precision", "half"], ["palmbots: --precision: "]),
     (["carry", *BLIND, "--seed", "-1"], ["palmbots: --seed: "]),
+    (["carry", "/dev/null", "--seed", "-1"], ["palmbots: --seed: "]),  # nothing is set
+    (["study", "/dev/null", "--plot"], ["palmbots: --plot needs a study that varies"]),
 ]
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from palmbots.errors import SceneError
 from palmbots.scene.error_messages import dotted_keys
+from palmbots.scene.overrides import parse_override
 from palmbots.scene.scene import Scene, load_scene
 
 KEYS = sorted(dotted_keys(Scene))
@@ -57,7 +58,7 @@ def test_misspelt_key_suggests_the_right_one(key):
         (1 << 20_000, "<int>"),  # longer than Python is willing to print
         (None, "null"),
         (b"x", "b'x'"),
-        (datetime.date(2001, 2, 3), "datetime.date(2001, 2, 3)"),
+        (datetime.date(2001, 2, 3), "2001-02-03"),
         ("a\nb\ud800" * 20, '"' + ("a\\nb\\ud800" * 20)[:58] + "…"),
     ],
     ids=["long", "very long", "none", "bytes", "date", "text"],
@@ -65,6 +66,18 @@ def test_misspelt_key_suggests_the_right_one(key):
 def test_values_are_shown_short_and_on_one_line(value, shown):
     line = refusal({"radio": {"loss": value}})
     assert line.startswith(f"scene: radio.loss: {shown} is ")
+
+
+@pytest.mark.parametrize(
+    ("value", "line"),
+    [
+        ("1979-05-27", "radio.loss: 1979-05-27 is a date, not a number"),
+        ("07:32:00", "radio.loss: 07:32:00 is a time, not a number"),
+        ("1979-05-27T07:32:00Z", "radio.loss: 1979-05-27T07:32:00+00:00 is a date, not a number"),
+    ],
+)
+def test_dates_are_shown_as_in_toml(value, line):
+    assert line in refusal(dict([parse_override(f"radio={{loss={value}}}")]))
 
 
 def test_numpy_numbers_are_accepted():

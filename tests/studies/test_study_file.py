@@ -154,7 +154,7 @@ def test_invalid_study_is_refused(table: dict[str, Any], words: str) -> None:
     ("text", "words"),
     [
         ("vary = [", ["bad.toml", "not valid TOML"]),
-        ("about = 3", ["bad.toml", "about"]),
+        ("about = 3", ["bad.toml", "about: 3 is not a string; allowed: a string"]),
         ("[vary]\nradio.loss = [0, 2]", ["bad.toml: point 1", "radio.loss"]),
     ],
 )

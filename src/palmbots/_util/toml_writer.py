@@ -12,6 +12,7 @@ Numbers, strings, lists, tables and lists of small tables are all that a scene h
 
 import json
 from collections.abc import Mapping
+from datetime import date, time
 from typing import Any
 
 __all__ = ["toml_text", "toml_value"]
@@ -36,6 +37,8 @@ def toml_value(value: Any) -> str:
         return json.dumps(value, ensure_ascii=False)  # TOML's basic strings escape as JSON does
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {toml_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, date | time):
+        return value.isoformat()
     if isinstance(value, list | tuple):
         return "[" + ", ".join(toml_value(item) for item in value) + "]"
     return repr(value)

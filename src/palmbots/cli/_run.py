@@ -66,12 +66,16 @@ def interruption_line(line: str) -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
-def load(source: str, changes: list[str] | None) -> "Scene":
-    """The scene of a command, with the overrides of ``--set``."""
+def load(
+    source: str, changes: list[str] | None, on_warning: Callable[[str], None] | None = None
+) -> "Scene":
+    """The scene of a command, with the overrides of ``--set``; its warnings are printed if
+    `on_warning` is None."""
     from palmbots.scene.overrides import parse_overrides
     from palmbots.scene.scene import load_scene
 
-    return load_scene(source, parse_overrides(changes or []), called="--set", on_warning=warn)
+    overrides = parse_overrides(changes or [])
+    return load_scene(source, overrides, called="--set", on_warning=on_warning or warn)
 
 
 def check_output(out: Path | None) -> None:

@@ -71,6 +71,8 @@ def _message(fault: ErrorDetails, model: type[BaseModel]) -> str:
         table = _model_at(where, model)
         legal = f" with the keys {', '.join(table.model_fields)}" if table else ""
         return f"{key}: {show(given)} is not a table; allowed: a table{legal}"
+    if kind in ("string_type", "string_unicode"):
+        return f"{key}: {show(given)} is not a string; allowed: a string"
     return f"{key}: {show(given)} is wrong: {fault['msg']}"
 
 

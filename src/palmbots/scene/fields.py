@@ -12,6 +12,7 @@ import math
 import numbers
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import date, datetime, time
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
@@ -136,6 +137,9 @@ def _kind(value: object) -> str:
         tuple: "a list",
         dict: "a table",
         type(None): "empty",
+        date: "a date",
+        datetime: "a date",
+        time: "a time",
     }
     return words.get(type(value), f"of type {type(value).__name__}")
 

@@ -77,7 +77,8 @@ def carry(
     from palmbots.stability.scene_limits import self_check
 
     _check_options(animation, video, view, world, out)
-    chosen = load(scene, changes)
+    unset: list[str] = []
+    chosen = load(scene, changes, unset.append)
     check_output(out)
     prepared = prepare(chosen, controller, world)  # all refusals come before the warnings
     check_precision(prepared.world, precision)
@@ -91,7 +92,7 @@ def carry(
         budget = mujoco_outputs.drift_budget(
             chosen, controller, quiet=as_json, accept_excess=accept_excess
         )
-    for text in (*early_warnings, *limits):
+    for text in (*unset, *early_warnings, *limits):
         warn(text)
     expected_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
     with mujoco_outputs.viewer(view) as show, progress("carrying", as_json, expected_s) as report:

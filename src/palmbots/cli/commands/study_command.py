@@ -66,11 +66,14 @@ def study(
     from palmbots.studies.study_file import load_plan
     from palmbots.studies.study_runner import run_study
 
-    plan = load_plan(source, carries, on_warning=warn)
+    unset: list[str] = []
+    plan = load_plan(source, carries, on_warning=unset.append)
     if scheduler is not None and local_cluster is not None:
         raise PalmbotsError("--scheduler and --local-cluster exclude each other; give one of them")
     if plot and not plan.keys:
         raise PalmbotsError("--plot needs a study that varies at least one key")
+    for text in unset:
+        warn(text)
     if estimate_cost:
         return _print_cost(plan, threads, chunk_size, as_json)
     root = out if out is not None else Path(f"{plan.name}.study")
