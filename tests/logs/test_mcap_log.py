@@ -4,9 +4,7 @@
 import dataclasses
 import json
 import math
-import re
 import struct
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -392,12 +390,3 @@ def test_variables_that_cannot_be_logged_are_refused(tmp_path, done, values, fie
     with pytest.raises(PalmbotsError, match=message):
         write_log(dataclasses.replace(done, trace=trace), tmp_path / "c.mcap")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_examples_of_the_page_run(tmp_path, monkeypatch, capsys):
-    page = Path(__file__).parents[2] / "docs" / "guide" / "logs.md"
-    blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) == 3
-    monkeypatch.chdir(tmp_path)
-    exec("\n".join(blocks), {})
-    assert capsys.readouterr().out.startswith("delivered ")

@@ -75,7 +75,7 @@ def test_figure_from_outside_is_drawn_by_plot(short):
         figure = "own"
 
         def plot(self, figure="own", **options):
-            return viz.FIGURES.get(figure)(self, **options)
+            return viz.FIGURES.get(str(figure))(self, **options)
 
     def draw(result, colour="red"):
         figure = Figure()
