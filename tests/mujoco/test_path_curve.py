@@ -180,6 +180,8 @@ def test_file_of_waypoints_is_stored_as_points(tmp_path: File) -> None:
         ("0,0\n1,1,1\n2,2\n", 'has "1,1,1" in line 2, which is not a point'),
         ("0,0\n1,nan\n2,2\n", "is not finite"),
         (b"\xff\xfe\x00", "it is not UTF-8 text"),
+        ("1" * 200_000, "is not a CSV file"),
+        ("# a comment\n" * 100_000, "is larger than 1 MiB"),
         (None, "No such file or directory"),
     ],
 )
@@ -192,6 +194,11 @@ def test_bad_files_are_refused_in_one_line(
     with pytest.raises(SceneError) as refusal:
         load_scene("paper", {"task.path.file": str(file)})
     assert message in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+def test_endless_file_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"task.path.file: ./dev/zero. is not a CSV file"):
+        load_scene("paper", {"task.path.file": "/dev/zero"})
 
 
 @pytest.mark.parametrize(

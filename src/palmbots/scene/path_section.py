@@ -18,6 +18,7 @@ from palmbots.scene.section import Section
 
 __all__ = ["CURVED", "Path", "Point"]
 
+_MOST_CHARACTERS = 1 << 20
 _MOST_POINTS = 10_000
 _LEAST_STEP_M = 0.01
 
@@ -140,12 +141,18 @@ def read_points(name: object) -> list[list[float]]:
     if not isinstance(name, str):
         raise field_error(name, "is not a file name", wanted, "file")
     try:
-        text = File(name).read_text("utf-8-sig")
+        with File(name).open(encoding="utf-8-sig") as stream:
+            text = stream.read(_MOST_CHARACTERS + 1)
+        rows = list(csv.reader(text.splitlines()))
     except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a null character in the name
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise field_error(name, f"cannot be read ({reason})", wanted, "file") from None
+    except csv.Error:  # such as a very long field
+        raise field_error(name, "is not a CSV file", wanted, "file") from None
+    if len(text) > _MOST_CHARACTERS:  # a device may be endless
+        raise field_error(name, "is larger than 1 MiB", wanted, "file")
     points: list[list[float]] = []
-    for number, row in enumerate(csv.reader(text.splitlines()), start=1):
+    for number, row in enumerate(rows, start=1):
         if not row or row[0].lstrip().startswith("#"):
             continue
         try:
