@@ -36,6 +36,7 @@ if _TYPE_CHECKING:
     from palmbots.scene.object_library import object_names as object_names
     from palmbots.scene.scene import Scene as Scene
     from palmbots.scene.scene import load_scene as load_scene
+    from palmbots.simulation.noise_limit import noise_limit as noise_limit
     from palmbots.simulation.rare_events import estimate_drop_rate as estimate_drop_rate
     from palmbots.simulation.single import carry as carry
     from palmbots.simulation.sweep import compare as compare
@@ -68,6 +69,7 @@ __all__ = [
     "modes",
     "modes_batch",
     "mujoco",
+    "noise_limit",
     "object_names",
     "open_study",
     "read_log",
@@ -102,6 +104,7 @@ _LAZY = {
     "modes": "palmbots.mechanics.mode_analysis:modes",
     "modes_batch": "palmbots.mechanics.mode_analysis:modes_batch",
     "mujoco": "palmbots.mujoco",
+    "noise_limit": "palmbots.simulation.noise_limit:noise_limit",
     "object_names": "palmbots.scene.object_library:object_names",
     "open_study": "palmbots.studies.study_reader:open_study",
     "PalmbotsError": "palmbots.errors:PalmbotsError",

@@ -60,6 +60,8 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["export", "--mjcf", "a", "--urdf", "../EMPTY/a"], ["--urdf: value is", "another file"]),
     (["export", "--mjcf", "a", "--urdf", "none/b"], ["none/b: cannot be written: none does not"]),
     (["export", "--urdf", "a", "--robot", "top"], ["--robot", "left, right"]),
+    (["noise-limit", "--relative-error-percent", "50"], ["--relative-error-percent", "0.1 to 10"]),
+    (["noise-limit", "--drop-rate-percent", "0"], ["--drop-rate-percent", "0.1 to 50"]),
     (["drop-rate", "--relative-error-percent", "0"], ["--relative-error-percent", "1 to 100"]),
     (["derive", "--policy", "x"], ["--policy", "table-1"]),
     (["derive", "--controllers", "x"], ["--controllers", "distributed"]),
@@ -149,6 +151,7 @@ WORK = {
     ("design", "--out"): ("palmbots.stability.palm_angles", "design"),
     ("analyze", "--figures"): ("palmbots.stability.analysis", "analyze"),
     ("validate", "--out"): ("palmbots.mujoco.validation.validation", "validate"),
+    ("noise-limit", "--out"): ("palmbots.simulation.noise_limit", "noise_limit"),
     ("speed-limits", "--out"): ("palmbots.mujoco.validation.speed_limits", "speed_limits"),
 }
 PROOF = ("palmbots.stability.certificates.prover", "certify")

@@ -69,6 +69,15 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
         {"drop_rate", "interval", "levels", "replicates", "controller", "seed", "scene"},
     ),
     (
+        "noise-limit",
+        ("--relative-error-percent", "10", *SHORT),
+        0,
+        {
+            "sigma_star_m_s", "interval", "rate", "carries", "pilot_carries", "points[].noise_m_s",
+            "points[].drops", "controller", "seed", "scene",
+        },
+    ),
+    (
         "compare",
         ("--values", "0,0.2", "-n", "2", *SHORT),
         0,

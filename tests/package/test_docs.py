@@ -46,6 +46,7 @@ FEW = {
     "carry --out": ["--set", "task.distance_m=0.1"],
     "compare": ["--carries", "2"],
     "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
+    "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],
     "study": ["--carries", "2"],
     "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.2"],
     "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.2"],

@@ -7,6 +7,8 @@ batches of carries, whether a drop could have been prevented, and what registers
 
 from palmbots.simulation.batch import run_batch as run_batch
 from palmbots.simulation.batch import run_seeds as run_seeds
+from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit
+from palmbots.simulation.noise_limit import NoisePoint as NoisePoint
 from palmbots.simulation.prepare import Prepared as Prepared
 from palmbots.simulation.rare_events import DropRate as DropRate
 from palmbots.simulation.result import Carry as Carry
@@ -32,6 +34,8 @@ __all__ = [
     "DropRate",
     "LinkStatistics",
     "Message",
+    "NoiseLimit",
+    "NoisePoint",
     "Prepared",
     "Refusal",
     "Row",

@@ -14,6 +14,7 @@ from palmbots._util.results import FIGURES, WRITERS
 if TYPE_CHECKING:
     from palmbots.viz.animation import save as save_animation
     from palmbots.viz.carry_figure import draw as draw_carry
+    from palmbots.viz.noise_limit_figure import draw as draw_noise_limit
     from palmbots.viz.save_figure import save_figure as write_figure
     from palmbots.viz.sequence_chart import draw as draw_message_sequence
     from palmbots.viz.side_view_figure import draw as draw_side_view
@@ -25,6 +26,7 @@ __all__ = [
     "FIGURES",
     "draw_carry",
     "draw_message_sequence",
+    "draw_noise_limit",
     "draw_side_view",
     "draw_sweep",
     "draw_timeline",
@@ -36,6 +38,7 @@ __all__ = [
 _LAZY = {
     "draw_carry": "carry_figure:draw",
     "draw_message_sequence": "sequence_chart:draw",
+    "draw_noise_limit": "noise_limit_figure:draw",
     "draw_side_view": "side_view_figure:draw",
     "draw_sweep": "sweep_figure:draw",
     "draw_timeline": "timeline_figure:draw",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Text of `palmbots compare` and `palmbots drop-rate`."""
+"""Text of `palmbots compare`, `drop-rate` and `noise-limit`."""
 
 import math
 import re
@@ -19,10 +19,11 @@ from palmbots.cli.reports.console import (
 )
 
 if TYPE_CHECKING:
+    from palmbots.simulation.noise_limit import NoiseLimit
     from palmbots.simulation.rare_events import DropRate
     from palmbots.simulation.sweep import Comparison, Row
 
-__all__ = ["compare_report", "drop_rate_report", "refusal_lines"]
+__all__ = ["compare_report", "drop_rate_report", "noise_limit_report", "refusal_lines"]
 
 _RADIO_BITS_S = 250_000  # of a small packet radio, for example IEEE 802.15.4
 _LONGEST_HEAD = 17
@@ -97,6 +98,32 @@ def _cells(row: "Row") -> list[str]:
         f"{row.messages_per_m:.0f}",
         f"{row.bytes_per_s:.0f}",
     ]
+
+
+def noise_limit_report(result: "NoiseLimit", scene: str, written: Sequence[Path]) -> None:
+    """Print the noise, its interval, and the drop rates it was fitted to."""
+    console = report_console()
+    low, high = (100 * end for end in result.interval)
+    head = Text(f"σ* = {100 * result.sigma_star_m_s:.3g} cm/s", style="bold")
+    console.print(head.append(f", 95 % {low:.3f} to {high:.3f}", "not bold"))
+    console.print(f"{scene}, {result.controller}, seed {result.seed}", style=QUIET)
+    console.print(f"at robot.noise_m_s = σ*, {100 * result.rate:g} % of carries drop the object")
+    heads = ("noise (cm/s)", "carries", "dropped % (95 %)")
+    table = plain_table(*heads, right=heads)
+    for point in result.points:
+        if point.counts:
+            ends = "–".join(f"{100 * end:.2f}" for end in point.interval)
+            table.add_row(
+                f"{100 * point.noise_m_s:.3f}",
+                f"{point.carries:,}",
+                f"{100 * point.drop_rate:.2f} ({ends})",
+            )
+    console.print(table)
+    console.print(
+        f"fitted to these carries; {result.pilot_carries:,} carries of a pilot run found where",
+        style=QUIET,
+    )
+    print_written_files(console, written)
 
 
 def drop_rate_report(result: "DropRate", scene: str) -> None:

@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The noise that a controller tolerates: the speed noise at which it drops 1 % of carries.
+
+The drop rate grows with ``robot.noise_m_s``. A pilot run brackets the noise at which it passes the
+given rate: first on a geometric grid, then by bisection, with a few hundred carries at each noise
+and the same seeds everywhere. It also finds how steep the rate is, and so how many carries the
+result needs. These carries then run at five noises near the crossing, and a probit model in the
+logarithm of the noise is fitted to them alone (`palmbots._util.probit`). The window is so narrow
+that a curvature of the rate shifts the result by little compared with its interval. No carry of the
+pilot run counts: they chose the window, and an estimate that also chooses its data would be biased.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from palmbots._types import Interval, Overrides
+from palmbots._util.arguments import seed_of, show, whole_number
+from palmbots._util.confidence import Z95, wilson
+from palmbots._util.probit import Counts, Crossing, crossing, information
+from palmbots._util.results import Result
+from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.simulation.batch import DROPPED, available_cores, run_batch
+from palmbots.simulation.prepare import Prepared, prepare
+
+__all__ = ["NoiseLimit", "NoisePoint", "noise_limit"]
+
+NOISE_KEY = "robot.noise_m_s"
+LEAST_M_S, MOST_M_S = 1e-4, 1.0
+"""The noises that the bracket may reach; the largest is the scene's own limit."""
+LEVELS = 5
+"""Noises at which the carries that count run."""
+MOST_CARRIES_IN_PYTHON = 20_000
+"""More carries of a Python controller than this take longer than about a quarter of an hour."""
+
+# Half of the window in ln(noise), for a relative half-width h of the interval. Where noise makes a
+# contact reach the end of a palm, the rate's quantile is about −c/noise, whose second derivative in
+# ln(noise) is minus its first. Five noises over ±w then shift the crossing by w²/4 = 0.15 h.
+_WINDOW_SQUARED = 0.6
+_WIDEST_PROBIT = 1.2  # in standard deviations of the rate's quantile
+_TYPICAL_SLOPE = 4.0  # of the shipped controllers in the built-in scenes
+_RESERVE = 1.4  # the slope is an estimate, and the crossing is not quite in the window's middle
+
+
+@dataclass(frozen=True, slots=True)
+class NoisePoint:
+    """The carries at one noise."""
+
+    noise_m_s: float
+    carries: int
+    drops: int
+    counts: bool
+    """Whether the result is fitted to them; False: a carry of the pilot run."""
+
+    @property
+    def drop_rate(self) -> float:
+        """The fraction of carries that dropped the object."""
+        return self.drops / self.carries
+
+    @property
+    def interval(self) -> Interval:
+        """Wilson's 95 % interval of the drop rate."""
+        return wilson(self.drops, self.carries)
+
+
+@dataclass(frozen=True, repr=False)
+class NoiseLimit(Result):
+    """The noise at which a controller drops a given fraction of carries, and how it was found."""
+
+    sigma_star_m_s: float
+    """``robot.noise_m_s`` at which the fraction `rate` of carries drops the object."""
+    interval: Interval
+    """95 %, from the likelihood ratio."""
+    rate: float
+    slope: float
+    """Of the fitted rate: how many standard deviations its quantile grows while the noise grows by
+    a factor of e."""
+    carries: int
+    """Those that count."""
+    pilot_carries: int
+    points: tuple[NoisePoint, ...]
+    controller: str
+    seed: int
+    scene: Scene
+
+    figure = "noise_limit"
+
+    def headline(self) -> str:
+        """One line that states the noise."""
+        low, high = self.interval
+        return (
+            f"σ* = {100 * self.sigma_star_m_s:.3g} cm/s (95 %: {100 * low:.4g} to "
+            f"{100 * high:.4g}), {self.controller}, seed {self.seed}"
+        )
+
+    def facts(self) -> dict[str, str]:
+        """What the number means, and how it was estimated."""
+        return {
+            "meaning": f"robot.noise_m_s at which {100 * self.rate:g} % of carries drop the object",
+            "carries": f"{self.carries:,}",
+            "pilot run": f"{self.pilot_carries:,} carries",
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots noise-limit --json`` prints."""
+        return {
+            "sigma_star_m_s": self.sigma_star_m_s,
+            "interval": list(self.interval),
+            "rate": self.rate,
+            "slope": self.slope,
+            "carries": self.carries,
+            "pilot_carries": self.pilot_carries,
+            "points": [
+                {
+                    "noise_m_s": point.noise_m_s,
+                    "carries": point.carries,
+                    "drops": point.drops,
+                    "counts": point.counts,
+                }
+                for point in self.points
+            ],
+            "controller": self.controller,
+            "seed": self.seed,
+            "scene": self.scene.model_dump(),
+        }
+
+
+def noise_limit(
+    scene: SceneLike = "paper",
+    controller: ControllerLike = "distributed",
+    *,
+    drop_rate: float = 0.01,
+    relative_half_width: float = 0.01,
+    seed: int = 0,
+    threads: int | None = None,
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> NoiseLimit:
+    """Find the speed noise at which a controller drops a given fraction of carries.
+
+    The noise is ``robot.noise_m_s`` of the scene; a robot that overrides it keeps its own. Carry i
+    has the seed seed + i at whatever noise it runs. The result depends on the arguments, not on the
+    number of threads.
+
+    Args:
+        scene: as in `palmbots.carry`. controller: as in `palmbots.carry`. A Python controller runs
+        one carry after the other, so it
+            needs a greater `relative_half_width`.
+        drop_rate: the fraction of carries that drops, 0.001 to 0.5.
+        relative_half_width: wanted half-width of the 95 % interval, as a fraction of the noise. The
+            interval may be a little wider, because the number of carries is an estimate.
+        seed: random seed.
+        threads: worker threads; None: one per processor.
+        overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: the scene cannot be read, is invalid, or is refused by the controller.
+        PalmbotsError: another argument is not allowed, or the drop rate does not pass the given one
+            between 0.0001 and 1 m/s of noise.
+    """
+    entry = resolve(controller)
+    if not 0.001 <= drop_rate <= 0.5:
+        raise PalmbotsError(f"drop_rate: value is {show(drop_rate)}; allowed: 0.001 to 0.5")
+    if not 0.001 <= relative_half_width <= 0.1:
+        raise PalmbotsError(
+            f"relative_half_width: value is {show(relative_half_width)}; allowed: 0.001 to 0.1"
+        )
+    seed = seed_of(seed)
+    workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
+    base = load_scene(scene, overrides)
+    few = max(200, math.ceil(4 / drop_rate))
+    if not entry.is_compiled:
+        _refuse_if_slow(entry, drop_rate, relative_half_width, few)
+    if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
+        raise PalmbotsError(
+            f"{NOISE_KEY}: both robots override it; allowed: an override of one robot at most"
+        )
+    run = _Carries(base, entry, seed, workers, on_progress or (lambda fraction: None))
+    pilot = _locate(run, base.robot.noise_m_s, drop_rate, few)
+    pilot_carries = run.carries
+    found: Crossing | None = None
+    for _ in range(4):
+        found, window = _measure(run, pilot, drop_rate, relative_half_width)
+        if found is not None and abs(found.x - pilot.x) <= window:
+            break
+        pilot = found or pilot  # the window missed the crossing: it moves, with carries of its own
+        pilot_carries = run.carries
+        run.discard()
+    if found is None or not math.isfinite(found.high - found.low):
+        raise PalmbotsError(
+            f"noise-limit: the drop rate of {entry.name} does not grow with the noise near "
+            f"{math.exp(pilot.x):.3g} m/s; allowed: scenes in which noise causes the drops"
+        )
+    run.report(1.0)
+    return NoiseLimit(
+        sigma_star_m_s=math.exp(found.x),
+        interval=(math.exp(found.low), math.exp(found.high)),
+        rate=float(drop_rate),
+        slope=found.slope,
+        carries=run.carries - pilot_carries,
+        pilot_carries=pilot_carries,
+        points=tuple(run.points),
+        controller=entry.name,
+        seed=seed,
+        scene=base,
+    )
+
+
+def _refuse_if_slow(entry: ControllerEntry, rate: float, half_width: float, few: int) -> None:
+    expected = 12 * few + _needed(rate, half_width, _TYPICAL_SLOPE)
+    if expected > MOST_CARRIES_IN_PYTHON:
+        left = max(MOST_CARRIES_IN_PYTHON - 12 * few, 1)
+        least = half_width * math.sqrt(_needed(rate, half_width, _TYPICAL_SLOPE) / left)
+        raise PalmbotsError(
+            f"controller: {entry.name} is in Python and needs about {expected:,} carries, one "
+            f"after the other; allowed: a shipped controller, or a wider interval "
+            f"(relative_half_width {math.ceil(100 * least) / 100:g} or more)"
+        )
+
+
+def _needed(rate: float, half_width: float, slope: float) -> int:
+    """How many carries near the crossing an interval of this relative half-width takes."""
+    per_carry = information(rate) * slope * slope
+    return math.ceil(_RESERVE * (Z95 / half_width) ** 2 / per_carry)
+
+
+@dataclass
+class _Carries:
+    """Runs carries of one scene at any noise, and keeps what came out."""
+
+    base: Scene
+    entry: ControllerEntry
+    seed: int
+    threads: int
+    report: Callable[[float], None]
+    carries: int = 0
+    """All so far."""
+    next_seed: int = 0
+    """Carries with a smaller index have been run at some noise."""
+    points: list[NoisePoint] = field(default_factory=list)
+    prepared: dict[float, Prepared] = field(default_factory=dict)
+    fraction: float = 0.0
+
+    def run(
+        self, noises: list[float], first: int, count: int, share: float, *, counts: bool = False
+    ) -> list[NoisePoint]:
+        """Run carries first … first + count − 1, each at the next of the noises in turn.
+
+        `share` is the fraction of the whole work that this is expected to be.
+        """
+        index = np.arange(count) % len(noises)
+        seeds = np.arange(first, first + count, dtype=np.uint64) + np.uint64(self.seed)
+        start = self.fraction
+        outcome = run_batch(
+            [self._spec(noise) for noise in noises],
+            index,
+            seeds,
+            self.entry,
+            threads=self.threads,
+            watch=lambda done: self.report(start + share * done / count),
+        )["outcome"]
+        self.fraction = start + share
+        self.report(self.fraction)
+        self.carries += count
+        self.next_seed = max(self.next_seed, first + count)
+        made = [
+            NoisePoint(
+                noise,
+                int(np.count_nonzero(index == i)),
+                int(np.count_nonzero(outcome[index == i] == DROPPED)),
+                counts,
+            )
+            for i, noise in enumerate(noises)
+        ]
+        self.points += made
+        return made
+
+    def discard(self) -> None:
+        """Let none of the carries so far count."""
+        self.points = [NoisePoint(p.noise_m_s, p.carries, p.drops, False) for p in self.points]
+        self.fraction = 0.3
+
+    def _spec(self, noise: float) -> Any:
+        if noise not in self.prepared:
+            scene = load_scene(self.base, {NOISE_KEY: noise})
+            self.prepared[noise] = prepare(scene, self.entry)
+        return self.prepared[noise].spec
+
+
+def _fit(points: list[NoisePoint], rate: float) -> Crossing | None:
+    return crossing(
+        Counts(
+            [math.log(point.noise_m_s) for point in points],
+            [point.carries for point in points],
+            [point.drops for point in points],
+        ),
+        rate,
+    )
+
+
+def _locate(run: _Carries, start: float, rate: float, few: int) -> Crossing:
+    """About where the drop rate passes `rate`, and how steeply, from a pilot run."""
+    tried: dict[float, NoisePoint] = {}
+
+    def at(noise: float) -> NoisePoint:
+        if noise not in tried:
+            (tried[noise],) = run.run([noise], 0, few, 0.15 * (0.3 - run.fraction))
+        return tried[noise]
+
+    noise = min(max(start or 0.01, LEAST_M_S), MOST_M_S)
+    low = high = noise
+    while at(high).interval[0] <= rate:
+        if high == MOST_M_S:
+            raise _unreached(run.entry, at(high), rate, "at most")
+        high = min(2 * high, MOST_M_S)
+    while at(low).interval[1] >= rate:
+        if low == LEAST_M_S:
+            raise _unreached(run.entry, at(low), rate, "at least")
+        low = max(low / 2, LEAST_M_S)
+    low = max(n for n in tried if n < high and tried[n].interval[1] < rate)
+    while high > 1.5 * low:
+        middle = math.sqrt(low * high)
+        if at(middle).interval[1] < rate:
+            low = middle
+        elif at(middle).interval[0] > rate:
+            high = middle
+        else:
+            break
+    found = _fit([point for n, point in tried.items() if low <= n <= high], rate)
+    centre = math.log(math.sqrt(low * high)) if found is None else found.x
+    centre = min(max(centre, math.log(low)), math.log(high))
+    step = 0.4 / (_TYPICAL_SLOPE if found is None else min(max(found.slope, 2.5), 12.0))
+    levels = [math.exp(centre + step * i) for i in (-2, -1, 0, 1, 2)]
+    run.run([min(n, MOST_M_S) for n in levels], run.next_seed, 5 * few, 0.3 - run.fraction)
+    near = [p for p in run.points if abs(math.log(p.noise_m_s) - centre) < 5 * step]
+    return _fit(near, rate) or Crossing(centre, _TYPICAL_SLOPE, -math.inf, math.inf)
+
+
+def _unreached(entry: ControllerEntry, point: NoisePoint, rate: float, bound: str) -> PalmbotsError:
+    """The refusal where the drop rate does not pass `rate` in the whole range of the noise."""
+    share = f"{100 * point.drop_rate:.3g} % of {point.carries} carries"
+    return PalmbotsError(
+        f"noise-limit: {entry.name} drops {bound} about {share}, here with {NOISE_KEY} = "
+        f"{point.noise_m_s:g}; allowed: scenes in which the drop rate passes {100 * rate:g} % "
+        f"between {LEAST_M_S:g} and {MOST_M_S:g} m/s"
+    )
+
+
+def _measure(
+    run: _Carries, pilot: Crossing, rate: float, half_width: float
+) -> tuple[Crossing | None, float]:
+    """The crossing from carries of its own, and half the window of ln(noise) in which they ran."""
+    window = min(math.sqrt(_WINDOW_SQUARED * half_width), _WIDEST_PROBIT / pilot.slope)
+    count = max(_needed(rate, half_width, pilot.slope), 200 * LEVELS)
+    if not run.entry.is_compiled:
+        count = min(count, MOST_CARRIES_IN_PYTHON)
+    steps = np.linspace(-window, window, LEVELS)
+    noises = [min(math.exp(pilot.x + float(step)), MOST_M_S) for step in steps]
+    made = run.run(noises, run.next_seed, count, 1.0 - run.fraction, counts=True)
+    return _fit(made, rate), window
