@@ -54,11 +54,12 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ),
     (
         "design",
-        ("--resolution-deg", "2"),
+        ("--resolution-deg", "4", *SHORT),
         0,
         {
-            "shallow_deg", "steep_deg", "tolerance", "friction", "friction_floor", "reaction_s",
-            "certificate", "scene",
+            "shallow_deg", "steep_deg", "maximize", "sigma_star_m_s", "interval", "controller",
+            "tolerance", "own.sigma_star_m_s", "own.interval", "own.tolerance", "friction",
+            "friction_floor", "reaction_s", "certificate", "designed_scene.palm", "scene",
         },
     ),
     ("certify", (), 0, {"verdict", "claims", "box", "parts"}),

@@ -31,7 +31,7 @@ REPORTS = [
     ("analyze", "--set", "palm.friction=0.05"),
     ("certify",),
     ("certify", "--friction", "0.1", "0.9"),
-    ("design", "--resolution-deg", "2"),
+    ("design", "--maximize", "com", "--resolution-deg", "2", "--set", "task.distance_m=0.1"),
     ("compare", "-n", "2", *SHORT),
     ("compare", "--sweep", "robot.left.acceleration_m_s2", "--values", "0.5,0.50000000001",
      "-n", "1", *SHORT),

@@ -68,7 +68,16 @@ def test_angle_error_states_what_clearance_leaves_of_it(
     "words",
     [
         ("analyze", "--set", "object=plank"),
-        ("design", "--maximize", "friction", "--common-friction", "--resolution-deg", "1"),
+        (
+            "design",
+            "--maximize",
+            "friction",
+            "--common-friction",
+            "--resolution-deg",
+            "1",
+            "--set",
+            "task.distance_m=0.2",
+        ),
     ],
 )
 def test_friction_beyond_the_limit_of_scenes_is_printed_with_the_limit(

@@ -18,12 +18,18 @@ import palmbots as pb
 from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.cli.main import run
+from palmbots.stability import Design
 from palmbots.stability.figures.palm_angles_figure import palm_angles
 from palmbots.stability.palm_angles import with_angles
 from palmbots.stability.problem import StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import reaction
 from palmbots.viz.style import styled
 from stability_oracle import contacts, happens
+
+
+def designed(scene: Any, **given: Any) -> Design:
+    """A design for a tolerance, of the COM by default, without carries."""
+    return pb.design(scene, **({"maximize": "com", "controller": None} | given))
 
 
 def demands(at: StabilityProblem) -> Iterator[tuple[int, Any, Any, Any]]:
@@ -59,7 +65,7 @@ def brute_tolerance(
     ("resolution_deg", "least"), [(5.0, 15), pytest.param(3.0, 40, marks=pytest.mark.soak)]
 )
 def test_best_pair_agrees_with_a_brute_force_search(resolution_deg: float, least: int) -> None:
-    found = pb.design(
+    found = designed(
         "paper",
         friction=(0.3, 0.5),
         common_friction=True,
@@ -131,7 +137,7 @@ def holds_with_an_error(at: StabilityProblem, quantity: str, by: float) -> bool:
 )
 def test_tolerances_agree_with_a_scan(quantity: str, step: float) -> None:
     region = (-0.025, 0.025)
-    found = pb.design(
+    found = designed(
         "paper", maximize=quantity, region_m=region, resolution_deg=4.0, angle_range_deg=(1.0, 37.0)
     )
     at = stability_problem(found.scene, region)
@@ -157,7 +163,7 @@ def test_tolerances_agree_with_a_scan(quantity: str, step: float) -> None:
 
 def test_best_pair_tolerates_1_4_times_the_papers_pair() -> None:
     """At least 1.4 × the COM tolerance of 5° and 15°, over the whole palm, cleared and proved."""
-    found = pb.design("paper", friction=(0.3, 0.5), common_friction=True, region_m="palm")
+    found = designed("paper", friction=(0.3, 0.5), common_friction=True, region_m="palm")
     assert found.paper_tolerance == pytest.approx(0.00904, abs=1e-5)
     assert found.tolerance >= 1.4 * (found.paper_tolerance or math.inf)
     assert found.clearance_deg >= 0.25
@@ -168,7 +174,7 @@ def test_best_pair_tolerates_1_4_times_the_papers_pair() -> None:
     "maximize", ["com", "friction", "slope", "acceleration", "region", "angle"]
 )
 def test_every_quantity_gets_a_certificate(maximize: str, tmp_path: Path) -> None:
-    found = pb.design("paper", maximize=maximize, resolution_deg=1.0)
+    found = designed("paper", maximize=maximize, resolution_deg=1.0)
     assert found.certificate.verdict == "holds"
     found.certificate.save(tmp_path / "design.json")
     assert check_function(tmp_path / "design.json").valid
@@ -178,7 +184,7 @@ def test_every_quantity_gets_a_certificate(maximize: str, tmp_path: Path) -> Non
 
 def test_one_percent_more_tolerance_is_refuted() -> None:
     """A hundredth more tolerance can be refuted, and nothing on the map has more."""
-    found = pb.design(
+    found = designed(
         "paper", friction=(0.3, 0.5), common_friction=True, region_m="palm", resolution_deg=0.5
     )
     most = float(found.map["tolerance"].where(found.map["allowed"]).max())
@@ -195,8 +201,9 @@ def test_one_percent_more_tolerance_is_refuted() -> None:
 
 
 def test_carries_with_designed_angles_are_delivered() -> None:
-    found = pb.design("paper")
+    found = designed("paper")
     scene = with_angles(found.scene, found)
+    assert scene == found.designed_scene
     report = pb.analyze(scene)
     assert report.holds
     done = [pb.carry(scene, seed=seed, record=False).outcome for seed in range(20)]
@@ -204,8 +211,8 @@ def test_carries_with_designed_angles_are_delivered() -> None:
 
 
 def test_independent_friction_tolerates_less_than_common_friction() -> None:
-    common = pb.design("paper", friction=(0.28, 0.32), common_friction=True, resolution_deg=1.0)
-    each = pb.design("paper", friction=(0.28, 0.32), resolution_deg=1.0)  # the default
+    common = designed("paper", friction=(0.28, 0.32), common_friction=True, resolution_deg=1.0)
+    each = designed("paper", friction=(0.28, 0.32), resolution_deg=1.0)  # the default
     assert each.tolerance < common.tolerance
     assert each.certificate.verdict == "holds"
 
@@ -236,7 +243,7 @@ def test_longer_reaction_time_enlarges_the_region() -> None:
 @pytest.mark.parametrize(
     ("given", "match"),
     [
-        ({"maximize": "beauty"}, "allowed: com, friction"),
+        ({"maximize": "beauty"}, "allowed: noise, com, friction"),
         ({"resolution_deg": 0.0}, "resolution_deg"),
         ({"resolution_deg": math.nan}, "resolution_deg"),
         ({"angle_range_deg": (20.0, 10.0)}, "angle_range_deg"),
@@ -258,13 +265,13 @@ def test_longer_reaction_time_enlarges_the_region() -> None:
 )
 def test_bad_arguments_are_refused_in_one_line(given: dict[str, object], match: str) -> None:
     with pytest.raises(pb.PalmbotsError, match=match):
-        pb.design("paper", **({"resolution_deg": 1.0} | given))  # pyright: ignore[reportArgumentType]
+        designed("paper", **({"resolution_deg": 1.0} | given))
 
 
 @pytest.mark.parametrize("scene", ["paper", {"object": "l-shape"}], ids=str)
 def test_map_has_units_and_a_legend_that_covers_nothing(scene: Any) -> None:
     """The legend names both marks, the limit of the clearance, and the areas; outside the map."""
-    design = pb.design(scene, resolution_deg=0.5)
+    design = designed(scene, resolution_deg=0.5)
     figure = palm_angles(design)
     axes, bar = figure.axes
     assert axes.get_xlabel() == "steep palm angle [°]"
@@ -288,10 +295,14 @@ def test_map_has_units_and_a_legend_that_covers_nothing(scene: Any) -> None:
 
 
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["design", "--friction", "0.3", "0.4", "--region", "palm", "--resolution-deg", "0.5"]
+    words = ["design", "--maximize", "com", "--friction", "0.3", "0.4", "--region", "palm"]
+    words += ["--resolution-deg", "0.5", "--set", "task.distance_m=0.2"]
     assert run([*words, "--json", "--out", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)
-    keys = "shallow_deg steep_deg tolerance friction friction_floor reaction_s certificate scene"
+    keys = (
+        "shallow_deg steep_deg tolerance friction friction_floor reaction_s certificate scene "
+        "sigma_star_m_s designed_scene"
+    )
     assert set(keys.split()) <= set(found)
     assert run(["check", str(tmp_path / "design.json"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["valid"] is True
@@ -316,8 +327,8 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_slope_in_degrees_changes_the_design() -> None:
     """An interval of 3° costs tolerance; its certificate contains the tangents of both ends."""
-    level = pb.design("paper", resolution_deg=1.0)
-    sloped = pb.design("paper", slope_deg=(-3.0, 3.0), resolution_deg=1.0)
+    level = designed("paper", resolution_deg=1.0)
+    sloped = designed("paper", slope_deg=(-3.0, 3.0), resolution_deg=1.0)
     assert sloped.tolerance < level.tolerance
     low, high = (float(Fraction(end)) for end in sloped.certificate.data["box"]["slope"])
     assert -low == pytest.approx(high)
@@ -327,6 +338,7 @@ def test_slope_in_degrees_changes_the_design() -> None:
 @pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_vector_figures_are_reproducible(kind: str, start: bytes, tmp_path: Path) -> None:
     words = ["design", "--region", "palm", "--resolution-deg", "2", "--format", kind]
+    words += ["--maximize", "com", "--set", "task.distance_m=0.1"]
     for name in ("one", "two"):
         assert run([*words, "--out", str(tmp_path / name)]) == 0
     files = [(tmp_path / name / f"design.{kind}").read_bytes() for name in ("one", "two")]
@@ -338,7 +350,7 @@ def test_vector_figures_are_reproducible(kind: str, start: bytes, tmp_path: Path
 
 def test_tie_prefers_smallest_angle_difference() -> None:
     """On the whole palm many pairs reach its end; the quickest of them is taken."""
-    found = pb.design("paper", maximize="region", region_m="palm", resolution_deg=1.0)
+    found = designed("paper", maximize="region", region_m="palm", resolution_deg=1.0)
     value = found.map["tolerance"].where(found.map["allowed"])
     best = value >= float(value.max()) * (1 - 1e-9)
     assert int(best.sum()) > 3
@@ -347,7 +359,7 @@ def test_tie_prefers_smallest_angle_difference() -> None:
 
 
 def test_search_stays_within_the_angle_range() -> None:
-    found = pb.design(
+    found = designed(
         "paper", angle_range_deg=(2.0, 17.0), resolution_deg=1.0, min_clearance_deg=0.0
     )
     for name in ("shallow", "steep"):
@@ -361,14 +373,17 @@ def test_undecided_design_renames_an_older_certificate(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = ["design", "--region", "palm", "--resolution-deg", "2", "--out", str(tmp_path)]
+    words += ["--maximize", "com", "--set", "task.distance_m=0.1"]
     assert run(words) == 0
     older = (tmp_path / "design.json").read_bytes()
-    found = pb.design("paper", region_m="palm", resolution_deg=2.0)
+    found = designed("paper", region_m="palm", resolution_deg=2.0)
     unproved = replace(found.certificate, verdict="undecided", undecided="property 1")
     module = importlib.import_module("palmbots.stability.palm_angles")
     monkeypatch.setattr(module, "design", lambda *_, **__: replace(found, certificate=unproved))
     capsys.readouterr()
-    assert run(words) == 0
+    assert run(words) == 1
     assert "design.json.old\n" in capsys.readouterr().err
-    assert {path.name for path in tmp_path.iterdir()} == {"design.png", "design.json.old"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "design.png", "design.json.old", "scene.toml",
+    }  # fmt: skip
     assert (tmp_path / "design.json.old").read_bytes() == older

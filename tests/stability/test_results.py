@@ -15,7 +15,7 @@ from palmbots._util.results import FIGURES, Result
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    design = pb.design("paper", resolution_deg=1.0)
+    design = pb.design("paper", maximize="com", controller=None, resolution_deg=1.0)
     path = tmp_path_factory.mktemp("certificate") / "design.json"
     design.certificate.save(path)
     analysis = pb.analyze("paper")

@@ -3,16 +3,17 @@
 
 from palmbots._util.results import FIGURES
 from palmbots.stability.analysis import Analysis, Bands, Margins, PropertyReport
-from palmbots.stability.angle_grid import QUANTITIES, Quantity
+from palmbots.stability.angle_grid import QUANTITIES, GridOptions, Quantity
 from palmbots.stability.certificates.checker.verify import CheckResult
 from palmbots.stability.certificates.obligations import CLAIMS
 from palmbots.stability.certificates.prover import Certificate
 from palmbots.stability.clearance import Clearance, ClosestState, outline_clearance
+from palmbots.stability.design_result import Design, OwnAngles
 from palmbots.stability.drop_diagnosis import analyze_hint, missing_properties
 from palmbots.stability.first_contact import FirstTouch, first_touch
 from palmbots.stability.lateral_tipping import Sideways
 from palmbots.stability.margins import Wedging
-from palmbots.stability.palm_angles import PAPER_DEG, Design, with_angles
+from palmbots.stability.palm_angles import PAPER_DEG, with_angles
 from palmbots.stability.problem import StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import Reaction, reaction
 from palmbots.stability.scene_limits import self_check
@@ -29,7 +30,9 @@ __all__ = [
     "ClosestState",
     "Design",
     "FirstTouch",
+    "GridOptions",
     "Margins",
+    "OwnAngles",
     "PropertyReport",
     "Quantity",
     "Reaction",

@@ -9,7 +9,7 @@ Source: docs/theory/stability.md; paper, section 5.1.
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,26 @@ from palmbots.stability.reaction_region import Reaction
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "AngleGrid", "GridLimits", "Quantity", "Uncertainty", "evaluate"]
+__all__ = [
+    "NOISE",
+    "QUANTITIES",
+    "AngleGrid",
+    "GridLimits",
+    "GridOptions",
+    "Objective",
+    "Quantity",
+    "Uncertainty",
+    "evaluate",
+    "tolerance_at",
+]
 
 Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"]
 """What `palmbots.design` can maximize the tolerance of."""
+
+Objective = Literal["noise"] | Quantity
+"""What `palmbots.design` can maximize: the noise limit σ*, or a tolerance."""
+
+NOISE: Literal["noise"] = "noise"
 
 QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
     "com": (0, math.inf, "m", 1e3, "COM along the object"),
@@ -45,6 +61,19 @@ _ROUNDING_DEG = 1e-9
 Grid = NDArray[np.float64]
 
 
+class GridOptions(TypedDict, total=False):
+    """The grid of angles, as `palmbots.design` takes it."""
+
+    min_angle_difference_deg: float
+    """Smallest difference of the two angles; 5 by default, assumed for all objects."""
+    min_clearance_deg: float
+    """Smallest clearance of the outline from the palms; 0.25 by default."""
+    angle_range_deg: Interval
+    """Range of both angles; (-5, 50) by default."""
+    resolution_deg: float | None
+    """Resolution of the grid; None, the default: 0.1 for ``com``, 0.5 for all others."""
+
+
 @dataclass(frozen=True)
 class GridLimits:
     """The grid of angles and the conditions that a pair must meet.
@@ -57,6 +86,8 @@ class GridLimits:
     resolution_deg: float
     min_difference_deg: float
     min_clearance_deg: float
+    also_deg: tuple[float, ...] = ()
+    """Angles of the grid that need not be multiples of the resolution; only those in the range."""
 
     def __post_init__(self) -> None:
         low, high = two_numbers("angle_range_deg", self.range_deg)
@@ -84,7 +115,8 @@ class GridLimits:
         low, high = self.range_deg
         step = self.resolution_deg
         steps = np.arange(math.ceil(low / step), math.floor(high / step) + 1)
-        return np.round(steps * step, 6).astype(np.float64)
+        multiples = np.round(steps * step, 6).astype(np.float64)
+        return np.union1d(multiples, [angle for angle in self.also_deg if low <= angle <= high])
 
 
 @dataclass(frozen=True)
@@ -127,8 +159,8 @@ class AngleGrid:
         row, column = min(ties, key=lambda rc: (difference[rc[0], rc[1]], self.degrees[rc[0]]))
         return int(row), int(column)
 
-    def tolerance_at(self, shallow_deg: float, steep_deg: float) -> float | None:
-        """The tolerance of one pair; None: not on the grid, or the pair fails or touches."""
+    def place_of(self, shallow_deg: float, steep_deg: float) -> tuple[int, int] | None:
+        """Row and column of a pair; None: it is not on the grid."""
         places = [
             np.flatnonzero(np.abs(self.degrees - angle) < _ROUNDING_DEG)
             for angle in (shallow_deg, steep_deg)
@@ -136,8 +168,15 @@ class AngleGrid:
         if any(len(place) == 0 for place in places):
             return None
         row, column = (int(place[0]) for place in places)
-        value = float(self.tolerance[row, column])
-        return value if value >= 0 and self.clearance_deg[row, column] >= 0 else None
+        return row, column
+
+    def tolerance_at(self, shallow_deg: float, steep_deg: float) -> float | None:
+        """The tolerance of one pair; None: not on the grid, or the pair fails or touches."""
+        place = self.place_of(shallow_deg, steep_deg)
+        if place is None:
+            return None
+        value = float(self.tolerance[place])
+        return value if value >= 0 and self.clearance_deg[place] >= 0 else None
 
     def refusal(self, limits: GridLimits) -> str:
         """Why no pair is admissible."""
@@ -161,8 +200,10 @@ class AngleGrid:
             "choose a smaller region"
         )
 
-    def dataset(self, quantity: Quantity, limits: GridLimits) -> "xr.Dataset":
-        """The grid as a labelled dataset."""
+    def dataset(
+        self, quantity: Quantity, limits: GridLimits, sigma_m_s: Grid | None = None
+    ) -> "xr.Dataset":
+        """The grid as a labelled dataset, with about σ* of each pair if it is given."""
         import xarray as xr  # here: its import takes longer than a carry
 
         about = {"units": QUANTITIES[quantity][2], "long_name": f"tolerance of {quantity}"}
@@ -173,7 +214,8 @@ class AngleGrid:
                 "tolerance": (axes, self.tolerance, about),
                 "clearance": (axes, self.clearance_deg, {"units": "degrees"}),
                 "allowed": (axes, self.admissible),
-            },
+            }
+            | ({} if sigma_m_s is None else {"sigma_star": (axes, sigma_m_s, {"units": "m/s"})}),
             coords=coordinates,
             attrs={
                 "min_clearance_deg": limits.min_clearance_deg,
@@ -202,26 +244,8 @@ def evaluate(
         PalmbotsError: no pair is admissible.
     """
     degrees = limits.angles_deg()
-    radians = np.radians(degrees)
     reach = None if implied is None else np.minimum(implied.reach_m, min(problem.half_length))
-    envelope = problem.envelope(
-        com_y=uncertainty.com_y,
-        friction=uncertainty.friction,
-        common=uncertainty.common_friction,
-        slope=uncertainty.slope,
-    )
-    number, most, *_ = QUANTITIES[quantity]
-    if quantity == "region":
-        most = min(problem.half_length)
-    tolerance, clearance = envelope.map(
-        radians,
-        radians,
-        (problem.com[0], problem.com[0]),
-        number,
-        min(most, _LARGEST_TOLERANCE),
-        np.empty((0, 0)) if reach is None else np.ascontiguousarray(reach),
-    )
-    clearance_deg = np.degrees(clearance)
+    tolerance, clearance_deg = _map(problem, quantity, degrees, degrees, uncertainty, reach)
     difference = degrees[np.newaxis, :] - degrees[:, np.newaxis]
     admissible = (
         (tolerance > 0)
@@ -232,3 +256,54 @@ def evaluate(
     if not admissible.any():
         raise PalmbotsError(f"no pair of angles qualifies: {grid.refusal(limits)}")
     return grid
+
+
+def tolerance_at(
+    problem: StabilityProblem,
+    quantity: Quantity,
+    angles_deg: Interval,
+    uncertainty: Uncertainty,
+    implied: Reaction | None,
+) -> float | None:
+    """The tolerance of one pair of angles (shallow, steep), which need not be on any grid.
+
+    None: the pair fails or touches. Arguments as of `evaluate`, with `implied` at this pair.
+    """
+    if angles_deg[1] <= angles_deg[0]:
+        return None
+    reach = None
+    if implied is not None:
+        reach = np.minimum(implied.reach_m, min(problem.half_length)).reshape(1, 1)
+    shallow, steep = (np.array([angle], np.float64) for angle in angles_deg)
+    tolerance, clearance_deg = _map(problem, quantity, shallow, steep, uncertainty, reach)
+    value = float(tolerance[0, 0])
+    return value if value >= 0 and clearance_deg[0, 0] >= 0 else None
+
+
+def _map(
+    problem: StabilityProblem,
+    quantity: Quantity,
+    shallow_deg: Grid,
+    steep_deg: Grid,
+    uncertainty: Uncertainty,
+    reach: Grid | None,
+) -> tuple[Grid, Grid]:
+    """Tolerance, and clearance [°], of all pairs of these angles."""
+    envelope = problem.envelope(
+        com_y=uncertainty.com_y,
+        friction=uncertainty.friction,
+        common=uncertainty.common_friction,
+        slope=uncertainty.slope,
+    )
+    number, most, *_ = QUANTITIES[quantity]
+    if quantity == "region":
+        most = min(problem.half_length)
+    tolerance, clearance = envelope.map(
+        np.radians(shallow_deg),
+        np.radians(steep_deg),
+        (problem.com[0], problem.com[0]),
+        number,
+        min(most, _LARGEST_TOLERANCE),
+        np.empty((0, 0)) if reach is None else np.ascontiguousarray(reach),
+    )
+    return tolerance, np.degrees(clearance)

@@ -1,46 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Design of the palm angles: the pair that tolerates the largest error of one quantity.
+"""Design of the palm angles: those that tolerate the most noise, or the largest error of a
+quantity.
 
-The contacts for which the properties have to hold are those that the scene's zones, speeds,
-latencies and tilt times imply at each pair of angles (`reaction_region`), or given ones. The result
-contains a certificate for the tolerance. Source: docs/theory/stability.md; paper, section 5.1
-("shallow enough that our system would have enough time to react").
+Every pair of angles has to have properties 0, 1 and 2 over a given uncertainty, for the contacts
+that the scene's zones, speeds, latencies and tilt times imply at that pair (`reaction_region`) or
+for given ones. By default the pair with the greatest σ* is chosen among them: steeper palms often
+tolerate larger errors, but take longer to turn, and then carries fail. σ* includes the controller,
+the palm rate and the reaction time, because it is measured in carries (`delivery_race`). The result
+contains a certificate. Source: docs/theory/stability.md; paper, section 5.1 ("shallow enough that
+our system would have enough time to react").
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, Unpack, cast
 
 import numpy as np
 
-from palmbots._types import Interval, Overrides
-from palmbots._util.arguments import one_of, show, two_numbers
+from palmbots._types import SIDES, Interval, Overrides
+from palmbots._util.arguments import one_of, seed_of, show, two_numbers
 from palmbots._util.renamed_names import renamed_arguments
-from palmbots._util.results import Result
-from palmbots.errors import PalmbotsError
+from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.simulation.batch import available_cores
+from palmbots.simulation.noise_limit import NoiseLimit, noise_limit
+from palmbots.stability.angle_certificate import certify_tolerance, scene_at
 from palmbots.stability.angle_grid import (
+    NOISE,
     QUANTITIES,
+    AngleGrid,
     GridLimits,
+    GridOptions,
+    Objective,
     Quantity,
     Uncertainty,
     evaluate,
+    tolerance_at,
 )
-from palmbots.stability.certificates.box_from_scene import (
-    RENAMED_ARGUMENTS,
-    box_of,
-    slope_interval,
-)
-from palmbots.stability.certificates.prover import Certificate, prove
+from palmbots.stability.certificates.box_from_scene import RENAMED_ARGUMENTS, slope_interval
+from palmbots.stability.delivery_race import Race, run_race
+from palmbots.stability.design_result import Design, OwnAngles
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
 from palmbots.stability.problem import StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import reaction
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["PAPER_DEG", "Design", "design", "with_angles"]
 
@@ -49,88 +55,18 @@ PAPER_DEG = (5.0, 15.0)
 
 Range: TypeAlias = Interval | None
 Region: TypeAlias = Interval | Literal["implied", "palm"]
+Progress: TypeAlias = Callable[[float], None] | None
 
-# The tolerance is found by bisection; the certificate claims this much less of it.
-_BISECTION_ERROR = 1e-6
-
-
-@dataclass(frozen=True, repr=False)
-class Design(Result):
-    """The best pair of angles with its tolerance and a certificate."""
-
-    scene: Scene
-    """As given; its own angles do not matter."""
-    quantity: Quantity
-    shallow_deg: float
-    steep_deg: float
-    tolerance: float
-    """Of the quantity, to either side, in its unit (`QUANTITIES`)."""
-    clearance_deg: float
-    """How far the object or a palm may turn until an edge lies on a palm."""
-    friction: Interval | None
-    """Coefficients, the same on both palms, for which the properties hold at these angles."""
-    friction_floor: float | None
-    reaction_s: dict[str, float]
-    """Time from leaving the zero zone to moving: own contact (d), and asked by the partner (a)."""
-    region_m: Interval
-    """The contacts for which everything holds."""
-    paper_tolerance: float | None
-    """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
-    certificate: Certificate
-    map: xr.Dataset
-    """Tolerance and clearance over all pairs of angles."""
-
-    figure = "palm-angles"
-
-    def headline(self) -> str:
-        """The angles and what they maximise."""
-        name = QUANTITIES[self.quantity][4]
-        return f"palm angles {self.shallow_deg:g}° and {self.steep_deg:g}° tolerate most: {name}"
-
-    @property
-    def shown_unit(self) -> str:
-        """The unit in which people read the quantity; empty: it has none."""
-        unit = QUANTITIES[self.quantity][2]
-        return {"m": "mm", "rad": "°"}.get(unit, unit)
-
-    def tolerance_text(self, tolerance: float) -> str:
-        """A tolerance of the quantity with its unit."""
-        scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
-        gap = "" if unit in ("", "°") else " "
-        return f"±{scale * tolerance:.3g}{gap}{unit}"
-
-    def facts(self) -> dict[str, str]:
-        """Tolerance, clearance, region, friction and certificate."""
-        low, high = self.region_m
-        facts = {
-            "tolerance": self.tolerance_text(self.tolerance),
-            "tolerance of 5°, 15°": "none: the pair fails or is not on the grid"
-            if self.paper_tolerance is None
-            else self.tolerance_text(self.paper_tolerance),
-            "clearance": f"{self.clearance_deg:.2f}°",
-            "contacts": f"{1e3 * low:.1f} to {1e3 * high:.1f} mm",
-        }
-        if self.friction is not None:
-            facts["friction"] = f"{self.friction[0]:.3f} to {self.friction[1]:.3f}"
-        return facts | {"certificate": self.certificate.verdict}
-
-    def summary(self) -> dict[str, Any]:
-        """The object that ``palmbots design --json`` prints."""
-        return {
-            "shallow_deg": self.shallow_deg,
-            "steep_deg": self.steep_deg,
-            "maximize": self.quantity,
-            "tolerance": self.tolerance,
-            "unit": QUANTITIES[self.quantity][2],
-            "paper_tolerance": self.paper_tolerance,
-            "clearance_deg": self.clearance_deg,
-            "friction": self.friction,
-            "friction_floor": self.friction_floor,
-            "reaction_s": self.reaction_s,
-            "region_m": self.region_m,
-            "certificate": self.certificate.data,
-            "scene": self.scene.model_dump(),
-        }
+_DEFAULTS = GridOptions(
+    min_angle_difference_deg=5.0,
+    min_clearance_deg=0.25,
+    angle_range_deg=(-5, 50),
+    resolution_deg=None,
+)
+_PRECISE, _COARSE = 0.015, 0.03
+"""Relative half-width of the interval of σ*, where it is the objective and where it is a
+by-product."""
+_TYPICAL_SLOPE = 4.0
 
 
 @renamed_arguments(
@@ -142,23 +78,25 @@ class Design(Result):
 def design(
     scene: SceneLike = "paper",
     *,
-    maximize: str = "com",
+    maximize: str = "noise",
+    controller: ControllerLike | None = "distributed",
     friction: Range = None,
     common_friction: bool = False,
     com_y_m: Range = None,
     slope_deg: Range = None,
     region_m: Region = "implied",
-    min_angle_difference_deg: float = 5.0,
-    min_clearance_deg: float = 0.25,
-    angle_range_deg: Interval = (-5, 50),
-    resolution_deg: float | None = None,
+    seed: int = 0,
     overrides: Overrides = None,
+    on_progress: Progress = None,
+    **grid: Unpack[GridOptions],
 ) -> Design:
-    """Find the palm angles, the same for both palms, that tolerate the largest error.
+    """Find the palm angles, the same for both palms, that tolerate the most.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        maximize: the quantity whose error is tolerated, one of `QUANTITIES`.
+        maximize: ``noise``, the speed noise at which 1 % of carries drop the object (σ*), or the
+            quantity whose error is tolerated, one of `QUANTITIES`.
+        controller: whose σ* is measured, a shipped one; None: nobody's. ``noise`` needs one.
         friction: interval of the coefficients; None: the scene's.
         common_friction: True: both palms have the same coefficient, which may be any of the
             interval; False: each palm has its own.
@@ -167,26 +105,26 @@ def design(
             to 45; None: the scene's.
         region_m: the contacts for which the properties have to hold: those that the scene implies
             at each pair of angles, the whole palm, or (low, high).
-        min_angle_difference_deg: smallest difference of the two angles.
-        min_clearance_deg: smallest clearance of the outline from the palms.
-        angle_range_deg: range of both angles.
-        resolution_deg: resolution of the grid; None: 0.1 for ``com``, 0.5 for all others.
+        seed: random seed of the carries.
         overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+        grid: ``min_angle_difference_deg``, ``min_clearance_deg``, ``angle_range_deg`` and
+            ``resolution_deg``, as `palmbots.stability.GridOptions` describes them.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
-        PalmbotsError: an argument is out of range, or no pair of angles qualifies.
+        PalmbotsError: an argument is out of range, no pair of angles qualifies, or the controller
+            refuses all of them.
     """
     chosen = load_scene(scene, overrides)
-    one_of("maximize", maximize, tuple(QUANTITIES))
-    quantity = cast("Quantity", maximize)
-    resolution = 0.1 if quantity == "com" else 0.5
-    limits = GridLimits(
-        angle_range_deg,
-        resolution if resolution_deg is None else resolution_deg,
-        min_angle_difference_deg,
-        min_clearance_deg,
-    )
+    one_of("maximize", maximize, (NOISE, *QUANTITIES))
+    objective = cast("Objective", maximize)
+    entry = _entry(controller, objective)
+    seed = seed_of(seed)
+    report = on_progress or (lambda fraction: None)
+    quantity: Quantity = "com" if objective == NOISE else objective
+    own_deg = _own_angles(chosen)
+    limits = _limits(grid, objective, own_deg)
     problem = _problem(chosen, region_m)
     uncertainty = Uncertainty(
         _frictions(problem, friction, common_friction),
@@ -199,34 +137,138 @@ def design(
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
-    grid = evaluate(problem, quantity, limits, uncertainty, implied)
+    found = evaluate(problem, quantity, limits, uncertainty, implied)
+    report(0.05)
 
-    row, column = grid.best()
-    shallow, steep = float(grid.degrees[row]), float(grid.degrees[column])
-    pair = (math.radians(shallow), math.radians(steep))
-    answer = problem.with_(angles=(pair, pair))
-    if grid.reach_m is not None:
-        reach = float(grid.reach_m[row, column])
-        answer = answer.with_(contacts=((-reach, reach), (-reach, reach)))
-    tolerance = float(grid.tolerance[row, column])
-    interval = _friction_interval(answer, uncertainty.friction)
+    own_limit = _measured(chosen, entry, seed, objective, report, (0.05, 0.25))
+    row, column, race = *found.best(), None
+    if objective == NOISE and entry is not None:
+        race = _race(chosen, entry, found, own_deg, own_limit, seed, report)
+        row, column = race.best
+    pair_deg = (float(found.degrees[row]), float(found.degrees[column]))
+    designed = scene_at(chosen, pair_deg)
+    limit = _measured(designed, entry, seed, objective, report, (0.7, 0.9))
+
+    pair = (math.radians(pair_deg[0]), math.radians(pair_deg[1]))
     times = reaction(chosen, *pair)
+    answer = problem.with_(angles=(pair, pair))
+    if found.reach_m is not None:
+        reach = float(found.reach_m[row, column])
+        answer = answer.with_(contacts=((-reach, reach), (-reach, reach)))
+    interval = _friction_interval(answer, uncertainty.friction)
+    certificate, tolerance = certify_tolerance(
+        chosen, answer, quantity, float(found.tolerance[row, column]), pair_deg, uncertainty
+    )
+    own_tolerance = None
+    if own_deg is not None:
+        at_own = reaction(chosen, *np.radians(own_deg)) if region_m == "implied" else None
+        own_tolerance = tolerance_at(problem, quantity, own_deg, uncertainty, at_own)
+    report(1.0)
     return Design(
         scene=chosen,
-        quantity=quantity,
-        shallow_deg=shallow,
-        steep_deg=steep,
+        objective=objective,
+        shallow_deg=pair_deg[0],
+        steep_deg=pair_deg[1],
         tolerance=tolerance,
-        clearance_deg=float(grid.clearance_deg[row, column]),
+        clearance_deg=float(found.clearance_deg[row, column]),
         friction=interval,
         friction_floor=interval[0] if interval else None,
         reaction_s={"own": float(times.own_s), "asked": float(times.asked_s)},
+        reach_m=float(times.reach_m),
         region_m=answer.contacts[0],
-        paper_tolerance=grid.tolerance_at(*PAPER_DEG),
-        certificate=_certificate(
-            chosen, answer, quantity, tolerance, (shallow, steep), uncertainty
-        ),
-        map=grid.dataset(quantity, limits),
+        noise_limit=limit,
+        own=OwnAngles(own_deg, own_tolerance, own_limit),
+        paper_tolerance=found.tolerance_at(*PAPER_DEG),
+        certificate=certificate,
+        map=found.dataset(quantity, limits, None if race is None else race.sigma_m_s),
+        designed_scene=designed,
+    )
+
+
+def _entry(controller: ControllerLike | None, objective: Objective) -> ControllerEntry | None:
+    if controller is None:
+        if objective == NOISE:
+            raise PalmbotsError("controller: value is null; allowed with noise: a controller")
+        return None
+    entry = resolve(controller)
+    if not entry.is_compiled:
+        raise PalmbotsError(
+            f"controller: {entry.name} is in Python, and a design takes several 100,000 carries; "
+            "allowed: a shipped controller"
+        )
+    return entry
+
+
+def _limits(given: GridOptions, objective: Objective, own_deg: Interval | None) -> GridLimits:
+    unknown = set(given) - set(_DEFAULTS)
+    if unknown:
+        raise TypeError(f"design() got an unexpected keyword argument {min(unknown)!r}")
+    options: Any = {**_DEFAULTS, **given}
+    resolution = options["resolution_deg"]
+    if resolution is None:
+        resolution = 0.1 if objective == "com" else 0.5
+    return GridLimits(
+        options["angle_range_deg"],
+        resolution,
+        options["min_angle_difference_deg"],
+        options["min_clearance_deg"],
+        own_deg or () if objective == NOISE else (),
+    )
+
+
+def _own_angles(scene: Scene) -> Interval | None:
+    left, right = ((p.shallow_deg, p.steep_deg) for p in map(scene.palm_of, SIDES))
+    return left if left == right else None
+
+
+def _measured(
+    scene: Scene,
+    entry: ControllerEntry | None,
+    seed: int,
+    objective: Objective,
+    report: Callable[[float], None],
+    part: Interval,
+) -> NoiseLimit | None:
+    """σ* of a scene; None where there is no controller, it refuses the scene, or there is no σ*."""
+    if entry is None:
+        return None
+    try:
+        return noise_limit(
+            scene,
+            entry,
+            relative_half_width=_PRECISE if objective == NOISE else _COARSE,
+            seed=seed,
+            on_progress=lambda done: report(part[0] + (part[1] - part[0]) * done),
+        )
+    except SceneError:
+        return None
+    except PalmbotsError as error:
+        if not str(error).startswith("noise-limit"):
+            raise
+        return None
+
+
+def _race(
+    scene: Scene,
+    entry: ControllerEntry,
+    grid: AngleGrid,
+    own_deg: Interval | None,
+    own_limit: NoiseLimit | None,
+    seed: int,
+    report: Callable[[float], None],
+) -> Race:
+    start = (scene.robot.noise_m_s or 0.01, _TYPICAL_SLOPE)
+    if own_limit is not None:
+        start = (own_limit.sigma_star_m_s, own_limit.slope)
+    return run_race(
+        scene,
+        entry,
+        grid,
+        None if own_deg is None else grid.place_of(*own_deg),
+        start,
+        seed=seed,
+        threads=available_cores(),
+        report=lambda done: report(0.25 + 0.45 * done),
     )
 
 
@@ -278,63 +320,6 @@ def _friction_interval(
     return around(friction_ranges(problem.with_(friction=(middle, middle))), middle)
 
 
-def _certificate(
-    scene: Scene,
-    problem: StabilityProblem,
-    quantity: Quantity,
-    tolerance: float,
-    angles_deg: Interval,
-    uncertainty: Uncertainty,
-) -> Certificate:
-    """The proof for a tolerance, reduced by the error of its bisection."""
-    error = math.floor(tolerance * (1 - _BISECTION_ERROR) * 1e9) / 1e9
-    intervals: dict[str, Any] = {
-        "com_y_m": uncertainty.com_y,
-        "friction": uncertainty.friction[0],
-        "friction_right": uncertainty.friction[1],
-        "common_friction": uncertainty.common_friction,
-        "shallow_deg": (angles_deg[0],) * 2,
-        "steep_deg": (angles_deg[1],) * 2,
-        "slope": uncertainty.slope,
-    }
-    region = problem.contacts[0]
-    if region != (-problem.half_length[0], problem.half_length[0]):
-        # Rounded outward to 1 nm, since a certificate contains decimal text, but not off the palm.
-        most = min(problem.half_length)
-        intervals["region_m"] = tuple(
-            math.copysign(min(math.ceil(abs(end) * 1e9) / 1e9, most), end) for end in region
-        )
-    if quantity == "com":
-        x = problem.com[0]
-        intervals["com_x_m"] = (round(x - error, 9), round(x + error, 9))
-    elif quantity == "friction":
-        pairs = [
-            (max(round(low - error, 9), 0.0), round(high + error, 9))
-            for low, high in uncertainty.friction
-        ]
-        intervals["friction"], intervals["friction_right"] = pairs
-    elif quantity in ("slope", "acceleration"):
-        low, high = uncertainty.slope or (problem.slope, problem.slope)
-        intervals["slope"] = (round(low - error, 9), round(high + error, 9))
-    elif quantity == "region":
-        intervals["region_m"] = (-error, error)
-    else:
-        error = math.floor(math.degrees(error) * 1e6) / 1e6
-        for key, angle in zip(("shallow_deg", "steep_deg"), angles_deg, strict=True):
-            intervals[key] = (round(angle - error, 6), round(angle + error, 6))
-    turned = _with_palm_angles(scene, angles_deg)
-    return prove(box_of(turned, beyond_m=problem.beyond, **intervals), scene=turned)
-
-
-def _with_palm_angles(scene: Scene, angles_deg: Interval) -> Scene:
-    table = scene.model_dump()
-    for palm in (table["palm"], table["palm"].get("left", {}), table["palm"].get("right", {})):
-        palm.pop("shallow_deg", None)
-        palm.pop("steep_deg", None)
-    table["palm"] |= {"shallow_deg": angles_deg[0], "steep_deg": angles_deg[1]}
-    return Scene.model_validate(table)
-
-
 def with_angles(scene: Scene, result: Design) -> Scene:
     """The scene with the designed angles on both palms."""
-    return _with_palm_angles(scene, (result.shallow_deg, result.steep_deg))
+    return scene_at(scene, (result.shallow_deg, result.steep_deg))

@@ -242,7 +242,8 @@ def test_friction_is_independent_unless_common_is_asked_for() -> None:
     assert run(["certify", "--friction", "0.3", "0.5", "--common-friction"]) == 0
     assert run(["certify", "--friction", "0.3", "0.5", "--independent-friction"]) == 1
     assert run(["design", "--friction", "0.3", "0.5", "--region", "palm"]) == 2
-    words = ["--region", "palm", "--resolution-deg", "1", "--common-friction"]
+    words = ["--region", "palm", "--resolution-deg", "1", "--common-friction", "--maximize", "com"]
+    words += ["--set", "task.distance_m=0.1"]
     assert run(["design", "--friction", "0.3", "0.5", *words]) == 0
 
 

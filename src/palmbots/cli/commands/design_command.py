@@ -2,16 +2,20 @@
 """The command `palmbots design`."""
 
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import typer
 
-from palmbots.cli._run import check_output, load, print_json, set_aside_certificate
+from palmbots.cli._progress import progress
+from palmbots.cli._run import check_output, load, print_json, set_aside_certificate, warn
 from palmbots.cli.options import (
     DONE,
+    FAILED,
+    ControllerOption,
     FormatOption,
     JsonOption,
     SceneArgument,
+    SeedOption,
     SetOption,
     interval_option,
     output_option,
@@ -32,9 +36,10 @@ def design(
         typer.Option(
             "--maximize",
             metavar="NAME",
-            help="Tolerance to maximize: com, friction, slope, acceleration, region or angle.",
+            help="noise, or a tolerance: com, friction, slope, acceleration, region or angle.",
         ),
-    ] = "com",
+    ] = "noise",
+    controller: ControllerOption = "distributed",
     friction: Annotated[Interval, interval_option("--friction", "Friction coefficient")] = None,
     common_friction: Annotated[
         bool,
@@ -71,51 +76,64 @@ def design(
         float | None,
         typer.Option(help="Spacing of the angle grid [default: 0.1 for com, otherwise 0.5]."),
     ] = None,
+    seed: SeedOption = 0,
     out: Annotated[
-        Path | None, output_option("Write design.png and design.json (certificate) there.")
+        Path | None,
+        output_option("Write design.png, design.json (certificate) and scene.toml there."),
     ] = None,
     file_format: FormatOption = "png",
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Find and certify the palm angles with the largest tolerance."""
+    """Find and certify the palm angles that tolerate the most noise.
+
+    --maximize selects the error of another quantity instead of the noise.
+    """
     from palmbots._util.arguments import one_of
     from palmbots.cli.reports.certificate_report import design_report
     from palmbots.stability.palm_angles import design as run_design
 
     one_of("--format", file_format, ("png", "svg", "pdf"))
     check_output(out)
-    result = run_design(
-        load(scene, changes),
-        maximize=cast("Any", maximize),
-        friction=friction,
-        common_friction=common_friction,
-        com_y_m=com_y_m,
-        slope_deg=slope_deg,
-        region_m=_region(region),
-        min_angle_difference_deg=min_angle_difference_deg,
-        min_clearance_deg=min_clearance_deg,
-        angle_range_deg=angle_range_deg,
-        resolution_deg=resolution_deg,
-    )
+    with progress("designing", as_json) as report:
+        result = run_design(
+            load(scene, changes),
+            maximize=maximize,
+            controller=controller,
+            friction=friction,
+            common_friction=common_friction,
+            com_y_m=com_y_m,
+            slope_deg=slope_deg,
+            region_m=_region(region),
+            seed=seed,
+            on_progress=report,
+            min_angle_difference_deg=min_angle_difference_deg,
+            min_clearance_deg=min_clearance_deg,
+            angle_range_deg=angle_range_deg,
+            resolution_deg=resolution_deg,
+        )
+    for text in result.warnings:
+        warn(text)
     written: list[Path] = []
     if out is not None:
-        from palmbots._util.atomic_files import folder
+        from palmbots._util.atomic_files import folder, write_whole
         from palmbots.stability.figures.palm_angles_figure import save
 
         target = folder(out)
         written.append(target / f"design.{file_format}")
         save(result, written[0])
+        written.append(target / "scene.toml")
+        write_whole(written[1], result.designed_scene.to_toml())
         if result.certificate.verdict == "holds":
             written.append(target / "design.json")
-            result.certificate.save(written[1])
+            result.certificate.save(written[2])
         else:
             set_aside_certificate(target / "design.json")
     if as_json:
         print_json(result.summary())
     else:
-        design_report(result, scene, written)
-    return DONE
+        design_report(result, scene, written, changes or [])
+    return DONE if result.certificate.verdict == "holds" else FAILED
 
 
 def _region(text: str) -> Any:

@@ -97,23 +97,20 @@ def check_report(result: "CheckResult", path: Path) -> None:
         console.print(indented(f"the scene is not in the box: {'; '.join(result.outside)}"))
 
 
-def design_report(design: "Design", scene_name: str, written: Sequence[Path]) -> None:
-    """Print the angles, the tolerance and the conditions under which it holds."""
-    from palmbots.stability.angle_grid import QUANTITIES
+def design_report(
+    design: "Design", scene_name: str, written: Sequence[Path], changes: Sequence[str]
+) -> None:
+    """Print the angles, what they tolerate beside the scene's own, and how to use them."""
+    from palmbots.stability.angle_grid import NOISE, QUANTITIES
 
     console = report_console()
     name = QUANTITIES[design.quantity][-1]
+    aim = "most noise" if design.objective == NOISE else f"largest tolerance: {name}"
     head = Text(f"{design.shallow_deg:g}° and {design.steep_deg:g}°", style="bold green")
-    head.append(f"  largest tolerance: {name}", style="bold")
-    head.append(f"   {scene_name}", style="dim")
-    console.print(head)
+    console.print(head.append(f"  {aim}", style="bold").append(f"   {scene_name}", style="dim"))
+    _design_comparison(console, design, name)
 
     table = plain_table()
-    ratio = ""
-    if design.paper_tolerance:
-        gain = design.tolerance / design.paper_tolerance
-        ratio = f"{gain:.2f} × that of 5° and 15°, {design.tolerance_text(design.paper_tolerance)}"
-    table.add_row("  tolerance", design.tolerance_text(design.tolerance), ratio)
     table.add_row("  clearance", f"{design.clearance_deg:.2f}°", "until a palm touches an edge")
     low, high = design.region_m
     table.add_row("  contacts", f"{1e3 * low:.1f} to {millimetres(high)}", "for which this holds")
@@ -131,4 +128,41 @@ def design_report(design: "Design", scene_name: str, written: Sequence[Path]) ->
         console.print(
             Text(f"certificate: {verdict} ({design.certificate.undecided})", "bold yellow")
         )
+    settings = " ".join(f"--set {key}={angle:g}" for key, angle in design.angle_keys.items())
+    console.print(f"to use these angles: {settings}", soft_wrap=True)
+    files = [str(path) for path in written if path.suffix == ".toml"]
+    given = "".join(f" --set {change}" for change in changes)
+    following = files[0] if files else f"{scene_name}{given} {settings}"
+    console.print(f"next: palmbots carry {following}", soft_wrap=True)
     print_written_files(console, written)
+
+
+def _design_comparison(console: Console, design: "Design", name: str) -> None:
+    """Print noise limit and tolerance of the designed angles and of the scene's own."""
+    from palmbots.stability.design_result import limit_text
+
+    own = design.own
+    heads = ("", f"designed, {design.shallow_deg:g}° and {design.steep_deg:g}°", own.name())
+    table = plain_table(*heads)
+    if design.noise_limit is not None or own.noise_limit is not None:
+        limits = (design.noise_limit, own.noise_limit)
+        table.add_row(
+            "  σ* (95 %)", *("none" if one is None else limit_text(one) for one in limits)
+        )
+    tolerance = "none: a property fails"
+    if own.tolerance is not None:
+        tolerance = design.tolerance_text(own.tolerance)
+    elif own.angles_deg is None:
+        tolerance = "the palms differ"
+    table.add_row(
+        f"  tolerance, {name.split(' along')[0]}",
+        design.tolerance_text(design.tolerance),
+        tolerance,
+    )
+    console.print(table)
+    limit = design.noise_limit or own.noise_limit
+    if limit is not None:
+        console.print(
+            f"  σ*: robot.noise_m_s at which 1 % of carries drop the object, {limit.controller}",
+            style="dim",
+        )

@@ -16,8 +16,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from palmbots.stability.angle_grid import QUANTITIES
-from palmbots.stability.palm_angles import PAPER_DEG, Design
+from palmbots.stability.angle_grid import NOISE, QUANTITIES
+from palmbots.stability.design_result import Design
+from palmbots.stability.figures.delivery_figure import delivery
+from palmbots.stability.palm_angles import PAPER_DEG
 from palmbots.viz.save_figure import save_figure
 from palmbots.viz.style import (
     BACKGROUND,
@@ -41,7 +43,12 @@ _MARGIN_DEG = 2.0
 
 
 def palm_angles(result: Design) -> Figure:
-    """Tolerance over shallow and steep angle; pairs that do not qualify are hatched."""
+    """Tolerance over shallow and steep angle; pairs that do not qualify are hatched.
+
+    A design for delivery is drawn with about σ* of its candidates instead (`delivery`).
+    """
+    if result.objective == NOISE:
+        return delivery(result)
     *_, scale, name = QUANTITIES[result.quantity]
     grid = result.map
     shallow, steep = grid["shallow"].to_numpy(), grid["steep"].to_numpy()

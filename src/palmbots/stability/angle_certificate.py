@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The certificate of designed palm angles, and the scene with these angles.
+
+Near the largest tolerance a condition becomes an equality, and a prover that bisects boxes cannot
+decide it. The certificate therefore claims a little less than the tolerance: first by the error of
+its bisection, then by more, until the prover can decide.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from palmbots._types import SIDES, Interval
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.stability.angle_grid import Quantity, Uncertainty
+from palmbots.stability.certificates.box_from_scene import box_of
+from palmbots.stability.certificates.prover import Certificate, prove
+from palmbots.stability.problem import StabilityProblem
+
+__all__ = ["angle_keys", "certify_tolerance", "scene_at"]
+
+_REDUCTIONS = (1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
+"""By how much less than the tolerance a certificate claims, in the order of the attempts. The first
+is the error of the bisection that finds the tolerance."""
+_FEW_BOXES = 3000
+"""An attempt that takes more boxes counts as undecided if a smaller claim is left to try."""
+
+
+def angle_keys(scene: Scene, angles_deg: Interval) -> dict[str, float]:
+    """The scene keys that give both palms these angles (shallow, steep)."""
+    keys = dict(zip(("palm.shallow_deg", "palm.steep_deg"), angles_deg, strict=True))
+    for side in SIDES:
+        override = getattr(scene.palm, side)
+        for name, angle in zip(("shallow_deg", "steep_deg"), angles_deg, strict=True):
+            if getattr(override, name) is not None:
+                keys[f"palm.{side}.{name}"] = angle
+    return keys
+
+
+def scene_at(scene: Scene, angles_deg: Interval) -> Scene:
+    """The scene with these angles on both palms.
+
+    Raises:
+        SceneError: it is no valid scene.
+    """
+    return load_scene(scene, angle_keys(scene, angles_deg))
+
+
+def certify_tolerance(
+    scene: Scene,
+    problem: StabilityProblem,
+    quantity: Quantity,
+    tolerance: float,
+    angles_deg: Interval,
+    uncertainty: Uncertainty,
+) -> tuple[Certificate, float]:
+    """The certificate for as much of a tolerance as the prover can decide, and how much that is."""
+    turned = scene_at(scene, angles_deg)
+    last = _REDUCTIONS[-1]
+    for reduction in _REDUCTIONS:
+        claimed = math.floor(tolerance * (1 - reduction) * 1e9) / 1e9
+        intervals = _intervals(problem, quantity, claimed, angles_deg, uncertainty)
+        box = box_of(turned, beyond_m=problem.beyond, **intervals)
+        limit: dict[str, int] = {} if reduction == last else {"max_boxes": _FEW_BOXES}
+        certificate = prove(box, scene=turned, **limit)
+        if certificate.verdict != "undecided":
+            break
+    return certificate, tolerance if reduction == _REDUCTIONS[0] else claimed
+
+
+def _intervals(
+    problem: StabilityProblem,
+    quantity: Quantity,
+    error: float,
+    angles_deg: Interval,
+    uncertainty: Uncertainty,
+) -> dict[str, Any]:
+    """The box of a claim: the uncertainty, and the error of one quantity to either side."""
+    intervals: dict[str, Any] = {
+        "com_y_m": uncertainty.com_y,
+        "friction": uncertainty.friction[0],
+        "friction_right": uncertainty.friction[1],
+        "common_friction": uncertainty.common_friction,
+        "shallow_deg": (angles_deg[0],) * 2,
+        "steep_deg": (angles_deg[1],) * 2,
+        "slope": uncertainty.slope,
+    }
+    region = problem.contacts[0]
+    if region != (-problem.half_length[0], problem.half_length[0]):
+        # Rounded outward to 1 nm, since a certificate contains decimal text, but not off the palm.
+        most = min(problem.half_length)
+        intervals["region_m"] = tuple(
+            math.copysign(min(math.ceil(abs(end) * 1e9) / 1e9, most), end) for end in region
+        )
+    if quantity == "com":
+        x = problem.com[0]
+        intervals["com_x_m"] = (round(x - error, 9), round(x + error, 9))
+    elif quantity == "friction":
+        pairs = [
+            (max(round(low - error, 9), 0.0), round(high + error, 9))
+            for low, high in uncertainty.friction
+        ]
+        intervals["friction"], intervals["friction_right"] = pairs
+    elif quantity in ("slope", "acceleration"):
+        low, high = uncertainty.slope or (problem.slope, problem.slope)
+        intervals["slope"] = (round(low - error, 9), round(high + error, 9))
+    elif quantity == "region":
+        intervals["region_m"] = (-error, error)
+    else:
+        error = math.floor(math.degrees(error) * 1e6) / 1e6
+        for key, angle in zip(("shallow_deg", "steep_deg"), angles_deg, strict=True):
+            intervals[key] = (round(angle - error, 6), round(angle + error, 6))
+    return intervals
