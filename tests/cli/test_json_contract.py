@@ -54,7 +54,7 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ),
     (
         "design",
-        ("--resolution-deg", "4", *SHORT),
+        ("--resolution-deg", "5", "--set", "task.distance_m=0.1"),
         0,
         {
             "shallow_deg", "steep_deg", "maximize", "sigma_star_m_s", "interval", "controller",

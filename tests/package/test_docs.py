@@ -45,7 +45,7 @@ def test_generated_parts_are_up_to_date() -> None:
 FEW = {
     "carry --out": ["--set", "task.distance_m=0.1"],
     "compare": ["--carries", "2"],
-    "design": ["--resolution-deg", "1", "--set", "task.distance_m=0.1"],
+    "design": ["--resolution-deg", "2", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
     "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],
     "study": ["--carries", "2"],

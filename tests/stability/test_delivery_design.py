@@ -96,7 +96,7 @@ def test_designed_pair_is_certified_and_among_the_candidates(crate: Design, tmp_
     assert check_function(tmp_path / "design.json").valid
     place = {"shallow": crate.shallow_deg, "steep": crate.steep_deg}
     assert bool(crate.map["allowed"].sel(place))
-    tried = np.isfinite(crate.map["sigma_star"])
+    tried = crate.map["sigma_star"].notnull()
     assert int(tried.sum()) > 20
     assert bool(tried.sel(place)) and not bool((tried & ~crate.map["allowed"]).any())
     estimate = float(crate.map["sigma_star"].sel(place))
@@ -191,7 +191,9 @@ def test_twenty_random_objects_drop_no_more_with_any_controller() -> None:
     for seed in range(20):
         for controller in shipped_names():
             try:
-                found = pb.design(random_scene(seed, 0.3), controller=controller)
+                found = pb.design(
+                    random_scene(seed, 0.2), controller=controller, resolution_deg=1.0
+                )
             except pb.PalmbotsError as error:
                 assert "refuses" in str(error) or "qualifies" in str(error)
                 continue

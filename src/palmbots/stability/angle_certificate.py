@@ -23,13 +23,13 @@ __all__ = ["angle_keys", "certify_tolerance", "scene_at"]
 _REDUCTIONS = (1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
 """By how much less than the tolerance a certificate claims, in the order of the attempts. The first
 is the error of the bisection that finds the tolerance."""
-_FEW_BOXES = 3000
-"""An attempt that takes more boxes counts as undecided if a smaller claim is left to try."""
+_FEW_BOXES, _MANY_BOXES = 3000, 20_000
+"""An attempt that takes more boxes counts as undecided; the last one may take many."""
 
 
 def angle_keys(scene: Scene, angles_deg: Interval) -> dict[str, float]:
     """The scene keys that give both palms these angles (shallow, steep)."""
-    keys = dict(zip(("palm.shallow_deg", "palm.steep_deg"), angles_deg, strict=True))
+    keys: dict[str, float] = {"palm.shallow_deg": angles_deg[0], "palm.steep_deg": angles_deg[1]}
     for side in SIDES:
         override = getattr(scene.palm, side)
         for name, angle in zip(("shallow_deg", "steep_deg"), angles_deg, strict=True):
@@ -57,16 +57,19 @@ def certify_tolerance(
 ) -> tuple[Certificate, float]:
     """The certificate for as much of a tolerance as the prover can decide, and how much that is."""
     turned = scene_at(scene, angles_deg)
-    last = _REDUCTIONS[-1]
-    for reduction in _REDUCTIONS:
+
+    def attempt(reduction: float, max_boxes: int) -> tuple[Certificate, float]:
         claimed = math.floor(tolerance * (1 - reduction) * 1e9) / 1e9
         intervals = _intervals(problem, quantity, claimed, angles_deg, uncertainty)
         box = box_of(turned, beyond_m=problem.beyond, **intervals)
-        limit: dict[str, int] = {} if reduction == last else {"max_boxes": _FEW_BOXES}
-        certificate = prove(box, scene=turned, **limit)
+        is_whole = reduction == _REDUCTIONS[0]
+        return prove(box, scene=turned, max_boxes=max_boxes), tolerance if is_whole else claimed
+
+    for reduction in _REDUCTIONS[:-1]:
+        certificate, proved = attempt(reduction, _FEW_BOXES)
         if certificate.verdict != "undecided":
-            break
-    return certificate, tolerance if reduction == _REDUCTIONS[0] else claimed
+            return certificate, proved
+    return attempt(_REDUCTIONS[-1], _MANY_BOXES)
 
 
 def _intervals(

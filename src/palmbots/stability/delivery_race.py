@@ -164,17 +164,19 @@ class _State:
 
     def rank(self, places: list[Place], rules: _Round) -> list[Place]:
         """The pairs, the best first; the round is repeated if the noise was far off."""
-        for _ in range(5):
-            found, dropped = self._carry(places, rules.carries)
-            drops = np.count_nonzero(dropped, axis=1)
-            least = float((drops.min() + 0.5) / (rules.carries + 1))
+        attempts = 0
+        while True:
+            attempts += 1
             used = self.noise_m_s
-            if rules.drop_rate / 5 < least < min(4 * rules.drop_rate, 0.5) or used == MOST_M_S:
+            found, dropped = self._carry(places, rules.carries)
+            rates = (np.count_nonzero(dropped, axis=1) + 0.5) / (rules.carries + 1)
+            least = float(rates.min())
+            fits = rules.drop_rate / 5 < least < min(4 * rules.drop_rate, 0.5)
+            if fits or used == MOST_M_S or attempts == 5:
                 break
             self.noise_m_s = self._towards(used, least, rules.drop_rate, self.start[1])
-        rates = (drops + 0.5) / (rules.carries + 1)
-        for place, rate in zip(found, rates, strict=True):
-            self.sigma[place] = self._towards(used, float(rate), _RATE, self.start[1])
+        for place, rate in zip(found, rates.tolist(), strict=True):
+            self.sigma[place] = self._towards(used, rate, _RATE, self.start[1])
         following = _ROUNDS[min(_ROUNDS.index(rules) + 1, len(_ROUNDS) - 1)]
         self.noise_m_s = self._towards(used, least, following.drop_rate, self.start[1])
         return self._ranked(found, dropped)

@@ -133,7 +133,7 @@ def design_report(
     files = [str(path) for path in written if path.suffix == ".toml"]
     given = "".join(f" --set {change}" for change in changes)
     following = files[0] if files else f"{scene_name}{given} {settings}"
-    console.print(f"next: palmbots carry {following}", soft_wrap=True)
+    console.print(f"to try them, run: palmbots carry {following}", soft_wrap=True)
     print_written_files(console, written)
 
 
