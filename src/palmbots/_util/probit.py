@@ -18,7 +18,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._util.confidence import Z95
+from palmbots._util.confidence_intervals import Z95
 
 __all__ = ["Counts", "Crossing", "crossing", "information"]
 

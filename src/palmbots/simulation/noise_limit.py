@@ -21,7 +21,7 @@ import numpy as np
 
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
-from palmbots._util.confidence import Z95, wilson
+from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.probit import Counts, Crossing, crossing, information
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve

@@ -8,7 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from palmbots.viz.style import INK, QUIET, controller_looks, controller_title, styled
+from palmbots.viz.style import (
+    BACKGROUND,
+    INK,
+    QUIET,
+    axis_label,
+    controller_looks,
+    controller_title,
+    styled,
+)
 from palmbots.viz.sweep_figure import few_ticks
 
 if TYPE_CHECKING:
@@ -46,8 +54,8 @@ def draw(result: "NoiseLimit") -> Figure:
         axes.plot(100 * noise, curve, color=colour, lw=0.8, ls=(0, (4, 2)))
         axes.plot(100 * noise[inside], curve[inside], color=colour, lw=1.6)
         axes.set(
-            xlabel="robot noise [cm/s]",
-            ylabel="dropped [%]",
+            xlabel=axis_label("robot noise", "cm/s"),
+            ylabel=axis_label("dropped", "%"),
             xlim=(100 * limit / _FURTHEST, 100 * limit * _FURTHEST),
             ylim=(100 * rate * _LOWEST, 100),
             title=f"{controller_title(result.controller)}: {100 * rate:g} % of carries drop at "
@@ -69,7 +77,7 @@ def _draw_point(axes: "object", point: "NoisePoint", colour: str, marker: str) -
     x, rate = 100 * point.noise_m_s, 100 * point.drop_rate
     low, high = (100 * end for end in point.interval)
     look = {"color": colour if point.counts else QUIET, "elinewidth": 0.8, "capsize": 2}
-    face = colour if point.counts else "white"
+    face = colour if point.counts else BACKGROUND
     if point.drops == 0:
         axes.errorbar(x, high, yerr=[[0.4 * high], [0]], uplims=True, **look)  # type: ignore[attr-defined]
         return

@@ -13,13 +13,20 @@ from matplotlib.lines import Line2D
 
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.design_result import Design, limit_text
-from palmbots.viz.style import INK, QUIET, styled
+from palmbots.viz.style import (
+    BACKGROUND,
+    COLOUR_MAP,
+    INK,
+    PAPER_PAIR,
+    QUIET,
+    axis_label,
+    styled,
+)
 
 __all__ = ["delivery"]
 
-_OWN = "#D55E00"
-_BEST_LOOK = {"marker": "*", "ms": 13, "mfc": "white", "mec": INK, "mew": 0.9}
-_OWN_LOOK = {"marker": "o", "ms": 6.5, "mfc": _OWN, "mec": "white", "mew": 0.9}
+_BEST_LOOK = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
+_OWN_LOOK = {"marker": "o", "ms": 6.5, "mfc": PAPER_PAIR, "mec": BACKGROUND, "mew": 0.9}
 
 
 def delivery(result: Design) -> Figure:
@@ -33,22 +40,28 @@ def delivery(result: Design) -> Figure:
     value = sigma[rows, columns]
     shallow, steep = grid["shallow"].to_numpy()[rows], grid["steep"].to_numpy()[columns]
     tolerance = scale * grid["tolerance"].to_numpy()[rows, columns]
-    look: dict[str, Any] = {"cmap": "cividis", "s": 16, "lw": 0}
+    look: dict[str, Any] = {"cmap": COLOUR_MAP, "s": 16, "lw": 0}
     with styled():
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         dots = left.scatter(steep, shallow, c=value, marker="s", **look)
         right.scatter(tolerance, value, c=value, **look)
-        figure.colorbar(dots, ax=left, pad=0.02, label="σ*, about [cm/s]")
-        left.set(xlabel="steep palm angle [°]", ylabel="shallow palm angle [°]")
-        right.set(xlabel=f"tolerance of {name}", ylabel="σ* [cm/s]", xlim=(0, None))
+        figure.colorbar(dots, ax=left, pad=0.02, label=axis_label("σ*, about", "cm/s"))
+        left.set(
+            xlabel=axis_label("steep palm angle", "°"), ylabel=axis_label("shallow palm angle", "°")
+        )
+        right.set(
+            xlabel=axis_label(f"tolerance of {name}, ±", result.shown_unit),
+            ylabel=axis_label("σ*", "cm/s"),
+            xlim=(0, None),
+        )
         left.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST_LOOK)
         _mark(right, scale * result.tolerance, result.noise_limit, _BEST_LOOK, INK)
         own = result.own
         if own.angles_deg is not None:
             left.plot(own.angles_deg[1], own.angles_deg[0], ls="", zorder=5, **_OWN_LOOK)
         if own.tolerance is not None:
-            _mark(right, scale * own.tolerance, own.noise_limit, _OWN_LOOK, _OWN)
+            _mark(right, scale * own.tolerance, own.noise_limit, _OWN_LOOK, PAPER_PAIR)
         figure.legend(
             handles=[
                 Line2D([], [], ls="", label=_best_text(result), **_BEST_LOOK),
