@@ -49,15 +49,15 @@ def test_fit_and_interval_are_those_of_a_general_minimizer(seed: int) -> None:
 
 
 def test_interval_covers_a_known_crossing_in_95_percent() -> None:
-    """600 samples whose window misses the crossing by up to a third: 95 % ± 4 standard errors."""
+    """250 samples whose window misses the crossing by up to a third: 95 % ± 4 standard errors."""
     rng = np.random.default_rng(1)
     covered = 0
-    for _ in range(600):
+    for _ in range(250):
         place = rng.uniform(-0.03, 0.03)
         found = crossing(drawn(rng, place, 4.0, 1500, 0.09), RATE)
         assert found is not None
         covered += found.low <= place <= found.high
-    assert abs(covered / 600 - 0.95) < 4 * math.sqrt(0.95 * 0.05 / 600)
+    assert abs(covered / 250 - 0.95) < 4 * math.sqrt(0.95 * 0.05 / 250)
 
 
 def test_information_is_the_curvature_of_the_likelihood() -> None:
