@@ -38,9 +38,10 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "figure5.png": "out/figure5.png",
         "figure6.png": "out/figure6.png",
     },
-    "palmbots design --friction 0.3 0.5 --common-friction --region palm --out out": {
-        "design.png": "out/design.png"
-    },
+    "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
+    "palmbots design --out out": {"design.png": "out/design.png"},
+    "palmbots design --maximize com --friction 0.3 0.5 --common-friction --region palm "
+    "--out out": {"design-com.png": "out/design.png"},
     "palmbots study centralized-vs-distributed --plot": {
         "centralized-vs-distributed.png": "centralized-vs-distributed.study/study.png"
     },
