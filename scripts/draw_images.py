@@ -40,8 +40,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     },
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},
-    "palmbots design --maximize com --friction 0.3 0.5 --common-friction --region palm "
-    "--out out": {"design-com.png": "out/design.png"},
+    "palmbots design --maximize com --friction 0.3 0.5 --common-friction --region palm --out out": {
+        "design-com.png": "out/design.png"
+    },
     "palmbots study centralized-vs-distributed --plot": {
         "centralized-vs-distributed.png": "centralized-vs-distributed.study/study.png"
     },
