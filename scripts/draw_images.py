@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draw the pictures of the docs anew, docs/images.
+"""Redraw the images of the docs (docs/images).
 
 Run it with the tree's own Python, after `make build`: .venv/bin/python scripts/draw_images.py
-Names of pictures after it draw only these. All of them take about ten minutes on two cores.
+To redraw only some of them, append their names. All of them take some minutes.
 
 `COMMANDS` states the command that draws each picture. The pages show the same commands; a test
 compares them.
@@ -111,8 +111,8 @@ def keep(name: str, drawn: Path) -> None:
 def with_few_colours(picture: Image.Image) -> Image.Image:
     """The picture with a palette, which takes a third of the space.
 
-    The palette has the most frequent colours exactly. Blends at the edges of lines become the
-    nearest of the others.
+    The most frequent colours are kept exactly. Blended colours at the edges of lines are replaced
+    by the nearest colour of the palette.
     """
     pixels = np.asarray(picture)
     colours, where, counts = np.unique(
@@ -132,7 +132,7 @@ def with_few_colours(picture: Image.Image) -> Image.Image:
 
 
 def main(names: list[str]) -> int:
-    """Draw these pictures; none: all."""
+    """Draw the named pictures, or all if none is named."""
     from palmbots.cli import main as cli
 
     every = {*FUNCTIONS, *(name for written in COMMANDS.values() for name in written)}

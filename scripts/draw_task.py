@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the labelled picture of the task, docs/images/task.png, for `draw_images.py`.
+"""Draw the labelled picture of the task, docs/images/task.png, for `draw_images.py`.
 
 The palm angles are larger than in the paper, so that they can be seen; lengths are the paper's.
 """

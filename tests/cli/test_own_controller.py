@@ -94,9 +94,9 @@ BROKEN = [
     ("class C:\n def __getattr__(self, n): return getattr(self, n)", "C cannot be used: Recursion"),
     ("class M(type):\n def __getattribute__(c, n): raise OSError\nclass C(metaclass=M): pass",
      "C of broken.py cannot be used: OSError"),
-    ("class C(Level): cases = 5", "cases is 5; allowed: a dictionary of texts"),
-    ("class C(Level): cases = {2: 'x'}", "cases is { 2 = \"x\" }; allowed: a dictionary of texts"),
-    ("class C(Level): assisted_cases = 5", "assisted_cases is 5; allowed: a list of texts"),
+    ("class C(Level): cases = 5", "cases is 5; allowed: a dictionary of strings"),
+    ("class C(Level): cases = {2: 'x'}", "cases is { 2 = \"x\" }; allowed: a dictionary of"),
+    ("class C(Level): assisted_cases = 5", "assisted_cases is 5; allowed: a list of strings"),
 ]  # fmt: skip
 
 

@@ -68,8 +68,8 @@ class SlowContacts:
             foot, along, normal = self._foot(side), self._along(side), self._normal(side)
             half = self.spec.palms[side].length / 2
             gap, place = (corners - foot) @ normal, (corners - foot) @ along
-            # The plate's normal must be one that the corner has: if an edge of the corner goes
-            # below the plate, the palm's tip touches that edge instead, however near it is.
+            # The plate's normal must lie in the normal cone of the corner. If an edge of the corner
+            # passes below the plate, the palm's tip touches that edge, not the corner.
             above = (edges @ normal >= -FLUSH * lengths) & (before @ normal >= -FLUSH * reach)
             on_plate = outer & above & (abs(gap) < near) & (abs(place) <= half)
             for i in np.flatnonzero(on_plate).tolist():

@@ -49,8 +49,8 @@ SLIP_TURNS_AT_LEVEL = Script(
     [(0.0, 0.0, -5.0), (0.0, 0.0, 2.0)],
 )
 # The tip of the left palm slides along an edge to its corner; the next edge is too steep to rest
-# on. Exactly at the corner the plate's normal would balance the object, but the corner has no such
-# normal: its edges enclose the plate's end.
+# on. Exactly at the corner the plate's normal would balance the object, but it lies outside the
+# normal cone of the corner.
 CORNER_SLIDES_OFF = Script(
     KEEL_OBJECT,
     {

@@ -23,9 +23,9 @@ struct BitslicedReport {
   RobotMask palm_at_target{};  // the palm has reached that angle
 };
 
-// 64 stations without their radio: Centralized::step() for all of them. The conditions are those of
-// control/centralized.hpp, but the stages are stated there again for one station: this form, for
-// one station, makes a single carry execute 41 % more instructions.
+// 64 stations without their radio: Centralized::step() for all of them. The conditions are shared
+// with control/centralized.hpp. The stages are implemented twice, here for 64 stations and there
+// for one: in this form a single carry would execute two fifths more instructions.
 // tests/cpp/batch/transition_table_test.cpp compares both in every state and for every input.
 class BitslicedStations {
   using Table = Centralized;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drop reason: the criterion by which a carry ends with a drop. Two palms hold an object at one
-// instant if these conditions hold; the first one that fails is the reason.
+// Drop reason: the criterion by which a carry ends with a drop. The conditions are those under which
+// two palms hold an object at one instant. The first one that fails is the reason for the drop.
 //
 // Source: docs/theory/contacts.md.
 #pragma once

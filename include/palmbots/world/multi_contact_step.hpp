@@ -106,10 +106,10 @@ struct MultiContactStep {
   }
 
  private:
-  // Decisions without progress; then the constraints are kept for a share of a look. Contacts that
-  // slide alternately would alternate forever: each slides until the other one would slide next.
-  // Instead, each slides a little too far, by up to that share, and the next decision passes on to
-  // the other. The path therefore deviates from the exact one by at most that share.
+  // Number of decisions without progress after which the constraints are kept for the fraction
+  // `forced_share` of a search interval (`look()`). Otherwise contacts that slide alternately would
+  // switch infinitely often within a step. Each one now slides slightly too far, by at most that
+  // fraction, before the next decision switches to the other.
   static constexpr int most_decisions = 6;
   static constexpr Real forced_share = Real(1) / Real(64);
 

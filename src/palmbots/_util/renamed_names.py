@@ -63,8 +63,9 @@ def renamed_fields(**new: str) -> Callable[[type[AnyClass]], type[AnyClass]]:
 def _strict_init(init: Any, new: Mapping[str, str]) -> Any:
     """The ``__init__`` of a dataclass that refuses old arguments.
 
-    Its parameters are written out, as those of a dataclass are. Some objects are made in every
-    control period, and ``*values, **given`` would take half as long again as making them.
+    The generated ``__init__`` lists its parameters explicitly, as a dataclass does. Some of these
+    objects are created in every control period, and a wrapper with ``*values, **given`` would add
+    half to the cost of creating one.
     """
     code, defaults = init.__code__, init.__defaults__ or ()
     names = code.co_varnames[1 : code.co_argcount]
@@ -114,7 +115,7 @@ def renamed_in_module(module: str, new: Mapping[str, str]) -> None:
 
     def __getattr__(name: str) -> Any:
         if name in new:
-            # An import would replace an AttributeError by an ImportError without this line.
+            # `from … import` replaces an AttributeError by an ImportError without its message.
             caller = sys._getframe(1)
             is_import = caller.f_code.co_code[caller.f_lasti] == opmap["IMPORT_FROM"]
             raise (ImportError if is_import else AttributeError)(
@@ -128,7 +129,7 @@ def renamed_in_module(module: str, new: Mapping[str, str]) -> None:
 
 
 class _OldModules:
-    """What ``import`` asks about a module that nothing else has found."""
+    """The last import finder: it refuses the old names of modules."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The standard streams where the caller has closed them, or nobody reads them any more.
+"""Handles standard streams that are closed, or whose reader has exited.
 
 This module imports almost nothing: it is used before anything else is imported.
 """
@@ -14,8 +14,8 @@ __all__ = ["discard_unwritable", "open_closed_streams", "say"]
 def open_closed_streams() -> None:
     """Let a closed stream, as in ``palmbots modes >&-``, discard what is written to it.
 
-    Otherwise the first file that is opened would get the number of the stream, and with it
-    everything that some library prints.
+    Otherwise the first file that is opened would get its file descriptor, and everything that a
+    library prints would go into that file.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
@@ -33,7 +33,7 @@ def say(line: str) -> None:
 def discard_unwritable(*names: str) -> None:
     """Discard the pending output of streams (``stdout``, ``stderr``) that cannot be written.
 
-    Otherwise the interpreter would report it at its end, or end with a status of its own.
+    Otherwise the interpreter would report the error at its exit, or change the exit status.
     """
     for name in names:
         stream = getattr(sys, name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The code of users: whatever it raises is reported in one line, also an exit of the program."""
+"""Runs code of users. Whatever it raises, SystemExit included, is reported in one line."""
 
 import contextlib
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ _LONGEST_TEXT = 200
 
 
 def show_error(error: BaseException) -> str:
-    """The type and the text of an exception as messages quote it; of a long text the beginning."""
+    """The type and the text of an exception, as messages quote them; a long text is cut off."""
     name = type(error).__name__
     try:
         text = str(error).strip()

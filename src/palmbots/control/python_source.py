@@ -68,7 +68,7 @@ def _load_file(place: str, called: str, folder: str | None) -> Any:
     path = _path(place, folder)
     try:
         if path.exists() and not path.is_file() and not path.is_dir():
-            raise PalmbotsError(f"{called}: {place}: is not a regular file")  # it is read twice
+            raise PalmbotsError(f"{called}: {place} is not a regular file")  # it is read twice
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
         reason = error.strerror or str(error)

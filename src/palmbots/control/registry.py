@@ -174,7 +174,7 @@ def _cases(maker: Any) -> dict[str, str]:
     cases = getattr(maker, "cases", {})
     if not isinstance(cases, Mapping) or not _are_texts([*cases, *cases.values()]):
         raise PalmbotsError(
-            f"controller: cases is {show(cases)}; allowed: a dictionary of texts, as in "
+            f"controller: cases is {show(cases)}; allowed: a dictionary of strings, as in "
             '{"a": "own p > 0"}'
         )
     return dict(cases)
@@ -184,7 +184,7 @@ def _assisted_cases(maker: Any) -> tuple[str, ...]:
     cases = getattr(maker, "assisted_cases", ())
     if not isinstance(cases, Iterable) or not _are_texts(cases := tuple(cases)):
         raise PalmbotsError(
-            f"controller: assisted_cases is {show(cases)}; allowed: a list of texts, as in "
+            f"controller: assisted_cases is {show(cases)}; allowed: a list of strings, as in "
             '("a", "c")'
         )
     return cases

@@ -25,7 +25,7 @@ from palmbots.derivation.global_policy import Direction, Signs
 __all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
 
 
-# By the numbers of the core; it names the absence of a message "none".
+# Indexed by the numbers of the core, which names the absence of a message "none".
 _MOVES = cast("tuple[Direction | None, ...]", (None, *MOVES[1:]))
 _MESSAGES = ("", *tuple(_core.MessageKind.__members__)[1:])
 _STEEP = int(_core.Palm.steep)

@@ -46,8 +46,8 @@ renamed_in_module(
     __name__,
     {
         "LETTERS": "palmbots.learn.MESSAGES",
-        "episodes": "palmbots.learn.episode, and Now in it to StepResult",
-        "meaning": "palmbots.learn.spaces, and in it Do to RobotAction, Seen to RobotObservation",
+        "episodes": "palmbots.learn.episode (Now is StepResult)",
+        "meaning": "palmbots.learn.spaces (Do is RobotAction, Seen is RobotObservation)",
     },
 )
 

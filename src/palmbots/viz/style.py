@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The style of all figures: colours that colour-blind readers can distinguish, sizes for print.
 
-Every colour of a picture has its name here, by what it means. The colours are those of Okabe and
-Ito (2008), pale versions of them, and greys. Colour is never the only distinction: the two robots
+All colours of figures are defined here and named by their meaning. Most are those of Okabe and Ito
+(2008), pale versions of them, and greys. Colour is never the only distinction: the two robots
 also differ by line style and hatch, controllers by marker and line style, and every correction has
 its label.
 

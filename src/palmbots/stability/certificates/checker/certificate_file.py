@@ -104,7 +104,7 @@ class Entry:
     def text(self) -> str:
         """A text."""
         if not isinstance(self.value, str):
-            raise self.fault("a text")
+            raise self.fault("a string")
         return self.value
 
     def index(self, least: int, end: int) -> int:

@@ -41,7 +41,7 @@ def read_box(entry: Entry) -> ClaimedBox:
     """
     points = [point.items(2) for point in entry["com_m"].items()]
     if not 1 <= len(points) <= _MOST_COMS:
-        raise CheckFailed(f"the box does not have 1 to {_MOST_COMS} COMs")
+        raise CheckFailed(f"box.com_m: {len(points)} points are given; allowed: 1 to {_MOST_COMS}")
     com = tuple((x.number(), y.number()) for x, y in points)
     width = entry["width_m"].interval()
     friction, common = entry["friction"].sides(), entry["friction"]["common"]

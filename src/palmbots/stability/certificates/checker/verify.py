@@ -132,7 +132,7 @@ def _claim(certificate: Entry) -> tuple[str, Callable[[ClaimedBox, Entry], None]
     verdict = certificate["verdict"]
     claims = [claim.text() for claim in certificate["claims"].items()]
     if not claims or set(claims) - CLAIMS:
-        raise certificate["claims"].fault(f"a list of {', '.join(sorted(CLAIMS))}")
+        raise certificate["claims"].fault(f"one or more of {', '.join(sorted(CLAIMS))}")
     text = f"{verdict.value}: {', '.join(claims)}"
     if verdict.value == "holds":
         return text, _check_holds
@@ -173,7 +173,7 @@ def _follow(proof: Entry, box: Box, prove: Callable[[Box], None]) -> None:
             continue
         if not (isinstance(node, list) and len(node) == 4 and isinstance(node[0], str)):
             raise CheckFailed("a proof is neither 'corners' nor [quantity, value, below, above]")
-        low, high = part.halves(node[0], Entry(node[1], "a proof").number())
+        low, high = part.halves(node[0], Entry(node[1], "value of a proof").number())
         pending += [(node[3], high), (node[2], low)]
 
 
