@@ -158,6 +158,18 @@ def test_folder_is_checked_without_being_created(tmp_path):
         check_folder(tmp_path / "gone" / "new")
 
 
+def test_folder_below_a_removed_working_directory_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    for call in (check_folder, folder, check_file):
+        with pytest.raises(PalmbotsError, match=r"^new: cannot be written: No such file"):
+            call("new")
+    for call in (check_folder, folder):
+        with pytest.raises(PalmbotsError, match="File name too long"):
+            call(tmp_path / ("n" * 256))
+
+
 def test_set_aside_uses_the_first_free_name(tmp_path):
     for round_ in range(3):
         write_whole(tmp_path / "box.json", f"{round_}")

@@ -164,11 +164,14 @@ def check_folder(path: str | os.PathLike[str]) -> None:
     Long computations call it before they start.
     """
     place = _folder_named(path)
-    if place.exists() and not place.is_dir():
-        raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
-    above = place.absolute()
-    while not os.path.lexists(above):
-        above = above.parent
+    try:
+        if place.exists() and not place.is_dir():
+            raise PalmbotsError(f"{place}: cannot be used as a folder: a file has this name")
+        above = place.absolute()
+        while not os.path.lexists(above):
+            above = above.parent
+    except OSError as error:  # such as a name that is too long, or no working directory
+        raise _refusal(place, error) from None
     if not above.is_dir():
         raise PalmbotsError(f"{place}: cannot be written: {above} is not a folder")
     if not os.access(above, os.W_OK | os.X_OK):
