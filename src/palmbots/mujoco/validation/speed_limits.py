@@ -21,7 +21,7 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mujoco.carry_runner import WORLD
 from palmbots.mujoco.settings import DEFAULT
 from palmbots.mujoco.validation import trials
@@ -152,7 +152,11 @@ def _limit(base: Scene, friction: float, closing: bool, forward: bool) -> Limit:
     spec = trials.spec_of(scene)
     sense = 1.0 if forward else -1.0
     nominal = slides_under(spec, closing, 0.0)
-    assert nominal is not None
+    if nominal is None:
+        raise SceneError(
+            f"with friction {friction:g} and the contacts at the pivots, the palms do not hold the "
+            "object; expected a scene in which they do"
+        )
     return Limit(
         friction,
         closing,
