@@ -21,6 +21,7 @@ from study_fixtures import SMALL
 
 ROOT = Path(__file__).parent.parent.parent
 SHORT = {"task.distance_m": 0.2}
+COARSE: dict[str, Any] = {"relative_half_width": 0.1, "overrides": SHORT}
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
 
 # What labels may state in square brackets, and labels that have no unit.
@@ -64,6 +65,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     for quantity in ("com", "friction"):  # with a unit and without
         angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
         yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
+    yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
     yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
     yield "speed_limits", speed_limits()
     ranges = {

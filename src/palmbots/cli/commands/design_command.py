@@ -85,7 +85,7 @@ def design(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Find and certify the palm angles that tolerate the most noise.
+    """Find and certify the most noise-tolerant palm angles.
 
     --maximize selects the error of another quantity instead of the noise.
     """

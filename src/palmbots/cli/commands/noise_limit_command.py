@@ -44,7 +44,7 @@ def noise_limit(
     out: Annotated[Path | None, output_option("Write noise_limit.png to this folder.")] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Find the speed noise at which 1 % of carries drop the object.
+    """Find the noise at which 1 % of carries drop the object.
 
     The noise is the scene key robot.noise_m_s; the estimate has a 95 % interval.
     """
