@@ -4,8 +4,8 @@
 All pairs carry with the same seeds. A first round runs a few carries at pairs far apart. Each
 further round keeps the best pairs, adds their neighbours at half the distance, and runs more
 carries (successive halving). The noise of a round is that at which the leader of the round before
-drops a few per cent: with less noise nobody drops, with more everybody. Among pairs that tie with
-the leader, within one standard deviation of the paired difference, the one with the largest
+drops a few per cent: with less noise no pair drops, with more noise all do. Among pairs that tie
+with the leader, within one standard deviation of the paired difference, the one with the largest
 tolerance wins. Only the order matters here; `palmbots.noise_limit` measures the winner with other
 seeds.
 """

@@ -96,7 +96,7 @@ def design(
         scene: a built-in name, a file, a table or a `Scene`.
         maximize: ``noise``, the speed noise at which 1 % of carries drop the object (σ*), or the
             quantity whose error is tolerated, one of `QUANTITIES`.
-        controller: whose σ* is measured, a shipped one; None: nobody's. ``noise`` needs one.
+        controller: the shipped controller whose σ* is measured; None: no σ*. ``noise`` needs one.
         friction: interval of the coefficients; None: the scene's.
         common_friction: True: both palms have the same coefficient, which may be any of the
             interval; False: each palm has its own.
