@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """stdout: 80 columns, no trailing blanks, no shortened numbers, full disks, other encodings, closed
-streams, and pipes that nobody reads."""
+streams, and closed pipes."""
 
 import os
 import re
@@ -157,7 +157,7 @@ PIPED = [
 
 
 @pytest.mark.parametrize("arguments", PIPED, ids=" ".join)
-def test_pipe_that_nobody_reads_ends_the_command_quietly(arguments: tuple[str, ...]) -> None:
+def test_closed_pipe_ends_the_command_quietly(arguments: tuple[str, ...]) -> None:
     reader, writer = os.pipe()
     os.close(reader)
     with open(writer, "w") as stdout:

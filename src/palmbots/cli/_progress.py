@@ -39,7 +39,7 @@ class LineProgress:
         )
         percent = int(100 * min(fraction, 1.0))
         line = f"palmbots: {stage}: {percent} % after {_duration(spent)}{left}"
-        with contextlib.suppress(OSError):  # a full disk, or a pipe that nobody reads
+        with contextlib.suppress(OSError):  # a full disk, or a closed pipe
             print(line, file=self._stream, flush=True)
 
 

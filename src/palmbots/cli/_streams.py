@@ -25,7 +25,7 @@ def open_closed_streams() -> None:
 
 
 def say(line: str) -> None:
-    """Print a line on stderr; nothing happens where stderr is full or nobody reads it."""
+    """Print a line on stderr; nothing happens where stderr is full or closed."""
     with contextlib.suppress(OSError):
         print(line, file=sys.stderr, flush=True)
 

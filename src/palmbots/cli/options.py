@@ -27,7 +27,7 @@ __all__ = [
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 CLOSED_PIPE = 141
-"""Nobody reads stdout any more: what a shell reports of programs that SIGPIPE ends."""
+"""The pipe on stdout is closed: what a shell reports of programs that SIGPIPE ends."""
 
 
 def _path(text: str) -> Path:

@@ -184,7 +184,7 @@ def _numbers(output: object, name: str) -> tuple[object, ...]:
     """The output of a step in the core's numbers; `name` is the class of the controller."""
     if not isinstance(output, StepOutput):
         if isinstance(output, Coroutine):
-            output.close()  # otherwise Python warns that nobody awaited it
+            output.close()  # otherwise Python warns that it was never awaited
         raise PalmbotsError(
             f"controller: {name}.step returned {_shown(output)}; allowed: a StepOutput, as in "
             'StepOutput(palm="shallow", move="away")'

@@ -150,9 +150,9 @@ def noise_limit(
     number of threads.
 
     Args:
-        scene: as in `palmbots.carry`. controller: as in `palmbots.carry`. A Python controller runs
-        one carry after the other, so it
-            needs a greater `relative_half_width`.
+        scene: as in `palmbots.carry`.
+        controller: as in `palmbots.carry`. A Python controller runs one carry after the other, so
+            it needs a greater `relative_half_width`.
         drop_rate: the fraction of carries that drops, 0.001 to 0.5.
         relative_half_width: wanted half-width of the 95 % interval, as a fraction of the noise. The
             interval may be a little wider, because the number of carries is an estimate.

@@ -318,7 +318,7 @@ def _draw_speeds(panel: Axes, view: _View) -> None:
         highest, lowest = max(highest, wanted.max()), min(lowest, wanted.min())
     room = max(0.06 * (highest - lowest), 0.1)
     panel.set_ylim(lowest - room, highest + room)
-    panel.set_ylabel(axis_label("thick: commanded\nspeed", "cm/s"))
+    panel.set_ylabel(axis_label("speed (thick:\ncommanded)", "cm/s"))
 
 
 def _shade(panel: Axes, view: _View, name: str) -> None:

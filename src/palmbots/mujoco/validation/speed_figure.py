@@ -80,9 +80,7 @@ def _paces(panel: Axes, result: SpeedLimits) -> None:
     panel.set_xticks(speeds, ticks)
     panel.minorticks_off()
     panel.set_ylim(0, 1.55 * half)
-    panel.set_xlabel(
-        axis_label("nominal speed", "m/s") + "\nbelow: delivered, quasistatic · MuJoCo"
-    )
+    panel.set_xlabel(axis_label("delivered, quasistatic · MuJoCo\nnominal speed", "m/s"))
     panel.set_ylabel(axis_label("contact", "mm"))
     panel.set_title("Carries, speed, correction and noise scaled alike", loc="left")
     panel.legend(loc="upper left", ncols=2)
