@@ -40,6 +40,8 @@ CASES: list[tuple[str, str, dict[str, object]]] = [
     ("distributed", "distributed", {}),
     ("centralized", "centralized", {}),
     ("resilient", "resilient", {}),
+    ("silent", "silent", {}),
+    ("shared-sign", "shared-sign", {}),
     ("none", "none", {}),
     ("distributed, palms 1 cm above their pivots", "distributed", {"palm.pivot_offset_m": 0.01}),
     ("distributed, 1 % of messages lost", "distributed", {"radio.loss": 0.01}),
@@ -49,6 +51,11 @@ CASES: list[tuple[str, str, dict[str, object]]] = [
     ("distributed, one reboot", "distributed", {"faults.random_reboots": 1}),
     ("centralized, one reboot", "centralized", {"faults.random_reboots": 1}),
     ("resilient, one reboot", "resilient", {"faults.random_reboots": 1}),
+    (
+        "shared-sign, one reboot and 1 % of messages lost",
+        "shared-sign",
+        {"faults.random_reboots": 1, "radio.loss": 0.01},
+    ),
     ("distributed, one bump a metre", "distributed", {"bumps.rate_per_m": 1.0}),
 ]
 

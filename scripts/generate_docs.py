@@ -21,11 +21,21 @@ from docs_generators import (
     public_names,
     rooms,
     scene_keys,
+    table_controllers,
     wire,
 )
 
 ROOT = Path(__file__).resolve().parent.parent
-GENERATORS = (commands, controllers, derivation, public_names, rooms, scene_keys, wire)
+GENERATORS = (
+    commands,
+    controllers,
+    derivation,
+    public_names,
+    rooms,
+    scene_keys,
+    table_controllers,
+    wire,
+)
 
 
 def main() -> int:

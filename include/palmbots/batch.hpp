@@ -10,6 +10,7 @@
 #include "palmbots/batch/bitslice_metrics.hpp"
 #include "palmbots/batch/bitslice_resilient.hpp"
 #include "palmbots/batch/bitslice_table.hpp"
+#include "palmbots/batch/bitslice_table_team.hpp"
 #include "palmbots/batch/bitslice_teams.hpp"
 #include "palmbots/batch/event_draws.hpp"
 #include "palmbots/batch/lane_random_inputs.hpp"

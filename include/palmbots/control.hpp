@@ -10,4 +10,8 @@
 #include "palmbots/control/messages.hpp"
 #include "palmbots/control/resilient.hpp"
 #include "palmbots/control/resilient_timing.hpp"
+#include "palmbots/control/shared_sign.hpp"
+#include "palmbots/control/silent.hpp"
+#include "palmbots/control/table.hpp"
+#include "palmbots/control/table_robot.hpp"
 #include "palmbots/control/transition_table.hpp"

@@ -3,6 +3,7 @@
 // metrics and trace.
 #pragma once
 
+#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/bumps.hpp"
 #include "palmbots/sim/carry.hpp"
@@ -18,8 +19,8 @@
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/recorder.hpp"
-#include "palmbots/sim/resilient_team.hpp"
 #include "palmbots/sim/robot_pair.hpp"
 #include "palmbots/sim/spec.hpp"
+#include "palmbots/sim/table_team.hpp"
 #include "palmbots/sim/team.hpp"
 #include "palmbots/sim/team_registry.hpp"

@@ -12,7 +12,7 @@ COST = Path(__file__).parents[2] / "benchmarks" / "results" / "wire.csv"
 
 MEANING = {
     "version": "version of this format: 1",
-    "kind": "0 hello, 1 message, 2 beacon, 3 report, 4 command",
+    "kind": "0 hello, 1 message, 2 beacon, 3 report, 4 command, 5 sign",
     "roles": "bits 0–3 sender, bits 4–7 receiver: 0 left, 1 right, 2 station",
     "pair": "number of the pair of robots; any number",
     "epoch": f"number of the sender's boots so far, 1 to {MAX_EPOCH}",

@@ -56,10 +56,8 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     return single ? run_named<float, HashRecorder>(spec, name, seed)
                   : run_named<double, HashRecorder>(spec, name, seed);
   }
-  const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
-  DistributedTeam<PythonController> team(
-      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
-      seed, leader_of(spec), Faults::of(spec, seed));
+  DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
+                                         seed, leader_of(spec), Faults::of(spec, seed));
   return single ? run_team<float, TraceRecorder>(spec, seed, std::move(team))
                 : run_team<double, TraceRecorder>(spec, seed, std::move(team));
 }

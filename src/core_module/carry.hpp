@@ -7,24 +7,26 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "palmbots/sim/build.hpp"
 #include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/recorder.hpp"
 
 namespace palmbots::bindings {
 
 // A controller written in Python: an object with
-//   step(sign, message, turned) -> (palm, move, message sent, message read, case, waits).
+//   step(sign, message, turned, leads) -> (palm, move, stop, message sent, message read, case,
+//   waits).
 class PythonController {
  public:
-  explicit PythonController(nb::object step) : step_(std::move(step)) {}
+  PythonController(nb::object step, bool leads) : step_(std::move(step)), leads_(leads) {}
 
   Distributed::Output step(Distributed::Input in) {
     const nb::object answer =
-        step_(static_cast<int>(in.sign), static_cast<int>(in.message), in.palm_at_target);
-    const auto [palm, move, send, read, name, waits] =
-        nb::cast<std::tuple<int, int, int, bool, int, bool>>(answer);
+        step_(static_cast<int>(in.sign), static_cast<int>(in.message), in.palm_at_target, leads_);
+    const auto [palm, move, stop, send, read, name, waits] =
+        nb::cast<std::tuple<int, int, bool, int, bool, int, bool>>(answer);
     now_ = {static_cast<char>(name),
-            {static_cast<Palm>(palm), static_cast<Move>(move)},
+            {static_cast<Palm>(palm), static_cast<Move>(move), stop},
             waits,
             MessageKind::none};
     return {now_.command, static_cast<MessageKind>(send), read};
@@ -33,8 +35,16 @@ class PythonController {
 
  private:
   nb::object step_;
+  bool leads_;
   Distributed::StateOutput now_ = Distributed::outputs[0];
 };
+
+// The controllers of both robots, from their step functions.
+inline PerSide<PythonController> python_controllers(const nb::object& pair, const Spec& spec) {
+  const auto [l, r] = nb::cast<std::tuple<nb::object, nb::object>>(pair);
+  return {PythonController(l, leader_of(spec) == left),
+          PythonController(r, leader_of(spec) == right)};
+}
 
 // What a carry gave, in seconds and metres.
 struct Run {

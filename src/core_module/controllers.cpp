@@ -66,6 +66,8 @@ nb::dict facts(const ControllerInfo& info) {
   d["team"] = deciders[static_cast<int>(info.decider)];
   d["uses_radio"] = info.uses_radio;
   d["is_periodic"] = info.is_periodic;
+  d["stops_in_silence"] = info.stops_in_silence;
+  d["drives_by_both_signs"] = info.drives_by_both_signs;
   d["has_time_bounds"] = info.has_time_bounds;
   d["messages"] = texts(info.messages);
   d["cases"] = cases;
@@ -79,7 +81,7 @@ void bind_controllers(nb::module_& m) {
   bind_enum(m, "Palm", Palm::steep, Palm::shallow,
             "Which of its two angles a palm is commanded to.");
   bind_enum(m, "Move", Move::hold, Move::closer, "The speed a robot adds to its nominal one.");
-  bind_enum(m, "MessageKind", MessageKind::none, MessageKind::raised,
+  bind_enum(m, "MessageKind", MessageKind::none, MessageKind::minus_shallow,
             "What robots say to each other.");
 
   m.def(

@@ -63,10 +63,9 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
     }
     return visit_team(name, [&](auto team) { return make(team(spec, seed)); });
   }
-  const auto pair = nb::cast<std::tuple<nb::object, nb::object>>(controller);
-  return make(DistributedTeam<PythonController>(
-      {PythonController(std::get<0>(pair)), PythonController(std::get<1>(pair))}, channel_of(spec),
-      seed, leader_of(spec), Faults::of(spec, seed)));
+  return make(DistributedTeam<PythonController>(python_controllers(controller, spec),
+                                                channel_of(spec), seed, leader_of(spec),
+                                                Faults::of(spec, seed)));
 }
 
 template <class T>

@@ -126,6 +126,9 @@ void bind_spec(nb::module_& m) {
       .def_rw("airtime", &Spec::airtime)
       .def_rw("beacon", &Spec::beacon)
       .def_rw("lease", &Spec::lease)
+      .def_prop_rw(
+          "brake", [](const Spec& s) { return s.brake != 0; },
+          [](Spec& s, bool brake) { s.brake = brake ? 1 : 0; })
       .def_rw("watchdog", &Spec::watchdog)
       .def_rw("random_reboots", &Spec::random_reboots)
       .def_rw("reboot", &Spec::reboot)

@@ -137,6 +137,19 @@ void bind_wire(nb::module_& core) {
         return std::tuple(number(command.palm), number(command.move));
       },
       nb::arg("payload"), "A command: palm, move.");
+  m.def(
+      "sign",
+      [](int sign, std::uint8_t palm) {
+        return wire::payload(wire::SignWord{static_cast<Sign>(sign), palm != 0});
+      },
+      nb::arg("sign"), nb::arg("palm"), "The payload of a sign.");
+  m.def(
+      "sign_of",
+      [](std::uint8_t payload) {
+        const auto word = wire::sign_of(payload);
+        return std::tuple(number(word.sign), int{word.shallow});
+      },
+      nb::arg("payload"), "A sign: sign, palm.");
 
   nb::class_<wire::Endpoint>(m, "Endpoint", "One end of the wire.")
       .def(

@@ -38,6 +38,7 @@ __all__ = [
     "Packet",
     "Report",
     "Role",
+    "SignWord",
     "Verdict",
     "decode",
     "encode",
@@ -58,7 +59,7 @@ MAX_SEQUENCE = 2**32 - 1
 """The last packet of an epoch."""
 
 Role = Literal["left", "right", "station"]
-Kind = Literal["hello", "message", "beacon", "report", "command"]
+Kind = Literal["hello", "message", "beacon", "report", "command", "sign"]
 Verdict = Literal[
     "accepted",
     "wrong_version",
@@ -122,9 +123,20 @@ class Command:
     move: Move
 
 
-Body = MessageKind | Beacon | Report | Command | None
+@dataclass(frozen=True, slots=True)
+class SignWord:
+    """What a robot sends periodically with the controller shared-sign."""
+
+    sign: Literal[-1, 0, 1]
+    """Tactile sign of the contact coordinate p; p > 0 is outward."""
+    palm: Palm = "steep"
+    """The palm angle that was commanded last. It counts where both robots have the same sign; with
+    sign 0 it is not sent and is always "steep"."""
+
+
+Body = MessageKind | Beacon | Report | Command | SignWord | None
 """Content of a packet: a message of the distributed algorithm, a beacon of the resilient one, a
-report or a command of the centralized one, or None for a hello."""
+report or a command of the centralized one, a sign, or None for a hello."""
 
 
 @renamed_fields(heard="acknowledged")
@@ -256,12 +268,17 @@ def _payload(body: Body) -> tuple[int, int]:
         case Command():
             palm, move = _index("palm", PALMS, body.palm), _index("move", MOVES, body.move)
             return 4, _core.wire.command(palm, move)
+        case SignWord():
+            sign = _SIGNS[_index("sign", _SIGNS, body.sign)]
+            palms = PALMS if sign else ("steep",)
+            palm = _index("palm of a sign", palms, body.palm)
+            return 5, _core.wire.sign(sign, palm)
         case Beacon():
             _index("letter of a beacon", _BEACONS, body.letter)
             return 2, _core.wire.beacon(body.letter, bool(body.stopped), bool(body.ready))
         case _:
             return 1, 1 + _index(
-                "body", _MESSAGES, body, also=", or a Beacon, Report, Command or None"
+                "body", _MESSAGES, body, also=", or a Beacon, Report, Command, SignWord or None"
             )
 
 
@@ -281,6 +298,9 @@ def _body(kind: int, payload: int) -> Body:
         case "command":
             palm, move = _core.wire.command_of(payload)
             return Command(PALMS[palm], MOVES[move])
+        case "sign":
+            sign, palm = _core.wire.sign_of(payload)
+            return SignWord(_SIGNS[sign + 1], PALMS[palm])
 
 
 def _decoded(verdict: str, fields: _Fields) -> Decoded:
@@ -306,7 +326,7 @@ def _check_talk(sender: Role, receiver: Role, kind: Kind) -> None:
     _index("sender", _ROLES, sender)
     to: tuple[Role, ...] = tuple(role for role in _ROLES if role != sender)
     match kind:
-        case "message" | "beacon":
+        case "message" | "beacon" | "sign":
             _index("sender of a " + kind, SIDES, sender)
             to = tuple(role for role in to if role != "station")
         case "report":

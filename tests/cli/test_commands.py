@@ -13,10 +13,12 @@ from typer.main import get_command
 from commands import Run, assert_refused
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
+from palmbots.control.registry import shipped_names
 from palmbots.simulation import register_world, unregister_world
 from shell import palmbots
 
 DONE, FAILED = cli.DONE, cli.FAILED
+WITH_CHART = ("distributed", "resilient", "shared-sign")  # their robots send each other messages
 SHORT = ("--set", "task.distance_m=0.05")
 
 
@@ -29,7 +31,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.mark.parametrize("controller", ["none", "centralized", "distributed", "resilient"])
+@pytest.mark.parametrize("controller", shipped_names())
 def test_carry_writes_the_same_files_for_every_controller(
     controller: str, here: Run, tmp_path: Path
 ) -> None:
@@ -43,7 +45,7 @@ def test_carry_writes_the_same_files_for_every_controller(
     result = here("carry", "-c", controller, *options)
     assert result.returncode in (DONE, FAILED), result.stderr
     files = {"carry.png", "carry.mcap", "carry.gif"}
-    chart = {"message_sequence.png"} if controller in ("distributed", "resilient") else set()
+    chart = {"message_sequence.png"} if controller in WITH_CHART else set()
     assert {path.name for path in out.iterdir()} - chart == files
 
 

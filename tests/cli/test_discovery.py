@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from commands import Run, assert_refused
+from palmbots.control.registry import shipped_names
 from palmbots.scene.error_messages import dotted_keys
 from palmbots.scene.key_reference import scene_keys
 from palmbots.scene.scene import Scene, load_scene
@@ -63,8 +64,8 @@ def test_keys_takes_a_part_or_a_pattern(here: Run) -> None:
 def test_controllers_lists_those_of_the_help(here: Run) -> None:
     rows = json.loads(here("controllers", "--json").stdout)["controllers"]
     names = [row["name"] for row in rows]
-    assert names[:4] == ["none", "centralized", "distributed", "resilient"]
-    for name in names[:4]:
+    assert names == [*shipped_names()]
+    for name in names:
         assert name in here("controllers").stdout
 
 

@@ -73,7 +73,14 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_shipped_controllers_are_those_of_the_core() -> None:
-    assert shipped_names() == ("none", "centralized", "distributed", "resilient")
+    assert shipped_names() == (
+        "none",
+        "centralized",
+        "distributed",
+        "resilient",
+        "silent",
+        "shared-sign",
+    )
     for name in shipped_names():
         entry = resolve(name)
         assert entry.name == name

@@ -9,7 +9,7 @@ import pytest
 import palmbots as pb
 from palmbots.errors import PalmbotsError
 from palmbots.learn import carry_v0
-from palmbots.learn.baseline import Baseline, run_episode
+from palmbots.learn.baseline import Baseline, SilentBaseline, run_episode
 
 HARD = {
     "robot.noise_m_s": 0.02,
@@ -126,3 +126,15 @@ def test_baseline_needs_messages() -> None:
     with pytest.raises(PalmbotsError, match="Table 2 needs messages; pass messages=True"):
         run_episode(env, seed=0)
     assert Baseline().act(np.array([0, -1, 1, 0, 0, 0, 0])).tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("messages", [True, False])
+@pytest.mark.parametrize("overrides", [{"robot.noise_m_s": 0.03}, {"start.left_m": 0.03, **LOSING}])
+def test_silent_baseline_reproduces_the_carry_bit_for_bit(
+    overrides: dict[str, Any], messages: bool
+) -> None:
+    known = pb.carry("paper", "silent", seed=3, overrides=overrides)
+    env = carry_v0.parallel_env("paper", overrides=overrides, record=True, messages=messages)
+    played = run_episode(env, lambda: SilentBaseline("paper", messages), seed=3)
+    assert played.outcome == known.outcome
+    assert env.carry("silent").trace_hash == known.trace_hash

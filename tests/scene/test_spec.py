@@ -134,6 +134,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
                     ],
                 },
                 "control.watchdog_s": 0.2,
+                "control.brake": False,
                 "robot.left.clock_ppm": 150,
             },
         )
@@ -153,6 +154,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
         (0, 0, 1.6, 0.25, 0, 0.0),
     ]
     assert (spec.random_reboots, spec.reboot, spec.watchdog) == (3, 0.7, 0.2)
+    assert not spec.brake
     assert [robot.clock_drift for robot in spec.robots] == [pytest.approx(150e-6), 0]
 
 

@@ -27,7 +27,7 @@ from palmbots.simulation import batch
 from palmbots.simulation.batch import Columns, batch_modules, run_batch, run_seeds
 from strategies import scenes
 
-CONTROLLERS = ("none", "centralized", "distributed", "resilient")
+CONTROLLERS = ("none", "centralized", "distributed", "resilient", "silent", "shared-sign")
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
 

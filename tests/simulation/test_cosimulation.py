@@ -35,7 +35,7 @@ BUSY = load_scene(
     }
 )
 FALLS = load_scene({"robot": {"noise_m_s": 0.03}})
-CONTROLLERS = ("none", "centralized", "distributed", "resilient")
+CONTROLLERS = ("none", "centralized", "distributed", "resilient", "silent", "shared-sign")
 RESULTS = (
     "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "corrections",
     "messages", "messages_lost", "links", "waiting_s", "hanging", "limit_cycle", "stopped",

@@ -10,6 +10,7 @@ import pytest
 
 import palmbots as pb
 from cxx import program
+from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
@@ -22,7 +23,7 @@ BUILDS = [
         for level in range(3)
     ),
 ]
-RUNS = list(product(("none", "centralized", "distributed", "resilient"), ("double", "float")))
+RUNS = list(product(shipped_names(), ("double", "float")))
 
 # Of the scene `paper` with seed 0. They change only if the physics, a controller or the random
 # numbers do, and then in a release that says so.
@@ -35,6 +36,10 @@ PINNED = {
     ("distributed", "float"): "f17f2ca1dcc84385",
     ("resilient", "double"): "cf24fa7e2d29ab7d",
     ("resilient", "float"): "1adb9883c0b1be5a",
+    ("silent", "double"): "7e1e16cbcf0cb6de",
+    ("silent", "float"): "f73fee217a701a47",
+    ("shared-sign", "double"): "0b5a3f2117259ef0",
+    ("shared-sign", "float"): "f8208b1ef3fabcb3",
 }
 
 # Everything that a scene can switch on.

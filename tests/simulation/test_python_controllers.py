@@ -105,3 +105,22 @@ def test_ctrl_c_keeps_the_finished_carries_of_a_python_controller() -> None:
     assert columns["finished"].tolist() == [True, True, False, False, False]
     whole = run_seeds(spec, "distributed", 0, 2)
     np.testing.assert_array_equal(columns["time_s"][:2], whole["time_s"])
+
+
+class StopsAsFollower:
+    """The follower stands and corrects; the leader travels."""
+
+    def step(self, seen: StepInput) -> StepOutput:
+        return StepOutput(stop=not seen.leads, move="hold" if seen.leads else "closer")
+
+
+def test_controller_learns_whether_it_leads_and_can_stop() -> None:
+    for direction, leader in (("forward", "right"), ("backward", "left")):
+        keys = {"task.direction": direction, "task.distance_m": 0.03}
+        trace = pb.carry("paper", StopsAsFollower, overrides=keys).trace
+        assert trace is not None
+        sense = 1 if direction == "forward" else -1
+        follower = "left" if leader == "right" else "right"
+        commanded = trace["commanded"].isel(time=slice(1, 20))
+        assert commanded.sel(side=leader).to_numpy() == pytest.approx(0.06 * sense)
+        assert commanded.sel(side=follower).to_numpy() == pytest.approx(0.03 * sense)

@@ -64,7 +64,7 @@ def test_controller_in_python_has_the_results_of_the_compiled_one(tmp_path: Path
 
 def test_any_number_of_controllers_is_allowed(tmp_path: Path) -> None:
     """All shipped ones and two classes."""
-    shipped = ["none", "centralized", "distributed", "resilient"]
+    shipped = ["none", "centralized", "distributed", "resilient", "silent", "shared-sign"]
     result = run_study(
         load_plan({**TABLE, "controllers": [*shipped, Table2, Still]}), tmp_path / "s"
     )

@@ -73,6 +73,9 @@ def contents() -> list[Content]:
                 for progress in ("turning", "at-target")
             ]
             all_of += [("station", robot, "command", f"{palm} {move}") for move in MOVES]
+    for sender, receiver in (("left", "right"), ("right", "left")):
+        words = ("0", "-1 steep", "-1 shallow", "1 steep", "1 shallow")
+        all_of += [(sender, receiver, "sign", word) for word in words]
     return all_of
 
 
@@ -86,6 +89,8 @@ def payload(kind: str, said: str) -> tuple[int, int]:
             return 1, MESSAGES[said]
         case "beacon":
             return 2, ord(words[0]) + 32 * ("ready" in words) + 128 * ("stopped" in words)
+        case "sign":
+            return 5, int(words[0]) + 1 + 4 * (words[-1] == "shallow")
         case "report":
             sign, palm, progress = words
             return 3, int(sign) + 1 + 4 * PALMS[palm] + 8 * (progress == "at-target")

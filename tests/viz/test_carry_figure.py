@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots.control import registry
 from palmbots.errors import PalmbotsError
 from palmbots.viz import carry_figure as figure8
 from palmbots.viz.timeline import assign_label_rows, correction_bars, message_news, runs
@@ -102,7 +103,7 @@ def test_carry_that_ends_in_the_first_tick_is_handled(overrides):
     assert overlaps(figure) == []
 
 
-@pytest.mark.parametrize("controller", ["none", "centralized", "distributed", "resilient"])
+@pytest.mark.parametrize("controller", registry.shipped_names())
 def test_every_controller_is_drawn(controller):
     """With each kind of letter it says, and a mark for it in the key; repeated beacons are not."""
     done = pb.carry("figure8", controller, overrides={"radio.loss": 0.02})
@@ -110,6 +111,7 @@ def test_every_controller_is_drawn(controller):
     assert letters == {
         "none": set(), "centralized": set(), "distributed": {"TiltUp", "Ack", "TiltDown"},
         "resilient": {"TiltUp", "Ack", "TiltDown", "Closing", "Raised"},
+        "silent": set(), "shared-sign": {"Zero", "Plus", "MinusShallow"},
     }[controller]  # fmt: skip
     figure = figure8.draw(done)
     keys = [axes.get_legend() for axes in figure.axes] + figure.legends
@@ -117,7 +119,7 @@ def test_every_controller_is_drawn(controller):
     figure.canvas.draw()
     assert all(key.get_window_extent().x1 < figure.bbox.x1 for key in figure.legends)
     news = [m for m, new in message_news(done) if new]
-    if controller == "resilient":
+    if registry.resolve(controller).is_periodic:
         for one, two in itertools.pairwise([m for m in news if m.sender == "left"]):
             assert one.kind != two.kind
         assert 10 < len(news) < len(done.message_log) / 5

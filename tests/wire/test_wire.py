@@ -25,6 +25,8 @@ def body(kind: str, said: str) -> wire.Body:
         return wire.Report(int(sign), palm, progress == "at-target")  # type: ignore[arg-type]
     if kind == "beacon":
         return wire.Beacon(words[0], "stopped" in words, "ready" in words)  # type: ignore[arg-type]
+    if kind == "sign":
+        return wire.SignWord(int(words[0]), words[-1] if len(words) > 1 else "steep")  # type: ignore[arg-type]
     if kind == "command":
         return wire.Command(*words)  # type: ignore[arg-type]
     return said or None  # type: ignore[return-value]
@@ -48,7 +50,7 @@ def test_golden_packets() -> None:
     """A change of the format is a new version (then run tests/support/wire_oracle.py)."""
     lines = oracle.GOLDEN.read_text(encoding="utf-8").splitlines()
     lines = [line for line in lines if not line.startswith("#")]
-    assert len(lines) == len(oracle.contents()) == 88
+    assert len(lines) == len(oracle.contents()) == 98
     for line, content in zip(lines, oracle.contents(), strict=True):
         who, *stamps, digits = line.split(" | ")
         sender, receiver, kind, said = content

@@ -32,17 +32,18 @@ void for_each_bit(CarryMask bits, Visit&& visit) {
   for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
 }
 
-// A count for each robot, from 0 to `most`, at which it saturates.
-class BitslicedCounter {
+// A count of so many bits for each robot, from 0 to `most`, at which it saturates.
+template <std::size_t bits>
+class BitslicedCount {
  public:
-  static constexpr std::uint32_t most = 255;
+  static constexpr std::uint32_t most = (1U << bits) - 1;
 
   void assign(RobotMask whose, std::uint32_t value) {
     for (std::size_t k = 0; k < planes; ++k) {
       planes_[k] = (value >> k & 1) != 0 ? planes_[k] | whose : planes_[k] & ~whose;
     }
   }
-  void assign(RobotMask whose, const BitslicedCounter& values) {
+  void assign(RobotMask whose, const BitslicedCount& values) {
     for (std::size_t k = 0; k < planes; ++k) {
       planes_[k] = (planes_[k] & ~whose) | (values.planes_[k] & whose);
     }
@@ -61,7 +62,7 @@ class BitslicedCounter {
   }
 
   // True for the robots whose count is at least that of `that`.
-  RobotMask at_least(const BitslicedCounter& that) const {
+  RobotMask at_least(const BitslicedCount& that) const {
     RobotMask found = ~RobotMask{};
     for (std::size_t k = 0; k < planes; ++k) {
       found = (planes_[k] & ~that.planes_[k]) | ((planes_[k] | ~that.planes_[k]) & found);
@@ -70,16 +71,18 @@ class BitslicedCounter {
   }
 
   // The counts of the partners.
-  BitslicedCounter swapped() const {
-    BitslicedCounter found;
+  BitslicedCount swapped() const {
+    BitslicedCount found;
     for (std::size_t k = 0; k < planes; ++k) found.planes_[k] = palmbots::swapped(planes_[k]);
     return found;
   }
 
  private:
-  static constexpr std::size_t planes = 8;
+  static constexpr std::size_t planes = bits;
   std::array<RobotMask, planes> planes_{};
 };
+
+using BitslicedCounter = BitslicedCount<8>;
 
 // A count for each robot with the interface that control/lease_state.hpp needs. Time passes tick by
 // tick.

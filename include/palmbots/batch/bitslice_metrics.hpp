@@ -49,12 +49,13 @@ class BitslicedCaseMetrics {
     const RobotMask was_a = names_[0];
     // (a) becomes (b) if the partner asks too. A robot in (c) assists.
     corrections_.add(renamed & (a | (b & ~was_a) | d));
+    names_ = names;
+    if constexpr (!can_wait<Robot>()) return;
     const RobotMask waits = robots.who([](const StateOutput& output) { return output.waits; });
     waits_now_.clear(waits & (renamed | ~waits_));
     waits_now_.add(waits);
     waiting_.add(waits);
     waits_ = waits;
-    names_ = names;
   }
 
   // Writes the metrics of pair i after `ticks` ticks.
@@ -68,6 +69,15 @@ class BitslicedCaseMetrics {
   }
 
  private:
+  // True if a robot waits in any state.
+  template <class Robot>
+  static constexpr bool can_wait() {
+    for (const auto& output : Robot::outputs) {
+      if (output.waits) return true;
+    }
+    return false;
+  }
+
   std::array<RobotMask, 4> names_{};  // the robots in each case
   RobotMask waits_{};
   BitslicedCounts corrections_;

@@ -2,17 +2,15 @@
 // The resilient algorithm for 64 pairs of robots at once, with one bit for each robot and
 // bit-sliced numbers.
 //
-// ResilientTeam (sim/resilient_team.hpp) and Resilient handle single beacons; this header does the
+// ResilientTeam (sim/beacon_team.hpp) and Resilient handle single beacons; this header does the
 // same with operations on words. The table is the one in control/resilient.hpp. It requires that
 // the only faults are reboots of robots, that their clocks run like the carry's, and that all
-// beacons of a carry have the same delay or are lost. Then no beacon overtakes another, so every
-// arriving beacon is the newest. Of the two stamps in a beacon only the resulting age matters, and
-// it is stored with the beacon. An echo of a beacon that a robot sent before its boot is older than
-// the time since that boot.
+// beacons of a carry have the same delay or are lost (batch/bitslice_beacons.hpp).
 #pragma once
 
+#include "palmbots/batch/bitslice_beacons.hpp"
 #include "palmbots/batch/bitslice_metrics.hpp"
-#include "palmbots/sim/resilient_team.hpp"
+#include "palmbots/sim/beacon_team.hpp"
 
 namespace palmbots {
 
@@ -20,6 +18,9 @@ namespace palmbots {
 class BitslicedResilient {
   using Robot = Resilient;
   using Messages = BitslicedMessage<3>;
+  using Content = BitslicedMessage<5>;
+  static constexpr std::size_t stops = 3;  // bits of the content, after those of the message
+  static constexpr std::size_t is_ready = 4;
 
  public:
   static constexpr bool can_stop = true;
@@ -43,26 +44,23 @@ class BitslicedResilient {
     limits_.hold.assign(here, t.hold);
     limits_.braking.assign(here, t.braking);
     limits_.long_ago.assign(here, t.join + 1U);
-    there_and_back_.assign(here, 2 * team.radio().steady_delay());
-    delays_.insert(i, team.radio().steady_delay());
+    beacons_.insert(i, team.radio().steady_delay());
     for (const std::size_t side : {left, right}) {
       if (team.robot(side).yields()) lease_.yields[side] |= CarryMask{1} << i;
     }
     there_ |= here;
     boot(here);
-    for (BitslicedCounts* counts : {&sent_, &lost_, &late_}) counts->clear(here);
     cases_.insert(i);
   }
 
   void erase(int i) {
     const RobotMask here = both_at(i);
     robots_.erase(here);
-    for (Beacons& beacons : line_) beacons.message.erase(here);
     for (RobotMask* words : {&lease_.yields, &lease_.stopped, &lease_.partner_stopped,
                              &lease_.partner_ready, &there_}) {
       *words &= ~here;
     }
-    delays_.erase(i);
+    beacons_.erase(i);
     commands_.erase(here);
     cases_.erase(i);
   }
@@ -73,9 +71,7 @@ class BitslicedResilient {
       boot(programs.booting);
     const RobotMask run = there_ & ~programs.off;
     lease_.pass(1, limits_);
-    echo_.increment();
-    since_booted_.increment();
-    hear(line_[tick % line_.size()], run);
+    hear(tick, run);
     const RobotMask silence = lease_.silence(limits_);
 
     const auto met = lease_.template conditions<Robot::Conditions<RobotMask>>(
@@ -94,9 +90,7 @@ class BitslicedResilient {
     const RobotMask centred = robots_.in(Robot::State::idle) & ~(sensed.positive | sensed.negative);
     const auto [ready, send] = lease_.finish(run, entered, says_.is(MessageKind::tilt_up), centred,
                                              says_.differ(said), silence, limits_);
-    post(tick, send & ~lost.from_robot, ready);
-    sent_.add(send);
-    lost_.add(send & lost.from_robot);
+    beacons_.post(tick, send, lost.from_robot, content(ready));
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
     commands_.stop = lease_.stopped;
@@ -108,19 +102,10 @@ class BitslicedResilient {
 
   void write_results(int i, std::uint32_t ticks, Metrics& metrics, LinkTotals& link_totals) const {
     cases_.write_results(i, ticks, metrics);
-    write_link_totals(i, sent_, lost_, link_totals);
-    for (const std::size_t side : {left, right}) link_totals.links[side].late = late_.of(side, i);
+    beacons_.write_results(i, link_totals);
   }
 
  private:
-  // The beacons that arrive in a tick: who gets one, and its content.
-  struct Beacons {
-    Messages message;
-    RobotMask stops{};
-    RobotMask ready{};
-    BitslicedCounter age;
-  };
-
   // The newest message while it is fresh.
   struct Heard {
     RobotMask tilt_up;
@@ -136,7 +121,7 @@ class BitslicedResilient {
         case MessageKind::tilt_down: return tilt_down;
         case MessageKind::closing: return closing;
         case MessageKind::none: return silence;
-        case MessageKind::raised: break;
+        default: break;
       }
       return ~(tilt_up | ack | tilt_down | closing | silence);
     }
@@ -150,51 +135,37 @@ class BitslicedResilient {
     robots_.insert(whose & assisted, Robot::State::c_withdraw);
     says_.erase(whose);
     says_.insert(whose, messages());
-    for (BitslicedCounter* since : {&lease_.age, &echo_, &lease_.since_ready, &lease_.since_sent}) {
+    for (BitslicedCounter* since : {&lease_.age, &lease_.since_ready, &lease_.since_sent}) {
       since->assign(whose, BitslicedCounter::most);
     }
-    for (BitslicedCounter* since : {&lease_.since_asked, &lease_.since_moved, &lease_.since_turned,
-                                    &lease_.since_entered, &since_booted_}) {
+    for (BitslicedCounter* since :
+         {&lease_.since_asked, &lease_.since_moved, &lease_.since_turned, &lease_.since_entered}) {
       since->assign(whose, 0);
     }
+    beacons_.boot(whose);
     lease_.stopped |= whose;
     lease_.partner_stopped |= whose;
     lease_.partner_ready &= ~whose;
   }
 
   // Takes in the beacons that arrive while a robot runs.
-  void hear(const Beacons& beacons, RobotMask run) {
-    const RobotMask whose = beacons.message.any() & run;
+  void hear(std::uint64_t tick, RobotMask run) {
+    const RobotMask whose = beacons_.hear(tick, run, newest_, lease_.age, limits_.stale);
     const auto take = [&](RobotMask& word, RobotMask said) {
       word = (word & ~whose) | (said & whose);
     };
-    message_.erase(whose);
-    message_.insert(whose, beacons.message);
-    take(lease_.partner_stopped, beacons.stops);
-    take(lease_.partner_ready, beacons.ready);
-    lease_.age.assign(whose, beacons.age);
-    lease_.age.assign(whose & lease_.age.at_least(since_booted_), BitslicedCounter::most);
-    echo_.assign(whose, there_and_back_);
-    late_.add(swapped(whose & lease_.age.at_least(limits_.stale)));
+    std::copy_n(newest_.bit.begin(), message_.bit.size(), message_.bit.begin());
+    take(lease_.partner_stopped, newest_.bit[stops]);
+    take(lease_.partner_ready, newest_.bit[is_ready]);
   }
 
-  // The age that the partner will assign to a beacon when it arrives: the time since the partner
-  // sent the message that this robot received last.
-  void post(std::uint64_t tick, RobotMask send, RobotMask ready) {
-    line_[tick % line_.size()].message = {};  // delivered
-    const RobotMask comes = swapped(send);
-    const Messages message = says_.swapped();
-    const RobotMask resting = swapped(lease_.stopped);
-    const RobotMask are_ready = swapped(ready);
-    const BitslicedCounter age = echo_.swapped();
-    delays_.each(tick, [&](std::size_t row, RobotMask whose) {
-      Beacons& beacons = line_[row];
-      const RobotMask those = comes & whose;
-      beacons.message.insert(those, message);
-      beacons.stops = (beacons.stops & ~those) | (resting & those);
-      beacons.ready = (beacons.ready & ~those) | (are_ready & those);
-      beacons.age.assign(those, age);
-    });
+  // What the robots' beacons contain: message, whether they rest, whether they are ready.
+  Content content(RobotMask ready) const {
+    Content said;
+    std::copy_n(says_.bit.begin(), says_.bit.size(), said.bit.begin());
+    said.bit[stops] = lease_.stopped;
+    said.bit[is_ready] = ready;
+    return said;
   }
 
   // The messages that the robots broadcast in their states.
@@ -211,22 +182,14 @@ class BitslicedResilient {
   }
 
   BitslicedTable<Robot> robots_;
-  Messages message_;  // the newest
+  Content newest_;    // of the partner's beacons
+  Messages message_;  // in it
   Messages says_;     // its own message
   RobotMask there_{};
   LeaseLimits<BitslicedCounter> limits_;
   LeaseState<RobotMask, BitslicedCounter> lease_;
-  BitslicedCounter there_and_back_;  // the delay of two messages
-  BitslicedCounter
-      echo_;  // time since the partner sent the newest beacon, plus the delay of one message
-  BitslicedCounter since_booted_;
-
-  std::array<Beacons, BitslicedDelay::longest + 1> line_;
-  BitslicedDelay delays_;
+  BitslicedBeacons<5> beacons_;
   BitslicedCommand commands_;
-  BitslicedCounts sent_;
-  BitslicedCounts lost_;
-  BitslicedCounts late_;
   BitslicedCaseMetrics cases_;
 };
 

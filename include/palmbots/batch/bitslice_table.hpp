@@ -117,7 +117,8 @@ class BitslicedTable {
   BitslicedCommand commands() const {
     const RobotMask shallow =
         who([](const StateOutput& output) { return output.command.palm == Palm::shallow; });
-    return {shallow, moving(Move::away), moving(Move::closer), RobotMask{}};
+    const RobotMask stops = who([](const StateOutput& output) { return output.command.stop; });
+    return {shallow, moving(Move::away), moving(Move::closer), stops};
   }
 
  private:

@@ -15,12 +15,31 @@ enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 
 // The messages of the distributed algorithm (paper, section 4): none, tilt_up, tilt_down, ack. The
 // resilient algorithm adds two states that the partner must know: the sender corrects a negative
-// contact (closing), or its palm is up but not in answer to a request (raised).
-enum class MessageKind : std::uint8_t { none, tilt_up, tilt_down, ack, closing, raised };
+// contact (closing), or its palm is up but not in answer to a request (raised). The others are the
+// words of a controller that shares signs: the sender's sign, and whether its palm is shallow where
+// its sign is not zero.
+enum class MessageKind : std::uint8_t {
+  none,
+  tilt_up,
+  tilt_down,
+  ack,
+  closing,
+  raised,
+  zero,
+  plus,
+  plus_shallow,
+  minus,
+  minus_shallow,
+};
+inline constexpr int message_kinds = 11;
+
+constexpr bool is_sign(MessageKind kind) { return kind >= MessageKind::zero; }
 
 // The names that the paper, the logs and the tables use.
 constexpr const char* name_of(MessageKind kind) {
-  constexpr const char* names[] = {"", "TiltUp", "TiltDown", "Ack", "Closing", "Raised"};
+  constexpr const char* names[] = {
+      "",     "TiltUp", "TiltDown",    "Ack",   "Closing",     "Raised",
+      "Zero", "Plus",   "PlusShallow", "Minus", "MinusShallow"};
   return names[static_cast<int>(kind)];
 }
 

@@ -54,6 +54,7 @@
 // docs/theory/protocols.md has the derivation.
 #pragma once
 
+#include "palmbots/control/beacon.hpp"
 #include "palmbots/control/lease_state.hpp"
 #include "palmbots/control/messages.hpp"
 #include "palmbots/control/transition_table.hpp"
@@ -72,15 +73,7 @@ class Resilient {
     std::uint16_t join;
   };
 
-  struct Input {
-    Sign sign;
-    bool palm_at_target;    // the palm has reached the angle last commanded
-    std::uint16_t elapsed;  // ticks since the last step, at least 1
-    MessageKind message;    // from a beacon newer than all before, else none
-    bool stopped;           // that beacon's sender does not travel
-    bool ready;             // no condition keeps that sender from travelling
-    std::uint16_t age;      // of that beacon, from BeaconReceiver::age()
-  };
+  using Input = RobotInput;
 
   struct Output {
     Command command;      // with `stop`
@@ -105,6 +98,7 @@ class Resilient {
     d_tilt_down,
   };
   static constexpr int states = 12;
+  static constexpr bool talks = true;  // it sends beacons
 
   // What a robot commands and broadcasts as long as it is in a state.
   struct StateOutput {
@@ -297,6 +291,9 @@ class Resilient {
                .age = limits().stale,
                .since_ready = limits().long_ago,
                .since_sent = times.beacon} {}
+
+  // The robot after a boot, with what it had stored.
+  constexpr Resilient booted() const { return Resilient(times_, lease_.yields, assists(state_)); }
 
   Output step(const Input& in) {
     const LeaseLimits<std::uint16_t> limits = this->limits();

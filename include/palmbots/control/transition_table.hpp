@@ -51,10 +51,18 @@ constexpr Observation<bool> observation_of(Sign sign, bool palm_at_target) {
 }
 
 // What a row requires of the contact coordinate p.
-enum class ContactCondition : std::uint8_t { any, positive, not_positive, negative, not_negative };
+enum class ContactCondition : std::uint8_t {
+  any,
+  positive,
+  not_positive,
+  negative,
+  not_negative,
+  zero,
+};
 
 constexpr const char* name_of(ContactCondition condition) {
-  constexpr const char* names[] = {"any", "positive", "not_positive", "negative", "not_negative"};
+  constexpr const char* names[] = {"any",      "positive",     "not_positive",
+                                   "negative", "not_negative", "zero"};
   return names[static_cast<int>(condition)];
 }
 
@@ -66,6 +74,7 @@ template <class B>
     case ContactCondition::not_positive: return opposite(seen.positive);
     case ContactCondition::negative: return seen.negative;
     case ContactCondition::not_negative: return opposite(seen.negative);
+    case ContactCondition::zero: return opposite<B>(seen.positive | seen.negative);
     case ContactCondition::any: break;
   }
   return everywhere<B>();
@@ -117,23 +126,42 @@ constexpr SpreadTable<Table> spread() {
 template <class Table, class B, class Fits, class Went>
 [[gnu::always_inline]] constexpr void step_all(B (&in)[Table::states], const B& these, Fits&& fits,
                                                Went&& went) {
+  using Row = std::remove_cvref_t<decltype(Table::rows[0])>;
+  constexpr bool from_one_state = requires(const Row& row) { row.state; };
   B stay[Table::states];
   B come[Table::states];
   for (int s = 0; s < Table::states; ++s) {
     stay[s] = in[s];
     come[s] = B{};
   }
+  B idle = these;  // robots that no row has moved yet; used where rows start in several states
   [&]<std::size_t... i>(std::index_sequence<i...>) {
-    const auto run = [&](const typename Table::Row& row) {
-      const auto from = static_cast<std::size_t>(row.state);
-      const B go = stay[from] & fits(row) & these;
-      stay[from] &= opposite(go);
+    const auto run = [&](const Row& row) {
+      B go = fits(row);
+      if constexpr (from_one_state) {
+        const auto from = static_cast<std::size_t>(row.state);
+        go &= stay[from] & these;
+        stay[from] &= opposite(go);
+      } else {
+        go &= idle;
+        if (row.from != decltype(row.from)::all()) {
+          B there{};
+          for (int s = 0; s < Table::states; ++s) {
+            if (row.from.has(static_cast<typename Table::State>(s))) there |= in[s];
+          }
+          go &= there;
+        }
+        idle &= opposite(go);
+      }
       come[static_cast<std::size_t>(row.next)] |= go;
       went(row, go);
     };
     (run(Table::rows[i]), ...);
   }(std::make_index_sequence<sizeof(Table::rows) / sizeof(Table::rows[0])>());
-  for (int s = 0; s < Table::states; ++s) in[s] = stay[s] | come[s];
+  for (int s = 0; s < Table::states; ++s) {
+    if constexpr (!from_one_state) stay[s] &= idle | opposite(these);
+    in[s] = stay[s] | come[s];
+  }
 }
 
 }  // namespace palmbots

@@ -104,7 +104,8 @@ struct Spec {
   double duplicate = 0;
   double corruption = 0;
   std::uint32_t reorders = 0;
-  double burst_share = 0;  // share of the time in which a link is dead
+  std::uint32_t brake = 1;  // a robot may stop as a correction (beside reorders: no padding)
+  double burst_share = 0;   // share of the time in which a link is dead
   double burst_mean = 0.1;
   double airtime = 0;  // 0: no collisions
   double beacon = 0.05;

@@ -3,8 +3,8 @@
 // every tick and gets commands.
 //
 // The teams are two robots that exchange messages (sim/distributed_team.hpp), two robots and a
-// station (sim/centralized_team.hpp), two robots that broadcast beacons (sim/resilient_team.hpp),
-// and no controller (sim/no_controller.hpp).
+// station (sim/centralized_team.hpp), two robots that broadcast beacons or nothing
+// (sim/beacon_team.hpp), and no controller (sim/no_controller.hpp).
 #pragma once
 
 #include <concepts>

@@ -13,11 +13,14 @@
 #include <tuple>
 #include <utility>
 
+#include "palmbots/control/shared_sign.hpp"
+#include "palmbots/control/silent.hpp"
+#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/no_controller.hpp"
-#include "palmbots/sim/resilient_team.hpp"
+#include "palmbots/sim/table_team.hpp"
 
 namespace palmbots {
 
@@ -36,8 +39,11 @@ struct ControllerInfo {
   Decider decider = Decider::robots;
   bool uses_radio = true;
   // Robots repeat what they have to say at fixed intervals. A message is news only if it differs
-  // from the one before, and a robot that hears nothing stops.
+  // from the one before.
   bool is_periodic = false;
+  bool stops_in_silence = false;  // a robot that hears nothing stops
+  // The wheels of both robots follow both signs, so that a motion ends a radio delay late.
+  bool drives_by_both_signs = false;
   bool has_time_bounds = false;  // resilient_timing_of must find no problem in the scene
   std::span<const std::string_view> messages = {};  // the kinds that it sends
   std::span<const CaseMeaning> cases = {};
@@ -61,6 +67,16 @@ inline constexpr std::string_view station_messages[] = {"report", "command"};
 inline constexpr std::string_view table2_messages[] = {"TiltUp", "TiltDown", "Ack"};
 inline constexpr std::string_view table2_assisted[] = {"a", "b"};
 inline constexpr std::string_view beacons[] = {"beacon"};
+inline constexpr std::string_view signs[] = {"sign"};
+inline constexpr CaseMeaning silent_cases[] = {
+    {"a", "own p > 0"},
+    {"d", "own p < 0"},
+};
+inline constexpr CaseMeaning shared_sign_cases[] = {
+    {"a", "own p > 0, the partner's is not"},
+    {"b", "both p > 0"},
+    {"d", "own p < 0"},
+};
 
 // A row: what is known of a controller, and make(spec, seed), the team of a carry.
 template <class Make>
@@ -116,6 +132,7 @@ inline constexpr std::tuple controller_rows{
                 "each robot decides; periodic beacons and leases tolerate lost messages and "
                 "reboots",
             .is_periodic = true,
+            .stops_in_silence = true,
             .has_time_bounds = true,
             .messages = beacons,
             .cases = table2_cases,
@@ -126,6 +143,28 @@ inline constexpr std::tuple controller_rows{
           return ResilientTeam(resilient_timing_of(spec).times, drift, channel_of(spec), seed,
                                leader_of(spec), Faults::of(spec, seed));
         },
+    },
+    ControllerRow{
+        ControllerInfo{
+            .name = "silent",
+            .description = "each robot corrects by the sign of its own contact, without messages",
+            .uses_radio = false,
+            .cases = silent_cases,
+        },
+        TableTeamMaker<Silent>{},
+    },
+    ControllerRow{
+        ControllerInfo{
+            .name = "shared-sign",
+            .description =
+                "each robot sends the sign of its contact; both correct by both signs, and one may "
+                "stop",
+            .is_periodic = true,
+            .drives_by_both_signs = true,
+            .messages = signs,
+            .cases = shared_sign_cases,
+        },
+        TableTeamMaker<SharedSign>{},
     },
 };
 

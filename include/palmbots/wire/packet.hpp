@@ -3,8 +3,8 @@
 // (docs/reference/wire.md).
 //
 // One packet carries one item: a message of the distributed algorithm, a beacon of the resilient
-// one, a report or a command of the centralized one, or hello, which announces a boot. This payload
-// is one byte. The other fields are sender and receiver, the packet's own stamp
+// one, a sign of a controller that shares signs, a report or a command of the centralized one, or
+// hello, which announces a boot. This payload is one byte. The other fields are sender and receiver, the packet's own stamp
 // (wire/replay_window.hpp), the newest stamp that the sender had received from the receiver, and a
 // SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts exactly the byte
 // sequences that `encode` produces; wire/endpoint.hpp decides whether a packet is new.
@@ -62,10 +62,10 @@ constexpr const char* name_of(Role role) {
 }
 
 // What a packet carries.
-enum class PacketKind : std::uint8_t { hello, message, beacon, report, command };
+enum class PacketKind : std::uint8_t { hello, message, beacon, report, command, sign };
 
 constexpr const char* name_of(PacketKind kind) {
-  constexpr const char* names[] = {"hello", "message", "beacon", "report", "command"};
+  constexpr const char* names[] = {"hello", "message", "beacon", "report", "command", "sign"};
   return names[static_cast<int>(kind)];
 }
 
@@ -138,6 +138,17 @@ constexpr std::uint8_t payload(const Command& command) {
   return static_cast<std::uint8_t>(palm | static_cast<unsigned>(command.move) << 1);
 }
 
+// Bits 0–1: the sender's sign + 1; bit 2: its palm is shallow. At sign 0 the palm is not sent.
+struct SignWord {
+  Sign sign;
+  bool shallow;
+};
+
+constexpr std::uint8_t payload(const SignWord& word) {
+  const unsigned sign = static_cast<unsigned>(static_cast<int>(word.sign) + 1);
+  return static_cast<std::uint8_t>(sign | unsigned{word.shallow} << 2);
+}
+
 constexpr MessageKind message_of(std::uint8_t payload) { return static_cast<MessageKind>(payload); }
 
 constexpr Beacon beacon_of(std::uint8_t payload) {
@@ -153,6 +164,10 @@ constexpr Command command_of(std::uint8_t payload) {
   return {static_cast<Palm>(payload & 1), static_cast<Move>(payload >> 1)};
 }
 
+constexpr SignWord sign_of(std::uint8_t payload) {
+  return {static_cast<Sign>((payload & 3) - 1), (payload >> 2 & 1) != 0};
+}
+
 // True if the payload is valid for this kind.
 constexpr bool means(PacketKind kind, std::uint8_t payload) {
   switch (kind) {
@@ -164,6 +179,7 @@ constexpr bool means(PacketKind kind, std::uint8_t payload) {
     }
     case PacketKind::report: return payload < 16 && (payload & 3) != 3;
     case PacketKind::command: return payload < 6;
+    case PacketKind::sign: return payload < 7 && payload != 3 && payload != 5;
   }
   return false;
 }
@@ -175,7 +191,8 @@ constexpr bool on_speaking_terms(PacketKind kind, Role sender, Role receiver) {
   switch (kind) {
     case PacketKind::hello: return true;
     case PacketKind::message:
-    case PacketKind::beacon: return sender != Role::station && receiver != Role::station;
+    case PacketKind::beacon:
+    case PacketKind::sign: return sender != Role::station && receiver != Role::station;
     case PacketKind::report: return receiver == Role::station;
     case PacketKind::command: return sender == Role::station;
   }

@@ -22,6 +22,7 @@ from palmbots.control.registry import resolve as resolve
 from palmbots.control.registry import unregister as unregister
 from palmbots.control.resilient_timing import Bounds as Bounds
 from palmbots.control.resilient_timing import bounds_of as bounds_of
+from palmbots.control.silent_controller import SilentController as SilentController
 
 __all__ = [
     "Bounds",
@@ -33,6 +34,7 @@ __all__ = [
     "MessageKind",
     "Move",
     "Palm",
+    "SilentController",
     "StepInput",
     "StepOutput",
     "bounds_of",

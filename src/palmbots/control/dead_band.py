@@ -2,9 +2,10 @@
 """The dead-band law: how wide the sensor's zero zone must be for corrections to end.
 
 A correction stops when the sign changes. The contact then overruns: for one control period until
-the controller sees the sign, for the braking distance, and, where a station decides, for the time
-that its messages travel. If the overrun exceeds the width of the zero zone, the contact leaves it
-on the other side, the opposite correction begins, and this repeats forever.
+the controller sees the sign, for the braking distance, and, where a station decides or both robots
+drive by both signs, for the time that messages travel. If the overrun exceeds the width of the zero
+zone, the contact leaves it on the other side, the opposite correction begins, and this repeats
+forever.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from itertools import pairwise
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerEntry, resolve
+from palmbots.control.table_timing import deafness
 from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.robot_section import RobotParameters
 from palmbots.scene.scene import Scene
@@ -23,8 +25,15 @@ __all__ = ["overrun_m", "warnings_before", "zero_zone_edges_m", "zero_zone_m"]
 
 
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
-    """How far a contact can overrun the edge of the zero zone [m]; 0 without a controller."""
-    team = resolve(controller).team
+    """How far a contact can overrun the edge of the zero zone [m]; 0 without a controller.
+
+    With u the correction speed of a robot, T the control period and D the delay of the radio, a
+    contact overruns by u T and the braking distance where one robot drives. Where both drive by
+    both signs (shared-sign), the partner learns of the zero only D later: the sum of u (D + T) and
+    the braking distance over both robots.
+    """
+    entry = resolve(controller)
+    team = entry.team
     period = scene.control.period_s
     steepest = max(math.radians(scene.palm_of(side).steep_deg) for side in SIDES)
     # Along the palm a contact moves a little farther than the robots do.
@@ -35,6 +44,10 @@ def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     if team == "station":
         delay = 2 * max(period, scene.radio.latency_s + scene.radio.jitter_s) + period
         distance = sum(0.5 * r.correction_m_s * delay + _braking_m(r, 0.5, period) for r in robots)
+        return distance * along_palm
+    if entry.drives_by_both_signs:
+        delay = max(period, scene.radio.latency_s + scene.radio.jitter_s) + period
+        distance = sum(r.correction_m_s * delay + _braking_m(r, 1.0, period) for r in robots)
         return distance * along_palm
     return along_palm * max(r.correction_m_s * period + _braking_m(r, 1.0, period) for r in robots)
 
@@ -82,12 +95,15 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
     zone, overrun = zero_zone_m(scene), overrun_m(scene, entry)
     lines = []
     if overrun > zone:
-        keys = ", radio.latency_s)" if entry.team == "station" else ", control.period_s)"
+        late = entry.team == "station" or entry.drives_by_both_signs
+        keys = ", radio.latency_s)" if late else ", control.period_s)"
         lines.append(
             f"the zero zone is {_mm(zone)} wide, but a contact overruns its edge by "
             f"{_mm(overrun)}: corrections may not end (widen tactile.zero_half_width_m or lower "
             f"robot.correction_m_s{keys}"
         )
+    if (deaf := deafness(entry, scene)) is not None:
+        lines.append(deaf)
     if entry.team != "none":
         lines += [line for side in SIDES if (line := _blind(scene, side))]
     if scene.object.is_upside_down:

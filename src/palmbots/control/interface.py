@@ -2,9 +2,10 @@
 """The interface of controllers in Python, and the shipped distributed controller to step by hand.
 
 A controller decides once every control period from what one robot knows: the tactile sign of its
-contact, the oldest unread message, and whether its palm has reached the angle last commanded. Any
-class with such a ``step`` is a controller: ``pb.carry(controller=MyController)`` makes one for each
-robot. It runs in the same worlds and over the same radio as the shipped controllers, but slower.
+contact, the oldest unread message, whether its palm has reached the angle last commanded, and
+whether the robot leads. Any class with such a ``step`` is a controller:
+``pb.carry(controller=MyController)`` makes one for each robot. It runs in the same worlds and over
+the same radio as the shipped controllers, but slower.
 
 Two class attributes are optional: ``cases`` explains the letters that `StepOutput.case` may hold,
 and ``assisted_cases`` lists those in which a robot asks its partner for assistance. Corrections are
@@ -67,14 +68,17 @@ class StepInput:
     """The oldest message that is not consumed yet."""
     palm_at_target: bool
     """The palm has reached the angle last commanded."""
+    leads: bool = False
+    """The robot is the front one in the direction of travel; the same in every step."""
 
 
 # Every possible input. Finding one is faster than making it.
 _INPUTS = {
-    (sign, number, at_target): StepInput(sign, message, at_target)
+    (sign, number, at_target, leads): StepInput(sign, message, at_target, leads)
     for sign in (-1, 0, 1)
     for number, message in enumerate(MESSAGE_KINDS)
     for at_target in (False, True)
+    for leads in (False, True)
 }
 
 
@@ -94,6 +98,8 @@ class StepOutput:
     carry records a correction."""
     waiting: bool = False
     """The robot waits for a message; the time counts as ``waiting_s``."""
+    stop: bool = False
+    """Do not travel: the nominal speed is 0. `move` still adds the correction speed."""
 
 
 class Controller(Protocol):
@@ -125,7 +131,7 @@ class DistributedController:
         )
 
 
-Step = Callable[[int, int, bool], tuple[object, ...]]
+Step = Callable[[int, int, bool, bool], tuple[object, ...]]
 
 
 def make_controller_pair(maker: Callable[[], Controller]) -> tuple[Step, Step]:
@@ -153,8 +159,8 @@ def make_step(maker: Callable[[], Controller]) -> Step:
                 "def step(self, seen: StepInput) -> StepOutput"
             )
 
-    def step(sign: int, message: int, palm_at_target: bool) -> tuple[object, ...]:
-        seen = _INPUTS[sign, message, palm_at_target]
+    def step(sign: int, message: int, palm_at_target: bool, leads: bool) -> tuple[object, ...]:
+        seen = _INPUTS[sign, message, palm_at_target, leads]
         try:
             return _numbers(controller.step(seen), name)
         except (KeyboardInterrupt, PalmbotsError):
@@ -192,6 +198,7 @@ def _numbers(output: object, name: str) -> tuple[object, ...]:
     return (
         _index("palm", PALMS, output.palm),
         _index("move", MOVES, output.move),
+        bool(output.stop),
         _index("send", MESSAGE_KINDS, output.send),
         bool(output.consume),
         _case(output.case),

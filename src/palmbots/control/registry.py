@@ -56,7 +56,11 @@ class ControllerEntry:
     """The kinds of message that it sends."""
     is_periodic: bool = False
     """Robots repeat what they have to say at fixed intervals. A message is news only if it differs
-    from the one before, and a robot that hears nothing stops."""
+    from the one before."""
+    stops_in_silence: bool = False
+    """A robot that hears nothing stops."""
+    drives_by_both_signs: bool = False
+    """The wheels of both robots follow both signs, so that a motion ends a radio delay late."""
     timing_check: Callable[[Scene], Bounds] | None = None
     """Computes the time bounds in a scene; raises `SceneError` where they cannot be kept."""
     cases: Mapping[str, str] = field(default_factory=dict)

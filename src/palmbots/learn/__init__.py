@@ -8,6 +8,7 @@ from palmbots._util.renamed_names import renamed_in_module
 from palmbots.learn.baseline import Baseline as Baseline
 from palmbots.learn.baseline import EpisodeResult as EpisodeResult
 from palmbots.learn.baseline import Policy as Policy
+from palmbots.learn.baseline import SilentBaseline as SilentBaseline
 from palmbots.learn.baseline import run_episode as run_episode
 from palmbots.learn.reward import RewardWeights as RewardWeights
 from palmbots.learn.spaces import ACTION as ACTION
@@ -30,6 +31,7 @@ __all__ = [
     "EpisodeResult",
     "Policy",
     "RewardWeights",
+    "SilentBaseline",
     "action",
     "carry_v0",
     "run_episode",

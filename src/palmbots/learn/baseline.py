@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's distributed algorithm as a policy of `carry_v0`, and a function that runs policies.
+"""Two shipped controllers as policies of `carry_v0`, and a function that runs policies.
 
-The policy uses nothing but the observations. It is the shipped controller of Table 2
-(`palmbots.control.DistributedController`) with an inbox of its own: the environment delivers a
-message once, while Table 2 leaves a message that it cannot use yet in the inbox.
+The policies use nothing but the observations. `Baseline` is the paper's distributed algorithm, the
+shipped controller of Table 2 (`palmbots.control.DistributedController`), with an inbox of its own:
+the environment delivers a message once, while Table 2 leaves a message that it cannot use yet in
+the inbox. `SilentBaseline` is the shipped controller `silent`, which needs no messages.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ import numpy as np
 
 from palmbots._util.renamed_names import renamed_in_module
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
+from palmbots.control.silent_controller import SilentController
 from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
+from palmbots.scene.scene import Scene
 
-__all__ = ["Baseline", "EpisodeResult", "Policy", "run_episode"]
+__all__ = ["Baseline", "EpisodeResult", "Policy", "SilentBaseline", "run_episode"]
 
 renamed_in_module(__name__, {"Played": "EpisodeResult", "play": "run_episode"})
 
@@ -57,6 +60,26 @@ class Baseline:
         if output.consume and self._inbox:
             self._inbox.popleft()
         return action(output.palm, output.move, output.send)
+
+
+class SilentBaseline:
+    """The controller `silent` for one robot. Each agent needs a new one for each episode.
+
+    Args:
+        scene: the scene of the environment, which determines when a robot pauses.
+        messages: whether the environment has messages; none is sent.
+    """
+
+    def __init__(self, scene: Scene | str = "paper", messages: bool = True) -> None:
+        self._silent = SilentController(scene)
+        self._messages = messages
+
+    def act(self, observation: Any) -> Any:
+        """The action for an observation."""
+        sign, _, turned = np.asarray(observation).tolist()[:3]
+        seen = StepInput(-1 if sign < 0 else (1 if sign > 0 else 0), None, turned > 0)
+        output = self._silent.step(seen)
+        return action(output.palm, output.move, messages=self._messages)
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,9 @@ class Radio(Section):
     """What happens to single messages in every carry: a list of tables {sender, message, effect,
     delay_s}."""
     beacon_s: Lasting = 0.05
-    """Resilient algorithm: time between two beacons of a robot whose state does not change."""
+    """Controllers resilient and shared-sign: time between two beacons of a robot whose state stays
+    the same."""
     lease_s: Lasting | None = None
-    """Resilient algorithm: longest age at which a beacon is valid. Not set: 0.5; longer if the
-    latency requires it, shorter if the palms and the noise leave less room."""
+    """Controllers resilient and shared-sign: longest age at which a beacon is valid. Not set:
+    resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less
+    room; shared-sign a round trip and four beacons."""

@@ -12,6 +12,7 @@ from palmbots.scene.fields import (
     Fraction,
     Place,
     Range,
+    Switch,
     field_error,
     from_list,
 )
@@ -146,9 +147,12 @@ class Tactile(Section):
 
 
 class Control(Section):
-    """[control] The controllers' clock."""
+    """[control] The controllers."""
 
     period_s: Period = 0.01
     """Time between two controller steps."""
     watchdog_s: Duration = 0.1
     """If a controller has not stepped for this time, its robot stops and restarts."""
+    brake: Switch = True
+    """Controller shared-sign: whether one robot stops while both contacts are off centre in the
+    same direction."""

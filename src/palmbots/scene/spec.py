@@ -78,6 +78,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
         (SIDES.index(m.sender), m.message, _EFFECTS.index(m.effect), m.delay_s or 0.0)
         for m in scene.radio.script
     ]
+    spec.brake = scene.control.brake
     spec.watchdog = scene.control.watchdog_s
     spec.faults = [_fault(fault) for fault in scene.faults.script]
     spec.random_reboots = scene.faults.random_reboots

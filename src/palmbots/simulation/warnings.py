@@ -14,7 +14,7 @@ _PATIENCE_S = 2.0  # how long an answer may take, besides the delay of the radio
 
 def warnings_after(measured: Any, scene: Scene, controller: ControllerEntry) -> tuple[str, ...]:
     """The warnings of a finished carry."""
-    lines = _standing(measured) if controller.is_periodic else _waiting(measured, scene)
+    lines = _standing(measured) if controller.stops_in_silence else _waiting(measured, scene)
     lines += [
         f"limit cycle: the {side} robot's corrections follow each other with alternating sign"
         for side, cycles in zip(SIDES, measured.limit_cycle, strict=True)

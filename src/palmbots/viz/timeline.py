@@ -38,7 +38,10 @@ _ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
 _MOST_PER_INCH = 10  # bars; above that, labels and messages would not be legible
-_MARKERS = {"TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D"}
+_MARKERS = {
+    "TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D",
+    "Plus": "^", "PlusShallow": 6, "Zero": "o", "Minus": "v", "MinusShallow": 7,
+}  # fmt: skip
 _OTHER = "P"  # marker of kinds that are not in the table
 
 

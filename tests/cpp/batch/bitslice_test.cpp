@@ -13,6 +13,7 @@
 #include "palmbots/batch/bitslice_centralized.hpp"
 #include "palmbots/batch/bitslice_distributed.hpp"
 #include "palmbots/batch/bitslice_resilient.hpp"
+#include "support/bitslice_alone.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
 
@@ -21,7 +22,6 @@ using namespace palmbots;
 namespace {
 
 using Robot = Distributed;
-constexpr auto ignore = [](const SentMessage&) {};
 
 // All that two robots can come to, however long each message takes and whichever is lost, whatever
 // they sense: of the messages for one of them, on their way or unread, there are never more than
@@ -94,167 +94,6 @@ Team team_over(const Channel& channel, const Faults& faults, std::uint32_t chanc
   }
 }
 
-// Reboots at any time, some that follow each other at once; for teams that can have them in bits.
-template <class Team>
-Faults some_faults(std::uint32_t chance, std::uint32_t tick) {
-  if (std::is_same_v<Team, DistributedTeam<Robot>> || chance % 2 == 0) return {};
-  Spec spec = paper_spec();
-  for (std::uint32_t i = 0; i < 12; ++i) {
-    const Words words = draw(chance, tick, Stream::fault, i);
-    spec.faults[i] = {FaultKind::reboot, words[0] % 2, (words[1] % 6000) * 0.01,
-                      (1 + words[2] % (words[3] % 8 == 0 ? 400 : 40)) * 0.01};
-  }
-  spec.faults[0].at = chance % 3 == 0 ? 0 : spec.faults[0].at;
-  spec.fault_count = 12;
-  return Faults::of(spec, chance);
-}
-
-// One team, as it goes alone, and what it senses: signs that last a while, palms that take theirs.
-template <class Team>
-struct Alone {
-  std::unique_ptr<Team> team;
-  std::unique_ptr<Metrics> metrics;
-  Faults faults;
-  ProgramMonitor monitor;
-  double loss = 0;
-  std::uint32_t tick = 0;
-  std::uint32_t hold = 1;  // ticks that a sign lasts
-  PerSide<Command> before{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-};
-
-struct Seen {
-  std::uint32_t began = 0;
-  std::uint32_t longest_wait = 0;
-  std::uint32_t most_corrections = 0;
-  std::uint32_t most_late = 0;
-  std::uint32_t most_lost = 0;
-  std::array<std::uint32_t, Resilient::states> states{};  // of resilient robots
-  std::uint32_t travelled = 0;                            // ticks of theirs
-  std::uint32_t boots = 0;
-  std::uint32_t ended_waiting = 0;
-  std::uint32_t ended_not_waiting = 0;
-};
-
-template <class Team>
-void compare(const BitslicedTeam<Team>& bits, int i, Alone<Team>& alone, Seen& seen) {
-  alone.team->close(alone.tick);
-  alone.metrics->close(alone.tick);
-  Metrics found;
-  LinkTotals link_totals;
-  bits.write_results(i, alone.tick, found, link_totals);
-  const Metrics& truth = *alone.metrics;
-  CHECK(found.corrections == truth.corrections);
-  CHECK(found.waiting_ticks == truth.waiting_ticks && found.waits_since == truth.waits_since);
-  CHECK(link_totals.sent == alone.team->link_totals.sent &&
-        link_totals.lost == alone.team->link_totals.lost);
-  for (const std::size_t side : {left, right}) {
-    const std::uint32_t waits = alone.tick - truth.waits_since[side];
-    seen.longest_wait = std::max(seen.longest_wait, waits);
-    (waits > 0 ? seen.ended_waiting : seen.ended_not_waiting) += 1;
-  }
-  for (std::size_t link = 0; link < link_totals.links.size(); ++link) {
-    CHECK(link_totals.links[link].sent == alone.team->link_totals.links[link].sent);
-    CHECK(link_totals.links[link].lost == alone.team->link_totals.links[link].lost);
-    seen.most_lost = std::max(seen.most_lost, link_totals.links[link].lost);
-    CHECK(link_totals.links[link].late == alone.team->link_totals.links[link].late);
-    seen.most_late = std::max(seen.most_late, link_totals.links[link].late);
-  }
-  seen.most_corrections = std::max(seen.most_corrections, truth.corrections);
-}
-
-template <class Team>
-Seen test_every_team_goes_as_it_does_alone() {
-  auto bits = std::make_unique<BitslicedTeam<Team>>();
-  std::array<Alone<Team>, 64> all;
-  Seen seen;
-  for (std::uint64_t tick = 0; tick < 30000; ++tick) {
-    BitslicedObservation sensed;
-    BitslicedProgramState programs;
-    BitslicedLoss lost;
-    std::array<PerSide<RobotObservation>, 64> senses{};
-    for (int i = 0; i < 64; ++i) {
-      Alone<Team>& alone = all[static_cast<std::size_t>(i)];
-      const Words chance =
-          draw(7, static_cast<std::uint32_t>(tick), Stream::radio, static_cast<std::uint32_t>(i));
-      if (alone.team && chance[0] % 4096 == 0) {
-        compare(*bits, i, alone, seen);
-        bits->erase(i);
-        alone = {};
-      }
-      if (!alone.team && chance[1] % 4 == 0) {
-        // Of every delay some, and some that hang for a long time.
-        const std::uint32_t delay = 1 + chance[2] % BitslicedDelay::longest;
-        alone.loss = chance[3] % 3 == 0 ? 0.2 : 0;
-        const Channel channel = Channel::of(delay * 0.01, 0, alone.loss, 0.01);
-        alone.faults = some_faults<Team>(chance[3], static_cast<std::uint32_t>(tick));
-        alone.team = std::make_unique<Team>(team_over<Team>(channel, alone.faults, chance[0]));
-        alone.metrics = std::make_unique<Metrics>();
-        alone.hold = 1U << chance[3] % 10;
-        CHECK(alone.team->radio().steady_delay() == delay);
-        CHECK(bits->supports(*alone.team));
-        bits->insert(i, *alone.team);
-        // As if it ended before its first tick: nothing is left of who was there before.
-        Metrics none;
-        LinkTotals silence;
-        bits->write_results(i, 0, none, silence);
-        CHECK(none.corrections == 0 && none.waiting_ticks == PerSide<std::uint32_t>{});
-        CHECK(none.waits_since == PerSide<std::uint32_t>{} && silence.sent == 0);
-        ++seen.began;
-      }
-      // Who is not there senses something, too.
-      const Words felt = draw(8, static_cast<std::uint32_t>(tick / alone.hold), Stream::tactile,
-                              static_cast<std::uint32_t>(i));
-      for (const std::size_t side : {left, right}) {
-        const RobotObservation one{static_cast<Sign>(static_cast<int>(felt[side] % 3) - 1),
-                                   (chance[2 + side] & 7 << 16) == 0};
-        senses[static_cast<std::size_t>(i)][side] = one;
-        sensed.positive[side] |= CarryMask{one.sign == Sign::positive} << i;
-        sensed.negative[side] |= CarryMask{one.sign == Sign::negative} << i;
-        sensed.palm_at_target[side] |= CarryMask{one.palm_at_target} << i;
-        if (!alone.team) continue;
-        const ProgramState state = alone.monitor.program_state(alone.faults, alone.tick, side);
-        programs.off[side] |= CarryMask{state == ProgramState::off} << i;
-        programs.booting[side] |= CarryMask{state == ProgramState::booting} << i;
-        seen.boots += state == ProgramState::booting ? 1 : 0;
-        // The draws of the radio, the leading robot's first.
-        const auto is_lost = [&](std::uint32_t lane) {
-          return draw(0, alone.tick, Stream::radio, lane)[0] < Channel::words_of(alone.loss);
-        };
-        const std::uint32_t rank = side == alone.team->radio().leader() ? 0 : 1;
-        lost.from_robot[side] |= CarryMask{is_lost(rank)} << i;
-        lost.from_station[side] |= CarryMask{is_lost(2 + rank)} << i;
-      }
-    }
-    const CarryMask are_new = bits->step(tick, sensed, programs, lost);
-    const BitslicedCommand& bitsliced = bits->commands();
-    for (int i = 0; i < 64; ++i) {
-      Alone<Team>& alone = all[static_cast<std::size_t>(i)];
-      const auto bit = [&](RobotMask both, std::size_t side) { return (both[side] >> i & 1) != 0; };
-      if (!alone.team) {
-        CHECK((are_new >> i & 1) == 0);
-        continue;
-      }
-      const PerSide<Command> commands =
-          alone.team->step(alone.tick, senses[static_cast<std::size_t>(i)], ignore);
-      alone.metrics->note(alone.tick++, *alone.team);
-      CHECK(((are_new >> i & 1) != 0) == (commands != alone.before));
-      alone.before = commands;
-      if constexpr (std::is_same_v<Team, ResilientTeam>) {
-        ++seen.states[static_cast<std::size_t>(alone.team->robot(left).state())];
-        seen.travelled += commands[left].stop ? 0 : 1;
-      }
-      for (const std::size_t side : {left, right}) {
-        CHECK(bit(bitsliced.shallow, side) == (commands[side].palm == Palm::shallow));
-        CHECK(bit(bitsliced.away, side) == (commands[side].move == Move::away));
-        CHECK(bit(bitsliced.closer, side) == (commands[side].move == Move::closer));
-        CHECK(bit(bitsliced.stop, side) == commands[side].stop);
-      }
-    }
-  }
-  CHECK(seen.began > 300 && seen.most_corrections > 256);
-  return seen;
-}
-
 // Teams cannot run bitsliced if messages may be lost or have varying delays, or if robots fail in
 // other ways than these.
 template <class Team>
@@ -304,15 +143,27 @@ void test_supported_times_and_clocks_of_the_resilient_algorithm() {
 
 int main() {
   test_there_is_never_more_than_one_unread_message();
-  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>();
+  constexpr std::uint64_t ticks = 30000;
+  constexpr auto ignore = [](const auto&, const PerSide<Command>&) {};
+  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>(
+      false, ticks, team_over<DistributedTeam<Robot>>, ignore);
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
-  const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>();
+  const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>(
+      true, ticks, team_over<CentralizedTeam>, ignore);
   CHECK(pairs.boots == 0 && stations.boots > 1000);
   CHECK(pairs.most_lost > 1 && stations.most_lost > 1000);
-  const Seen peers = test_every_team_goes_as_it_does_alone<ResilientTeam>();
+  std::array<std::uint32_t, Resilient::states> states{};
+  std::uint32_t travelled = 0;
+  const Seen peers = test_every_team_goes_as_it_does_alone<ResilientTeam>(
+      true, ticks, team_over<ResilientTeam>,
+      [&](const ResilientTeam& team, const PerSide<Command>& commands) {
+        ++states[static_cast<std::size_t>(team.robot(left).state())];
+        travelled += commands[left].stop ? 0 : 1;
+      });
   CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
-  for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
-  CHECK(peers.travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
+  for (const std::uint32_t count : states) CHECK(count > 1000);
+  CHECK(travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
+  for (const Seen* seen : {&pairs, &stations, &peers}) CHECK(seen->most_corrections > 256);
   test_supported_teams<DistributedTeam<Robot>>(false);
   test_supported_teams<CentralizedTeam>(true);
   test_supported_teams<ResilientTeam>(true);

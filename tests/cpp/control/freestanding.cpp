@@ -28,6 +28,14 @@ palmbots::Resilient::Output resilient_step(palmbots::Resilient& robot,
   return robot.step(in);
 }
 
+using SharedSignRobot = palmbots::TableRobot<palmbots::SharedSign>;
+
+SharedSignRobot::Output shared_sign_step(SharedSignRobot& robot, const SharedSignRobot::Input& in);
+
+SharedSignRobot::Output shared_sign_step(SharedSignRobot& robot, const SharedSignRobot::Input& in) {
+  return robot.step(in);
+}
+
 bool hear(palmbots::BeaconReceiver& receiver, const palmbots::Beacon& beacon);
 
 bool hear(palmbots::BeaconReceiver& receiver, const palmbots::Beacon& beacon) {

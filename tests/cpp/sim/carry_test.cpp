@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <new>
 
+#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/no_controller.hpp"
 #include "palmbots/sim/recorder.hpp"
-#include "palmbots/sim/resilient_team.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controllers and radio wired together: mirror symmetry, the order of a tick, and what a lost
 // packet does where a station decides.
+#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/centralized_team.hpp"
-#include "palmbots/sim/resilient_team.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trace hash of one carry, from a Spec as bytes on standard input:
-//   trace_hash none|centralized|distributed|resilient SEED double|float < spec
+//   trace_hash CONTROLLER SEED double|float < spec
 // tests/simulation/test_determinism.py compiles it in several ways and compares what it prints.
 #include <cinttypes>
 #include <cstdint>

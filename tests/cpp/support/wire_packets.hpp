@@ -39,6 +39,7 @@ inline std::vector<Packet> all_sayings() {
     say(PacketKind::message, from, to, {1, 2, 3});
     say(PacketKind::beacon, from, to, {'I',  'R',  'G',  'D',  'W',  'i',  'r',  'g',  'd',  'w',
                                        0xC9, 0xD2, 0xC7, 0xC4, 0xD7, 0xE9, 0xF2, 0xE7, 0xE4, 0xF7});
+    say(PacketKind::sign, from, to, {0, 1, 2, 4, 6});
   }
   for (const Role robot : {l, r}) {
     say(PacketKind::report, robot, s, {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14});

@@ -6,12 +6,13 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/corruption.hpp"
 #include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/random_streams.hpp"
-#include "palmbots/sim/resilient_team.hpp"
 #include "palmbots/wire/endpoint.hpp"
 #include "support/check.hpp"
 #include "support/wire_packets.hpp"
@@ -51,6 +52,32 @@ void test_beacons_there_and_back() {
   CHECK(alphabet(MessageKind::tilt_down) == 'I' && alphabet(MessageKind::tilt_up) == 'R');
   CHECK(alphabet(MessageKind::ack) == 'G' && alphabet(MessageKind::closing) == 'D');
   CHECK(alphabet(MessageKind::raised) == 'W');
+}
+
+// Each word of a table that shares signs is a packet of its own kind, with its stamps.
+void test_signs_there_and_back() {
+  const std::pair<MessageKind, int> words[] = {{MessageKind::minus, 0},
+                                               {MessageKind::zero, 1},
+                                               {MessageKind::plus, 2},
+                                               {MessageKind::minus_shallow, 4},
+                                               {MessageKind::plus_shallow, 6}};
+  for (const auto& [word, payload] : words) {
+    const Beacon beacon{word, false, false, {70000, 4000000000U}, {3, 9}};
+    const wire::Packet packet =
+        wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
+    CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::sign);
+    CHECK(packet.payload == payload);
+    const Beacon back = wire::beacon_in(packet);
+    CHECK(back.message == word && !back.stopped && !back.ready);
+    CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
+    CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
+    // A robot takes in only the kind that its controller uses.
+    for (const wire::PacketKind wanted : {wire::PacketKind::beacon, wire::PacketKind::sign}) {
+      BeaconReceiver receiver(1);
+      const bool counts = wire::hear(receiver, {Verdict::accepted, packet}, wanted);
+      CHECK(counts == (wanted == wire::PacketKind::sign));
+    }
+  }
 }
 
 void test_reports_commands_and_messages_survive_encoding() {
@@ -266,6 +293,7 @@ void test_damage_is_noticed() {
 
 int main() {
   test_beacons_there_and_back();
+  test_signs_there_and_back();
   test_reports_commands_and_messages_survive_encoding();
   test_numbers_left_out();
   for (std::uint64_t seed = 0; seed < 6; ++seed) {

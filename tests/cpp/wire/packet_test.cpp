@@ -41,7 +41,7 @@ void test_layout_has_no_gaps() {
 
 void test_every_packet_survives_encoding() {
   const auto packets = all_sayings();
-  CHECK(packets.size() == 6 + 2 * (3 + 20) + 2 * (12 + 6));
+  CHECK(packets.size() == 6 + 2 * (3 + 20 + 5) + 2 * (12 + 6));
   for (const Packet& packet : packets) {
     const Decoded decoded = decode(encoded(packet), test_key, test_pair, packet.receiver);
     CHECK(decoded.verdict == Verdict::accepted);
@@ -124,6 +124,13 @@ void test_payloads_and_back() {
         const auto [said, at_rest, at_ready] = beacon_of(byte);
         CHECK(said == letter && at_rest == stopped && at_ready == ready);
       }
+    }
+  }
+  for (const Sign sign : {Sign::negative, Sign::zero, Sign::positive}) {
+    for (const bool shallow : {false, true}) {
+      const auto byte = payload(SignWord{sign, shallow});
+      CHECK(means(PacketKind::sign, byte) == (sign != Sign::zero || !shallow));
+      CHECK(sign_of(byte).sign == sign && sign_of(byte).shallow == shallow);
     }
   }
   for (const Palm palm : {Palm::steep, Palm::shallow}) {

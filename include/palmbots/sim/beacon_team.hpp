@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Team of the resilient algorithm: two controllers with their beacons and receivers, and the data
-// that survives a reboot.
+// Teams of two robots that broadcast beacons, or nothing: their controllers, receivers, clocks, and
+// the data that survives a reboot. Resilient (control/resilient.hpp) is one such controller, and so
+// is every table (control/table_robot.hpp).
 #pragma once
 
 #include <algorithm>
@@ -12,17 +13,24 @@
 
 namespace palmbots {
 
-// Two robots that broadcast beacons to each other, with leases (control/resilient.hpp).
-class ResilientTeam {
+// Two robots with one controller each. A Robot provides
+//   talks                        whether it sends beacons at all
+//   step(RobotInput) → Output    with command, message, ready, send
+//   quiet(), idle()              how to skip steps without effect, as in Resilient
+//   booted()                     the robot after a boot, with what it had stored
+//   now(), stopped()             the output of its state, and whether it rests
+template <class Robot>
+class BeaconTeam {
  public:
   static constexpr bool half_moves = false;
   static constexpr bool expects_turns = false;
   LinkTotals link_totals{};
 
-  ResilientTeam(Resilient::Times times, PerSide<double> clock_drift, const Channel& channel,
-                std::uint64_t seed, std::size_t leader, const Faults& faults = {})
-      : times_(times),
-        robots_{robot(times, left, leader), robot(times, right, leader)},
+  // `lease` is the greatest age at which a beacon counts [ticks].
+  BeaconTeam(PerSide<Robot> robots, std::uint16_t lease, PerSide<double> clock_drift,
+             const Channel& channel, std::uint64_t seed, std::size_t leader, const Faults& faults)
+      : robots_(robots),
+        lease_(lease),
         rate_{1 + clock_drift[left], 1 + clock_drift[right]},
         radio_(channel, seed, leader),
         faults_(faults) {}
@@ -42,11 +50,11 @@ class ResilientTeam {
       const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
       if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
       clock_[side] -= elapsed;
-      const Resilient::Output out = robots_[side].step(hear(tick, side, sensed[side], elapsed));
+      const typename Robot::Output out =
+          robots_[side].step(hear(tick, side, sensed[side], elapsed));
       commands_[side] = out.command;
       messages_[side] = out.message;
       ready_[side] = out.ready;
-      assisted_[side] = out.assists;
       sends[side] = out.send;
     }
     const bool collides = sends[left] && sends[right] && radio_.collide(tick);
@@ -83,8 +91,7 @@ class ResilientTeam {
     return waits(side) ? MessageKind::ack : MessageKind::none;
   }
   CorrectionActivity activity(std::size_t side) const { return activity_of(name(side), side); }
-  const Resilient& robot(std::size_t side) const { return robots_[side]; }
-  const Resilient::Times& times() const { return times_; }
+  const Robot& robot(std::size_t side) const { return robots_[side]; }
 
   // True if the robots' clocks run like the carry's.
   bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
@@ -115,15 +122,9 @@ class ResilientTeam {
     return std::min(tick + 1 + quiet, change);
   }
 
-  // The follower is the robot that yields, on either side.
-  static Resilient robot(Resilient::Times times, std::size_t side, std::size_t leader,
-                         bool assisted = false) {
-    return Resilient(times, side != leader, assisted);
-  }
-
   // Everything that has arrived is passed to the receiver; the controller gets the newest message.
-  Resilient::Input hear(std::uint32_t tick, std::size_t side, const RobotObservation& sensed,
-                        std::uint16_t elapsed) {
+  RobotInput hear(std::uint32_t tick, std::size_t side, const RobotObservation& sensed,
+                  std::uint16_t elapsed) {
     BeaconReceiver& receiver = receivers_[side];
     receiver.tick(elapsed);
     LinkCounts& counts = link_totals.links[other(side)];
@@ -131,7 +132,7 @@ class ResilientTeam {
     while (const Beacon* beacon = inbox_[side].oldest(tick)) {
       const bool newer = receiver.accept(*beacon);
       counts.rejected += newer ? 0 : 1;
-      counts.late += newer && receiver.age() > times_.lease ? 1 : 0;
+      counts.late += newer && receiver.age() > lease_ ? 1 : 0;
       news = news || newer;
       inbox_[side].pop();
     }
@@ -142,7 +143,7 @@ class ResilientTeam {
             receiver.age()};
   }
 
-  // True if a robot's program runs. A program that boots knows its epoch and whether it assisted.
+  // True if a robot's program runs. A program that boots knows its epoch and what it had stored.
   bool runs(std::uint32_t tick, std::size_t side) {
     const ProgramState state = monitor_.program_state(faults_, tick, side);
     if (state == ProgramState::off) {
@@ -150,17 +151,16 @@ class ResilientTeam {
       commands_[side] = switched_off(commands_[side]);
     }
     if (state == ProgramState::booting) {
-      robots_[side] = robot(times_, side, radio_.leader(), assisted_[side]);
+      robots_[side] = robots_[side].booted();
       receivers_[side] = BeaconReceiver(++epoch_[side]);
       clock_[side] = 1;
     }
     return state == ProgramState::running || state == ProgramState::booting;
   }
 
-  Resilient::Times times_;
-  PerSide<Resilient> robots_;
-  PerSide<std::uint32_t> epoch_{1, 1};  // epoch_ and assisted_ survive a reboot
-  PerSide<bool> assisted_{};
+  PerSide<Robot> robots_;
+  std::uint16_t lease_;
+  PerSide<std::uint32_t> epoch_{1, 1};  // survives a reboot
   PerSide<BeaconReceiver> receivers_{BeaconReceiver(1), BeaconReceiver(1)};
   PerSide<double> rate_;     // of the robots' clocks
   PerSide<double> clock_{};  // ticks of these clocks not yet stepped
@@ -174,6 +174,21 @@ class ResilientTeam {
   Radio radio_;
   Faults faults_;
   ProgramMonitor monitor_;
+};
+
+// Two robots of the resilient algorithm. The follower is the robot that yields, on either side.
+class ResilientTeam : public BeaconTeam<Resilient> {
+ public:
+  ResilientTeam(Resilient::Times times, PerSide<double> clock_drift, const Channel& channel,
+                std::uint64_t seed, std::size_t leader, const Faults& faults = {})
+      : BeaconTeam({Resilient(times, leader != left), Resilient(times, leader != right)},
+                   times.lease, clock_drift, channel, seed, leader, faults),
+        times_(times) {}
+
+  const Resilient::Times& times() const { return times_; }
+
+ private:
+  Resilient::Times times_;
 };
 
 static_assert(Team<ResilientTeam>);

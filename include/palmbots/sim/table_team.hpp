@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Teams of two robots whose program is a table (control/table.hpp), and their times in a scene.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "palmbots/control/table_robot.hpp"
+#include "palmbots/sim/beacon_team.hpp"
+#include "palmbots/sim/build.hpp"
+
+namespace palmbots {
+
+// Two robots with one program, a beacon link in each direction if the table talks.
+template <class Table>
+class TableTeam : public BeaconTeam<TableRobot<Table>> {
+  using Base = BeaconTeam<TableRobot<Table>>;
+
+ public:
+  using Robot = TableRobot<Table>;
+  using Times = typename Robot::Times;
+
+  TableTeam(const Times& times, bool may_stop, PerSide<double> clock_drift, const Channel& channel,
+            std::uint64_t seed, std::size_t leader, const Faults& faults = {})
+      : Base({Robot(times, {leader == left, may_stop}), Robot(times, {leader == right, may_stop})},
+             times.lease, clock_drift, channel, seed, leader, faults),
+        times_(times) {}
+
+  const Times& times() const { return times_; }
+
+ private:
+  Times times_;
+};
+
+// What the time limits of tables depend on in a scene [s].
+inline TableTiming table_timing_of(const Spec& spec) {
+  TableTiming timing{0, spec.latency + spec.jitter, 0};
+  for (const std::size_t side : {left, right}) {
+    const PalmSpec& palm = spec.palms[side];
+    timing.turn = larger(timing.turn, std::abs(palm.steep - palm.shallow) / palm.rate);
+    const double correction = spec.robots[side].correction;
+    if (correction > 0) timing.reach = larger(timing.reach, 0.5 * palm.length / correction);
+  }
+  return timing;
+}
+
+// The lease at which a robot just hears a partner whose beacons are never lost: one round trip, as in
+// control/resilient_timing.hpp [s].
+inline double shortest_table_lease(const Spec& spec) {
+  return 2 * (std::max(spec.period, spec.latency + spec.jitter) + spec.beacon + spec.period);
+}
+
+// The lease where the scene gives none: four beacons in a row may be lost [s].
+inline double table_lease(const Spec& spec) {
+  return spec.lease > 0 ? spec.lease : shortest_table_lease(spec) + 4 * spec.beacon;
+}
+
+// The times of a table in a scene [ticks].
+template <class Table>
+typename TableRobot<Table>::Times table_times_of(const Spec& spec) {
+  const auto ticks = [&](double seconds) {
+    const double whole = std::ceil(seconds / spec.period - 1e-9);
+    return static_cast<std::uint16_t>(std::clamp(whole, 1.0, 60000.0));
+  };
+  typename TableRobot<Table>::Times times{ticks(spec.beacon), ticks(table_lease(spec)), {}};
+  const TableTiming timing = table_timing_of(spec);
+  for (std::size_t i = 0; i < Table::limits; ++i) {
+    times.limits[i] = ticks(Table::seconds(static_cast<typename Table::Limit>(i), timing));
+  }
+  return times;
+}
+
+// Makes the team of a carry.
+template <class TheTable>
+struct TableTeamMaker {
+  using Table = TheTable;
+
+  TableTeam<Table> operator()(const Spec& spec, std::uint64_t seed) const {
+    const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
+    return TableTeam<Table>(table_times_of<Table>(spec), spec.brake != 0, drift, channel_of(spec),
+                            seed, leader_of(spec), Faults::of(spec, seed));
+  }
+};
+
+}  // namespace palmbots

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The times of controllers that are tables (`silent`, `shared-sign`) in a scene.
+
+The core computes them (`sim/table_team.hpp`); this module states in one line what to change in a
+scene whose lease is too short for robots to hear each other.
+"""
+
+from typing import Any
+
+import palmbots._core as _core
+from palmbots.control.registry import ControllerEntry
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+
+__all__ = ["deafness", "transition_table"]
+
+
+def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | None:
+    """The table that a controller runs, with its times in a scene; None: it is not such a one."""
+    if not entry.is_compiled:
+        return None
+    table: dict[str, Any] | None = _core.transition_table(entry.name, to_spec(scene, unrolled=True))
+    return table
+
+
+def deafness(entry: ControllerEntry, scene: Scene) -> str | None:
+    """The warning, in one line, for a lease within which no beacon can be answered."""
+    table = transition_table(entry, scene)
+    if table is None or not table["talks"]:
+        return None
+    lease, shortest = table["lease_s"], table["shortest_lease_s"]
+    if lease > shortest - 1e-9:
+        return None
+    return (
+        f"radio.lease_s: {lease:g} s is shorter than a round trip of the radio, {shortest:g} s, so "
+        f"the robots never hear each other and {entry.name} works like silent (lower "
+        "radio.latency_s or radio.beacon_s)"
+    )

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers `silent` and `shared-sign`: the tables that run against their rules in prose, and
+what they do in whole carries."""
+
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import palmbots as pb
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import Columns, run_seeds
+from sign_rules import Clock, SignRobot
+from strategies import scenes
+
+NAMES = ("silent", "shared-sign")
+WORDS = {
+    (0, "steep"): "Zero",
+    (1, "steep"): "Plus",
+    (1, "shallow"): "PlusShallow",
+    (-1, "steep"): "Minus",
+    (-1, "shallow"): "MinusShallow",
+}
+
+
+def test_times_in_the_default_scene() -> None:
+    """A turn is as long as a palm turns, 10° at 50°/s; a push as a correction takes from the end of
+    a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
+    table = _core.transition_table("shared-sign", to_spec(Scene()))
+    assert table["limits_s"] == {"turn": 0.2, "push": 2.5, "rest": pytest.approx(0.32)}
+    assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
+    assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
+    assert _core.transition_table("distributed", to_spec(Scene())) is None
+    late = _core.transition_table("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
+    assert late["limits_s"]["turn"] == 0.4
+
+
+@pytest.mark.parametrize("controller", NAMES)
+@pytest.mark.parametrize("leads", [False, True])
+@pytest.mark.parametrize("brake", [False, True])
+def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) -> None:
+    """Over random signs, words and ages, with signs and silences that last."""
+    spec = to_spec(load_scene({"control": {"brake": brake}, "palm": {"length_m": 0.03}}))
+    limits = {"turn": 20, "push": 50, "rest": 7}
+    shares = controller == "shared-sign"
+    seen = set()
+    for seed in range(20):
+        chance = random.Random(f"{controller} {leads} {brake} {seed}")
+        shipped = _core.table_robot(controller, spec, leads)
+        rules = SignRobot(Clock(beacon=5, lease=42, **limits), leads, brake, shares)
+        sign, news_sign, deaf = 0, 0, False
+        for tick in range(3000):
+            if chance.random() < 0.02:
+                sign = chance.choice((-1, 0, 1))
+            if chance.random() < 0.03:
+                news_sign = chance.choice((-1, 0, 1))
+            if chance.random() < 0.005:
+                deaf = not deaf
+            news, age = None, 0
+            if chance.random() < 0.2 and not deaf:
+                news = (news_sign, chance.choice(("steep", "shallow")) if news_sign else "steep")
+                age = chance.choice((5, 12, 41, 42, 43, 50)) if tick % 3 else 12
+            number = 0 if news is None else _core.MessageKind[WORDS[news]]
+            palm, move, stop, word, send = shipped.step(sign, True, number, age)
+            expected = rules.step(sign, news, age)
+            said = WORDS[expected[3]] if shares else ""
+            assert (palm, move, stop, word, send) == (*expected[:3], said, expected[4]), tick
+            seen.add(shipped.state)
+    states = {s["name"] for s in _core.transition_table(controller, spec)["states"]}
+    stops = {"out_steep_stop", "out_shallow_stop"}, {"in_steep_stop", "in_shallow_stop"}
+    goes = {"out_steep", "out_shallow"}, {"in_steep", "in_shallow"}
+    if shares and brake:
+        states -= (stops[0] | goes[1]) if leads else (goes[0] | stops[1])
+    elif shares:
+        states -= stops[0] | stops[1]
+    assert seen == states
+
+
+@pytest.mark.parametrize("controller", NAMES)
+@settings(max_examples=30)
+@given(scene=scenes(), seed=st.integers(0, 2**64 - 1))
+def test_mirrored_scene_gives_the_mirrored_carry(controller: str, scene: Scene, seed: int) -> None:
+    """Also where robots stop: which one leads is mirrored too."""
+    there = pb.carry(scene, controller, seed=seed)
+    back = pb.carry(scene.mirrored(), controller, seed=seed)
+    assert (there.outcome, there.reason, there.time_s) == (back.outcome, back.reason, back.time_s)
+    assert there.trace is not None
+    assert back.trace is not None
+    for name in ("contact", "palm"):
+        one, other = (carry.trace[name].to_numpy() for carry in (there, back))
+        np.testing.assert_array_equal(one, other[:, ::-1], err_msg=name)
+
+
+def drops(columns: Columns) -> int:
+    return int((columns["outcome"] == 2).sum())
+
+
+def lot(controller: str, count: int, **keys: Any) -> Columns:
+    scene = load_scene("paper", {key.replace("__", "."): value for key, value in keys.items()})
+    return run_seeds(to_spec(scene), controller, 0, count)
+
+
+def at_most(count: int, rate: float) -> int:
+    """The number of drops that is exceeded with probability 1e-6 if drops occur at this rate."""
+    from scipy import stats
+
+    return int(stats.binom.isf(1e-6, count, rate))
+
+
+UNEQUAL = {"palm.left.friction": 0.2, "palm.right.friction": 0.4}
+FLOORS = [
+    # Each at the noise up to which at most 1 % of the carries may drop the object.
+    ("silent", {"robot.noise_m_s": 0.030}),
+    ("shared-sign", {"robot.noise_m_s": 0.0355, "control.brake": False}),
+    ("shared-sign", {"robot.noise_m_s": 0.051}),
+    ("shared-sign", {"robot.noise_m_s": 0.051, "task.direction": "backward"}),
+    ("shared-sign", {"robot.noise_m_s": 0.045, "radio.loss": 0.2, "faults.random_reboots": 1}),
+    ("shared-sign", {"robot.noise_m_s": 0.03} | UNEQUAL),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("controller", "keys"), FLOORS)
+def test_at_most_one_carry_in_a_hundred_drops(controller: str, keys: dict[str, Any]) -> None:
+    count = 1500
+    assert drops(lot(controller, count, **keys)) <= at_most(count, 0.01)
+
+
+def test_wrong_rules_would_be_noticed() -> None:
+    """A robot that brakes at the wrong end, or not at all, drops far more than the floor allows."""
+    noise = {"robot.noise_m_s": 0.051}
+    assert drops(lot("shared-sign", 300, **noise, **{"control.brake": False})) > at_most(300, 0.01)
+    assert drops(lot("distributed", 300, **{"robot.noise_m_s": 0.03})) > at_most(300, 0.01)
+
+
+def test_brake_costs_little_time() -> None:
+    """At most 3 % at 3 cm/s and none at 1 cm/s, in the mean over the same seeds."""
+    for noise, most in ((0.03, 1.03), (0.01, 1.0005)):
+        with_brake, without = (
+            lot("shared-sign", 400, **{"robot.noise_m_s": noise, "control.brake": brake})
+            for brake in (True, False)
+        )
+        both = (with_brake["outcome"] == 1) & (without["outcome"] == 1)
+        assert both.mean() > 0.99
+        assert with_brake["time_s"][both].mean() <= most * without["time_s"][both].mean()
+
+
+def test_contacts_stay_twice_as_close_to_the_pivots_as_with_table_2() -> None:
+    keys = {"robot.noise_m_s": 0.02}
+    rms = {
+        name: float(np.sqrt(np.square(lot(name, 300, **keys)["contact_rms_m"]).mean()))
+        for name in ("distributed", "shared-sign")
+    }
+    assert rms["shared-sign"] <= 0.5 * rms["distributed"]
+
+
+JAMMED = {
+    "radio.outages": [{"sender": side, "start_s": 0.0, "end_s": 60.0} for side in ("left", "right")]
+}
+
+
+@pytest.mark.parametrize("keys", [JAMMED, {"radio.loss": 1.0}, {"radio.corruption": 1.0}])
+@pytest.mark.parametrize("seed", range(3))
+def test_without_radio_shared_sign_is_silent(keys: dict[str, Any], seed: int) -> None:
+    """To the last bit, and without braking."""
+    keys = keys | {"robot.noise_m_s": 0.03, "task.distance_m": 0.6}
+    alone = pb.carry("paper", "silent", seed=seed, overrides=keys, record=False)
+    jammed = pb.carry("paper", "shared-sign", seed=seed, overrides=keys, record=False)
+    assert jammed.trace_hash == alone.trace_hash
+    assert jammed.messages > 0
+    assert alone.messages == 0
+    heard = pb.carry("paper", "shared-sign", seed=seed, overrides={
+        key: value for key, value in keys.items() if key.startswith(("robot", "task"))
+    }, record=False)  # fmt: skip
+    assert heard.trace_hash != alone.trace_hash
+
+
+def test_link_that_is_dead_in_one_direction_makes_both_robots_silent() -> None:
+    """The robot that still hears learns from the echo that it is not heard: neither brakes."""
+    dead = {"radio.outages": [{"sender": "left", "start_s": 0.0, "end_s": 60.0}]}
+    keys = {"robot.noise_m_s": 0.03, "task.distance_m": 0.6}
+    alone = pb.carry("paper", "silent", seed=1, overrides=keys, record=False)
+    half = pb.carry("paper", "shared-sign", seed=1, overrides=keys | dead, record=False)
+    assert half.trace_hash == alone.trace_hash
+
+
+def test_robots_return_to_the_shared_rule_when_the_radio_returns() -> None:
+    """Messages stop the moment the radio does; a second after its return they count again."""
+    outage = [{"sender": "left", "start_s": 2.0, "end_s": 12.0}]
+    keys = {"robot.noise_m_s": 0.02, "radio.outages": outage}
+    columns = lot("shared-sign", 300, **keys)
+    assert drops(columns) == 0
+    reboot = [{"kind": "reboot", "robot": "left", "at_s": 5.0, "duration_s": 0.5}]
+    columns = lot("shared-sign", 300, **{"robot.noise_m_s": 0.02, "faults.script": reboot})
+    assert drops(columns) == 0
+    assert (columns["outcome"] == 1).all()
+
+
+def test_opposite_signs_end_without_noise() -> None:
+    """Where both corrections cancel, the pauses of the robot that moves closer break the tie."""
+    for start in (0.02, 0.04, -0.03, -0.06):
+        keys = {
+            "robot.noise_m_s": 0.0, "start.left_m": start, "start.right_m": -start,
+            "task.distance_m": 6.0, "task.timeout_s": 200.0,
+        }  # fmt: skip
+        for controller, longest in (("silent", 60.0), ("shared-sign", 3.0)):
+            carry = pb.carry("paper", controller, overrides=keys)
+            assert carry.outcome == "delivered"
+            assert carry.trace is not None
+            late = carry.trace.sel(time=slice(longest, None))
+            assert late.sizes["time"] > 1000
+            assert (late["sign"] == 0).all()
+
+
+def test_trailing_robot_stops_when_both_are_outward_and_leading_one_when_both_are_inward() -> None:
+    for direction, front in (("forward", "right"), ("backward", "left")):
+        for start, who in ((0.06, "rear"), (-0.06, "front")):
+            keys = {
+                "robot.noise_m_s": 0.0, "task.direction": direction,
+                "start.left_m": start, "start.right_m": start,
+            }  # fmt: skip
+            trace = pb.carry("paper", "shared-sign", overrides=keys).trace
+            assert trace is not None
+            rows = trace.isel(time=slice(30, 50))  # the robots have heard each other
+            assert (rows["sign"] == np.sign(start)).all()
+            speeds = {side: rows["commanded"].sel(side=side).to_numpy() for side in SIDES}
+            sense = 1 if direction == "forward" else -1
+            rear = "left" if front == "right" else "right"
+            stops, goes = (rear, front) if who == "rear" else (front, rear)
+            # Away: the rear robot backwards, the front one forwards; closer: the reverse.
+            correction = 0.03 * (1 if start > 0 else -1)
+            sign = {front: 1, rear: -1}
+            assert speeds[stops] == pytest.approx(sense * sign[stops] * correction)
+            assert speeds[goes] == pytest.approx(sense * (0.06 + sign[goes] * correction))

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of `silent` and `shared-sign` as their prose has them: plain conditions and instants.
+
+A slow transcription of docs/theory/protocols.md that shares nothing with the tables in the core.
+"""
+
+from dataclasses import dataclass, field
+
+__all__ = ["Clock", "SignRobot"]
+
+
+@dataclass
+class Clock:
+    """The times of the rules, in ticks."""
+
+    beacon: int
+    lease: int
+    turn: int
+    push: int
+    rest: int
+
+
+@dataclass
+class SignRobot:
+    """One robot. `shares`: it is `shared-sign`, else `silent`."""
+
+    clock: Clock
+    leads: bool
+    brake: bool
+    shares: bool
+    now: int = 0
+    palm: str = "shallow"
+    partner_sign: int = 0
+    partner_palm: str = "steep"
+    heard_at: float = float("-inf")
+    word: tuple[int, str] = (0, "steep")
+    said_at: float = float("-inf")
+    # The tie that lasts (sign, and whether this robot stops), and since when the palm is as it is.
+    tie: tuple[int, bool] | None = None
+    turn_began: int = 0
+    # Since when the robot, on its own, has been moving closer, or pausing.
+    phase: str | None = field(default=None)
+    phase_began: int = 0
+
+    def step(
+        self, sign: int, news: tuple[int, str] | None, age: int
+    ) -> tuple[str, str, bool, tuple[int, str], bool]:
+        """One tick: (palm, move, stop, own word, whether it is sent)."""
+        self.now += 1
+        if news is not None and self.shares:
+            self.partner_sign, self.partner_palm = news
+            self.heard_at = self.now - age
+        alone = not self.shares or self.now - self.heard_at > self.clock.lease
+        if not (alone and sign < 0):
+            self.phase = None
+        stop = False
+        if alone:
+            self.tie = None
+            move = self._alone(sign)
+        else:
+            move, stop = self._together(sign, self.partner_sign)
+        word = (sign, self.palm if sign else "steep")
+        due = self.shares and (word != self.word or self.now - self.said_at >= self.clock.beacon)
+        if due:
+            self.said_at = self.now
+        self.word = word
+        return self.palm, move, stop, word, due
+
+    def _alone(self, sign: int) -> str:
+        self.palm = "steep" if sign > 0 else "shallow"
+        if sign >= 0:
+            return "away" if sign > 0 else "hold"
+        if self.phase is None:
+            self.phase, self.phase_began = "push", self.now
+        limit = self.clock.push if self.phase == "push" else self.clock.rest
+        if self.now - self.phase_began >= limit:
+            self.phase, self.phase_began = "rest" if self.phase == "push" else "push", self.now
+        return "closer" if self.phase == "push" else "hold"
+
+    def _together(self, a: int, b: int) -> tuple[str, bool]:
+        if a != b:
+            self.tie = None
+            self.palm = "shallow" if a < b else "steep"
+            apart = a * b < 0
+            return ("away" if apart or a + b > 0 else "closer"), False
+        if a == 0:
+            self.tie = None
+            return "hold", False
+        stops = self.brake and (not self.leads if a > 0 else self.leads)
+        if self.leads:
+            if self.tie != (a, stops):
+                self.turn_began = self.now
+            elif self.now - self.turn_began >= self.clock.turn:
+                self.palm = "steep" if self.palm == "shallow" else "shallow"
+                self.turn_began = self.now
+        else:
+            self.palm = "steep" if self.partner_palm == "shallow" else "shallow"
+        self.tie = (a, stops)
+        return ("away" if a > 0 else "closer"), stops
