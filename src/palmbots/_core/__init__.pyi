@@ -255,6 +255,12 @@ class Spec:
     def lease(self, arg: float, /) -> None: ...
 
     @property
+    def brake(self) -> bool: ...
+
+    @brake.setter
+    def brake(self, arg: bool, /) -> None: ...
+
+    @property
     def watchdog(self) -> float: ...
 
     @watchdog.setter
@@ -479,6 +485,16 @@ class MessageKind(enum.IntEnum):
 
     Raised = 5
 
+    Zero = 6
+
+    Plus = 7
+
+    PlusShallow = 8
+
+    Minus = 9
+
+    MinusShallow = 10
+
 def controllers() -> list:
     """
     The controllers of the core, in order: the rows of sim/team_registry.hpp.
@@ -568,6 +584,25 @@ class Centralized:
 
     @property
     def stage(self) -> int: ...
+
+def transition_table(controller: str, spec: Spec) -> object:
+    """
+    The table of a controller as it runs, with its times in a scene [s]; None if it is not made of a table.
+    """
+
+class TableRobot:
+    """One robot whose program is a table."""
+
+    def step(self, sign: int, palm_at_target: bool, message: int, age: int) -> object:
+        """
+        One tick with a new word of the partner and how old it may be [ticks] (message 0: none came); returns (palm, move, stop, own word, whether it is sent now).
+        """
+
+    @property
+    def state(self) -> str: ...
+
+def table_robot(controller: str, spec: Spec, leads: bool) -> TableRobot:
+    """A robot with the program of this controller."""
 
 carry_outcomes: tuple = ('running', 'delivered', 'dropped', 'stalled')
 

@@ -37,6 +37,12 @@ def command(palm: int, move: int) -> int:
 def command_of(payload: int) -> tuple[int, int]:
     """A command: palm, move."""
 
+def sign(sign: int, palm: int) -> int:
+    """The payload of a sign."""
+
+def sign_of(payload: int) -> tuple[int, int]:
+    """A sign: sign, palm."""
+
 class Endpoint:
     """One end of the wire."""
 
