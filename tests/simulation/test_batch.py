@@ -71,7 +71,7 @@ def lot() -> tuple[list[_core.Spec], np.ndarray, np.ndarray]:
         {},
         {"palm.pivot_offset_m": 0.01, "task.direction": "backward"},
         {"robot.left.bias_m_s": 0.008, "task.distance_m": 0.7},
-        {"palm.friction": 0.12, "robot.noise_m_s": 0.03},
+        {"palm.friction": 0.12, "robot.noise_m_s": 0.06},
         {"bumps.rate_per_m": 5.0},
         {"tactile.false_rate": 0.02, "task.slope_deg": 1.0},
         {"faults.random_reboots": 2},
