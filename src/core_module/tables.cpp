@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controllers that are tables (control/table.hpp), as data and one step at a time.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <optional>
 
 #include "bindings.hpp"
 #include "palmbots/sim/team_registry.hpp"
@@ -18,7 +20,7 @@ namespace {
 class AnyTableRobot {
  public:
   virtual ~AnyTableRobot() = default;
-  virtual nb::object step(Sign sign, bool palm_at_target, MessageKind message,
+  virtual nb::tuple step(Sign sign, bool palm_at_target, MessageKind message,
                           std::uint16_t age) = 0;
   virtual std::string state() const = 0;
 };
@@ -29,7 +31,7 @@ class OneTableRobot : public AnyTableRobot {
   OneTableRobot(const Spec& spec, bool leads)
       : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0}) {}
 
-  nb::object step(Sign sign, bool palm_at_target, MessageKind message, std::uint16_t age) override {
+  nb::tuple step(Sign sign, bool palm_at_target, MessageKind message, std::uint16_t age) override {
     const auto out = robot_.step({sign, palm_at_target, 1, message, false, false, age});
     return nb::make_tuple(name_of(out.command.palm), name_of(out.command.move), out.command.stop,
                           name_of(out.message), out.send);
@@ -119,8 +121,8 @@ bool visit_table(const std::string& name, Visit&& visit) {
 void bind_tables(nb::module_& m) {
   m.def(
       "transition_table",
-      [](const std::string& name, const Spec& spec) -> nb::object {
-        nb::object found = nb::none();
+      [](const std::string& name, const Spec& spec) {
+        std::optional<nb::dict> found;
         visit_table(name,
                     [&](auto make) { found = described<typename decltype(make)::Table>(spec); });
         return found;

@@ -12,6 +12,7 @@ import pytest
 
 from commands import Run, assert_refused
 from palmbots.control.registry import shipped_names
+from palmbots.control.tolerated_noise import tolerated_noise
 from palmbots.scene.error_messages import dotted_keys
 from palmbots.scene.key_reference import scene_keys
 from palmbots.scene.scene import Scene, load_scene
@@ -65,8 +66,19 @@ def test_controllers_lists_those_of_the_help(here: Run) -> None:
     rows = json.loads(here("controllers", "--json").stdout)["controllers"]
     names = [row["name"] for row in rows]
     assert names == [*shipped_names()]
-    for name in names:
-        assert name in here("controllers").stdout
+    text = here("controllers").stdout
+    for row in rows:
+        noise = tolerated_noise(row["name"])
+        assert noise is not None
+        assert row["sigma_star_m_s"] == noise.sigma_star_m_s
+        assert f"palmbots noise-limit -c {row['name']} " in row["sigma_star_command"]
+        assert f"{row['name']}  σ* {100 * noise.sigma_star_m_s:.2f} cm/s" in text
+        assert (row["messages"] == []) == (row["name"] in ("none", "silent"))
+        assert all(need in " ".join(text.split()) for need in row["requirements"])
+    needs = {row["name"]: row["requirements"] for row in rows}
+    assert needs["none"] == []
+    assert "station" in needs["centralized"][0]
+    assert "agree" in needs["silent"][0]
 
 
 def test_init_scene_writes_the_default_scene(

@@ -99,7 +99,18 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ("derive", ("--controllers", "none"), 0, {"rules", "conflicts", "is_table_2"}),
     ("scenes", (), 0, {"scenes[].name", "scenes[].meaning"}),
     ("objects", (), 0, {"objects[].name", "objects[].meaning"}),
-    ("controllers", (), 0, {"controllers[].name", "controllers[].meaning"}),
+    (
+        "controllers",
+        (),
+        0,
+        {
+            f"controllers[].{key}"
+            for key in (
+                "name", "meaning", "messages", "requirements", "sigma_star_m_s",
+                "sigma_star_interval", "sigma_star_command",
+            )
+        },
+    ),
     ("keys", (), 0, {"keys[].name", "keys[].meaning", "keys[].default", "keys[].unit"}),
     ("init", ("scene", "SCENE"), 0, {"file", "scene"}),
 ]  # fmt: skip

@@ -29,15 +29,21 @@ WORDS = {
 }
 
 
+def table_of(controller: str, spec: _core.Spec) -> dict[str, Any]:
+    table = _core.transition_table(controller, spec)
+    assert table is not None
+    return table
+
+
 def test_times_in_the_default_scene() -> None:
     """A turn is as long as a palm turns, 10° at 50°/s; a push as a correction takes from the end of
     a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
-    table = _core.transition_table("shared-sign", to_spec(Scene()))
+    table = table_of("shared-sign", to_spec(Scene()))
     assert table["limits_s"] == {"turn": 0.2, "push": 2.5, "rest": pytest.approx(0.32)}
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
     assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
     assert _core.transition_table("distributed", to_spec(Scene())) is None
-    late = _core.transition_table("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
+    late = table_of("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
     assert late["limits_s"]["turn"] == 0.4
 
 
@@ -72,7 +78,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
             said = WORDS[expected[3]] if shares else ""
             assert (palm, move, stop, word, send) == (*expected[:3], said, expected[4]), tick
             seen.add(shipped.state)
-    states = {s["name"] for s in _core.transition_table(controller, spec)["states"]}
+    states = {s["name"] for s in table_of(controller, spec)["states"]}
     stops = {"out_steep_stop", "out_shallow_stop"}, {"in_steep_stop", "in_shallow_stop"}
     goes = {"out_steep", "out_shallow"}, {"in_steep", "in_shallow"}
     if shares and brake:

@@ -156,8 +156,8 @@ def test_lockstep_for_larger_processors_passes_sanitizers(level: int, compiler: 
     """tests/cpp/test_programs.py runs the same program with the lanes of any processor."""
     if not _core.supports_x86_level(level):
         pytest.skip(f"this processor has no level x86-64-v{level}")
-    command = [program(f"batch/lockstep_test-v{level}-{compiler}")]
-    command.append("30" if settings.get_current_profile_name() == "soak" else "2")  # seeds
+    seeds = "30" if settings.get_current_profile_name() == "soak" else "2"
+    command = [program(f"batch/lockstep_test-v{level}-{compiler}"), seeds]
     run = subprocess.run(command, capture_output=True, text=True, timeout=1500)
     assert run.returncode == 0, run.stderr
 

@@ -73,6 +73,24 @@ class ControllerEntry:
     """Where the Python class is defined; None: the compiled core has this controller."""
 
     @property
+    def requirements(self) -> tuple[str, ...]:
+        """What the controller needs besides palms, switches and wheels, one line each."""
+        late = "a zero zone wider than the overrun that the delay of the radio causes"
+        needs = {
+            "a station that both robots can reach by radio": self.team == "station",
+            "a radio between the robots": self.uses_radio and self.team == "robots",
+            "a time for start and end on which the robots agree": self.has_no_link,
+            "a radio and control period that its time bounds admit": self.timing_check is not None,
+            late: self.team == "station" or self.drives_by_both_signs,
+        }
+        return tuple(need for need, applies in needs.items() if applies)
+
+    @property
+    def has_no_link(self) -> bool:
+        """Whether the robots decide, without a radio."""
+        return self.team == "robots" and not self.uses_radio
+
+    @property
     def is_compiled(self) -> bool:
         """Whether the compiled core has this controller. Only such a one runs in lockstep."""
         return self.maker is None

@@ -19,8 +19,7 @@ def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | N
     """The table that a controller runs, with its times in a scene; None: it is not such a one."""
     if not entry.is_compiled:
         return None
-    table: dict[str, Any] | None = _core.transition_table(entry.name, to_spec(scene, unrolled=True))
-    return table
+    return _core.transition_table(entry.name, to_spec(scene, unrolled=True))
 
 
 def deafness(entry: ControllerEntry, scene: Scene) -> str | None:

@@ -21,6 +21,7 @@ from palmbots.cli.reports.console import (
     report_console,
 )
 from palmbots.control.registry import describe
+from palmbots.control.tolerated_noise import RECOMMENDED, gain_of_recommended
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
 __all__ = ["carry_report", "replay_report"]
+
+NEARLY = 0.8
+"""The part of the half palm beyond which a contact nearly left it."""
 
 _REASONS = {
     "off-palm": "a contact left its palm at an end or a side",
@@ -86,6 +90,22 @@ def carry_report(
     print_written_files(console, written)
     for path in removed:
         console.print(f"removed {path} of an earlier carry", soft_wrap=True)
+    if (line := _recommendation(carry)) is not None:
+        console.print(line, style=QUIET)
+
+
+def _recommendation(carry: "Carry") -> str | None:
+    """Names a controller that tolerates more noise, if the object was or nearly was dropped."""
+    if carry.controller == RECOMMENDED:
+        return None
+    if carry.outcome != "dropped" and not any(
+        carry.contact_peak_m[side] > NEARLY * 0.5 * carry.scene.palm_of(side).length_m
+        for side in SIDES
+    ):
+        return None
+    gain = gain_of_recommended(carry.controller)
+    than = f" tolerates {gain:.1f} times as much noise in the default scene" if gain else ""
+    return f"recommended: --controller {RECOMMENDED}{than}"
 
 
 def _contacts(console: Console, carry: "Carry") -> None:

@@ -6,17 +6,42 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from palmbots.cli.reports.console import QUIET, definitions, indented, report_console
+from palmbots.cli.reports.console import GOOD, QUIET, definitions, indented, report_console
 
 if TYPE_CHECKING:
+    from palmbots.control.registry import ControllerEntry
     from palmbots.scene.key_reference import SceneKey
 
-__all__ = ["keys_report", "names_report"]
+__all__ = ["controllers_report", "keys_report", "names_report"]
 
 
 def names_report(meanings: Mapping[str, str]) -> None:
     """Print names with their meanings."""
     report_console().print(definitions(meanings.items()))
+
+
+def controllers_report(entries: Sequence["ControllerEntry"]) -> None:
+    """Print each controller with σ*, its messages, what it requires, and its meaning."""
+    from palmbots.control.tolerated_noise import RECOMMENDED, tolerated_noise
+
+    console = report_console()
+    for entry in entries:
+        head = Text(entry.name, style="bold")
+        if (noise := tolerated_noise(entry.name)) is not None:
+            head.append(f"  σ* {100 * noise.sigma_star_m_s:.2f} cm/s", "not bold")
+        if entry.name == RECOMMENDED:
+            head.append("  recommended", f"not bold {GOOD}")
+        console.print(head)
+        console.print(indented(entry.description, 4))
+        if entry.messages:
+            console.print(indented(f"messages: {', '.join(entry.messages)}", 4), style=QUIET)
+        for need in entry.requirements:
+            console.print(indented(f"needs {need}", 4), style=QUIET)
+    console.print(
+        "σ*: the speed noise at which 1 % of carries drop the object in the default scene; "
+        "measured with: palmbots noise-limit -c CONTROLLER --relative-error-percent 0.3",
+        style=QUIET,
+    )
 
 
 def keys_report(keys: Sequence["SceneKey"]) -> None:

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The σ* that are shipped, measured again, and the recommended controller."""
+
+import pytest
+
+import palmbots as pb
+from palmbots.control.registry import describe, shipped_names
+from palmbots.control.tolerated_noise import RECOMMENDED, gain_of_recommended, tolerated_noise
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_shipped_number_is_that_of_the_code(name: str) -> None:
+    """On other seeds, within four standard errors of the new measurement."""
+    shipped = tolerated_noise(name)
+    assert shipped is not None
+    low, high = shipped.interval
+    assert low < shipped.sigma_star_m_s < high < 1.01 * low
+    again = pb.noise_limit("paper", name, seed=10**6, relative_half_width=0.02)
+    assert again.sigma_star_m_s == pytest.approx(shipped.sigma_star_m_s, rel=0.04)
+
+
+def test_recommended_controller_tolerates_most() -> None:
+    assert describe(RECOMMENDED).is_compiled
+    gains = {name: gain_of_recommended(name) for name in shipped_names()}
+    assert gains.pop(RECOMMENDED) == 1
+    assert all(gain is not None and gain > 1 for gain in gains.values())
+
+
+def test_controller_that_was_not_measured_has_no_number() -> None:
+    assert tolerated_noise("mine") is None
+    assert gain_of_recommended("mine") is None
