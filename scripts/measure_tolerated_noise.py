@@ -16,12 +16,13 @@ FILE = Path(__file__).resolve().parent.parent / "src/palmbots/control/tolerated_
 PERCENT = 0.3  # half-width of the interval
 HEAD = """\
 # SPDX-License-Identifier: Apache-2.0
-# The noise at which 1 % of the carries of the default scene drop the object, with its 95 % interval.
+# The noise at which 1 % of the carries of the default scene drop the object, with a 95 % interval.
 # scripts/measure_tolerated_noise.py wrote this file.
 """
 
 
 def main() -> None:
+    """Measure and write the file."""
     text = HEAD
     for name in shipped_names():
         try:
