@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much noise the shipped controllers tolerate, as measured, and which controller is recommended.
+"""How much noise the shipped controllers tolerate, as measured, and which one is recommended.
 
-``tolerated_noise.toml`` holds the measured numbers. ``scripts/measure_tolerated_noise.py`` writes it
-with `palmbots.noise_limit`; a test measures them again.
+``tolerated_noise.toml`` holds the measured numbers. ``scripts/measure_tolerated_noise.py`` writes
+it with `palmbots.noise_limit`; a test measures them again.
 """
 
 import tomllib
