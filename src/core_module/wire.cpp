@@ -56,7 +56,7 @@ std::tuple<std::string, Fields> verdict_and_fields(const wire::Decoded& decoded)
 
 void bind_wire(nb::module_& core) {
   nb::module_ m = core.def_submodule("wire", "Packets, and one end of the wire.");
-  m.attr("packet_kinds") = names_to(wire::PacketKind::command);
+  m.attr("packet_kinds") = names_to(wire::PacketKind::sign);
   m.attr("roles") = names_to(wire::Role::station);
   m.attr("verdicts") = names_to(wire::Verdict::no_session);
   m.def(

@@ -73,7 +73,8 @@ def test_empty_time_window_is_refused(delivered, window):
 def test_axes_carry_units_and_share_time(delivered):
     figure = figure8.draw(delivered)
     labels = " ".join(axes.get_ylabel() for axes in figure.axes).replace("\n", " ")
-    for wanted in ("left contact [mm]", "right contact [mm]", "angle [°]", "[mm]", "speed [cm/s]"):
+    contacts = "left contact [mm]", "right contact [mm]"
+    for wanted in (*contacts, "angle [°]", "[mm]", "speed (thick: commanded) [cm/s]"):
         assert wanted in labels
     assert figure.axes[-1].get_xlabel() == "time [s]"
     assert len({axes.get_xlim() for axes in figure.axes}) == 1

@@ -144,7 +144,7 @@ def test_used_up_sequence_numbers_are_refused() -> None:
 
 
 GOOD = wire.Packet("left", "right", PAIR, epoch=1, sequence=1)
-LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command or None'
+LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command, SignWord or None'
 
 
 @pytest.mark.parametrize(

@@ -585,7 +585,7 @@ class Centralized:
     @property
     def stage(self) -> int: ...
 
-def transition_table(controller: str, spec: Spec) -> object:
+def transition_table(controller: str, spec: Spec) -> dict | None:
     """
     The table of a controller as it runs, with its times in a scene [s]; None if it is not made of a table.
     """
@@ -593,7 +593,7 @@ def transition_table(controller: str, spec: Spec) -> object:
 class TableRobot:
     """One robot whose program is a table."""
 
-    def step(self, sign: int, palm_at_target: bool, message: int, age: int) -> object:
+    def step(self, sign: int, palm_at_target: bool, message: int, age: int) -> tuple:
         """
         One tick with a new word of the partner and how old it may be [ticks] (message 0: none came); returns (palm, move, stop, own word, whether it is sent now).
         """

@@ -169,8 +169,7 @@ void test_lockstep(Make make, const std::vector<Spec>& specs, std::size_t count,
   CHECK(finished == count);
 }
 
-// Bumps: at times and places, in the order of the list and out of it, two in one tick, random ones
-// too, some that throw the object off.
+// Bumps: listed in and out of order, two in one tick, random ones, and harsh ones that end a carry.
 void add_bumps(Spec& spec, bool harsh) {
   const double shift = harsh ? 0.06 : 0.01;
   spec.bumps[0] = {0, 1, 3.0, shift};
@@ -278,8 +277,7 @@ void be_quick(Spec& spec, std::size_t i) {
     (i % 2 != 0 ? palm.shallow : palm.rate) = i % 2 != 0 ? palm.steep : 100;
 }
 
-// Objects that rest on more than their two vertices, and sensors that report how far beyond a palm's
-// end.
+// More than two contacts, and sensors that report how far beyond a palm's end.
 void reach_beyond(Spec& spec, std::size_t i) {
   set_long_palms(spec, i % 2 != 0);
   for (PalmSpec& palm : spec.palms) palm.length = 0.05 + 0.01 * double(i / 2 % 12);
