@@ -21,7 +21,7 @@ class AnyTableRobot {
  public:
   virtual ~AnyTableRobot() = default;
   virtual nb::tuple step(Sign sign, bool palm_at_target, MessageKind message,
-                          std::uint16_t age) = 0;
+                         std::uint16_t age) = 0;
   virtual std::string state() const = 0;
 };
 
