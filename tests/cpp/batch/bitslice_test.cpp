@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixty-four teams at once do what each does alone, and robots never have more messages than there
 // is room for.
+//
+// bitslice_test [TICKS]   TICKS: of sixty-four teams with each algorithm; 16000 if not given
 #include "palmbots/batch/bitslice.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <set>
@@ -163,11 +166,11 @@ void compare(const BitslicedTeam<Team>& bits, int i, Alone<Team>& alone, Seen& s
 }
 
 template <class Team>
-Seen test_every_team_goes_as_it_does_alone() {
+Seen test_every_team_goes_as_it_does_alone(std::uint64_t ticks) {
   auto bits = std::make_unique<BitslicedTeam<Team>>();
   std::array<Alone<Team>, 64> all;
   Seen seen;
-  for (std::uint64_t tick = 0; tick < 30000; ++tick) {
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     BitslicedObservation sensed;
     BitslicedProgramState programs;
     BitslicedLoss lost;
@@ -251,7 +254,7 @@ Seen test_every_team_goes_as_it_does_alone() {
       }
     }
   }
-  CHECK(seen.began > 300 && seen.most_corrections > 256);
+  CHECK(seen.began > 150 && seen.most_corrections > 256);
   return seen;
 }
 
@@ -302,17 +305,18 @@ void test_supported_times_and_clocks_of_the_resilient_algorithm() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const std::uint64_t ticks = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 16000;
   test_there_is_never_more_than_one_unread_message();
-  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>();
-  CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
-  const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>();
-  CHECK(pairs.boots == 0 && stations.boots > 1000);
-  CHECK(pairs.most_lost > 1 && stations.most_lost > 1000);
-  const Seen peers = test_every_team_goes_as_it_does_alone<ResilientTeam>();
-  CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
-  for (const std::uint32_t ticks : peers.states) CHECK(ticks > 1000);
-  CHECK(peers.travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
+  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>(ticks);
+  CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 50 && pairs.ended_not_waiting > 50);
+  const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>(ticks);
+  CHECK(pairs.boots == 0 && stations.boots > 500);
+  CHECK(pairs.most_lost > 1 && stations.most_lost > 500);
+  const Seen peers = test_every_team_goes_as_it_does_alone<ResilientTeam>(ticks);
+  CHECK(peers.ended_waiting > 50 && peers.ended_not_waiting > 50 && peers.most_late > 100);
+  for (const std::uint32_t each : peers.states) CHECK(each > 500);
+  CHECK(peers.travelled > 5000 && peers.boots > 500 && peers.most_lost > 500);
   test_supported_teams<DistributedTeam<Robot>>(false);
   test_supported_teams<CentralizedTeam>(true);
   test_supported_teams<ResilientTeam>(true);
