@@ -26,6 +26,7 @@ sys.dont_write_bytecode = False
 # `make soak` uses `soak`: random examples, and many more of them.
 settings.register_profile(
     "ci",
+    max_examples=50,
     derandomize=True,
     database=None,
     deadline=None,

@@ -26,7 +26,7 @@ SHORT = ("--set", "task.distance_m=0.05")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with all files of one carry."""
     out = tmp_path_factory.mktemp("carry") / "out"
-    result = palmbots("carry", "--set", "task.distance_m=0.3", "--out", str(out), "--json")
+    result = palmbots("carry", "--set", "task.distance_m=0.1", "--out", str(out), "--json")
     assert (result.returncode, result.stderr) == (DONE, "")
     return out
 

@@ -49,8 +49,8 @@ FEW = {
     "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
     "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],
     "study": ["--carries", "2"],
-    "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.2"],
-    "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.2"],
+    "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.05"],
+    "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.1"],
 }
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"])
@@ -63,7 +63,9 @@ def commands() -> list[str]:
     for page in PAGES:
         found += re.findall(rf"`(palmbots (?:{names})\b[^`\[]*)`", page.read_text())
         found += re.findall(r"^    \$ (palmbots .*)$", page.read_text(), re.MULTILINE)
-    return sorted(set(found))
+    # With --out a long command prints the same, and writes files, too.
+    shorter = {c for c in found if fewer(c) and f"{c} --out out" in found}
+    return sorted(set(found) - shorter)
 
 
 def transcript(command: str) -> list[str]:

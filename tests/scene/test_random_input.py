@@ -76,7 +76,7 @@ def test_any_overrides_load_or_are_refused_in_one_line(table, overrides):
     is_a_scene_or_refused(table, overrides)
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(
     st.lists(
         st.tuples(st.integers(-3, 3), st.integers(-3, 3)).map(lambda p: [p[0] / 10, p[1] / 10]),

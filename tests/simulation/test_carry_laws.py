@@ -26,7 +26,7 @@ MESSAGES = (None, "TiltUp", "TiltDown", "Ack")
 controllers = st.sampled_from(CONTROLLERS)
 precisions = st.sampled_from(("double", "float"))
 seeds = st.integers(0, 2**64 - 1)
-many = settings(max_examples=150)
+many = settings(max_examples=75)
 
 
 def columns(carry: pb.simulation.Carry) -> dict[str, np.ndarray]:

@@ -78,7 +78,7 @@ def check(report: Analysis, number: int, shallow: Side) -> str:
 def test_binding_state_fails_as_reported() -> None:
     rng = np.random.default_rng(0)
     texts: set[str] = set()
-    for _ in range(200):
+    for _ in range(100):
         angles = np.sort(rng.uniform(-5, 40, 2))
         changes = {
             "palm.shallow_deg": float(angles[0]),

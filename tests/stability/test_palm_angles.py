@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Designed angles against brute force, their certificates, and what is refused."""
 
+import functools
 import importlib
 import itertools
 import json
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -34,13 +36,14 @@ def designed(scene: Any, **given: Any) -> Design:
 
 def demands(at: StabilityProblem) -> Iterator[tuple[int, Any, Any, Any]]:
     """All that has to hold: property, shallow palm, palm angles, contacts at the corners."""
+    corners = functools.cache(lambda number, shallow: contacts(at, number, shallow, 2))
     for shallow in SIDES:
         for number in (0, 1, 2):
             for pose in at.poses(number, shallow) if number == 0 else [None]:
                 palms = at.palms(shallow) if pose is None else pose.angles
                 for region in (1, 2) if number == 0 else (number,):
                     alike = number == 0 and abs(palms[0] - palms[1]) < 1e-12
-                    yield number, shallow, palms, contacts(at, 0 if alike else region, shallow, 2)
+                    yield number, shallow, palms, corners(0 if alike else region, shallow)
 
 
 def brute_tolerance(
@@ -70,7 +73,7 @@ def test_best_pair_agrees_with_a_brute_force_search(resolution_deg: float, least
         friction=(0.3, 0.5),
         common_friction=True,
         region_m="palm",
-        resolution_deg=3.0,
+        resolution_deg=resolution_deg,
         angle_range_deg=(0.0, 45.0),
     )
     at = stability_problem(found.scene)
@@ -100,9 +103,15 @@ def holds_everywhere(at: StabilityProblem, frictions: list[float], slopes: list[
     """Properties 0, 1 and 2, either palm shallow, state by state; each palm its own friction."""
     left, right, slope = (values.ravel() for values in np.meshgrid(frictions, frictions, slopes))
     given = {"friction_left": left, "friction_right": right, "slope": slope}
+    alike: defaultdict[tuple[int, Any], list[tuple[Any, Any]]] = defaultdict(list)
     for number, shallow, palms, p in demands(at):
-        places = (p[0][..., None], p[1][..., None])
-        if not happens(at, number, shallow, palms, places, **given).all():
+        alike[number, shallow].append((palms, p))
+    for (number, shallow), cases in alike.items():
+        # Axes: cases, contacts, conditions.
+        angles = [np.array([palms[k] for palms, _ in cases])[:, None, None] for k in (0, 1)]
+        places = [np.stack([p[k].ravel() for _, p in cases])[..., None] for k in (0, 1)]
+        held = happens(at, number, shallow, (angles[0], angles[1]), (places[0], places[1]), **given)
+        if not held.all():
             return False
     return True
 

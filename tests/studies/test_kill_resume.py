@@ -211,7 +211,7 @@ def test_changed_study_is_refused(here: Here, long: Path, tmp_path: Path) -> Non
         ("count = 3", "count = 4", ["seeds.count is 3 there and 4 here"]),
         ("0.2]", "0.3]", ["vary.radio.latency_s"]),
         ('"distributed"', '"none"', ["controllers", "distributed", "none"]),
-        ("[vary]", "[set]\npalm.friction = 0.4\n[vary]", ["scene.palm.friction is 0.3 there"]),
+        ("[vary]", "palm.friction = 0.4\n[vary]", ["scene.palm.friction is 0.3 there"]),
     ):
         file.write_text(few.replace(old, new))
         refused(here(file, "--out", root), root, "this folder holds another study", *words)

@@ -89,7 +89,7 @@ def test_reasons_and_single_precision_equal_the_single_carry(tmp_path: Path) -> 
 def test_progress_increases_from_0_to_1(tmp_path: Path) -> None:
     """Never back, also from one controller of a chunk to the next, and in the end all of it."""
     summary: list[float] = []
-    table = {**SMALL, "seeds": {"count": 3000}}
+    table = {**SMALL, "seeds": {"count": 1500}}
     pb.study(table, tmp_path / "study", chunk_size=10**6, threads=1, on_progress=summary.append)
     assert summary[0] == 0 and summary[-1] == 1
     assert summary == sorted(summary)

@@ -20,7 +20,7 @@ def happens(
     at: StabilityProblem,
     number: int,
     shallow: Side,
-    angles: tuple[float, float],
+    angles: tuple[FloatArray | float, FloatArray | float],
     p: tuple[NDArray[np.float64], NDArray[np.float64]],
     **changed: FloatArray,
 ) -> NDArray[np.bool_]:

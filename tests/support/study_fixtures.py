@@ -21,6 +21,8 @@ SMALL: dict[str, Any] = {
 # Long enough to be killed several times: 9600 carries.
 LONG = """
 controllers = ["centralized", "distributed"]
+[set]
+task.distance_m = 0.25
 [vary]
 radio.latency_s = [0, 0.1, 0.2]
 robot.noise_m_s = { from = 0.01, to = 0.025, steps = 4 }

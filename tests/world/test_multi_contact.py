@@ -251,7 +251,7 @@ def is_its_own_mirror_image(spec: _core.Spec) -> bool:
     return alike and spec.slope == 0 and swapped == set(spec.outline)
 
 
-@settings(max_examples=150)
+@settings(max_examples=75)
 @example(AT_PIVOTS, [(0.0, -5.0, -5.0, 0.0)])
 @example(load_scene(AT_PIVOTS, {"palm.right.friction": 0.15}), [(0.0, -5.0, -5.0, 0.0)])
 @example(EQUAL_BY_SLIDING, [(0.004, -5.0, -5.0, 0.0)])
@@ -284,7 +284,7 @@ def test_a_mirrored_world_moves_mirrored_to_the_bit(scene: Scene, script: list[S
 PAST_A_TIP = load_scene(BENT, {"palm.right.friction": 0.2, "start.left_m": 0.005859375})
 
 
-@settings(max_examples=150)
+@settings(max_examples=75)
 @example(PAST_A_TIP, [(0.0, -5.0, -5.0, 0.0)] + 4 * [(0.004, -5.0, -5.0, 0.0)])
 @given(scenes, scripts)
 def test_the_object_stays_rigid_held_and_outside_the_palms(

@@ -226,7 +226,7 @@ rigs = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(rigs, motions)
 def test_a_mirrored_world_moves_mirrored_to_the_bit(keys, script) -> None:
     scene: Scene = load_scene("paper", keys)
@@ -252,7 +252,7 @@ AT_THE_PIVOT = {
 }
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(rigs, motions)
 @example(AT_THE_PIVOT, [(7e-257, SHALLOW, STEEP, -0.03125)])
 @example(AT_THE_PIVOT, [(1e-30, SHALLOW, STEEP, -0.03125)])

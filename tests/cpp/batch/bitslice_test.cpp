@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixty-four teams at once do what each does alone, and robots never have more messages than there
 // is room for.
+//
+// bitslice_test [TICKS]   TICKS: of sixty-four teams with each algorithm; 16000 if not given
 #include "palmbots/batch/bitslice.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <set>
@@ -141,17 +144,17 @@ void test_supported_times_and_clocks_of_the_resilient_algorithm() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const std::uint64_t ticks = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 16000;
   test_there_is_never_more_than_one_unread_message();
-  constexpr std::uint64_t ticks = 30000;
   constexpr auto ignore = [](const auto&, const PerSide<Command>&) {};
   const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>(
       false, ticks, team_over<DistributedTeam<Robot>>, ignore);
-  CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 100 && pairs.ended_not_waiting > 100);
+  CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 50 && pairs.ended_not_waiting > 50);
   const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>(
       true, ticks, team_over<CentralizedTeam>, ignore);
-  CHECK(pairs.boots == 0 && stations.boots > 1000);
-  CHECK(pairs.most_lost > 1 && stations.most_lost > 1000);
+  CHECK(pairs.boots == 0 && stations.boots > 500);
+  CHECK(pairs.most_lost > 1 && stations.most_lost > 500);
   std::array<std::uint32_t, Resilient::states> states{};
   std::uint32_t travelled = 0;
   const Seen peers = test_every_team_goes_as_it_does_alone<ResilientTeam>(
@@ -160,9 +163,9 @@ int main() {
         ++states[static_cast<std::size_t>(team.robot(left).state())];
         travelled += commands[left].stop ? 0 : 1;
       });
-  CHECK(peers.ended_waiting > 100 && peers.ended_not_waiting > 100 && peers.most_late > 100);
-  for (const std::uint32_t count : states) CHECK(count > 1000);
-  CHECK(travelled > 10000 && peers.boots > 1000 && peers.most_lost > 1000);
+  CHECK(peers.ended_waiting > 50 && peers.ended_not_waiting > 50 && peers.most_late > 100);
+  for (const std::uint32_t count : states) CHECK(count > 500);
+  CHECK(travelled > 5000 && peers.boots > 500 && peers.most_lost > 500);
   for (const Seen* seen : {&pairs, &stations, &peers}) CHECK(seen->most_corrections > 256);
   test_supported_teams<DistributedTeam<Robot>>(false);
   test_supported_teams<CentralizedTeam>(true);

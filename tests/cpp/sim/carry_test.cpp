@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole carries from C++: nothing in a tick takes memory from the heap, and recorders only watch.
+//
+// carry_test [ROUNDS]   ROUNDS: of random carries; 1 if not given
 #include <cstdint>
 #include <cstdlib>
 #include <new>
@@ -15,6 +17,7 @@
 namespace {
 
 long allocations = 0;
+std::uint64_t rounds = 1;  // of random carries
 
 void* counted(std::size_t size) {
   ++allocations;
@@ -93,7 +96,7 @@ void test_no_allocation_by_any_team() {
   const Spec busy = busy_spec();
   const Spec plain = paper_spec();
   const Channel channel = Channel::of(busy.latency, busy.jitter, busy.loss, busy.period);
-  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+  for (std::uint64_t seed = 0; seed < 2 * rounds; ++seed) {
     for (const Spec& spec : {plain, busy}) {
       test_no_allocation(spec, seed, NoController{});
       test_no_allocation(spec, seed, CentralizedTeam(channel, seed, right));
@@ -114,7 +117,7 @@ void test_allocations_are_counted() {
 void test_paper_box_arrives() {
   const Spec spec = paper_spec();
   const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+  for (std::uint64_t seed = 0; seed < 10 * rounds; ++seed) {
     DistributedTeam<Distributed> team({}, channel, seed, right);
     const Ran ran = run_counting<double, NoRecorder>(spec, seed, team);
     CHECK(ran.outcome == Outcome::delivered);
@@ -154,7 +157,7 @@ struct Restless {
 void test_sleeping_robots_carry_like_robots_stepped_every_tick() {
   Spec spec = paper_spec();
   for (PalmSpec& palm : spec.palms) palm.offset = 0.01;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < 20 * rounds; ++seed) {
     spec.jitter = seed % 2 == 0 ? 0 : 0.05;
     spec.loss = seed % 3 == 0 ? 0 : 0.003;
     Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
@@ -210,7 +213,7 @@ void test_sleeping_station_equals_one_stepped_every_tick() {
   Spec spec = paper_spec();
   long all = 0;
   long asked = 0;
-  for (std::uint64_t seed = 0; seed < 80; ++seed) {
+  for (std::uint64_t seed = 0; seed < 48 * rounds; ++seed) {
     spec.latency = std::array{0.0, 0.05, 0.13, 0.4}[seed % 4];
     spec.bump_rate = seed % 3 == 0 ? 3 : 0;
     spec.bump_max = 0.02;
@@ -285,7 +288,7 @@ void test_sleeping_resilient_robots_equal_those_stepped_every_tick() {
   const Resilient::Times times{5, 52, 69, 6, 6};
   long ticks = 0;
   long asked = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < 30 * rounds; ++seed) {
     spec.latency = std::array{0.0, 0.05, 0.08}[seed % 3];
     spec.jitter = seed % 2 == 0 ? 0 : 0.05;
     spec.loss = seed % 5 == 0 ? 0.2 : 0;
@@ -350,7 +353,8 @@ void test_forks_of_any_team() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  rounds = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 1;
   test_allocations_are_counted();
   test_no_allocation_by_any_team();
   test_paper_box_arrives();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common step of the world, ties on its way included, against the world taking the same step
 // apart, and in lanes against itself alone.
+//
+// slip_switch_test [STEPS]   STEPS: random steps of each kind and precision; 30000 if not given
 #include "palmbots/world/slip_switch_step.hpp"
 
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 
 #include "palmbots/base/simd_lanes.hpp"
@@ -223,7 +226,8 @@ void test_all(int steps) {
 
 }  // namespace
 
-int main() {
-  test_all<double>(100000);
-  test_all<float>(100000);
+int main(int argc, char** argv) {
+  const int steps = argc > 1 ? std::atoi(argv[1]) : 30000;
+  test_all<double>(steps);
+  test_all<float>(steps);
 }

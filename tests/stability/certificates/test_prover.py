@@ -114,7 +114,7 @@ def random_uncertainty(rng: np.random.Generator) -> dict[str, Any]:
 def test_verdicts_agree_with_brute_force(tmp_path: Path) -> None:
     rng = np.random.default_rng(2)
     verdicts = {"holds": 0, "fails": 0, "undecided": 0}
-    for _ in range(60):
+    for _ in range(36):
         certificate = certify(
             "paper", claims=("property 1", "property 2"), **random_uncertainty(rng)
         )
@@ -200,7 +200,7 @@ def test_mutated_certificates_neither_crash_nor_prove_falsehoods(tmp_path: Path)
     )
     target = tmp_path / "mutated.json"
     valid = 0
-    for _ in range(150):
+    for _ in range(60):
         letters = list(original)
         for _ in range(chance.randint(1, 3)):
             place = chance.randrange(len(letters))
@@ -215,7 +215,7 @@ def test_mutated_certificates_neither_crash_nor_prove_falsehoods(tmp_path: Path)
             data = json.loads("".join(letters))
             if {"property 1", "property 2"} <= set(data["claims"]):
                 assert sampled_holds(data, rng, 5)
-    assert valid < 100
+    assert valid < 40
 
 
 @pytest.mark.parametrize("direction", ["forward", "backward"])
