@@ -99,7 +99,7 @@ def test_mirrored_scene_gives_the_mirrored_carry(controller: str, scene: Scene, 
     assert there.trace is not None
     assert back.trace is not None
     for name in ("contact", "palm"):
-        one, other = (carry.trace[name].to_numpy() for carry in (there, back))
+        one, other = there.trace[name].to_numpy(), back.trace[name].to_numpy()
         np.testing.assert_array_equal(one, other[:, ::-1], err_msg=name)
 
 
