@@ -4,7 +4,7 @@
 import itertools
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -235,9 +235,12 @@ def test_cells_stop_at_the_first_precise_block(tmp_path: Path) -> None:
 def stopped(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The hash of a study that stops early, carried backward by one thread."""
     root = tmp_path_factory.mktemp("stopped") / "study"
-    return run_study(
-        load_plan(STOPPING), root, order=lambda numbers: sorted(numbers, reverse=True), threads=1
-    ).hash
+    plan = load_plan(STOPPING)
+
+    def backward(chunks: Iterable[int]) -> list[int]:
+        return sorted(chunks, reverse=True)
+
+    return run_study(plan, root, order=backward, threads=1).hash
 
 
 @pytest.mark.parametrize("chunk", [20, 33, 500, 10**6])

@@ -4,7 +4,7 @@
 //
 // Over a plain radio the messages repeat until a robot's observation changes. Once nothing new has
 // been sent for as long as messages travel, nothing new is received either, so the repeated
-// messages are only counted.
+// messages are only counted. This ends before a robot or the station fails.
 #pragma once
 
 #include <cstring>
@@ -65,9 +65,12 @@ class CentralizedTeam {
     return now_.commands;
   }
 
-  // The next tick at which the state may change.
+  // The next tick at which the state may change. Before an outage, messages are sent for as long as
+  // they travel, because a robot that returns hears what was sent before the outage.
   std::uint32_t next_decision_tick(std::uint32_t tick) const {
-    return may_rest_ && tick - changed_ > travel_ ? faults_.next_outage(tick) : tick + 1;
+    if (!may_rest_ || tick - changed_ <= travel_) return tick + 1;
+    const std::uint32_t outage = faults_.next_outage(tick);
+    return outage - tick > travel_ + 1 ? outage - travel_ : tick + 1;
   }
 
   // The carry ends, or continues, with this tick: counts the messages of the ticks before it that

@@ -117,7 +117,7 @@ void test_allocations_are_counted() {
 void test_paper_box_arrives() {
   const Spec spec = paper_spec();
   const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
-  for (std::uint64_t seed = 0; seed < 10 * rounds; ++seed) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
     DistributedTeam<Distributed> team({}, channel, seed, right);
     const Ran ran = run_counting<double, NoRecorder>(spec, seed, team);
     CHECK(ran.outcome == Outcome::delivered);
@@ -213,7 +213,8 @@ void test_sleeping_station_equals_one_stepped_every_tick() {
   Spec spec = paper_spec();
   long all = 0;
   long asked = 0;
-  for (std::uint64_t seed = 0; seed < 48 * rounds; ++seed) {
+  for (std::uint64_t i = 0; i <= 48 * rounds; ++i) {
+    const std::uint64_t seed = i == 0 ? 119 : i - 1;  // 119: a reboot shorter than the latency
     spec.latency = std::array{0.0, 0.05, 0.13, 0.4}[seed % 4];
     spec.bump_rate = seed % 3 == 0 ? 3 : 0;
     spec.bump_max = 0.02;
