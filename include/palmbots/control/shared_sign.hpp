@@ -20,7 +20,7 @@
 // a palm turns, because the palms would never cross; nor than two message delays, because the
 // follower's palm would lag behind.
 //
-// docs/theory/protocols.md gives the reasons for each rule and what it achieves.
+// docs/theory/sign-controllers.md gives the reasons for each rule and what it achieves.
 #pragma once
 
 #include "palmbots/control/silent.hpp"

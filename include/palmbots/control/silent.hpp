@@ -15,7 +15,7 @@
 // lowers the partner's contact, on the steep palm. The pauses end the tie, and they cost little
 // elsewhere, because other corrections seldom last that long. The robot that moves closer pauses,
 // not the one that moves away, because away is the correction that saves more objects.
-// docs/theory/protocols.md has the figures.
+// docs/theory/sign-controllers.md has the figures.
 #pragma once
 
 #include "palmbots/control/table.hpp"
