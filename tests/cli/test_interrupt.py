@@ -39,7 +39,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "scenes": ("palmbots.scene.key_reference", "built_in_meanings", []),
     "objects": ("palmbots.scene.key_reference", "built_in_meanings", []),
     "keys": ("palmbots.scene.key_reference", "scene_keys", []),
-    "controllers": ("palmbots.cli.commands.controllers_command", "print_list", []),
+    "controllers": ("palmbots.control.registry", "controller_names", []),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 
