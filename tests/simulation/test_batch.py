@@ -143,21 +143,14 @@ def test_modules_have_different_numbers_of_lanes() -> None:
     assert not _core.supports_x86_level(2)
 
 
-@pytest.mark.parametrize(
-    ("level", "compiler"),
-    [
-        (3, "g++"),
-        (4, "clang++"),
-        pytest.param(3, "clang++", marks=pytest.mark.soak),
-        pytest.param(4, "g++", marks=pytest.mark.soak),
-    ],
-)
+@pytest.mark.soak
+@pytest.mark.parametrize("level", [3, 4])
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
 def test_lockstep_for_larger_processors_passes_sanitizers(level: int, compiler: str) -> None:
     """tests/cpp/test_programs.py runs the same program with the lanes of any processor."""
     if not _core.supports_x86_level(level):
         pytest.skip(f"this processor has no level x86-64-v{level}")
-    seeds = "30" if settings.get_current_profile_name() == "soak" else "2"
-    command = [program(f"batch/lockstep_test-v{level}-{compiler}"), seeds]
+    command = [program(f"batch/lockstep_test-v{level}-{compiler}"), "30"]  # seeds
     run = subprocess.run(command, capture_output=True, text=True, timeout=1500)
     assert run.returncode == 0, run.stderr
 
