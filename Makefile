@@ -16,7 +16,7 @@ PY_FILES = src tests examples benchmarks scripts verify
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. $(1): warnings as errors, ON or OFF. $(2): ON builds all, OFF
-# only what a single carry needs, with -O1: a sixth of the compilation. $(3): ON for `make quick`.
+# only what a single carry needs, with -O1: a quarter of the compilation. $(3): ON for `make quick`.
 define install
 	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about a minute))"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
