@@ -12,10 +12,13 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import at_call
+from palmbots.errors import PalmbotsError
+from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
 from study_fixtures import LONG, command, marks, refused, said_here, study, study_here
 from waiting import wait_until
@@ -127,6 +130,22 @@ def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_pa
     summary = said_here(long, "--out", root)
     assert summary["hash"] == whole
     assert summary["resumed"] == 200 * len(kept)
+
+
+def test_client_that_cannot_be_closed_hides_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in distributed, where closing meets a connection that is running out of time."""
+
+    class LostClient:
+        def __init__(self, *_: object, **__: object) -> None:
+            pass
+
+        def close(self) -> None:
+            raise RuntimeError("Cannot change state of expiring Timeout")
+
+    fake = SimpleNamespace(Client=LostClient)
+    monkeypatch.setattr(dask_runner, "require", lambda *_: fake)
+    with pytest.raises(PalmbotsError, match="was lost"), dask_runner._client("tcp://x", None):
+        raise PalmbotsError("the connection was lost")
 
 
 def test_local_cluster_has_the_same_results(long: Path, whole: str, tmp_path: Path) -> None:

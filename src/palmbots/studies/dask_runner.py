@@ -255,7 +255,18 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Any]:
                 f"scheduler {scheduler}: cannot be reached: {error}; pass the address that "
                 "`dask scheduler` prints, such as tcp://192.168.0.2:8786"
             ) from None
-        yield stack.enter_context(client)
+        stack.callback(_close, client)
+        yield client
+
+
+def _close(client: Any) -> None:
+    """Close a client whose connection may be lost.
+
+    Closing then fails if it meets an attempt to connect again that is just running out of time.
+    That must not hide why the study ends.
+    """
+    with contextlib.suppress(Exception):
+        client.close()
 
 
 def _start_cluster(workers: int) -> Any:
