@@ -138,7 +138,7 @@ def test_at_most_one_carry_in_a_hundred_drops(controller: str, keys: dict[str, A
 
 
 def test_wrong_rules_would_be_noticed() -> None:
-    """A robot that brakes at the wrong end, or not at all, drops far more than the floor allows."""
+    """Without the brake, or with Table 2, far more carries drop than the floor allows."""
     noise = {"robot.noise_m_s": 0.051}
     assert drops(lot("shared-sign", 300, **noise, **{"control.brake": False})) > at_most(300, 0.01)
     assert drops(lot("distributed", 300, **{"robot.noise_m_s": 0.03})) > at_most(300, 0.01)

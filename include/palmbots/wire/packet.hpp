@@ -4,10 +4,11 @@
 //
 // One packet carries one item: a message of the distributed algorithm, a beacon of the resilient
 // one, a sign of a controller that shares signs, a report or a command of the centralized one, or
-// hello, which announces a boot. This payload is one byte. The other fields are sender and receiver, the packet's own stamp
-// (wire/replay_window.hpp), the newest stamp that the sender had received from the receiver, and a
-// SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts exactly the byte
-// sequences that `encode` produces; wire/endpoint.hpp decides whether a packet is new.
+// hello, which announces a boot. This payload is one byte. The other fields are sender and
+// receiver, the packet's own stamp (wire/replay_window.hpp), the newest stamp that the sender had
+// received from the receiver, and a SipHash-2-4 tag over all of this under the key of the pair.
+// `decode` accepts exactly the byte sequences that `encode` produces; wire/endpoint.hpp decides
+// whether a packet is new.
 #pragma once
 
 #include <array>

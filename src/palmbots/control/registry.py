@@ -75,20 +75,16 @@ class ControllerEntry:
     @property
     def requirements(self) -> tuple[str, ...]:
         """What the controller needs besides palms, switches and wheels, one line each."""
+        alone = self.team == "robots" and not self.uses_radio
         late = "a zero zone wider than the overrun that the delay of the radio causes"
         needs = {
             "a station that both robots can reach by radio": self.team == "station",
             "a radio between the robots": self.uses_radio and self.team == "robots",
-            "a time for start and end on which the robots agree": self.has_no_link,
+            "a time for start and end on which the robots agree": alone,
             "a radio and control period that its time bounds admit": self.timing_check is not None,
             late: self.team == "station" or self.drives_by_both_signs,
         }
         return tuple(need for need, applies in needs.items() if applies)
-
-    @property
-    def has_no_link(self) -> bool:
-        """Whether the robots decide, without a radio."""
-        return self.team == "robots" and not self.uses_radio
 
     @property
     def is_compiled(self) -> bool:

@@ -32,6 +32,6 @@ def deafness(entry: ControllerEntry, scene: Scene) -> str | None:
         return None
     return (
         f"radio.lease_s: {lease:g} s is shorter than a round trip of the radio, {shortest:g} s, so "
-        f"the robots never hear each other and {entry.name} works like silent (lower "
+        f"the robots never hear each other and {entry.name} works like silent (raise it, or lower "
         "radio.latency_s or radio.beacon_s)"
     )
