@@ -14,27 +14,25 @@ namespace palmbots::bindings {
 
 namespace {
 
-template <class Real, class Recorder, class Team>
-Run run_team(const Spec& spec, std::uint64_t seed, Team team) {
-  Carry<Real, Team, Recorder> carry(spec, seed, std::move(team), Recorder{});
+template <class Real, class Team>
+Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team) {
+  Carry<Real, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(record));
   carry.run();
   Run run = run_of(carry);
-  if constexpr (!std::is_same_v<Recorder, NoRecorder>) run.hash = carry.recorder().hash();
-  if constexpr (std::is_same_v<Recorder, TraceRecorder>) {
-    run.rows = carry.recorder().take_rows();
-    run.sent_messages = carry.recorder().take_sent_messages();
-  }
+  run.hash = carry.recorder().hash();
+  run.rows = carry.recorder().take_rows();
+  run.sent_messages = carry.recorder().take_sent_messages();
   return run;
 }
 
 // A built-in controller by its name.
-template <class Real, class Recorder>
-Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed) {
+template <class Real>
+Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed, bool record) {
   if (!is_controller(name)) {
     throw std::invalid_argument("controller: one of " + controller_list());
   }
   return visit_team(
-      name, [&](auto make) { return run_team<Real, Recorder>(spec, seed, make(spec, seed)); });
+      name, [&](auto make) { return run_team<Real>(spec, seed, record, make(spec, seed)); });
 }
 
 bool is_single(const std::string& precision) {
@@ -49,17 +47,13 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   if (nb::isinstance<nb::str>(controller)) {
     const auto name = nb::cast<std::string>(controller);
     const nb::gil_scoped_release release;
-    if (record) {
-      return single ? run_named<float, TraceRecorder>(spec, name, seed)
-                    : run_named<double, TraceRecorder>(spec, name, seed);
-    }
-    return single ? run_named<float, HashRecorder>(spec, name, seed)
-                  : run_named<double, HashRecorder>(spec, name, seed);
+    return single ? run_named<float>(spec, name, seed, record)
+                  : run_named<double>(spec, name, seed, record);
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));
-  return single ? run_team<float, TraceRecorder>(spec, seed, std::move(team))
-                : run_team<double, TraceRecorder>(spec, seed, std::move(team));
+  return single ? run_team<float>(spec, seed, true, std::move(team))
+                : run_team<double>(spec, seed, true, std::move(team));
 }
 
 // Columns of the trace: one entry a row, or one for each side.

@@ -89,65 +89,52 @@ Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   return row;
 }
 
-// Stores only the hash.
-class HashRecorder {
+// Stores the hash, and every row and message if it is to. Memory grows between ticks, never inside
+// one. That is decided while the program runs: every kind of carry would be compiled twice otherwise.
+class TraceRecorder {
  public:
-  void make_room() {}
-  void message(const SentMessage&) {}
+  explicit TraceRecorder(bool stores_rows = true) : stores_rows_(stores_rows) {}
+
+  void make_room() {
+    if (!stores_rows_) return;
+    grow(rows_, 1);
+    grow(sent_messages_, 4);
+  }
+  void message(const SentMessage& sent) {
+    if (stores_rows_) sent_messages_.push_back(sent);
+  }
   template <class Carry>
   void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
     sensed_ = sensed;
     add(row_of(carry, sensed));
   }
   template <class Carry>
-  void after(const Carry&) {}
-  template <class Carry>
-  void end(const Carry& carry) {
-    add(row_of(carry, sensed_));
-  }
-  std::uint64_t hash() const { return hash_.value(); }
-
- protected:
-  void add(const Row& row) {
-    row.numbers([this](double value) { hash_.add(value); });
-  }
-  PerSide<RobotObservation> sensed_{};
-  TraceHash hash_;
-};
-
-// Stores every row and message as well. Memory grows between ticks, never inside one.
-class TraceRecorder : public HashRecorder {
- public:
-  void make_room() {
-    grow(rows_, 1);
-    grow(sent_messages_, 4);
-  }
-  void message(const SentMessage& sent) { sent_messages_.push_back(sent); }
-  template <class Carry>
-  void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
-    sensed_ = sensed;
-    rows_.push_back(row_of(carry, sensed));
-    add(rows_.back());
-  }
-  template <class Carry>
   void after(const Carry& carry) {
+    if (!stores_rows_) return;
     const ContactMode motion = carry.world().last().motion;
     rows_.back().motion = {static_cast<std::int8_t>(motion[left]),
                            static_cast<std::int8_t>(motion[right])};
   }
   template <class Carry>
   void end(const Carry& carry) {
-    rows_.push_back(row_of(carry, sensed_));
-    add(rows_.back());
+    add(row_of(carry, sensed_));
   }
+  std::uint64_t hash() const { return hash_.value(); }
   std::vector<Row> take_rows() { return std::move(rows_); }
   std::vector<SentMessage> take_sent_messages() { return std::move(sent_messages_); }
 
  private:
+  void add(const Row& row) {
+    row.numbers([this](double value) { hash_.add(value); });
+    if (stores_rows_) rows_.push_back(row);
+  }
   template <class T>
   static void grow(std::vector<T>& list, std::size_t spare) {
     if (list.size() + spare > list.capacity()) list.reserve(2 * list.capacity() + 1024);
   }
+  bool stores_rows_;
+  PerSide<RobotObservation> sensed_{};
+  TraceHash hash_;
   std::vector<Row> rows_;
   std::vector<SentMessage> sent_messages_;
 };

@@ -18,7 +18,7 @@ using namespace palmbots;
 
 template <class Real, class Team>
 std::uint64_t hash_of(const Spec& spec, std::uint64_t seed, Team team) {
-  Carry<Real, Team, HashRecorder> carry(spec, seed, std::move(team), HashRecorder{});
+  Carry<Real, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(false));
   carry.run();
   return carry.recorder().hash();
 }
