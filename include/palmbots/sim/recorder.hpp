@@ -89,8 +89,8 @@ Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   return row;
 }
 
-// Stores the hash, and every row and message if it is to. Memory grows between ticks, never inside
-// one. That is decided while the program runs: every kind of carry would be compiled twice otherwise.
+// Stores the hash and, if stores_rows, every row and message. Memory grows between ticks, never
+// inside one. stores_rows is no template parameter: it would double what has to be compiled.
 class TraceRecorder {
  public:
   explicit TraceRecorder(bool stores_rows = true) : stores_rows_(stores_rows) {}

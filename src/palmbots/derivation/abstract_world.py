@@ -12,6 +12,7 @@ A `System` gives its initial states and the successors of each state; states are
 station of the centralized algorithm takes a turn for both robots at once.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from copy import copy
 from functools import cache
@@ -134,21 +135,23 @@ def _moved(p: tuple[int, int], motion: Motion | None) -> Iterator[tuple[int, int
         yield _both(p, contact, p[contact] + up(motion.direction))
 
 
-class _Pair:
+class _Pair(ABC):
     """The common part of the two decentralized algorithms."""
 
     def start(self, p: tuple[int, int]) -> State:
         return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self.begin(), 0)
 
+    @abstractmethod
     def begin(self) -> Any:
-        raise NotImplementedError
+        """The memory at the start."""
 
+    @abstractmethod
     def names(self, minds: Any) -> tuple[str, str]:
-        raise NotImplementedError
+        """The case of each robot."""
 
+    @abstractmethod
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         """A step: the memory after it, the commanded palm and move, and the message sent."""
-        raise NotImplementedError
 
     def after(self, state: State) -> Iterator[tuple[Turn, State]]:
         for robot in (0, 1):
