@@ -16,7 +16,6 @@ CONDITION = {
     "timed_out": "time is up",
     "leads": "it leads",
     "follows": "it follows",
-    "may_stop": "it may stop",
 }
 
 

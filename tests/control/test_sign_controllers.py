@@ -36,15 +36,21 @@ def table_of(controller: str, spec: _core.Spec) -> dict[str, Any]:
 
 
 def test_times_in_the_default_scene() -> None:
-    """A turn is as long as a palm turns, 10° at 50°/s; a push as a correction takes from the end of
-    a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
+    """A turn with its notice is as long as a palm turns, 10° at 50°/s, the notice as long as a message
+    takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end of a
+    palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
     table = table_of("shared-sign", to_spec(Scene()))
-    assert table["limits_s"] == {"turn": 0.2, "push": 2.5, "rest": pytest.approx(0.32)}
+    assert table["limits_s"] == {
+        "turn": 0.14,
+        "notice": 0.06,
+        "push": 2.5,
+        "rest": pytest.approx(0.32),
+    }
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
     assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
     assert _core.transition_table("distributed", to_spec(Scene())) is None
     late = table_of("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
-    assert late["limits_s"]["turn"] == 0.4
+    assert (late["limits_s"]["turn"], late["limits_s"]["notice"]) == (0.21, 0.21)
 
 
 @pytest.mark.parametrize("controller", NAMES)
@@ -53,7 +59,7 @@ def test_times_in_the_default_scene() -> None:
 def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) -> None:
     """Over random signs, words and ages, with signs and silences that last."""
     spec = to_spec(load_scene({"control": {"brake": brake}, "palm": {"length_m": 0.03}}))
-    limits = {"turn": 20, "push": 50, "rest": 7}
+    limits = {"turn": 14, "notice": 6, "push": 50, "rest": 7}
     shares = controller == "shared-sign"
     seen = set()
     for seed in range(20):
@@ -79,12 +85,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
             assert (palm, move, stop, word, send) == (*expected[:3], said, expected[4]), tick
             seen.add(shipped.state)
     states = {s["name"] for s in table_of(controller, spec)["states"]}
-    stops = {"out_steep_stop", "out_shallow_stop"}, {"in_steep_stop", "in_shallow_stop"}
-    goes = {"out_steep", "out_shallow"}, {"in_steep", "in_shallow"}
-    if shares and brake:
-        states -= (stops[0] | goes[1]) if leads else (goes[0] | stops[1])
-    elif shares:
-        states -= stops[0] | stops[1]
+    states = {name for name in states if not name.startswith("follow" if leads else "lead")}
     assert seen == states
 
 

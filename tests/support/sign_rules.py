@@ -16,6 +16,7 @@ class Clock:
     beacon: int
     lease: int
     turn: int
+    notice: int
     push: int
     rest: int
 
@@ -35,9 +36,10 @@ class SignRobot:
     heard_at: float = float("-inf")
     word: tuple[int, str] = (0, "steep")
     said_at: float = float("-inf")
-    # The tie that lasts (sign, and whether this robot stops), and since when the palm is as it is.
-    tie: tuple[int, bool] | None = None
+    # The sign of the tie that lasts, when the leader's turn or notice began, and which of them it is.
+    tie: int | None = None
     turn_began: int = 0
+    ending: bool = False
     # Since when the robot, on its own, has been moving closer, or pausing.
     phase: str | None = field(default=None)
     phase_began: int = 0
@@ -59,7 +61,8 @@ class SignRobot:
             move = self._alone(sign)
         else:
             move, stop = self._together(sign, self.partner_sign)
-        word = (sign, self.palm if sign else "steep")
+        says = other(self.palm) if self.tie is not None and self.ending else self.palm
+        word = (sign, says if sign else "steep")
         due = self.shares and (word != self.word or self.now - self.said_at >= self.clock.beacon)
         if due:
             self.said_at = self.now
@@ -87,13 +90,18 @@ class SignRobot:
             self.tie = None
             return "hold", False
         stops = self.brake and (not self.leads if a > 0 else self.leads)
-        if self.leads:
-            if self.tie != (a, stops):
-                self.turn_began = self.now
-            elif self.now - self.turn_began >= self.clock.turn:
-                self.palm = "steep" if self.palm == "shallow" else "shallow"
-                self.turn_began = self.now
-        else:
-            self.palm = "steep" if self.partner_palm == "shallow" else "shallow"
-        self.tie = (a, stops)
+        if not self.leads:
+            self.palm = other(self.partner_palm)
+        elif self.tie != a:
+            self.turn_began, self.ending = self.now, False
+        elif self.now - self.turn_began >= (self.clock.notice if self.ending else self.clock.turn):
+            if self.ending:
+                self.palm = other(self.palm)
+            self.turn_began, self.ending = self.now, not self.ending
+        self.tie = a
         return ("away" if a > 0 else "closer"), stops
+
+
+def other(palm: str) -> str:
+    """The other of the two angles."""
+    return "steep" if palm == "shallow" else "shallow"

@@ -76,7 +76,7 @@ class BitslicedTableTeam {
     since_entered_.increment();
     Heard heard;
     if constexpr (Table::talks) heard = hear(tick, run);
-    const TableConditions<RobotMask> met{sensed.palm_at_target, timed_out(), leads_, may_stop_};
+    const TableConditions<RobotMask> met{sensed.palm_at_target, timed_out(), leads_};
     RobotMask entered{};
     robots_.step(
         run,
@@ -90,6 +90,7 @@ class BitslicedTableTeam {
     if constexpr (Table::talks) say(tick, run, lost);
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
+    commands_.stop &= may_stop_;
     // A robot that is off keeps its palm, also one whose program has not run yet.
     commands_.shallow = (commands_.shallow & ~programs.off) | (before.shallow & programs.off);
     commands_.switch_off(programs.off);

@@ -10,15 +10,16 @@
 //           a = b = 0 nominal speed
 //   brake   if a = b ≠ 0 one robot also stops travelling and keeps its correction: the follower if
 //           both contacts are outward, so that the robots separate, and the leader if both are
-//           inward (only where the scene lets robots stop, If::may_stop)
+//           inward
 //   silence without news from the partner for a lease, the rule of `silent` on the own sign; with
 //           the next news, the above again
 //
-// TURNS. The leader decides: it holds a palm for Limit::turn, then takes the other one. Its word says
-// where its palm is, and the follower takes the opposite. So the robots need no common clock, and a
-// turn begins with the palms that the robots had. A turn must not be shorter than the time in which
-// a palm turns, because the palms would never cross; nor than two message delays, because the
-// follower's palm would lag behind.
+// TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its word names its
+// palm, and the follower takes the opposite. So the robots need no common clock, and a turn begins
+// with the palms that the robots had. One message delay before a turn ends, the leader's word already
+// names the next palm, so that both palms start to turn at the same time. A turn must not be shorter
+// than the time in which a palm turns, because the palms would never cross; nor than two message
+// delays, because the word of one turn must arrive before the next word leaves.
 //
 // docs/theory/sign-controllers.md gives the reasons for each rule and what it achieves.
 #pragma once
@@ -30,72 +31,86 @@ namespace palmbots {
 
 struct SharedSign {
   // Named by the signs (own_…, help_… for the partner's), then the palm where it depends on the
-  // past. _stop: the robot also stops. alone_…: the partner is silent.
+  // past. lead_…, follow_…: both contacts are off in the same direction, and this robot leads or
+  // follows. …_ends: its turn with this palm is ending. alone_…: the partner is silent.
   enum class State : std::uint8_t {
     rest_steep,
     rest_shallow,
-    own_out,    // p > 0, the partner's is not
-    help_out,   // p = 0, the partner's > 0
-    help_in,    // p = 0, the partner's < 0
-    own_in,     // p < 0, the partner's = 0
-    apart_in,   // p < 0, the partner's > 0
-    out_steep,  // both > 0
-    out_shallow,
-    out_steep_stop,
-    out_shallow_stop,
-    in_steep,  // both < 0
-    in_shallow,
-    in_steep_stop,
-    in_shallow_stop,
+    own_out,         // p > 0, the partner's is not
+    help_out,        // p = 0, the partner's > 0
+    help_in,         // p = 0, the partner's < 0
+    own_in,          // p < 0, the partner's = 0
+    apart_in,        // p < 0, the partner's > 0
+    lead_out_steep,  // both > 0
+    lead_out_shallow,
+    lead_out_steep_ends,
+    lead_out_shallow_ends,
+    lead_in_steep,  // both < 0
+    lead_in_shallow,
+    lead_in_steep_ends,
+    lead_in_shallow_ends,
+    follow_out_steep,
+    follow_out_shallow,
+    follow_in_steep,
+    follow_in_shallow,
     alone_centred,
     alone_outward,
     alone_inward,
     alone_pause,
   };
-  static constexpr int states = 19;
+  static constexpr int states = 23;
   static constexpr State initial = State::alone_centred;
 
   enum class Limit : std::uint8_t {
-    turn,  // how long the leader keeps its palm while both contacts are off in the same direction
-    push,  // as in Silent
+    turn,    // how long the leader keeps its palm before it announces the other one
+    notice,  // how long before it turns the leader announces its next palm
+    push,    // as in Silent
     rest,
   };
-  static constexpr std::size_t limits = 3;
+  static constexpr std::size_t limits = 4;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
     if (limit == Limit::push) return Silent::seconds(Silent::Limit::push, timing);
     if (limit == Limit::rest) return Silent::seconds(Silent::Limit::rest, timing);
-    return timing.turn > 2 * timing.delay ? timing.turn : 2 * timing.delay;
+    if (limit == Limit::notice) return timing.delay;
+    return timing.turn > 2 * timing.delay ? timing.turn - timing.delay : timing.delay;
   }
 
   static constexpr bool talks = true;
   static constexpr int turn = static_cast<int>(Limit::turn);
+  static constexpr int notice = static_cast<int>(Limit::notice);
   static constexpr int push = static_cast<int>(Limit::push);
   static constexpr int rest = static_cast<int>(Limit::rest);
 
   using S = State;
   using M = MessageKind;
-  static constexpr bool stop = true;
+  static constexpr bool brake = true;
+  // clang-format off
   static constexpr TableOutput outputs[states] = {
-      /* rest_steep       */ {' ', {Palm::steep, Move::hold}, M::zero},
-      /* rest_shallow     */ {' ', {Palm::shallow, Move::hold}, M::zero},
-      /* own_out          */ {'a', {Palm::steep, Move::away}, M::plus},
-      /* help_out         */ {'c', {Palm::shallow, Move::away}, M::zero},
-      /* help_in          */ {'c', {Palm::steep, Move::closer}, M::zero},
-      /* own_in           */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
-      /* apart_in         */ {'d', {Palm::shallow, Move::away}, M::minus_shallow},
-      /* out_steep        */ {'b', {Palm::steep, Move::away}, M::plus, turn},
-      /* out_shallow      */ {'b', {Palm::shallow, Move::away}, M::plus_shallow, turn},
-      /* out_steep_stop   */ {'b', {Palm::steep, Move::away, stop}, M::plus},
-      /* out_shallow_stop */ {'b', {Palm::shallow, Move::away, stop}, M::plus_shallow},
-      /* in_steep         */ {'d', {Palm::steep, Move::closer}, M::minus, turn},
-      /* in_shallow       */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, turn},
-      /* in_steep_stop    */ {'d', {Palm::steep, Move::closer, stop}, M::minus, turn},
-      /* in_shallow_stop  */ {'d', {Palm::shallow, Move::closer, stop}, M::minus_shallow, turn},
-      /* alone_centred    */ {' ', {Palm::shallow, Move::hold}, M::zero},
-      /* alone_outward    */ {'a', {Palm::steep, Move::away}, M::plus},
-      /* alone_inward     */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
-      /* alone_pause      */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
+      /* rest_steep            */ {' ', {Palm::steep, Move::hold}, M::zero},
+      /* rest_shallow          */ {' ', {Palm::shallow, Move::hold}, M::zero},
+      /* own_out               */ {'a', {Palm::steep, Move::away}, M::plus},
+      /* help_out              */ {'c', {Palm::shallow, Move::away}, M::zero},
+      /* help_in               */ {'c', {Palm::steep, Move::closer}, M::zero},
+      /* own_in                */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
+      /* apart_in              */ {'d', {Palm::shallow, Move::away}, M::minus_shallow},
+      /* lead_out_steep        */ {'b', {Palm::steep, Move::away}, M::plus, turn},
+      /* lead_out_shallow      */ {'b', {Palm::shallow, Move::away}, M::plus_shallow, turn},
+      /* lead_out_steep_ends   */ {'b', {Palm::steep, Move::away}, M::plus_shallow, notice},
+      /* lead_out_shallow_ends */ {'b', {Palm::shallow, Move::away}, M::plus, notice},
+      /* lead_in_steep         */ {'d', {Palm::steep, Move::closer, brake}, M::minus, turn},
+      /* lead_in_shallow       */ {'d', {Palm::shallow, Move::closer, brake}, M::minus_shallow, turn},
+      /* lead_in_steep_ends    */ {'d', {Palm::steep, Move::closer, brake}, M::minus_shallow, notice},
+      /* lead_in_shallow_ends  */ {'d', {Palm::shallow, Move::closer, brake}, M::minus, notice},
+      /* follow_out_steep      */ {'b', {Palm::steep, Move::away, brake}, M::plus},
+      /* follow_out_shallow    */ {'b', {Palm::shallow, Move::away, brake}, M::plus_shallow},
+      /* follow_in_steep       */ {'d', {Palm::steep, Move::closer}, M::minus},
+      /* follow_in_shallow     */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
+      /* alone_centred         */ {' ', {Palm::shallow, Move::hold}, M::zero},
+      /* alone_outward         */ {'a', {Palm::steep, Move::away}, M::plus},
+      /* alone_inward          */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
+      /* alone_pause           */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
   };
+  // clang-format on
 
   using P = ContactCondition;
   using Set = EnumSet<State>;
@@ -103,67 +118,83 @@ struct SharedSign {
   static constexpr Set elsewhere = any - Set{S::alone_inward, S::alone_pause};
   static constexpr Set steep = states_with<State>(Palm::steep, outputs);
   static constexpr Set shallow = states_with<State>(Palm::shallow, outputs);
+  static constexpr Set ends_out = {S::lead_out_steep_ends, S::lead_out_shallow_ends};
+  static constexpr Set ends_in = {S::lead_in_steep_ends, S::lead_in_shallow_ends};
   static constexpr WordSet silence = M::none;
   static constexpr WordSet zero = M::zero;
   static constexpr WordSet plus = {M::plus, M::plus_shallow};
   static constexpr WordSet minus = {M::minus, M::minus_shallow};
   static constexpr WordSet not_plus = {M::zero, M::minus, M::minus_shallow};
-  static constexpr IfSet leads = If::leads;
-  static constexpr IfSet leads_next = {If::leads, If::timed_out};
-  static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
-      // in state           contact      hears            if               go to
+      // in state                 contact      hears            if             go to
       // the partner is silent: the rows of `silent`
-      {any,                 P::positive, silence,         {},              S::alone_outward},
-      {any,                 P::zero,     silence,         {},              S::alone_centred},
-      {S::alone_inward,     P::negative, silence,         If::timed_out,   S::alone_pause},
-      {S::alone_pause,      P::negative, silence,         If::timed_out,   S::alone_inward},
-      {elsewhere,           P::negative, silence,         {},              S::alone_inward},
+      {any,                       P::positive, silence,         {},            S::alone_outward},
+      {any,                       P::zero,     silence,         {},            S::alone_centred},
+      {S::alone_inward,           P::negative, silence,         If::timed_out, S::alone_pause},
+      {S::alone_pause,            P::negative, silence,         If::timed_out, S::alone_inward},
+      {elsewhere,                 P::negative, silence,         {},            S::alone_inward},
       // different signs, or both zero
-      {steep,               P::zero,     zero,            {},              S::rest_steep},
-      {shallow,             P::zero,     zero,            {},              S::rest_shallow},
-      {any,                 P::positive, not_plus,        {},              S::own_out},
-      {any,                 P::zero,     plus,            {},              S::help_out},
-      {any,                 P::zero,     minus,           {},              S::help_in},
-      {any,                 P::negative, zero,            {},              S::own_in},
-      {any,                 P::negative, plus,            {},              S::apart_in},
-      // both outward: the leader holds a palm for its turn; the follower takes the opposite, and stops
-      {S::out_shallow,      P::positive, plus,            leads_next,      S::out_steep},
-      {S::out_steep,        P::positive, plus,            leads_next,      S::out_shallow},
-      {shallow,             P::positive, plus,            leads,           S::out_shallow},
-      {steep,               P::positive, plus,            leads,           S::out_steep},
-      {any,                 P::positive, M::plus,         If::may_stop,    S::out_shallow_stop},
-      {any,                 P::positive, M::plus_shallow, If::may_stop,    S::out_steep_stop},
-      {any,                 P::positive, M::plus,         {},              S::out_shallow},
-      {any,                 P::positive, M::plus_shallow, {},              S::out_steep},
-      // both inward: the same, but the leader stops
-      {S::in_shallow_stop,  P::negative, minus,           leads_next,      S::in_steep_stop},
-      {S::in_steep_stop,    P::negative, minus,           leads_next,      S::in_shallow_stop},
-      {S::in_shallow,       P::negative, minus,           leads_next,      S::in_steep},
-      {S::in_steep,         P::negative, minus,           leads_next,      S::in_shallow},
-      {shallow,             P::negative, minus,           leads_and_stops, S::in_shallow_stop},
-      {steep,               P::negative, minus,           leads_and_stops, S::in_steep_stop},
-      {shallow,             P::negative, minus,           leads,           S::in_shallow},
-      {steep,               P::negative, minus,           leads,           S::in_steep},
-      {any,                 P::negative, M::minus,         {},             S::in_shallow},
-      {any,                 P::negative, M::minus_shallow, {},             S::in_steep},
+      {steep,                     P::zero,     zero,            {},            S::rest_steep},
+      {shallow,                   P::zero,     zero,            {},            S::rest_shallow},
+      {any,                       P::positive, not_plus,        {},            S::own_out},
+      {any,                       P::zero,     plus,            {},            S::help_out},
+      {any,                       P::zero,     minus,           {},            S::help_in},
+      {any,                       P::negative, zero,            {},            S::own_in},
+      {any,                       P::negative, plus,            {},            S::apart_in},
+      // both outward: the leader holds a palm for its turn
+      {S::lead_out_shallow,       P::positive, plus,            If::timed_out, S::lead_out_shallow_ends},
+      {S::lead_out_shallow_ends,  P::positive, plus,            If::timed_out, S::lead_out_steep},
+      {S::lead_out_steep,         P::positive, plus,            If::timed_out, S::lead_out_steep_ends},
+      {S::lead_out_steep_ends,    P::positive, plus,            If::timed_out, S::lead_out_shallow},
+      {shallow - ends_out,        P::positive, plus,            If::leads,     S::lead_out_shallow},
+      {steep - ends_out,          P::positive, plus,            If::leads,     S::lead_out_steep},
+      // and the follower takes the other palm
+      {any,                       P::positive, M::plus,         If::follows,   S::follow_out_shallow},
+      {any,                       P::positive, M::plus_shallow, If::follows,   S::follow_out_steep},
+      // both inward: the same
+      {S::lead_in_shallow,        P::negative, minus,           If::timed_out, S::lead_in_shallow_ends},
+      {S::lead_in_shallow_ends,   P::negative, minus,           If::timed_out, S::lead_in_steep},
+      {S::lead_in_steep,          P::negative, minus,           If::timed_out, S::lead_in_steep_ends},
+      {S::lead_in_steep_ends,     P::negative, minus,           If::timed_out, S::lead_in_shallow},
+      {shallow - ends_in,         P::negative, minus,           If::leads,     S::lead_in_shallow},
+      {steep - ends_in,           P::negative, minus,           If::leads,     S::lead_in_steep},
+      {any,                       P::negative, M::minus,         If::follows,  S::follow_in_shallow},
+      {any,                       P::negative, M::minus_shallow, If::follows,  S::follow_in_steep},
   };
   // clang-format on
 };
 
 constexpr const char* name_of(SharedSign::State state) {
-  constexpr const char* names[] = {
-      "rest_steep",       "rest_shallow",  "own_out",      "help_out",      "help_in",
-      "own_in",           "apart_in",      "out_steep",    "out_shallow",   "out_steep_stop",
-      "out_shallow_stop", "in_steep",      "in_shallow",   "in_steep_stop", "in_shallow_stop",
-      "alone_centred",    "alone_outward", "alone_inward", "alone_pause"};
+  constexpr const char* names[] = {"rest_steep",
+                                   "rest_shallow",
+                                   "own_out",
+                                   "help_out",
+                                   "help_in",
+                                   "own_in",
+                                   "apart_in",
+                                   "lead_out_steep",
+                                   "lead_out_shallow",
+                                   "lead_out_steep_ends",
+                                   "lead_out_shallow_ends",
+                                   "lead_in_steep",
+                                   "lead_in_shallow",
+                                   "lead_in_steep_ends",
+                                   "lead_in_shallow_ends",
+                                   "follow_out_steep",
+                                   "follow_out_shallow",
+                                   "follow_in_steep",
+                                   "follow_in_shallow",
+                                   "alone_centred",
+                                   "alone_outward",
+                                   "alone_inward",
+                                   "alone_pause"};
   return names[static_cast<int>(state)];
 }
 
 constexpr const char* name_of(SharedSign::Limit limit) {
-  constexpr const char* names[] = {"turn", "push", "rest"};
+  constexpr const char* names[] = {"turn", "notice", "push", "rest"};
   return names[static_cast<int>(limit)];
 }
 

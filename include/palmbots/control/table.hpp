@@ -66,17 +66,17 @@ enum class If : std::uint8_t {
   timed_out,  // the robot has been in its state for the state's time limit
   leads,      // it is the front robot in the direction of travel
   follows,
-  may_stop,  // the scene lets a robot stop as a correction
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 5;
+inline constexpr int if_count = 4;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"settled", "timed_out", "leads", "follows", "may_stop"};
+  constexpr const char* names[] = {"settled", "timed_out", "leads", "follows"};
   return names[static_cast<int>(condition)];
 }
 
-// What a robot commands and says as long as it is in a state.
+// What a robot commands and says as long as it is in a state. It stops only if the scene lets robots
+// stop as a correction.
 struct TableOutput {
   char name;  // the case: 'a' to 'd' as in Table 2; ' ' for none
   Command command;
@@ -107,8 +107,9 @@ struct TableRow {
 
 // What the length of a time limit may depend on [s].
 struct TableTiming {
-  double turn;   // the longest time in which a palm turns
-  double delay;  // the radio's longest delay
+  double turn;  // the longest time in which a palm turns
+  double
+      delay;  // the longest time from the step that says a word to the partner's step that hears it
   double reach;  // the longest time in which a correction moves a contact from a palm's end to zero
 };
 
@@ -118,7 +119,6 @@ struct TableConditions {
   B settled;
   B timed_out;
   B leads;
-  B may_stop;
 };
 
 // True for the robots that meet all of these conditions.
@@ -129,7 +129,6 @@ template <class B>
   if (wanted.has(If::timed_out)) all &= met.timed_out;
   if (wanted.has(If::leads)) all &= met.leads;
   if (wanted.has(If::follows)) all &= opposite(met.leads);
-  if (wanted.has(If::may_stop)) all &= met.may_stop;
   return all;
 }
 

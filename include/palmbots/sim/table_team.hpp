@@ -35,7 +35,7 @@ class TableTeam : public BeaconTeam<TableRobot<Table>> {
 
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
-  TableTiming timing{0, spec.latency + spec.jitter, 0};
+  TableTiming timing{0, spec.latency + spec.jitter + spec.period, 0};
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
     timing.turn = larger(timing.turn, std::abs(palm.steep - palm.shallow) / palm.rate);
