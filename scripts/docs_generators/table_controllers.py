@@ -16,6 +16,7 @@ CONDITION = {
     "timed_out": "time is up",
     "leads": "it leads",
     "follows": "it follows",
+    "may_stop": "it may stop",
 }
 
 

@@ -36,9 +36,9 @@ def table_of(controller: str, spec: _core.Spec) -> dict[str, Any]:
 
 
 def test_times_in_the_default_scene() -> None:
-    """A turn with its notice is as long as a palm turns, 10° at 50°/s, the notice as long as a message
-    takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end of a
-    palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
+    """A turn with its notice is as long as a palm turns, 10° at 50°/s; the notice is as long as a
+    message takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end
+    of a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
     table = table_of("shared-sign", to_spec(Scene()))
     assert table["limits_s"] == {
         "turn": 0.14,

@@ -36,7 +36,8 @@ class SignRobot:
     heard_at: float = float("-inf")
     word: tuple[int, str] = (0, "steep")
     said_at: float = float("-inf")
-    # The sign of the tie that lasts, when the leader's turn or notice began, and which of them it is.
+    # The sign of the tie that lasts; when the leader's turn or notice began, and whether it is the
+    # notice.
     tie: int | None = None
     turn_began: int = 0
     ending: bool = False

@@ -76,7 +76,7 @@ class BitslicedTableTeam {
     since_entered_.increment();
     Heard heard;
     if constexpr (Table::talks) heard = hear(tick, run);
-    const TableConditions<RobotMask> met{sensed.palm_at_target, timed_out(), leads_};
+    const TableConditions<RobotMask> met{sensed.palm_at_target, timed_out(), leads_, may_stop_};
     RobotMask entered{};
     robots_.step(
         run,

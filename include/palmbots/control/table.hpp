@@ -66,12 +66,13 @@ enum class If : std::uint8_t {
   timed_out,  // the robot has been in its state for the state's time limit
   leads,      // it is the front robot in the direction of travel
   follows,
+  may_stop,  // the scene lets a robot stop as a correction
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 4;
+inline constexpr int if_count = 5;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"settled", "timed_out", "leads", "follows"};
+  constexpr const char* names[] = {"settled", "timed_out", "leads", "follows", "may_stop"};
   return names[static_cast<int>(condition)];
 }
 
@@ -107,9 +108,8 @@ struct TableRow {
 
 // What the length of a time limit may depend on [s].
 struct TableTiming {
-  double turn;  // the longest time in which a palm turns
-  double
-      delay;  // the longest time from the step that says a word to the partner's step that hears it
+  double turn;   // the longest time in which a palm turns
+  double delay;  // the longest time from the step that says a word to the step that hears it
   double reach;  // the longest time in which a correction moves a contact from a palm's end to zero
 };
 
@@ -119,6 +119,7 @@ struct TableConditions {
   B settled;
   B timed_out;
   B leads;
+  B may_stop;
 };
 
 // True for the robots that meet all of these conditions.
@@ -129,6 +130,7 @@ template <class B>
   if (wanted.has(If::timed_out)) all &= met.timed_out;
   if (wanted.has(If::leads)) all &= met.leads;
   if (wanted.has(If::follows)) all &= opposite(met.leads);
+  if (wanted.has(If::may_stop)) all &= met.may_stop;
   return all;
 }
 

@@ -41,7 +41,7 @@ class TableRowMasks {
       for (int w = 0; w < Words::count; ++w) {
         add(word_[w], row.heard.has(Words::list[static_cast<std::size_t>(w)]));
       }
-      for (unsigned c = 0; c < 8; ++c) add(condition_[c], meets<bool>(row.when, conditions(c)));
+      for (unsigned c = 0; c < 16; ++c) add(condition_[c], meets<bool>(row.when, conditions(c)));
     }
   }
 
@@ -55,16 +55,17 @@ class TableRowMasks {
 
  private:
   static constexpr unsigned number_of(const TableConditions<bool>& met) {
-    return unsigned{met.settled} | unsigned{met.timed_out} << 1 | unsigned{met.leads} << 2;
+    return unsigned{met.settled} | unsigned{met.timed_out} << 1 | unsigned{met.leads} << 2 |
+           unsigned{met.may_stop} << 3;
   }
   static constexpr TableConditions<bool> conditions(unsigned number) {
-    return {(number & 1) != 0, (number & 2) != 0, (number & 4) != 0};
+    return {(number & 1) != 0, (number & 2) != 0, (number & 4) != 0, (number & 8) != 0};
   }
 
   std::uint64_t start_[Table::states]{};
   std::uint64_t sign_[3]{};
   std::uint64_t word_[Words::count]{};
-  std::uint64_t condition_[8]{};
+  std::uint64_t condition_[16]{};
 };
 
 // The program of one robot.
@@ -170,7 +171,7 @@ class TableRobot {
   }
   constexpr MessageKind heard() const { return silence() ? MessageKind::none : word_; }
   constexpr TableConditions<bool> met(bool palm_at_target) const {
-    return {palm_at_target, since_entered_ >= limit(), role_.leads};
+    return {palm_at_target, since_entered_ >= limit(), role_.leads, role_.may_stop};
   }
   constexpr void pass(std::uint16_t elapsed) {
     advance(age_, elapsed, stale());
