@@ -8,7 +8,8 @@
 4. *Merge*: seen from the owner, outward positive, a rule of the left and one of the right robot are
    the same.
 5. *Messages*: turning a palm of the other robot becomes a request, a reply and a release; the robot
-   that receives a request serves it.
+   that receives a request serves it. In a policy file (policy_file.py) the partner may also have to
+   drive; that becomes part of the request.
 6. *Conflicts*: signs at which a rule of each robot applies, and what orders the two.
 
 The result lists what cannot be derived: moves without effect or without end, guards that must stay,
@@ -17,24 +18,40 @@ signs that no rule corrects, rules that only one robot has.
 Source: section 6 of the paper asks for this transformation, from section 2 to section 4.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
+from typing import NamedTuple, cast
 
 from palmbots._types import SIDES
 from palmbots.derivation.contact_motion import Palms, improves, passed_through, sliders, why
-from palmbots.derivation.global_policy import Direction, Move, Policy, Signs, Wiring
+from palmbots.derivation.global_policy import (
+    Angle,
+    Angles,
+    Direction,
+    Drives,
+    Move,
+    Policy,
+    Signs,
+    Wiring,
+    signs_text,
+)
 from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program, table_2
 
-__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "signs_text"]
+__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "message_for", "tilt_to"]
 
 SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
 _RELATION = {-1: "<", 0: "=", 1: ">"}
-_MARK = {-1: "−", 0: "0", 1: "+"}
+_CONDITION = {(-1, 0): "p ≤ 0", (0, 1): "p ≥ 0", (0,): "p = 0", (1,): "p > 0", (-1,): "p < 0"}
 
 
-def signs_text(signs: Signs) -> str:
-    """A pair of signs in the notation of the docs: (+, −)."""
-    return f"({_MARK[signs[0]]}, {_MARK[signs[1]]})"
+def tilt_to(angle: Angle) -> str:
+    """The action that turns a palm to this angle, in the words of Table 2."""
+    return "Tilt Up" if angle == "shallow" else "Tilt Down"
+
+
+def message_for(angle: Angle) -> str:
+    """The message that asks a robot to turn its palm to this angle."""
+    return REQUEST if angle == "shallow" else RELEASE
 
 
 @dataclass(frozen=True)
@@ -78,7 +95,15 @@ class Rule:
     until: tuple[tuple[int, str], ...]
     """Conditions of which one suffices: the contact (0 own, 1 the partner's), and ≤ or ≥."""
     asks: bool
-    """Another robot turns the palm that has to be tilted up."""
+    """Another robot has to turn a palm, or to drive."""
+    asked: Angles = ("shallow", "steep")
+    """The angle of the palm that the other robot turns: during the move, and at rest."""
+    turn: Angle | None = None
+    """The angle to which the robot itself turns a palm; None: it turns none."""
+    drives: bool = True
+    """The robot itself drives."""
+    assist: tuple[int, ...] = ()
+    """The signs of the partner's contact at which the partner drives, too."""
 
     def holds(self, robot: int, signs: Signs) -> bool:
         """Whether the rule of this robot applies at these signs (left, right)."""
@@ -91,12 +116,28 @@ class Rule:
         wanted = zip(names, self.signs, strict=True)
         when = ", ".join(f"{name} {_RELATION[s]} 0" for name, s in wanted if s is not None)
         until = " or ".join(f"{names[whose]} {relation} 0" for whose, relation in self.until)
-        lines = (f"Move {self.direction} until {until}",)
+        does = f"Move {self.direction}" if self.drives else "Wait"
+        lines = (f"{does} until {until}",)
         if self.asks:
-            lines = (f"Send {REQUEST}", f"Wait for {DONE}", *lines, f"Send {RELEASE}")
-        elif "shallow" in self.palms:
-            lines = ("Tilt Up", *lines, "Tilt Down")
+            request, release = map(message_for, self.asked)
+            lines = (f"Send {request}", f"Wait for {DONE}", *lines, f"Send {release}")
+        if self.turn is not None:
+            back: Angle = "shallow" if self.turn == "steep" else "steep"
+            lines = (tilt_to(self.turn), *lines, tilt_to(back))
         return Program(when, lines)
+
+    def service(self, free: str) -> Program:
+        """What the partner does when it is asked; `free` is when it serves."""
+        wanted, rest = self.asked
+        release = message_for(rest)
+        stays = f"Wait for {release}"
+        if self.assist:
+            where = _CONDITION.get(self.assist)
+            stays = f"Move {self.direction}{f' while {where}' if where else ''} until {release}"
+        lines = (f"Send {DONE}", stays)
+        if wanted != rest:
+            lines = (tilt_to(wanted), *lines, tilt_to(rest))
+        return Program(f"{free}got {message_for(wanted)}", lines)
 
 
 @dataclass(frozen=True)
@@ -129,6 +170,8 @@ class Derivation:
 
     policy: Policy
     wiring: Wiring
+    rest: Angles = ("steep", "steep")
+    """The angles of the palms while nothing is corrected."""
     steps: list[Step] = field(default_factory=list)
     guards: list[Guard] = field(default_factory=list)
     joint: list[Step] = field(default_factory=list)
@@ -139,19 +182,28 @@ class Derivation:
     """The robots that have each rule."""
     sources: dict[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """The steps (case, number) from which each rule follows."""
-    server: Program | None = None
+    servers: list[Program] = field(default_factory=list)
+    """What a robot does when it is asked; one for each kind of request."""
     conflicts: list[Conflict] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     """Parts that cannot be derived, and errors of the policy."""
+    one_sided: list[str] = field(default_factory=list)
+    """Rules that only one robot has. In Table 1, which treats the robots alike, a finding too."""
     table_2: dict[str, Program] = field(default_factory=table_2)
 
     @property
     def programs(self) -> dict[str, Program]:
         """All programs of a robot by name, the server included."""
         programs = {name: rule.program() for name, rule in self.rules.items()}
-        return (
-            programs if self.server is None else {**programs, self._name(self.server): self.server}
-        )
+        for number, server in enumerate(self.servers, 1):
+            name = self._name(server)
+            programs[name if name not in programs else f"{name} {number}"] = server
+        return programs
+
+    @property
+    def server(self) -> Program | None:
+        """The first of `servers`; None: no rule asks for anything."""
+        return self.servers[0] if self.servers else None
 
     @property
     def is_table_2(self) -> bool:
@@ -166,21 +218,21 @@ class Derivation:
         return "server"
 
 
-def derive(policy: Policy, wiring: Wiring | None = None) -> Derivation:
-    """Derive the rules of each robot from a policy and the wiring.
+def derive(policy: Policy, wiring: Wiring | None = None, rest: Angles | None = None) -> Derivation:
+    """Derive the rules of each robot from a policy, the wiring and the palms at rest.
 
-    By default each robot senses its own contact and turns its own palm.
+    By default each robot senses its own contact and turns its own palm, and palms rest steep.
     """
-    done = Derivation(policy, wiring or Wiring())
+    done = Derivation(policy, wiring or Wiring(), rest or ("steep", "steep"))
     _split(done)
+    parts = [part for step in done.steps for part in _parts_of(done, step)]
     found: dict[Rule, dict[int, list[tuple[int, int]]]] = {}
-    for step in done.steps:
-        for owner, rule in _rules_of(done, step):
-            found.setdefault(rule, {}).setdefault(owner, []).append((step.case, step.number))
+    for owner, rule, sources in _joined(done, parts):
+        found.setdefault(rule, {}).setdefault(owner, []).extend(sources)
     _name_rules(done, found)
-    if any(rule.asks for rule in done.rules.values()):
-        lines = ("Tilt Up", f"Send {DONE}", f"Wait for {RELEASE}", "Tilt Down")
-        done.server = Program(f"{_free_to_serve(done)}got {REQUEST}", lines)
+    free = _free_to_serve(done)
+    services = [rule.service(free) for rule in done.rules.values() if rule.asks]
+    done.servers = list(dict.fromkeys(services))
     _find_conflicts(done)
     _find_gaps(done)
     return done
@@ -189,16 +241,15 @@ def derive(policy: Policy, wiring: Wiring | None = None) -> Derivation:
 def _split(done: Derivation) -> None:
     """Split the cases into steps, each with the signs during it."""
     for number, case in enumerate(done.policy, 1):
-        palms: Palms = ("steep", "steep")
-        if case.tilt is not None:
-            palms = ("shallow", "steep") if case.tilt == 0 else ("steep", "shallow")
+        palms: Palms = case.palms
         entry = frozenset({case.signs})
         moved = False
+        label = case.label(number)
         for k, move in enumerate(case.moves, 1):
             during, ends = passed_through(entry, palms, move)
             owners = tuple(sorted({done.wiring.senses[u.contact] for u in move.until}))
             done.steps.append(Step(number, k, palms, move, entry, during, ends, owners))
-            where = f"case {number}, move {k}"
+            where = label if case.angles is not None else f"{label}, move {k}"
             if not during:
                 done.findings.append(f"{where} never moves: {move.end} holds when it begins")
             elif not ends:
@@ -211,13 +262,25 @@ def _split(done: Derivation) -> None:
             entry = ends
         if not moved:
             at = signs_text(case.signs)
-            done.findings.append(f"case {number} never moves anything: {at} stays forever")
+            done.findings.append(f"{label} never moves anything: {at} stays forever")
 
 
-def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
-    """The rules (owner, rule) of a step, one for each of its possible beginnings."""
+class _Part(NamedTuple):
+    """The rule that follows from one beginning of a step, and which robots drive there."""
+
+    owner: int
+    rule: Rule
+    partner: int
+    """The sign of the partner's contact."""
+    drives: Drives
+    """(own, partner's)."""
+    source: tuple[int, int]
+
+
+def _parts_of(done: Derivation, step: Step) -> list[_Part]:
+    """The rules of a step, one for each of its possible beginnings."""
     begins = sorted(step.entry & step.during)
-    rules = []
+    parts = []
     movable = sliders(step.palms, step.move.direction)
     joint = len(step.owners) > 1
     for owner, signs in product(step.owners, begins):
@@ -234,19 +297,50 @@ def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
             guard[contact] = None
         if joint or not step.ends:
             continue
-        raised = step.palms.index("shallow") if "shallow" in step.palms else None
         own = slice(None) if owner == 0 else slice(None, None, -1)
-        palms = step.palms[own]
+        palms, rest = step.palms[own], done.rest[own]
+        turners = done.wiring.turns[own]
+        turned = [k for k in (0, 1) if palms[k] != rest[k]]
+        by_owner = [palms[k] for k in turned if turners[k] == owner]
+        asked = next((k for k in turned if turners[k] != owner), 1)
         rule = Rule(
             (guard[owner], guard[1 - owner]),
             (palms[0], palms[1]),
             step.move.direction,
             tuple((int(u.contact != owner), u.relation) for u in step.move.until),
-            raised is not None and done.wiring.turns[raised] != owner,
+            len(by_owner) < len(turned),
+            cast("Angles", (palms[asked], rest[asked])),
+            cast("Angle", by_owner[0]) if by_owner else None,
         )
-        rules.append((owner, rule))
+        drives = (done.policy[step.case - 1].drives or (owner == 0, owner == 1))[own]
+        source = (step.case, step.number)
+        parts.append(_Part(owner, rule, signs[1 - owner], (drives[0], drives[1]), source))
     if joint:
         done.joint.append(step)
+    return parts
+
+
+def _joined(
+    done: Derivation, parts: list[_Part]
+) -> list[tuple[int, Rule, list[tuple[int, int]]]]:
+    """The rules (owner, rule, sources), with the drives of the partner at each of its signs."""
+    alike: dict[tuple[int, Rule], list[_Part]] = {}
+    for part in parts:
+        alike.setdefault((part.owner, part.rule), []).append(part)
+    rules = []
+    for (owner, rule), those in alike.items():
+        if len({part.drives[0] for part in those}) > 1:
+            labels = [done.policy[p.source[0] - 1].label(p.source[0]) for p in those]
+            done.findings.append(
+                f"{' and '.join(labels)} differ in whether the {SIDES[owner]} robot drives, and it "
+                f"does not sense p_{'LR'[1 - owner]}"
+            )
+            continue
+        assist = tuple(sorted({part.partner for part in those if part.drives[1]}))
+        whole = replace(
+            rule, asks=rule.asks or bool(assist), drives=those[0].drives[0], assist=assist
+        )
+        rules.append((owner, whole, [part.source for part in those]))
     return rules
 
 
@@ -258,13 +352,20 @@ def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, in
         done.rules[name] = rule
         done.robots[name] = tuple(sorted(by_owner))
         done.sources[name] = tuple(sorted(s for steps in by_owner.values() for s in steps))
-        if len(by_owner) == 1 and done.wiring.alike:
+        if len(by_owner) == 1 and done.wiring.alike and done.rest[0] == done.rest[1]:
             (owner,) = by_owner
-            done.findings.append(
+            done.one_sided.append(
                 f"rule ({name}) is the {SIDES[owner]} robot's alone: the policy has no mirror "
-                "image of " + ", ".join(f"case {c}, move {k}" for c, k in done.sources[name])
+                "image of " + ", ".join(_source_text(done, *one) for one in done.sources[name])
             )
     done.rules = dict(sorted(done.rules.items()))
+    if all(case.angles is None for case in done.policy):
+        done.findings += done.one_sided
+
+
+def _source_text(done: Derivation, number: int, move: int) -> str:
+    case = done.policy[number - 1]
+    return case.label(number) + (f", move {move}" if case.angles is None else "")
 
 
 def _free_to_serve(done: Derivation) -> str:
@@ -307,4 +408,7 @@ def _find_gaps(done: Derivation) -> None:
             cover = "the rules correct it" if ruled else "and no rule corrects it"
             done.findings.append(f"{signs_text(signs)} has no case in the policy; {cover}")
         elif signs != (0, 0) and not ruled:
-            done.findings.append(f"{signs_text(signs)} is corrected by no rule")
+            text = f"{signs_text(signs)} is corrected by no rule"
+            if any(step.case in cases for step in done.joint):
+                text += ": either contact may slide, and no robot senses both"
+            done.findings.append(text)
