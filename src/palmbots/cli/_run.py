@@ -14,11 +14,13 @@ from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
 
 __all__ = [
     "Interrupted",
     "check_output",
+    "controller_of",
     "interruption_line",
     "load",
     "number_list",
@@ -76,6 +78,31 @@ def load(
 
     overrides = parse_overrides(changes or [])
     return load_scene(source, overrides, called="--set", on_warning=on_warning or warn)
+
+
+def controller_of(
+    name: str, *, unproved: bool = False, called: str = "controller"
+) -> "ControllerEntry":
+    """The controller of a command. If the check of a policy fails, print the runs that show it.
+
+    Raises:
+        PalmbotsError: there is no such controller, or the check fails and `unproved` is not set.
+    """
+    from palmbots.control.registry import resolve
+
+    if unproved and not name.endswith(".toml"):
+        raise PalmbotsError(f"--unproved needs a policy file as {called}, as in FILE.toml")
+    if not name.endswith(".toml"):
+        return resolve(name, called=called)
+    from palmbots.cli.reports.policy_report import failure_lines
+    from palmbots.derivation.policy_controller import PolicyNotProved
+
+    try:
+        return resolve(name, called=called, unproved=unproved)
+    except PolicyNotProved as error:
+        for line in failure_lines(error.verification)[1:]:
+            say(line)
+        raise
 
 
 def check_output(out: Path | None) -> None:

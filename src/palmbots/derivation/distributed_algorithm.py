@@ -12,9 +12,9 @@ from a rule, because the rules leave them open:
 - *Own sign.* A robot that serves drives only at those of its own signs at which the policy says so.
 - *Rest.* The palms return to the angles of the row (0, 0).
 
-One thing is added: the robot that has served says Ack when its palm is back, and the other one waits
-for it. Without this, a robot can begin its next correction while its partner's palm still turns
-(tests/derivation/test_policy_checks.py has the run). The messages are TiltUp, TiltDown and Ack. A
+One thing is added: the robot that has served says Ack when its palm is back, and the other one
+waits for it. Without this, a robot can begin its next correction while its partner's palm still
+turns (tests/derivation/test_verification.py has the run). The messages are TiltUp, TiltDown and Ack. A
 request names the angle that the partner's palm shall have, a release the angle at rest.
 
 The machines run in `include/palmbots/control/machine_table.hpp`.
@@ -31,9 +31,11 @@ from palmbots.derivation.policy_file import PolicyTable
 from palmbots.derivation.table2_programs import DONE
 from palmbots.errors import PalmbotsError
 
-__all__ = ["Machine", "MachineRow", "MachineState", "machines_of", "refusals"]
+__all__ = ["Machine", "MachineRow", "MachineState", "machines_of", "refusals", "unordered_cases"]
 
 SIGNS = (-1, 0, 1)
+START: Angle = "steep"
+"""The angle of the palms when a carry begins."""
 _LETTER = {1: "a", -1: "d"}
 _IS = {-1: "negative", 0: "zero", 1: "positive"}
 _IS_NOT = {-1: "not_negative", 1: "not_positive"}
@@ -70,6 +72,11 @@ class Machine:
 
     states: list[MachineState] = field(default_factory=list)
     rows: list[MachineRow] = field(default_factory=list)
+
+    @property
+    def idle(self) -> int:
+        """The number of the state in which the robot corrects nothing and serves nobody."""
+        return next(k for k, state in enumerate(self.states) if state.name == "idle")
 
     def for_core(
         self,
@@ -120,6 +127,16 @@ def machines_of(table: PolicyTable, called: str = "policy") -> tuple[Machine, Ma
     return _Builder(table, derivation, 0).machine, _Builder(table, derivation, 1).machine
 
 
+def unordered_cases(machines: tuple[Machine, Machine]) -> frozenset[str]:
+    """The cases that both robots correct without a message, so that nothing orders the two."""
+    states = [{state.name for state in machine.states} for machine in machines]
+    return frozenset(
+        case
+        for case in _LETTER.values()
+        if all(f"{case}_move" in names and f"{case}_ask" not in names for names in states)
+    )
+
+
 class _Builder:
     """Builds the machine of one robot."""
 
@@ -130,7 +147,13 @@ class _Builder:
         self._rest_of_partner = table.rest[1 - robot]
         own, partners = (_rules_by_sign(derivation, k) for k in (robot, 1 - robot))
         asking = {sign: rule for sign, rule in partners.items() if rule.asks}
-        self.machine = Machine([MachineState("idle", " ", self._rest)])
+        self.machine = Machine()
+        if self._rest != START:  # a palm that is not yet commanded to rest counts as turned
+            self._state("start", self._rest)
+            self._state("settle", self._rest)
+            self._row("start", "any", "", "any", "settle")
+            self._row("settle", "any", "", "done", "idle")
+        self._state("idle", self._rest)
         for sign, rule in asking.items():
             self._serve_from_idle(own, sign, rule)
         for sign, rule in own.items():
@@ -145,7 +168,8 @@ class _Builder:
         move: Literal["hold", "away", "closer"] = "hold",
         awaits: str = "",
     ) -> None:
-        self.machine.states.append(MachineState(name, name[0], palm, move, awaits))
+        case = name[0] if name[1] == "_" else " "
+        self.machine.states.append(MachineState(name, case, palm, move, awaits))
 
     def _row(
         self, state: str, contact: str, got: str, tilt: str, after: str, send: str = ""

@@ -320,9 +320,7 @@ def _parts_of(done: Derivation, step: Step) -> list[_Part]:
     return parts
 
 
-def _joined(
-    done: Derivation, parts: list[_Part]
-) -> list[tuple[int, Rule, list[tuple[int, int]]]]:
+def _joined(done: Derivation, parts: list[_Part]) -> list[tuple[int, Rule, list[tuple[int, int]]]]:
     """The rules (owner, rule, sources), with the drives of the partner at each of its signs."""
     alike: dict[tuple[int, Rule], list[_Part]] = {}
     for part in parts:

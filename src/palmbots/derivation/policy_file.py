@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Global policies from TOML files.
 
-A file has a row for each pair of contact signs, (p_L, p_R). A row gives the angles of both palms and
-what each robot's wheels do, and holds until a sign changes::
+A file has a row for each pair of contact signs, (p_L, p_R). A row gives the angles of both palms
+and what each robot's wheels do, and holds until a sign changes::
 
     description = "one line"
 
@@ -87,8 +87,7 @@ class PolicyTable:
         )
 
     def first(self, signs: Signs) -> int | None:
-        """The robot whose contact a row corrects: its contact alone may slide. None: there is none.
-        """
+        """The robot whose contact alone may slide in a row; None: there is none."""
         row = self.rows[signs]
         movable = sliders(row.palms, row.direction) if row.direction is not None else frozenset()
         return next(iter(movable)) if len(movable) == 1 else None
