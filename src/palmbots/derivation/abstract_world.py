@@ -112,9 +112,9 @@ def _sign(p: int) -> int:
     return (p > 0) - (p < 0)
 
 
-def _after_turn(palm: tuple[int, int], command: int) -> tuple[int, int]:
+def _after_turn(palm: tuple[int, int], command: int, turning: int = _TURNING) -> tuple[int, int]:
     """A palm after a turn with this command."""
-    return (command, _TURNING) if command != palm[0] else (command, max(0, palm[1] - 1))
+    return (command, turning) if command != palm[0] else (command, max(0, palm[1] - 1))
 
 
 def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
@@ -138,7 +138,10 @@ def _moved(p: tuple[int, int], motion: Motion | None) -> Iterator[tuple[int, int
 
 
 class _Pair(ABC):
-    """The common part of the two decentralized algorithms."""
+    """The common part of the decentralized algorithms."""
+
+    turning = _TURNING
+    """Number of turns after a command in which a palm is still turning."""
 
     def start(self, p: tuple[int, int]) -> State:
         return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self.begin(), 0)
@@ -174,7 +177,7 @@ class _Pair(ABC):
     ) -> Iterator[tuple[Turn, State]]:
         """The turn of a robot that has taken this step."""
         lead = state.lead + (1, -1)[robot]
-        palms = _both(state.palms, robot, _after_turn(state.palms[robot], palm))
+        palms = _both(state.palms, robot, _after_turn(state.palms[robot], palm, self.turning))
         wheels = _both(state.wheels, robot, move)
         direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
         signs = (_sign(state.p[0]), _sign(state.p[1]))
@@ -220,8 +223,11 @@ class MachinePair(_Pair):
     its receiver. A message may be heard `delay` turns late.
     """
 
-    def __init__(self, machines: "tuple[Machine, Machine]", rest: Angles, delay: int) -> None:
+    def __init__(
+        self, machines: "tuple[Machine, Machine]", rest: Angles, delay: int, turning: int
+    ) -> None:
         """The machines of the left and the right robot, and the palms at rest."""
+        self.turning = turning
         left, right = machines
         self._at_goal = (bytes([left.idle]), bytes([right.idle])), ((), ())
         core = _core.Machines(left.for_core(), right.for_core())

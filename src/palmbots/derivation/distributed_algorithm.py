@@ -14,8 +14,8 @@ from a rule, because the rules leave them open:
 
 One thing is added: the robot that has served says Ack when its palm is back, and the other one
 waits for it. Without this, a robot can begin its next correction while its partner's palm still
-turns (tests/derivation/test_verification.py has the run). The messages are TiltUp, TiltDown and Ack. A
-request names the angle that the partner's palm shall have, a release the angle at rest.
+turns (tests/derivation/test_verification.py has the run). The messages are TiltUp, TiltDown and
+Ack. A request names the angle that the partner's palm shall have, a release the angle at rest.
 
 The machines run in `include/palmbots/control/machine_table.hpp`.
 """
@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from palmbots._types import SIDES
-from palmbots.derivation.global_policy import Angle, Direction, signs_text
+from palmbots.derivation.global_policy import Angle, signs_text
 from palmbots.derivation.local_rules import Derivation, Rule, derive, message_for
 from palmbots.derivation.policy_file import PolicyTable
 from palmbots.derivation.table2_programs import DONE
@@ -42,6 +42,13 @@ _IS_NOT = {-1: "not_negative", 1: "not_positive"}
 _GOT = {"TiltUp": "tilt_up", "TiltDown": "tilt_down", "Ack": "ack"}
 
 
+Motion = Literal["hold", "away", "closer"]
+CoreTable = tuple[
+    tuple[tuple[str, str, str, bool, str], ...], tuple[tuple[int, str, str, str, int, str], ...]
+]
+"""States and rows as `palmbots._core.Machines` takes them."""
+
+
 class MachineState(NamedTuple):
     """A state, and what the robot commands in it."""
 
@@ -49,7 +56,7 @@ class MachineState(NamedTuple):
     case: str
     """``a``: corrects a positive contact; ``d``: a negative one; ``c``: serves; a space: idle."""
     palm: Angle
-    move: Literal["hold", "away", "closer"] = "hold"
+    move: Motion = "hold"
     awaits: str = ""
     """The message for which the robot waits."""
 
@@ -78,9 +85,7 @@ class Machine:
         """The number of the state in which the robot corrects nothing and serves nobody."""
         return next(k for k, state in enumerate(self.states) if state.name == "idle")
 
-    def for_core(
-        self,
-    ) -> tuple[tuple[tuple[object, ...], ...], tuple[tuple[object, ...], ...]]:
+    def for_core(self) -> CoreTable:
         """States and rows as `palmbots._core.Machines` takes them."""
         number = {state.name: k for k, state in enumerate(self.states)}
         states = tuple((s.case, s.palm, s.move, bool(s.awaits), s.awaits) for s in self.states)
@@ -96,7 +101,7 @@ def refusals(table: PolicyTable, derivation: Derivation) -> list[str]:
     if (direction := table.rows[0, 0].direction) is not None:
         reasons.insert(0, f"row (0, 0) moves {direction}: the pair never comes to rest")
     for rule in derivation.rules.values():
-        if not rule.drives and set(rule.assist) != set(SIGNS):
+        if rule.signs[0] and not rule.drives and set(rule.assist) != set(SIGNS):
             silent = [s for s in SIGNS if s not in rule.assist]
             at = ", ".join(_signs(rule, silent))
             reasons.append(f"rows {at}: the robot whose contact moves does not drive, nor does its "
@@ -143,8 +148,8 @@ class _Builder:
     def __init__(self, table: PolicyTable, derivation: Derivation, robot: int) -> None:
         self._table = table
         self._robot = robot
-        self._rest = table.rest[robot]
-        self._rest_of_partner = table.rest[1 - robot]
+        self._rest: Angle = table.rest[robot]
+        self._rest_of_partner: Angle = table.rest[1 - robot]
         own, partners = (_rules_by_sign(derivation, k) for k in (robot, 1 - robot))
         asking = {sign: rule for sign, rule in partners.items() if rule.asks}
         self.machine = Machine()
@@ -165,7 +170,7 @@ class _Builder:
         self,
         name: str,
         palm: Angle,
-        move: Literal["hold", "away", "closer"] = "hold",
+        move: Motion = "hold",
         awaits: str = "",
     ) -> None:
         case = name[0] if name[1] == "_" else " "
@@ -193,7 +198,7 @@ class _Builder:
         ask, turn, move, wait, back = (f"{case}_{part}" for part in _CORRECTING)
         turns = palm != self._rest
         home = back if turns else "idle"
-        direction: Direction | Literal["hold"] = rule.direction if rule.drives else "hold"
+        direction: Motion = rule.direction if rule.drives else "hold"
         if rule.asks:
             request = message_for(rule.palms[1])
             release = message_for(self._rest_of_partner)
@@ -227,15 +232,13 @@ class _Builder:
         drives = [s for s in SIGNS if s in rule.assist]
         stays = [s for s in SIGNS if s not in rule.assist]
         self._state(turn, palm)
-        for state, move, signs, other in (
-            (stay, "hold", stays, drive),
-            (drive, rule.direction, drives, stay),
-        ):
+        moves: dict[str, Motion] = {stay: "hold", drive: rule.direction}
+        for state, signs, other in ((stay, stays, drive), (drive, drives, stay)):
             if not signs:
                 continue
             for contact in _contacts(signs):
                 self._row(turn, contact, "", "done", state, DONE)
-            self._state(state, palm, move, release)
+            self._state(state, palm, moves[state], release)
             self._row(state, "any", release, "any", back)
             for contact in _contacts([s for s in SIGNS if s not in signs]):
                 self._row(state, contact, "", "any", other)

@@ -23,7 +23,7 @@ from itertools import product
 from typing import NamedTuple, cast
 
 from palmbots._types import SIDES
-from palmbots.derivation.contact_motion import Palms, improves, passed_through, sliders, why
+from palmbots.derivation.contact_motion import improves, passed_through, sliders, why
 from palmbots.derivation.global_policy import (
     Angle,
     Angles,
@@ -60,7 +60,7 @@ class Step:
 
     case: int
     number: int
-    palms: Palms
+    palms: Angles
     move: Move
     entry: frozenset[Signs]
     during: frozenset[Signs]
@@ -90,7 +90,7 @@ class Rule:
 
     signs: tuple[int | None, int | None]
     """The condition; None: any sign."""
-    palms: Palms
+    palms: Angles
     direction: Direction
     until: tuple[tuple[int, str], ...]
     """Conditions of which one suffices: the contact (0 own, 1 the partner's), and ≤ or ≥."""
@@ -241,7 +241,7 @@ def derive(policy: Policy, wiring: Wiring | None = None, rest: Angles | None = N
 def _split(done: Derivation) -> None:
     """Split the cases into steps, each with the signs during it."""
     for number, case in enumerate(done.policy, 1):
-        palms: Palms = case.palms
+        palms = case.palms
         entry = frozenset({case.signs})
         moved = False
         label = case.label(number)
@@ -305,7 +305,7 @@ def _parts_of(done: Derivation, step: Step) -> list[_Part]:
         asked = next((k for k in turned if turners[k] != owner), 1)
         rule = Rule(
             (guard[owner], guard[1 - owner]),
-            (palms[0], palms[1]),
+            cast("Angles", (palms[0], palms[1])),
             step.move.direction,
             tuple((int(u.contact != owner), u.relation) for u in step.move.until),
             len(by_owner) < len(turned),

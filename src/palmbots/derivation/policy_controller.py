@@ -5,6 +5,7 @@ The registry of controllers calls `load_policy` for every name that ends with ``
 """
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,12 @@ class PolicyNotProved(PalmbotsError):
 
 
 def load_policy(
-    path: str, *, called: str = "controller", folder: str | None = None, unproved: bool = False
+    path: str,
+    *,
+    called: str = "controller",
+    folder: str | None = None,
+    unproved: bool = False,
+    on_progress: Callable[[float], None] | None = None,
 ) -> ControllerEntry:
     """The controller that follows from a policy file.
 
@@ -42,6 +48,7 @@ def load_policy(
         called: how messages name the argument.
         folder: where a relative path is looked up; None: the working directory.
         unproved: skip the check.
+        on_progress: called now and then with the completed fraction of the check.
 
     Raises:
         PolicyNotProved: the check found a run that breaks a property.
@@ -52,13 +59,13 @@ def load_policy(
     machines = machines_of(table, called=f"{called}: {path}")
     data = tuple(machine.for_core() for machine in machines)
     if not unproved:
-        found = _verified(data, machines, table.rest)
+        found = _verified(data, machines, table.rest, on_progress)
         if not found.holds:
             name = found.fails[0]
             raise PolicyNotProved(
                 f"{called}: {path}: the derived algorithm fails {name} ({MEANINGS[name]}); "
-                "allowed: a policy that passes, or the option unproved (palmbots derive --policy "
-                f"{path} prints the run)",
+                "allowed: a policy that passes, or --unproved (palmbots derive --policy "
+                f"{path} prints all runs)",
                 found,
             )
     states = [state for machine in machines for state in machine.states]
@@ -81,8 +88,13 @@ def load_policy(
 _found: dict[tuple[Any, Angles], Verification] = {}
 
 
-def _verified(data: Any, machines: tuple[Machine, Machine], rest: Angles) -> Verification:
+def _verified(
+    data: Any,
+    machines: tuple[Machine, Machine],
+    rest: Angles,
+    on_progress: Callable[[float], None] | None,
+) -> Verification:
     """The check of these machines; each is checked once in a process."""
     if (data, rest) not in _found:
-        _found[data, rest] = verify(machines, rest)
+        _found[data, rest] = verify(machines, rest, on_progress=on_progress)
     return _found[data, rest]

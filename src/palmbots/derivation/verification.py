@@ -2,10 +2,11 @@
 """Checks a derived algorithm exhaustively: the compiled machines of both robots, in every run.
 
 The world is that of abstract_world.py: contacts in cells, robots that take turns in any order in
-which neither is more than one turn ahead, palms that need two turns, and an adversary that chooses
-the contact that slides where the palms do not determine it. There are two more adversaries. A
-*disturbance* moves a contact by a cell at any time, to at most `REACH` cells from 0. And a message
-may arrive up to `DELAY` turns of its receiver late; messages arrive in order, and none is lost.
+which neither is more than one turn ahead, and an adversary that chooses the contact that slides
+where the palms do not determine it. A palm reaches its angle `TURNING` + 1 turns after the command.
+There are two more adversaries. A *disturbance* moves a contact by a cell at any time, to at most
+`REACH` cells from 0. And a message may be heard up to `DELAY` turns of its receiver late; messages
+arrive in order, and none is lost: this is the radio that the paper assumes.
 
 The properties, with the names of the proofs of the resilient algorithm:
 
@@ -32,7 +33,7 @@ from palmbots.derivation.contact_motion import sliders
 from palmbots.derivation.distributed_algorithm import Machine, unordered_cases
 from palmbots.derivation.global_policy import Angles
 
-__all__ = ["DELAY", "MEANINGS", "REACH", "SPAN", "Step", "Verification", "verify"]
+__all__ = ["DELAY", "MEANINGS", "REACH", "SPAN", "TURNING", "Step", "Verification", "verify"]
 
 MEANINGS = {
     "S1": "one robot moves away while the other moves closer",
@@ -44,11 +45,18 @@ MEANINGS = {
 """What a run does that breaks a property."""
 REACH = 2
 """Disturbances move a contact at most so far from 0 [cells]."""
-SPAN = 6
-"""The end of a palm [cells from 0]. With the zero zone of the default scene as a cell, 10 mm, its
-palms reach beyond the sixth cell: 75 mm from the pivot."""
+SPAN = 8
+"""The end of a palm [cells from 0]. A cell is what a correction moves a contact in a turn. A palm
+needs three turns, in the default scene 0.2 s, in which a correction moves a contact by 6 mm: its
+palms, 75 mm from the pivot to the end, have 37 cells on each side."""
 DELAY = 1
 """How late a message may be [turns of its receiver]."""
+TURNING = 2
+"""Turns after a command in which a palm is still turning. With fewer, the check would not notice a
+robot that does not wait for its palm."""
+
+
+_USUAL_STATES = 20_000
 
 
 class Step(NamedTuple):
@@ -64,6 +72,8 @@ class Verification:
     """The result of a check."""
 
     states: int = 0
+    peak: int = 0
+    """The farthest that a contact comes from 0 in a run that breaks no property [cells]."""
     worst_turns: int = 0
     """The longest run without disturbances from any state to the goal [turns]."""
     counterexamples: dict[str, list[Step]] = field(default_factory=dict)
@@ -79,6 +89,10 @@ class Verification:
         """The properties that fail, in the order of `MEANINGS`."""
         return [name for name in MEANINGS if name in self.counterexamples]
 
+    def checks(self, name: str) -> bool:
+        """Whether a property was checked: progress is not if a contact leaves its palm."""
+        return name != "progress" or "S4" not in self.counterexamples
+
     @property
     def holds(self) -> bool:
         """Whether every property holds."""
@@ -90,7 +104,7 @@ def verify(
     rest: Angles,
     *,
     delay: int = DELAY,
-    on_progress: Callable[[int], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
 ) -> Verification:
     """Check the machines of both robots with these palms at rest.
 
@@ -98,9 +112,9 @@ def verify(
         machines: those of the left and the right robot.
         rest: the palms at rest.
         delay: how late a message may be [turns of its receiver].
-        on_progress: called now and then with the number of states found.
+        on_progress: called now and then with the completed fraction, by the usual size of a check.
     """
-    search = _Search(machines, rest, delay, on_progress or (lambda states: None))
+    search = _Search(machines, rest, delay, on_progress or (lambda fraction: None))
     return search.run()
 
 
@@ -112,9 +126,9 @@ class _Search:
         machines: tuple[Machine, Machine],
         rest: Angles,
         delay: int,
-        on_progress: Callable[[int], None],
+        on_progress: Callable[[float], None],
     ) -> None:
-        self._system = MachinePair(machines, rest, delay)
+        self._system = MachinePair(machines, rest, delay, TURNING)
         self._unordered = unordered_cases(machines)
         self._report = on_progress
         self._came: dict[State, tuple[State, Step] | None] = {}
@@ -130,7 +144,7 @@ class _Search:
             state = queue.popleft()
             self._expand(state, queue)
             if len(self._next) % 4096 == 0:
-                self._report(len(self._came))
+                self._report(min(1.0, len(self._came) / _USUAL_STATES))
         self._found.states = len(self._came)
         self._check_progress()
         return self._found
@@ -149,6 +163,7 @@ class _Search:
                 continue
             followers.append(after)
             if after not in self._came:
+                self._found.peak = max(self._found.peak, *map(abs, after.p))
                 self._came[after] = (state, step)
                 queue.append(after)
         for p in _disturbed(state.p):

@@ -82,7 +82,7 @@ def carry(
     unset: list[str] = []
     chosen = load(scene, changes, unset.append)
     check_output(out)
-    entry = controller_of(controller, unproved=unproved)
+    entry = controller_of(controller, unproved=unproved, quiet=as_json)
     prepared = prepare(chosen, entry, world)  # all refusals come before the warnings
     check_precision(prepared.world, precision)
     seed_of(seed)

@@ -70,7 +70,7 @@ def compare(
             controllers=None
             if controllers is None
             else [
-                controller_of(name, unproved=unproved and name.endswith(".toml"))
+                controller_of(name, unproved=unproved and name.endswith(".toml"), quiet=as_json)
                 for name in map(str.strip, controllers.split(","))
             ],
             carries=carries,

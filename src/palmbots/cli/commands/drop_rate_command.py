@@ -56,7 +56,7 @@ def drop_rate(
     with progress("splitting", as_json) as report:
         result = estimate_drop_rate(
             load(scene, changes),
-            controller_of(controller, unproved=unproved),
+            controller_of(controller, unproved=unproved, quiet=as_json),
             seed=seed,
             relative_half_width=relative_error_percent / 100,
             effort=effort,

@@ -63,7 +63,7 @@ def noise_limit(
     with progress("carrying", as_json) as report:
         result = find_limit(
             load(scene, changes),
-            controller_of(controller, unproved=unproved),
+            controller_of(controller, unproved=unproved, quiet=as_json),
             drop_rate=drop_rate_percent / 100,
             relative_half_width=relative_error_percent / 100,
             seed=seed,

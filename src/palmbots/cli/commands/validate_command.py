@@ -46,7 +46,7 @@ def validate(
 
     chosen = load(scene, changes)
     check_output(out)
-    entry = controller_of(controller, unproved=unproved)
+    entry = controller_of(controller, unproved=unproved, quiet=as_json)
     with progress("validating", as_json) as report:
         result = run_validation(
             chosen, controller=entry, states=states, carries=carries, on_progress=report

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Text of `palmbots derive --policy FILE.toml`, and the same as one JSON object."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -105,22 +106,21 @@ def _check(console: Console, found: "Verification") -> None:
     console.print(verdict)
     for name, meaning in MEANINGS.items():
         fails = name in found.counterexamples
-        line = Text(f"{name:9}", "bold").append(
-            "fails" if fails else "holds", BAD if fails else "green"
-        )
+        verdict = "fails" if fails else "holds" if found.checks(name) else "not checked"
+        style = {"fails": BAD, "holds": "green"}.get(verdict, "yellow")
+        line = Text(f"{name:9}", "bold").append(verdict, style)
         console.print(line.append(f"  {'' if fails else 'never: '}{meaning}", QUIET))
-    for line in failure_lines(found):
+    for line in failure_lines(found, found.fails):
         console.print(line, style="default", soft_wrap=True, highlight=False)
 
 
-def failure_lines(found: "Verification") -> list[str]:
-    """The shortest run to each failure, as sequence charts."""
+def failure_lines(found: "Verification", names: Sequence[str]) -> list[str]:
+    """The shortest run against each of these properties, as sequence charts."""
     lines: list[str] = []
-    for name, meaning in MEANINGS.items():
-        if name in found.counterexamples:
-            loop = found.loop if name == "progress" else 0
-            lines += ["", f"The shortest run against {name}: {meaning}."]
-            lines += chart(found.starts[name], found.counterexamples[name], loop)
+    for name in names:
+        loop = found.loop if name == "progress" else 0
+        lines += ["", f"The shortest run against {name}: {MEANINGS[name]}."]
+        lines += chart(found.starts[name], found.counterexamples[name], loop)
     return lines
 
 
