@@ -26,8 +26,9 @@ from typing import Literal, NamedTuple
 
 from palmbots._types import SIDES
 from palmbots.derivation.global_policy import Angle, signs_text
-from palmbots.derivation.local_rules import Derivation, Rule, derive, message_for
+from palmbots.derivation.local_rules import Derivation, derive
 from palmbots.derivation.policy_file import PolicyTable
+from palmbots.derivation.robot_rule import Rule, message_for
 from palmbots.derivation.table2_programs import DONE
 from palmbots.errors import PalmbotsError
 

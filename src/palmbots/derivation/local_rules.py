@@ -27,7 +27,6 @@ from palmbots.derivation.contact_motion import improves, passed_through, sliders
 from palmbots.derivation.global_policy import (
     Angle,
     Angles,
-    Direction,
     Drives,
     Move,
     Policy,
@@ -35,23 +34,14 @@ from palmbots.derivation.global_policy import (
     Wiring,
     signs_text,
 )
-from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program, table_2
+from palmbots.derivation.robot_rule import Rule
+from palmbots.derivation.table2_programs import Program, table_2
 
-__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "message_for", "tilt_to"]
+__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive"]
 
 SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
 _RELATION = {-1: "<", 0: "=", 1: ">"}
-_CONDITION = {(-1, 0): "p ≤ 0", (0, 1): "p ≥ 0", (0,): "p = 0", (1,): "p > 0", (-1,): "p < 0"}
-
-
-def tilt_to(angle: Angle) -> str:
-    """The action that turns a palm to this angle, in the words of Table 2."""
-    return "Tilt Up" if angle == "shallow" else "Tilt Down"
-
-
-def message_for(angle: Angle) -> str:
-    """The message that asks a robot to turn its palm to this angle."""
-    return REQUEST if angle == "shallow" else RELEASE
+_BY_SIGN = {1: "a", -1: "d"}  # as in Table 2: the cases of an outward and of an inward contact
 
 
 @dataclass(frozen=True)
@@ -82,62 +72,6 @@ class Guard:
 
     def __str__(self) -> str:
         return f"p_{'LR'[self.contact]} {_RELATION[self.sign]} 0"
-
-
-@dataclass(frozen=True)
-class Rule:
-    """The rule of one robot. Pairs are (own, partner's)."""
-
-    signs: tuple[int | None, int | None]
-    """The condition; None: any sign."""
-    palms: Angles
-    direction: Direction
-    until: tuple[tuple[int, str], ...]
-    """Conditions of which one suffices: the contact (0 own, 1 the partner's), and ≤ or ≥."""
-    asks: bool
-    """Another robot has to turn a palm, or to drive."""
-    asked: Angles = ("shallow", "steep")
-    """The angle of the palm that the other robot turns: during the move, and at rest."""
-    turn: Angle | None = None
-    """The angle to which the robot itself turns a palm; None: it turns none."""
-    drives: bool = True
-    """The robot itself drives."""
-    assist: tuple[int, ...] = ()
-    """The signs of the partner's contact at which the partner drives, too."""
-
-    def holds(self, robot: int, signs: Signs) -> bool:
-        """Whether the rule of this robot applies at these signs (left, right)."""
-        seen = signs if robot == 0 else signs[::-1]
-        return all(want in (None, sign) for want, sign in zip(self.signs, seen, strict=True))
-
-    def program(self) -> Program:
-        """In the words of Table 2."""
-        names = ("p", "the partner's p")
-        wanted = zip(names, self.signs, strict=True)
-        when = ", ".join(f"{name} {_RELATION[s]} 0" for name, s in wanted if s is not None)
-        until = " or ".join(f"{names[whose]} {relation} 0" for whose, relation in self.until)
-        does = f"Move {self.direction}" if self.drives else "Wait"
-        lines = (f"{does} until {until}",)
-        if self.asks:
-            request, release = map(message_for, self.asked)
-            lines = (f"Send {request}", f"Wait for {DONE}", *lines, f"Send {release}")
-        if self.turn is not None:
-            back: Angle = "shallow" if self.turn == "steep" else "steep"
-            lines = (tilt_to(self.turn), *lines, tilt_to(back))
-        return Program(when, lines)
-
-    def service(self, free: str) -> Program:
-        """What the partner does when it is asked; `free` is when it serves."""
-        wanted, rest = self.asked
-        release = message_for(rest)
-        stays = f"Wait for {release}"
-        if self.assist:
-            where = _CONDITION.get(self.assist)
-            stays = f"Move {self.direction}{f' while {where}' if where else ''} until {release}"
-        lines = (f"Send {DONE}", stays)
-        if wanted != rest:
-            lines = (tilt_to(wanted), *lines, tilt_to(rest))
-        return Program(f"{free}got {message_for(wanted)}", lines)
 
 
 @dataclass(frozen=True)
@@ -182,8 +116,8 @@ class Derivation:
     """The robots that have each rule."""
     sources: dict[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """The steps (case, number) from which each rule follows."""
-    servers: list[Program] = field(default_factory=list)
-    """What a robot does when it is asked; one for each kind of request."""
+    servers: dict[str, Program] = field(default_factory=dict)
+    """What a robot does when it is asked, by name."""
     conflicts: list[Conflict] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     """Parts that cannot be derived, and errors of the policy."""
@@ -194,28 +128,18 @@ class Derivation:
     @property
     def programs(self) -> dict[str, Program]:
         """All programs of a robot by name, the server included."""
-        programs = {name: rule.program() for name, rule in self.rules.items()}
-        for number, server in enumerate(self.servers, 1):
-            name = self._name(server)
-            programs[name if name not in programs else f"{name} {number}"] = server
-        return programs
+        return {name: rule.program() for name, rule in self.rules.items()} | self.servers
 
     @property
     def server(self) -> Program | None:
         """The first of `servers`; None: no rule asks for anything."""
-        return self.servers[0] if self.servers else None
+        return next(iter(self.servers.values()), None)
 
     @property
     def is_table_2(self) -> bool:
         """Whether these are (a), (c) and (d) of Table 2, equal for both robots."""
         cases = {name: self.table_2[name] for name in "acd"}
         return self.programs == cases and all(owners == (0, 1) for owners in self.robots.values())
-
-    def _name(self, program: Program) -> str:
-        for name, case in self.table_2.items():
-            if case == program:
-                return name
-        return "server"
 
 
 def derive(policy: Policy, wiring: Wiring | None = None, rest: Angles | None = None) -> Derivation:
@@ -230,9 +154,7 @@ def derive(policy: Policy, wiring: Wiring | None = None, rest: Angles | None = N
     for owner, rule, sources in _joined(done, parts):
         found.setdefault(rule, {}).setdefault(owner, []).extend(sources)
     _name_rules(done, found)
-    free = _free_to_serve(done)
-    services = [rule.service(free) for rule in done.rules.values() if rule.asks]
-    done.servers = list(dict.fromkeys(services))
+    _name_servers(done)
     _find_conflicts(done)
     _find_gaps(done)
     return done
@@ -344,9 +266,15 @@ def _joined(done: Derivation, parts: list[_Part]) -> list[tuple[int, Rule, list[
 
 def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, int]]]]) -> None:
     """Name the rules after the cases of Table 2 with the same program, and list their owners."""
+    of_file = _is_file(done)
     for number, (rule, by_owner) in enumerate(found.items(), 1):
         program = rule.program()
-        name = next((n for n, case in done.table_2.items() if case == program), str(number))
+        names = [name for name, case in done.table_2.items() if case == program]
+        name = names[0] if names else str(number)
+        if of_file:
+            name = _BY_SIGN.get(rule.signs[0] or 0, name)
+            if any(other != rule and other.signs[0] == rule.signs[0] for other in found):
+                name += " " + " and ".join(SIDES[owner] for owner in sorted(by_owner))
         done.rules[name] = rule
         done.robots[name] = tuple(sorted(by_owner))
         done.sources[name] = tuple(sorted(s for steps in by_owner.values() for s in steps))
@@ -357,8 +285,31 @@ def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, in
                 "image of " + ", ".join(_source_text(done, *one) for one in done.sources[name])
             )
     done.rules = dict(sorted(done.rules.items()))
-    if all(case.angles is None for case in done.policy):
+    if not of_file:
         done.findings += done.one_sided
+
+
+def _is_file(done: Derivation) -> bool:
+    """Whether the policy is one from a file."""
+    return any(case.angles is not None for case in done.policy)
+
+
+def _name_servers(done: Derivation) -> None:
+    """Find what each robot does when it is asked, and name it as Table 2 does."""
+    services = {}
+    for name, rule in done.rules.items():
+        if rule.asks:
+            servers = {1 - owner for owner in done.robots[name]}
+            services[name] = rule.service(_free_to_serve(done, servers))
+    distinct = set(services.values())
+    if len(distinct) == 1:
+        (server,) = distinct
+        of_table_2 = [name for name, case in done.table_2.items() if case == server]
+        done.servers = {
+            of_table_2[0] if of_table_2 else "c" if _is_file(done) else "server": server
+        }
+    else:
+        done.servers = {f"c for {name}": service for name, service in services.items()}
 
 
 def _source_text(done: Derivation, number: int, move: int) -> str:
@@ -366,9 +317,13 @@ def _source_text(done: Derivation, number: int, move: int) -> str:
     return case.label(number) + (f", move {move}" if case.angles is None else "")
 
 
-def _free_to_serve(done: Derivation) -> str:
-    """The signs at which a robot serves: those at which no rule of its own makes it ask."""
-    asking = {rule.signs[0] for rule in done.rules.values() if rule.asks}
+def _free_to_serve(done: Derivation, servers: set[int]) -> str:
+    """The signs at which robots serve: those at which no rule of their own makes them ask."""
+    asking = {
+        rule.signs[0]
+        for name, rule in done.rules.items()
+        if rule.asks and servers & set(done.robots[name])
+    }
     free = tuple(sign for sign in (-1, 0, 1) if sign not in asking and None not in asking)
     texts = {(-1, 0): "p ≤ 0, ", (0, 1): "p ≥ 0, ", (0,): "p = 0, ", (-1, 0, 1): ""}
     return texts.get(free, "not asking, ")
