@@ -100,7 +100,7 @@ def _check(console: Console, found: "Verification") -> None:
     verdict = Text(
         "\nPROVED" if found.holds else "\nNOT PROVED", style=GOOD if found.holds else BAD
     )
-    verdict.append(f"  every run, {found.states:,} states", "bold")
+    verdict.append(f"  every run of the abstract world, {found.states:,} states", "bold")
     if found.holds:
         verdict.append(f"; the goal is reached within {found.worst_turns} turns", "bold")
     console.print(verdict)
