@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from abstract_world import sign
 from palmbots.cli import main as cli
 from palmbots.derivation.distributed_algorithm import machines_of, refusals
 from palmbots.derivation.global_policy import table_1
@@ -72,7 +73,7 @@ def test_as_a_station_would_follow_it_every_start_reaches_the_goal() -> None:
         done = {(0, 0)}
         for _ in range(40):
             for p in places - done:
-                row = table.rows[tuple((x > 0) - (x < 0) for x in p)]
+                row = table.rows[sign(p[0]), sign(p[1])]
                 change = {"closer": 1, "away": -1}[row.direction or ""]
                 if set(row.palms) == {"steep", "shallow"}:
                     able = [row.palms.index("shallow" if change > 0 else "steep")]
