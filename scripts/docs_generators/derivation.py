@@ -2,16 +2,22 @@
 """The outputs of `palmbots derive`."""
 
 import io
+from pathlib import Path
 
 from rich.console import Console
 
 from palmbots.cli.reports.derivation_report import derivation_report
+from palmbots.cli.reports.policy_report import policy_report
 from palmbots.derivation.abstract_world import CONTROLLERS, system_of
+from palmbots.derivation.distributed_algorithm import machines_of
 from palmbots.derivation.global_policy import as_printed, table_1
 from palmbots.derivation.local_rules import derive
+from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.refinement import check_refinement
+from palmbots.derivation.verification import verify
 
 PAGE = "docs/theory/derivation.md"
+ROOT = Path(__file__).parents[2]
 
 
 def printed(policy: str, controllers: tuple[str, ...], runs: bool) -> str:
@@ -24,12 +30,27 @@ def printed(policy: str, controllers: tuple[str, ...], runs: bool) -> str:
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
 
 
+def policy_printed(name: str) -> str:
+    """The output of `palmbots derive --policy` for an example, 100 columns wide."""
+    file = f"examples/policies/{name}.toml"
+    table = read_policy(ROOT / file)
+    rules = derive(table.cases, rest=table.rest)
+    out = io.StringIO()
+    console = Console(file=out, width=100, highlight=False)
+    policy_report(file, table, rules, [], verify(machines_of(table), table.rest), console)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+
+
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     everything = printed("table-1", CONTROLLERS, True)
     marks = [everything.index(f"\n\nWhere {name} ") for name in CONTROLLERS[1:]]
     middle = everything.index("\n\nMotions in every run")
+    mixed = policy_printed("rest-mixed")
+    verdict, end = mixed.index("\nNOT PROVED"), mixed.index("\n\nThe shortest run against S2")
     outputs = {
+        "both drive": policy_printed("both-drive"),
+        "rest mixed": mixed[verdict + 1 : end],
         "derivation": everything[:middle],
         "refinement": everything[middle + 2 : marks[0]],
         "distributed": everything[marks[0] + 2 : marks[1]],

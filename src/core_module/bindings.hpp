@@ -19,6 +19,7 @@ void bind_stability(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_controllers(nb::module_& m);
 void bind_tables(nb::module_& m);
+void bind_machines(nb::module_& m);
 void bind_carry(nb::module_& m);
 void bind_splitting(nb::module_& m);
 void bind_cosimulation(nb::module_& m);

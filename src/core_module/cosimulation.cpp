@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "carry.hpp"
+#include "machines.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::bindings {
@@ -62,6 +63,9 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
       throw std::invalid_argument("controller: one of " + controller_list());
     }
     return visit_team(name, [&](auto team) { return make(team(spec, seed)); });
+  }
+  if (nb::isinstance<Machines>(controller)) {
+    return make(machine_team(nb::cast<const Machines&>(controller), spec, seed));
   }
   return make(DistributedTeam<PythonController>(python_controllers(controller, spec),
                                                 channel_of(spec), seed, leader_of(spec),
@@ -131,8 +135,9 @@ void bind_cosimulation(nb::module_& m) {
             new (self) CoSimulationHandle{cosimulation_with(spec, controller, seed, slack, first)};
           },
           nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("first"),
-          nb::arg("slack") = 0.0,
-          "controller: a name, or a pair of Python step functions; slack: how far from the angle "
+          nb::arg("slack") = 0.0, nb::keep_alive<1, 3>(),  // machines
+          "controller: a name, Machines, or a pair of Python step functions; slack: how far from "
+          "the angle "
           "commanded [rad] a wrist counts as turned.")
       .def_prop_ro("done", [](const CoSimulationHandle& c) { return c.cosimulation->done(); })
       .def(

@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   palmbots::bindings::bind_world(m);
   palmbots::bindings::bind_controllers(m);
   palmbots::bindings::bind_tables(m);
+  palmbots::bindings::bind_machines(m);
   palmbots::bindings::bind_carry(m);
   palmbots::bindings::bind_splitting(m);
   palmbots::bindings::bind_cosimulation(m);

@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <bit>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
@@ -227,7 +228,16 @@ void bind_spec(nb::module_& m) {
       .def(
           "to_bytes",
           [](const Spec& s) { return nb::bytes(reinterpret_cast<const char*>(&s), sizeof s); },
-          "The spec as it lies in memory, for C++ programs on the same machine.");
+          "The spec as it lies in memory, for C++ programs on the same machine.")
+      .def_static(
+          "list_from_bytes",
+          [](const nb::bytes& bytes) {
+            if (bytes.size() % sizeof(Spec) != 0) throw std::invalid_argument("bytes: whole specs");
+            std::vector<Spec> specs(bytes.size() / sizeof(Spec));
+            std::memcpy(specs.data(), bytes.c_str(), bytes.size());
+            return specs;
+          },
+          nb::arg("bytes"), "The specs of which these are the bytes, one after the other.");
 
   m.def(
       "safe_reach", [](const Spec& spec) { return safe_reach(spec); }, nb::arg("spec"),

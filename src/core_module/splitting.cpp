@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "bindings.hpp"
+#include "machines.hpp"
 #include "palmbots/sim/multilevel_splitting.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/team_registry.hpp"
@@ -84,25 +85,45 @@ class Climb {
   Interruption* interruption_;
 };
 
+// A controller: its name, or its machines, which the caller holds.
+struct Controller {
+  explicit Controller(const nb::object& given) {
+    if (nb::isinstance<Machines>(given)) {
+      machines = &nb::cast<const Machines&>(given);
+    } else {
+      name = nb::cast<std::string>(given);
+      if (!is_controller(name)) {
+        throw std::invalid_argument("controller: one of " + controller_list());
+      }
+    }
+  }
+  std::string name;
+  const Machines* machines = nullptr;
+};
+
 // Calls visit(splitting) with the splitting of a controller's carries.
 template <class Visit>
-auto with_splitting(const Spec& spec, const std::string& controller, std::uint64_t seed,
+auto with_splitting(const Spec& spec, const Controller& controller, std::uint64_t seed,
                     std::uint32_t effort, Interruption& interruption, Visit&& visit) {
-  if (!is_controller(controller)) {
-    throw std::invalid_argument("controller: one of " + controller_list());
-  }
   if (effort < 2) throw std::invalid_argument("effort: at least 2");
-  return visit_team(controller, [&](auto make) {
+  const auto split = [&](auto make) {
     using Team = decltype(make(spec, seed));
     const auto start = [&spec, &interruption, make](std::uint64_t own) {
       return Climb<Team>(spec, own, make(spec, own), interruption);
     };
     return visit(Splitting<Climb<Team>, decltype(start)>(start, seed, effort));
-  });
+  };
+  if (controller.machines != nullptr) {
+    return split([machines = controller.machines](const Spec& of, std::uint64_t own) {
+      return machine_team(*machines, of, own);
+    });
+  }
+  return visit_team(controller.name, split);
 }
 
-std::vector<double> choose_levels(const Spec& spec, const std::string& controller,
-                                  std::uint64_t seed, std::uint32_t effort, double share) {
+std::vector<double> choose_levels(const Spec& spec, const nb::object& given, std::uint64_t seed,
+                                  std::uint32_t effort, double share) {
+  const Controller controller(given);
   const nb::gil_scoped_release release;
   Interruption interruption;
   return with_splitting(spec, controller, seed, effort, interruption,
@@ -111,9 +132,10 @@ std::vector<double> choose_levels(const Spec& spec, const std::string& controlle
 
 // Replicates `first` to `first + count`: of each and each stage (reached, hits), and the ticks of
 // all.
-nb::tuple replicates(const Spec& spec, const std::string& controller, std::uint64_t seed,
+nb::tuple replicates(const Spec& spec, const nb::object& given, std::uint64_t seed,
                      std::uint32_t effort, const std::vector<double>& levels, std::uint32_t first,
                      std::uint32_t count, std::uint32_t threads) {
+  const Controller controller(given);
   std::vector<std::vector<Stage>> found(count);
   std::atomic<std::uint32_t> next = 0;
   std::atomic<std::uint64_t> ticks = 0;

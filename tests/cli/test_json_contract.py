@@ -12,6 +12,7 @@ from typer.main import get_command
 from commands import Run
 from palmbots.cli.main import build_app
 
+ROOT = Path(__file__).parents[2]
 SHORT = ("--set", "task.distance_m=0.2")
 SIDES = {"left", "right"}
 
@@ -97,6 +98,17 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ("replay", ("LOG",), 0, {"identical"}),
     ("export", ("--mjcf", "MJCF"), 0, {"mjcf", "urdf", "scene"}),
     ("derive", ("--controllers", "none"), 0, {"rules", "conflicts", "is_table_2"}),
+    (
+        "derive",
+        ("--policy", str(ROOT / "examples" / "policies" / "table-1.toml")),
+        0,
+        {
+            "policy", "description", "rows.+0.palms", "rows.+0.drives", "rules", "is_table_2",
+            "reasons", "machines.left.states[].name", "machines.right.rows[].next",
+            "verification.proved", "verification.states", "verification.worst_turns",
+            "verification.counterexamples",
+        },
+    ),
     ("scenes", (), 0, {"scenes[].name", "scenes[].meaning"}),
     ("objects", (), 0, {"objects[].name", "objects[].meaning"}),
     (

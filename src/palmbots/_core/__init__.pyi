@@ -370,6 +370,10 @@ class Spec:
     def to_bytes(self) -> bytes:
         """The spec as it lies in memory, for C++ programs on the same machine."""
 
+    @staticmethod
+    def list_from_bytes(bytes: bytes) -> list[Spec]:
+        """The specs of which these are the bytes, one after the other."""
+
 def safe_reach(spec: Spec) -> float:
     """
     How far from the middle of their palms both contacts are certain to be held at any angles [m]; -1: unknown.
@@ -604,6 +608,34 @@ class TableRobot:
 def table_robot(controller: str, spec: Spec, leads: bool) -> TableRobot:
     """A robot with the program of this controller."""
 
+class Machines:
+    """The controllers of both robots as tables (control/machine_table.hpp)."""
+
+    def __init__(self, left: tuple[Sequence[tuple[str, str, str, bool, str]], Sequence[tuple[int, str, str, str, int, str]]], right: tuple[Sequence[tuple[str, str, str, bool, str]], Sequence[tuple[int, str, str, str, int, str]]]) -> None:
+        """
+        Per robot the states (case, palm, move, waits, awaited message) and the rows (state, contact, message, palm turned, next state, message sent), in the words of table2().
+        """
+
+class MachineRobot:
+    """One robot whose controller is a table."""
+
+    def __init__(self, machines: object, side: int) -> None: ...
+
+    def step(self, sign: int, message: int, palm_at_target: bool) -> tuple[int, int, int, bool]:
+        """One tick; returns (palm, move, message sent, message read)."""
+
+    def __copy__(self) -> MachineRobot: ...
+
+    @property
+    def memory(self) -> bytes:
+        """All that it remembers."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def waits(self) -> bool: ...
+
 carry_outcomes: tuple = ('running', 'delivered', 'dropped', 'stalled')
 
 drop_reasons: tuple = ...
@@ -675,14 +707,16 @@ class Run:
     def trace_hash(self) -> str: ...
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
-    """One carry. controller: a name, or a pair of Python step functions."""
+    """
+    One carry. controller: a name, Machines, or a pair of Python step functions.
+    """
 
-def choose_levels(spec: Spec, controller: str, seed: int, effort: int, share: float) -> list[float]:
+def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
     """
     Heights, as parts of the palm's half-length, each reached by about `share` of the carries from the one before.
     """
 
-def replicates(spec: Spec, controller: str, seed: int, effort: int, levels: Sequence[float], first: int, count: int, threads: int) -> tuple:
+def replicates(spec: Spec, controller: object, seed: int, effort: int, levels: Sequence[float], first: int, count: int, threads: int) -> tuple:
     """
     Of each replicate and stage (reached, drops); and the ticks of all together.
     """
@@ -718,7 +752,7 @@ class CoSimulation:
 
     def __init__(self, spec: Spec, controller: object, seed: int, first: WorldObservation, slack: float = 0.0) -> None:
         """
-        controller: a name, or a pair of Python step functions; slack: how far from the angle commanded [rad] a wrist counts as turned.
+        controller: a name, Machines, or a pair of Python step functions; slack: how far from the angle commanded [rad] a wrist counts as turned.
         """
 
     @property

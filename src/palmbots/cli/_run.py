@@ -14,11 +14,13 @@ from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
 
 __all__ = [
     "Interrupted",
     "check_output",
+    "controller_of",
     "interruption_line",
     "load",
     "number_list",
@@ -76,6 +78,37 @@ def load(
 
     overrides = parse_overrides(changes or [])
     return load_scene(source, overrides, called="--set", on_warning=on_warning or warn)
+
+
+def controller_of(
+    name: str, *, unproved: bool = False, called: str = "controller", quiet: bool = False
+) -> "ControllerEntry":
+    """The controller of a command. If the check of a policy fails, print the run that shows it.
+
+    Raises:
+        PalmbotsError: there is no such controller, or the check fails and `unproved` is not set.
+    """
+    from palmbots.control.registry import controller_names, resolve
+
+    if not name.endswith(".toml") or name in controller_names():
+        if unproved:
+            raise PalmbotsError(f"--unproved needs a policy file as {called}, as in FILE.toml")
+        return resolve(name, called=called)
+    from palmbots.cli._progress import progress
+    from palmbots.cli.reports.policy_report import failure_lines
+    from palmbots.derivation.policy_controller import PolicyNotProved, load_policy
+
+    try:
+        with progress("checking the policy", quiet) as report:
+            entry = load_policy(name, called=called, unproved=unproved, on_progress=report)
+    except PolicyNotProved as error:
+        found = error.verification
+        for line in failure_lines(found, found.fails[:1])[1:]:
+            say(line)
+        raise
+    if unproved:
+        warn(f"{called}: the algorithm that was derived from {name} is not checked (--unproved)")
+    return entry
 
 
 def check_output(out: Path | None) -> None:

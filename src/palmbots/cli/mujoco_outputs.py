@@ -11,6 +11,7 @@ from palmbots.cli._run import warn
 from palmbots.errors import SceneError
 
 if TYPE_CHECKING:
+    from palmbots.control.registry import ControllerEntry
     from palmbots.mujoco.drift_forecast import Budget
     from palmbots.scene.scene import Scene
     from palmbots.simulation.result import Carry
@@ -43,7 +44,9 @@ def viewer(wanted: bool) -> Iterator[Callable[[Any], None] | None]:
         yield window.show
 
 
-def drift_budget(scene: "Scene", controller: str, *, quiet: bool, accept_excess: bool) -> "Budget":
+def drift_budget(
+    scene: "Scene", controller: "ControllerEntry", *, quiet: bool, accept_excess: bool
+) -> "Budget":
     """Forecast the lateral drift on a curved path, print it, and warn near the limit.
 
     Raises:

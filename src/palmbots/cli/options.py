@@ -19,6 +19,7 @@ __all__ = [
     "SceneArgument",
     "SeedOption",
     "SetOption",
+    "UnprovedOption",
     "WorldOption",
     "input_argument",
     "interval_option",
@@ -82,7 +83,13 @@ ControllerOption = Annotated[
         "--controller",
         "-c",
         metavar="NAME",
-        help="Name (see palmbots controllers), module:Class or FILE.py:Class.",
+        help="Name (see palmbots controllers), module:Class, FILE.py:Class, or a policy FILE.toml.",
+    ),
+]
+UnprovedOption = Annotated[
+    bool,
+    typer.Option(
+        "--unproved", help="Run a policy even if the check of its derived algorithm fails."
     ),
 ]
 SeedOption = Annotated[int, typer.Option("--seed", help="Random seed.")]

@@ -3,13 +3,14 @@
 
 Every other module asks here which controllers exist and what distinguishes them. A controller is
 given by its name, as a class with a ``step`` (`palmbots.control.Controller`), or as the text
-``module:Class`` or ``FILE.py:Class``. `resolve` turns each of these into a `ControllerEntry`.
+``module:Class``, ``FILE.py:Class`` or ``FILE.toml`` (a global policy). `resolve` turns each of
+these into a `ControllerEntry`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 import palmbots._core as _core
@@ -68,9 +69,11 @@ class ControllerEntry:
     assisted_cases: tuple[str, ...] = ()
     """Cases in which a robot asks its partner for assistance and may get no answer."""
     maker: Callable[[], Controller] | None = None
-    """Makes the controller of one robot; None: the compiled core has this controller."""
+    """Makes the controller of one robot; None: it is not a controller in Python."""
+    machines: tuple[Any, ...] | None = None
+    """The tables of both robots, as the compiled core takes them; None: it is not from a policy."""
     source: ControllerSource | None = None
-    """Where the Python class is defined; None: the compiled core has this controller."""
+    """The Python class or the policy file; None: the compiled core has this controller."""
 
     @property
     def requirements(self) -> tuple[str, ...]:
@@ -89,15 +92,24 @@ class ControllerEntry:
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled core has this controller. Only such a one runs in lockstep."""
-        return self.maker is None
+        return self.maker is None and self.machines is None
+
+    @property
+    def is_python(self) -> bool:
+        """Whether it is written in Python. Such a one is slow and cannot be copied."""
+        return self.maker is not None
 
     def for_core(self) -> Any:
-        """The argument that the compiled core takes: a name, or a new step function per robot."""
+        """The argument that the compiled core takes: a name, machines, or a new step function per
+        robot."""
+        if self.machines is not None:
+            return _core.Machines(*self.machines)
         return self.name if self.maker is None else make_controller_pair(self.maker)
 
 
 ControllerLike: TypeAlias = str | type[Controller] | Callable[[], Controller] | ControllerEntry
-"""A name, ``module:Class``, ``FILE.py:Class``, or a class (or another callable) that makes one."""
+"""A name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml``, or a class (or another callable) that
+makes one."""
 
 _CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
 
@@ -107,6 +119,10 @@ for _row in _rows:
     _CONTROLLERS.register(_row["name"], ControllerEntry(timing_check=_timing_check, **_row))
 
 _SHIPPED = _CONTROLLERS.names()
+
+# What makes a controller from a file. The derivation is a higher room, so it is loaded by name.
+_LOADERS: Registry[Callable[..., ControllerEntry]] = Registry("controller file")
+_LOADERS.register(".toml", "palmbots.derivation.policy_controller:load_policy")
 
 
 def shipped_names() -> tuple[str, ...]:
@@ -124,7 +140,7 @@ def register(name: str, controller: ControllerLike) -> None:
 
     Args:
         name: the new name, without comma and colon.
-        controller: a class with a ``step``, ``module:Class`` or ``FILE.py:Class``.
+        controller: a class with a ``step``, ``module:Class``, ``FILE.py:Class`` or ``FILE.toml``.
 
     Raises:
         PalmbotsError: the name is taken, or this is no controller.
@@ -137,6 +153,8 @@ def register(name: str, controller: ControllerLike) -> None:
 
 
 def _renamed(entry: ControllerEntry, name: str) -> ControllerEntry:
+    if entry.machines is not None:
+        return replace(entry, name=name)
     if entry.maker is None:
         raise PalmbotsError(f"controller: {entry.name} is shipped; allowed: a class with a step")
     return _python_entry(entry.maker, name, entry.source)
@@ -149,17 +167,23 @@ def unregister(name: str) -> None:
 
 
 def resolve(
-    controller: Any, *, called: str = "controller", folder: str | None = None
+    controller: Any,
+    *,
+    called: str = "controller",
+    folder: str | None = None,
+    unproved: bool = False,
 ) -> ControllerEntry:
     """The entry of a controller.
 
     Args:
         controller: a `ControllerLike`.
         called: how messages name the argument.
-        folder: where a relative ``FILE.py`` is looked up; None: the working directory.
+        folder: where a relative file is looked up; None: the working directory.
+        unproved: accept a policy file whose derived algorithm fails its check.
 
     Raises:
-        PalmbotsError: there is no such controller; the message says what is allowed.
+        PalmbotsError: there is no such controller, or its policy fails the check; the message says
+            what is allowed.
     """
     if isinstance(controller, ControllerEntry):
         return controller
@@ -167,7 +191,11 @@ def resolve(
         if ":" in controller and controller not in _CONTROLLERS:
             maker, source = load_class(controller, called, folder)
             return _python_entry(maker, None, source)
-        one_of(called, controller, (*controller_names(), "module:Class", "FILE.py:Class"))
+        if controller.endswith(".toml") and controller not in _CONTROLLERS:
+            load = _LOADERS.get(".toml")
+            return load(controller, called=called, folder=folder, unproved=unproved)
+        files = ("module:Class", "FILE.py:Class", "FILE.toml")
+        one_of(called, controller, (*controller_names(), *files))
         return _CONTROLLERS.get(controller)
     return _python_entry(controller, None, None)
 
@@ -219,8 +247,8 @@ def recover(
 
     Args:
         name: its name in the log.
-        source: where the Python class was defined; None: the controller is a shipped one.
-        folder: where a relative ``FILE.py`` is looked up if the working directory has no such file.
+        source: the Python class or the policy file; None: the controller is a shipped one.
+        folder: where a relative file is looked up if the working directory has no such file.
 
     Raises:
         PalmbotsError: the class cannot be found, or its source has changed since.
@@ -242,6 +270,8 @@ def recover(
             f"controller: {source.reference} has changed since the log was written; pass "
             f"controller={name} to run the present version"
         )
+    if source.reference.endswith(".toml"):  # the log says what ran, so it runs again
+        return resolve(source.reference, folder=place, unproved=True)
     maker, _ = load_class(source.reference, folder=place)
     return _python_entry(maker, name, source)
 

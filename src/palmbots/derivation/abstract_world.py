@@ -16,15 +16,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from copy import copy
 from functools import cache
-from typing import Any, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 
 import palmbots._core as _core
 from palmbots.control.interface import MOVES
 from palmbots.derivation.contact_motion import Palm, Palms, sliders, up
-from palmbots.derivation.global_policy import Direction, Signs
+from palmbots.derivation.global_policy import Angles, Direction, Signs
 
-__all__ = ["CONTROLLERS", "Motion", "State", "System", "Turn", "system_of"]
+__all__ = ["CONTROLLERS", "MachinePair", "Motion", "State", "System", "Turn", "system_of"]
 
+if TYPE_CHECKING:
+    from palmbots.derivation.distributed_algorithm import Machine
 
 # Indexed by the numbers of the core, which names the absence of a message "none".
 _MOVES = cast("tuple[Direction | None, ...]", (None, *MOVES[1:]))
@@ -110,9 +112,9 @@ def _sign(p: int) -> int:
     return (p > 0) - (p < 0)
 
 
-def _after_turn(palm: tuple[int, int], command: int) -> tuple[int, int]:
+def _after_turn(palm: tuple[int, int], command: int, turning: int = _TURNING) -> tuple[int, int]:
     """A palm after a turn with this command."""
-    return (command, _TURNING) if command != palm[0] else (command, max(0, palm[1] - 1))
+    return (command, turning) if command != palm[0] else (command, max(0, palm[1] - 1))
 
 
 def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
@@ -136,7 +138,10 @@ def _moved(p: tuple[int, int], motion: Motion | None) -> Iterator[tuple[int, int
 
 
 class _Pair(ABC):
-    """The common part of the two decentralized algorithms."""
+    """The common part of the decentralized algorithms."""
+
+    turning = _TURNING
+    """Number of turns after a command in which a palm is still turning."""
 
     def start(self, p: tuple[int, int]) -> State:
         return State(p, ((_STEEP, 0), (_STEEP, 0)), (0, 0), self.begin(), 0)
@@ -153,25 +158,37 @@ class _Pair(ABC):
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         """A step: the memory after it, the commanded palm and move, and the message sent."""
 
+    def hears(
+        self, minds: Any, robot: int, sign: int, turned: bool
+    ) -> Iterator[tuple[Any, int, int, str]]:
+        """Every possible step; as `hear`."""
+        yield self.hear(minds, robot, sign, turned)
+
     def after(self, state: State) -> Iterator[tuple[Turn, State]]:
         for robot in (0, 1):
-            lead = state.lead + (1, -1)[robot]
-            if abs(lead) > _AHEAD:
+            if abs(state.lead + (1, -1)[robot]) > _AHEAD:
                 continue
             sign, turned = _sign(state.p[robot]), state.palms[robot][1] == 0
-            minds, palm, move, said = self.hear(state.minds, robot, sign, turned)
-            palms = _both(state.palms, robot, _after_turn(state.palms[robot], palm))
-            wheels = _both(state.wheels, robot, move)
-            direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
-            signs = (_sign(state.p[0]), _sign(state.p[1]))
-            motion = None
-            if direction is not None:
-                fights = other not in (None, direction)
-                motion = Motion(signs, _shown(palms), direction, fights)
-            begins = state.wheels[robot] == 0
-            turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
-            for p in _moved(state.p, motion):
-                yield turn, State(p, palms, wheels, minds, lead)
+            for step in self.hears(state.minds, robot, sign, turned):
+                yield from self._stepped(state, robot, *step)
+
+    def _stepped(
+        self, state: State, robot: int, minds: Any, palm: int, move: int, said: str
+    ) -> Iterator[tuple[Turn, State]]:
+        """The turn of a robot that has taken this step."""
+        lead = state.lead + (1, -1)[robot]
+        palms = _both(state.palms, robot, _after_turn(state.palms[robot], palm, self.turning))
+        wheels = _both(state.wheels, robot, move)
+        direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
+        signs = (_sign(state.p[0]), _sign(state.p[1]))
+        motion = None
+        if direction is not None:
+            fights = other not in (None, direction)
+            motion = Motion(signs, _shown(palms), direction, fights)
+        begins = state.wheels[robot] == 0
+        turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
+        for p in _moved(state.p, motion):
+            yield turn, State(p, palms, wheels, minds, lead)
 
 
 class _Distributed(_Pair):
@@ -197,6 +214,63 @@ class _Distributed(_Pair):
         if send:
             inboxes = _both(inboxes, 1 - robot, (*inboxes[1 - robot], send))
         return (_both(robots, robot, memory), inboxes), palm, move, _MESSAGES[send]
+
+
+class MachinePair(_Pair):
+    """Two machines of a derived algorithm (distributed_algorithm.py).
+
+    The memory consists of both machines and their unread messages, each with its age in turns of
+    its receiver. A message may be heard `delay` turns late.
+    """
+
+    def __init__(
+        self, machines: "tuple[Machine, Machine]", rest: Angles, delay: int, turning: int
+    ) -> None:
+        """The machines of the left and the right robot, and the palms at rest."""
+        self.turning = turning
+        left, right = machines
+        self._at_goal = (bytes([left.idle]), bytes([right.idle])), ((), ())
+        core = _core.Machines(left.for_core(), right.for_core())
+        self._robots = tuple(_Machine(_core.MachineRobot(core, side)) for side in (0, 1))
+        self._rest = rest
+        self._delay = delay
+
+    def begin(self) -> Any:
+        """Both machines in their first state, no message."""
+        return (self._robots[0].first, self._robots[1].first), ((), ())
+
+    def at_goal(self, state: State) -> bool:
+        """Contacts at 0, palms at rest, no motion, no message on its way, both robots idle."""
+        at_rest = _shown(state.palms) == self._rest and state.wheels == (0, 0)
+        return state.p == (0, 0) and at_rest and state.minds == self._at_goal
+
+    def names(self, minds: Any) -> tuple[str, str]:
+        """The case of each robot."""
+        left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
+        return left, right
+
+    def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
+        """The step in which no message is late."""
+        return next(self.hears(minds, robot, sign, turned))
+
+    def hears(
+        self, minds: Any, robot: int, sign: int, turned: bool
+    ) -> Iterator[tuple[Any, int, int, str]]:
+        """The step in which no message is late, and the one in which the oldest is."""
+        robots, inboxes = minds
+        inbox = inboxes[robot]
+        older = tuple((kind, min(age + 1, self._delay)) for kind, age in inbox)
+        heard = [inbox[0][0] if inbox else 0]
+        if inbox and inbox[0][1] < self._delay:
+            heard.append(0)  # it is late
+        for message in heard:
+            memory, (palm, move, send, read) = self._robots[robot].step(
+                robots[robot], sign, message, turned
+            )
+            after = _both(inboxes, robot, older[1:] if read else older)
+            if send:
+                after = _both(after, 1 - robot, (*after[1 - robot], (send, 0)))
+            yield (_both(robots, robot, memory), after), palm, move, _MESSAGES[send]
 
 
 class _Resilient(_Pair):

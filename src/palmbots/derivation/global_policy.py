@@ -3,7 +3,8 @@
 
 A policy looks at the signs of both contacts p_L and p_R, 0 being the nominal place and positive
 outward, and says which palm to tilt up and how to change the separation until a contact has come
-to 0. Robots and palms are numbered as everywhere: 0 left, 1 right.
+to 0. Robots and palms are numbered as everywhere: 0 left, 1 right. A case of a policy file
+(policy_file.py) states both palms and the wheels of both robots, and ends when a sign changes.
 
 Source: section 2 and Table 1; `table_1` is read from the table that the controller runs.
 """
@@ -15,8 +16,11 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 
 __all__ = [
+    "Angle",
+    "Angles",
     "Case",
     "Direction",
+    "Drives",
     "Move",
     "Policy",
     "Signs",
@@ -24,24 +28,36 @@ __all__ = [
     "Wiring",
     "as_printed",
     "mirrored",
+    "signs_text",
     "table_1",
 ]
 
 Signs = tuple[int, int]
 Direction = Literal["away", "closer"]
+Angle = Literal["steep", "shallow"]
+Angles = tuple[Angle, Angle]
+Drives = tuple[bool, bool]
+"""Which robots drive."""
+
+_MARK = {-1: "−", 0: "0", 1: "+"}
+
+
+def signs_text(signs: Signs) -> str:
+    """A pair of signs in the notation of the docs: (+, −)."""
+    return f"({_MARK[signs[0]]}, {_MARK[signs[1]]})"
 
 
 @dataclass(frozen=True)
 class Until:
-    """A condition on one contact: p ≤ 0 or p ≥ 0."""
+    """A condition on one contact: p ≤ 0 or p ≥ 0; in a policy file also p < 0 or p > 0."""
 
     contact: int
-    relation: Literal["≤", "≥"]
+    relation: Literal["≤", "≥", "<", ">"]
 
     def holds(self, signs: Signs) -> bool:
         """Whether these signs fulfil the condition."""
         sign = signs[self.contact]
-        return sign <= 0 if self.relation == "≤" else sign >= 0
+        return {"≤": sign <= 0, "≥": sign >= 0, "<": sign < 0, ">": sign > 0}[self.relation]
 
     def __str__(self) -> str:
         return f"p_{'LR'[self.contact]} {self.relation} 0"
@@ -58,6 +74,8 @@ class Move:
     def end(self) -> str:
         """The condition in words."""
         relations = {u.relation for u in self.until}
+        if not relations:
+            return "a sign changes"
         if len(relations) > 1:
             return " or ".join(map(str, self.until))
         return " or ".join(f"p_{'LR'[u.contact]}" for u in self.until) + f" {relations.pop()} 0"
@@ -74,6 +92,21 @@ class Case:
     signs: Signs
     tilt: int | None
     moves: tuple[Move, ...]
+    angles: Angles | None = None
+    """Both palms, in a policy file; None: steep, apart from the one to tilt up."""
+    drives: Drives | None = None
+    """Which robots drive, in a policy file; None: those whose contacts end the move."""
+
+    @property
+    def palms(self) -> Angles:
+        """The angles of both palms during the moves."""
+        if self.angles is not None:
+            return self.angles
+        return "shallow" if self.tilt == 0 else "steep", "shallow" if self.tilt == 1 else "steep"
+
+    def label(self, number: int) -> str:
+        """How messages call the case: by its number, in a policy file by its signs."""
+        return f"case {number}" if self.angles is None else f"row {signs_text(self.signs)}"
 
 
 Policy = tuple[Case, ...]
@@ -136,6 +169,8 @@ def mirrored(policy: Policy) -> Policy:
                 replace(move, until=tuple(replace(u, contact=1 - u.contact) for u in move.until))
                 for move in case.moves
             ),
+            None if case.angles is None else (case.angles[1], case.angles[0]),
+            None if case.drives is None else (case.drives[1], case.drives[0]),
         )
         for case in policy
     )

@@ -8,7 +8,8 @@
 4. *Merge*: seen from the owner, outward positive, a rule of the left and one of the right robot are
    the same.
 5. *Messages*: turning a palm of the other robot becomes a request, a reply and a release; the robot
-   that receives a request serves it.
+   that receives a request serves it. In a policy file (policy_file.py) the partner may also have to
+   drive; that becomes part of the request.
 6. *Conflicts*: signs at which a rule of each robot applies, and what orders the two.
 
 The result lists what cannot be derived: moves without effect or without end, guards that must stay,
@@ -17,24 +18,30 @@ signs that no rule corrects, rules that only one robot has.
 Source: section 6 of the paper asks for this transformation, from section 2 to section 4.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
+from typing import NamedTuple, cast
 
 from palmbots._types import SIDES
-from palmbots.derivation.contact_motion import Palms, improves, passed_through, sliders, why
-from palmbots.derivation.global_policy import Direction, Move, Policy, Signs, Wiring
-from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program, table_2
+from palmbots.derivation.contact_motion import improves, passed_through, sliders, why
+from palmbots.derivation.global_policy import (
+    Angle,
+    Angles,
+    Drives,
+    Move,
+    Policy,
+    Signs,
+    Wiring,
+    signs_text,
+)
+from palmbots.derivation.robot_rule import Rule
+from palmbots.derivation.table2_programs import Program, table_2
 
-__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive", "signs_text"]
+__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive"]
 
 SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
 _RELATION = {-1: "<", 0: "=", 1: ">"}
-_MARK = {-1: "−", 0: "0", 1: "+"}
-
-
-def signs_text(signs: Signs) -> str:
-    """A pair of signs in the notation of the docs: (+, −)."""
-    return f"({_MARK[signs[0]]}, {_MARK[signs[1]]})"
+_BY_SIGN = {1: "a", -1: "d"}  # as in Table 2: the cases of an outward and of an inward contact
 
 
 @dataclass(frozen=True)
@@ -43,7 +50,7 @@ class Step:
 
     case: int
     number: int
-    palms: Palms
+    palms: Angles
     move: Move
     entry: frozenset[Signs]
     during: frozenset[Signs]
@@ -65,38 +72,6 @@ class Guard:
 
     def __str__(self) -> str:
         return f"p_{'LR'[self.contact]} {_RELATION[self.sign]} 0"
-
-
-@dataclass(frozen=True)
-class Rule:
-    """The rule of one robot. Pairs are (own, partner's)."""
-
-    signs: tuple[int | None, int | None]
-    """The condition; None: any sign."""
-    palms: Palms
-    direction: Direction
-    until: tuple[tuple[int, str], ...]
-    """Conditions of which one suffices: the contact (0 own, 1 the partner's), and ≤ or ≥."""
-    asks: bool
-    """Another robot turns the palm that has to be tilted up."""
-
-    def holds(self, robot: int, signs: Signs) -> bool:
-        """Whether the rule of this robot applies at these signs (left, right)."""
-        seen = signs if robot == 0 else signs[::-1]
-        return all(want in (None, sign) for want, sign in zip(self.signs, seen, strict=True))
-
-    def program(self) -> Program:
-        """In the words of Table 2."""
-        names = ("p", "the partner's p")
-        wanted = zip(names, self.signs, strict=True)
-        when = ", ".join(f"{name} {_RELATION[s]} 0" for name, s in wanted if s is not None)
-        until = " or ".join(f"{names[whose]} {relation} 0" for whose, relation in self.until)
-        lines = (f"Move {self.direction} until {until}",)
-        if self.asks:
-            lines = (f"Send {REQUEST}", f"Wait for {DONE}", *lines, f"Send {RELEASE}")
-        elif "shallow" in self.palms:
-            lines = ("Tilt Up", *lines, "Tilt Down")
-        return Program(when, lines)
 
 
 @dataclass(frozen=True)
@@ -129,6 +104,8 @@ class Derivation:
 
     policy: Policy
     wiring: Wiring
+    rest: Angles = ("steep", "steep")
+    """The angles of the palms while nothing is corrected."""
     steps: list[Step] = field(default_factory=list)
     guards: list[Guard] = field(default_factory=list)
     joint: list[Step] = field(default_factory=list)
@@ -139,19 +116,24 @@ class Derivation:
     """The robots that have each rule."""
     sources: dict[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """The steps (case, number) from which each rule follows."""
-    server: Program | None = None
+    servers: dict[str, Program] = field(default_factory=dict)
+    """What a robot does when it is asked, by name."""
     conflicts: list[Conflict] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     """Parts that cannot be derived, and errors of the policy."""
+    one_sided: list[str] = field(default_factory=list)
+    """Rules that only one robot has. In Table 1, which treats the robots alike, a finding too."""
     table_2: dict[str, Program] = field(default_factory=table_2)
 
     @property
     def programs(self) -> dict[str, Program]:
         """All programs of a robot by name, the server included."""
-        programs = {name: rule.program() for name, rule in self.rules.items()}
-        return (
-            programs if self.server is None else {**programs, self._name(self.server): self.server}
-        )
+        return {name: rule.program() for name, rule in self.rules.items()} | self.servers
+
+    @property
+    def server(self) -> Program | None:
+        """The first of `servers`; None: no rule asks for anything."""
+        return next(iter(self.servers.values()), None)
 
     @property
     def is_table_2(self) -> bool:
@@ -159,28 +141,20 @@ class Derivation:
         cases = {name: self.table_2[name] for name in "acd"}
         return self.programs == cases and all(owners == (0, 1) for owners in self.robots.values())
 
-    def _name(self, program: Program) -> str:
-        for name, case in self.table_2.items():
-            if case == program:
-                return name
-        return "server"
 
+def derive(policy: Policy, wiring: Wiring | None = None, rest: Angles | None = None) -> Derivation:
+    """Derive the rules of each robot from a policy, the wiring and the palms at rest.
 
-def derive(policy: Policy, wiring: Wiring | None = None) -> Derivation:
-    """Derive the rules of each robot from a policy and the wiring.
-
-    By default each robot senses its own contact and turns its own palm.
+    By default each robot senses its own contact and turns its own palm, and palms rest steep.
     """
-    done = Derivation(policy, wiring or Wiring())
+    done = Derivation(policy, wiring or Wiring(), rest or ("steep", "steep"))
     _split(done)
+    parts = [part for step in done.steps for part in _parts_of(done, step)]
     found: dict[Rule, dict[int, list[tuple[int, int]]]] = {}
-    for step in done.steps:
-        for owner, rule in _rules_of(done, step):
-            found.setdefault(rule, {}).setdefault(owner, []).append((step.case, step.number))
+    for owner, rule, sources in _joined(done, parts):
+        found.setdefault(rule, {}).setdefault(owner, []).extend(sources)
     _name_rules(done, found)
-    if any(rule.asks for rule in done.rules.values()):
-        lines = ("Tilt Up", f"Send {DONE}", f"Wait for {RELEASE}", "Tilt Down")
-        done.server = Program(f"{_free_to_serve(done)}got {REQUEST}", lines)
+    _name_servers(done)
     _find_conflicts(done)
     _find_gaps(done)
     return done
@@ -189,16 +163,15 @@ def derive(policy: Policy, wiring: Wiring | None = None) -> Derivation:
 def _split(done: Derivation) -> None:
     """Split the cases into steps, each with the signs during it."""
     for number, case in enumerate(done.policy, 1):
-        palms: Palms = ("steep", "steep")
-        if case.tilt is not None:
-            palms = ("shallow", "steep") if case.tilt == 0 else ("steep", "shallow")
+        palms = case.palms
         entry = frozenset({case.signs})
         moved = False
+        label = case.label(number)
         for k, move in enumerate(case.moves, 1):
             during, ends = passed_through(entry, palms, move)
             owners = tuple(sorted({done.wiring.senses[u.contact] for u in move.until}))
             done.steps.append(Step(number, k, palms, move, entry, during, ends, owners))
-            where = f"case {number}, move {k}"
+            where = label if case.angles is not None else f"{label}, move {k}"
             if not during:
                 done.findings.append(f"{where} never moves: {move.end} holds when it begins")
             elif not ends:
@@ -211,13 +184,25 @@ def _split(done: Derivation) -> None:
             entry = ends
         if not moved:
             at = signs_text(case.signs)
-            done.findings.append(f"case {number} never moves anything: {at} stays forever")
+            done.findings.append(f"{label} never moves anything: {at} stays forever")
 
 
-def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
-    """The rules (owner, rule) of a step, one for each of its possible beginnings."""
+class _Part(NamedTuple):
+    """The rule that follows from one beginning of a step, and which robots drive there."""
+
+    owner: int
+    rule: Rule
+    partner: int
+    """The sign of the partner's contact."""
+    drives: Drives
+    """(own, partner's)."""
+    source: tuple[int, int]
+
+
+def _parts_of(done: Derivation, step: Step) -> list[_Part]:
+    """The rules of a step, one for each of its possible beginnings."""
     begins = sorted(step.entry & step.during)
-    rules = []
+    parts = []
     movable = sliders(step.palms, step.move.direction)
     joint = len(step.owners) > 1
     for owner, signs in product(step.owners, begins):
@@ -234,42 +219,111 @@ def _rules_of(done: Derivation, step: Step) -> list[tuple[int, Rule]]:
             guard[contact] = None
         if joint or not step.ends:
             continue
-        raised = step.palms.index("shallow") if "shallow" in step.palms else None
         own = slice(None) if owner == 0 else slice(None, None, -1)
-        palms = step.palms[own]
+        palms, rest = step.palms[own], done.rest[own]
+        turners = done.wiring.turns[own]
+        turned = [k for k in (0, 1) if palms[k] != rest[k]]
+        by_owner = [palms[k] for k in turned if turners[k] == owner]
+        asked = next((k for k in turned if turners[k] != owner), 1)
         rule = Rule(
             (guard[owner], guard[1 - owner]),
-            (palms[0], palms[1]),
+            cast("Angles", (palms[0], palms[1])),
             step.move.direction,
             tuple((int(u.contact != owner), u.relation) for u in step.move.until),
-            raised is not None and done.wiring.turns[raised] != owner,
+            len(by_owner) < len(turned),
+            cast("Angles", (palms[asked], rest[asked])),
+            cast("Angle", by_owner[0]) if by_owner else None,
         )
-        rules.append((owner, rule))
+        drives = (done.policy[step.case - 1].drives or (owner == 0, owner == 1))[own]
+        source = (step.case, step.number)
+        parts.append(_Part(owner, rule, signs[1 - owner], (drives[0], drives[1]), source))
     if joint:
         done.joint.append(step)
+    return parts
+
+
+def _joined(done: Derivation, parts: list[_Part]) -> list[tuple[int, Rule, list[tuple[int, int]]]]:
+    """The rules (owner, rule, sources), with the drives of the partner at each of its signs."""
+    alike: dict[tuple[int, Rule], list[_Part]] = {}
+    for part in parts:
+        alike.setdefault((part.owner, part.rule), []).append(part)
+    rules = []
+    for (owner, rule), those in alike.items():
+        if len({part.drives[0] for part in those}) > 1:
+            labels = [done.policy[p.source[0] - 1].label(p.source[0]) for p in those]
+            done.findings.append(
+                f"{' and '.join(labels)} differ in whether the {SIDES[owner]} robot drives, and it "
+                f"does not sense p_{'LR'[1 - owner]}"
+            )
+            continue
+        assist = tuple(sorted({part.partner for part in those if part.drives[1]}))
+        whole = replace(
+            rule, asks=rule.asks or bool(assist), drives=those[0].drives[0], assist=assist
+        )
+        rules.append((owner, whole, [part.source for part in those]))
     return rules
 
 
 def _name_rules(done: Derivation, found: dict[Rule, dict[int, list[tuple[int, int]]]]) -> None:
     """Name the rules after the cases of Table 2 with the same program, and list their owners."""
+    of_file = _is_file(done)
     for number, (rule, by_owner) in enumerate(found.items(), 1):
         program = rule.program()
-        name = next((n for n, case in done.table_2.items() if case == program), str(number))
+        names = [name for name, case in done.table_2.items() if case == program]
+        name = names[0] if names else str(number)
+        if of_file:
+            name = _BY_SIGN.get(rule.signs[0] or 0, name)
+            if any(other != rule and other.signs[0] == rule.signs[0] for other in found):
+                name += " " + " and ".join(SIDES[owner] for owner in sorted(by_owner))
         done.rules[name] = rule
         done.robots[name] = tuple(sorted(by_owner))
         done.sources[name] = tuple(sorted(s for steps in by_owner.values() for s in steps))
-        if len(by_owner) == 1 and done.wiring.alike:
+        if len(by_owner) == 1 and done.wiring.alike and done.rest[0] == done.rest[1]:
             (owner,) = by_owner
-            done.findings.append(
+            done.one_sided.append(
                 f"rule ({name}) is the {SIDES[owner]} robot's alone: the policy has no mirror "
-                "image of " + ", ".join(f"case {c}, move {k}" for c, k in done.sources[name])
+                "image of " + ", ".join(_source_text(done, *one) for one in done.sources[name])
             )
     done.rules = dict(sorted(done.rules.items()))
+    if not of_file:
+        done.findings += done.one_sided
 
 
-def _free_to_serve(done: Derivation) -> str:
-    """The signs at which a robot serves: those at which no rule of its own makes it ask."""
-    asking = {rule.signs[0] for rule in done.rules.values() if rule.asks}
+def _is_file(done: Derivation) -> bool:
+    """Whether the policy is one from a file."""
+    return any(case.angles is not None for case in done.policy)
+
+
+def _name_servers(done: Derivation) -> None:
+    """Find what each robot does when it is asked, and name it as Table 2 does."""
+    services = {}
+    for name, rule in done.rules.items():
+        if rule.asks:
+            servers = {1 - owner for owner in done.robots[name]}
+            services[name] = rule.service(_free_to_serve(done, servers))
+    distinct = set(services.values())
+    if len(distinct) == 1:
+        (server,) = distinct
+        of_table_2 = [name for name, case in done.table_2.items() if case == server]
+        done.servers = {
+            of_table_2[0] if of_table_2 else "c" if _is_file(done) else "server": server
+        }
+    else:
+        done.servers = {f"c for {name}": service for name, service in services.items()}
+
+
+def _source_text(done: Derivation, number: int, move: int) -> str:
+    case = done.policy[number - 1]
+    return case.label(number) + (f", move {move}" if case.angles is None else "")
+
+
+def _free_to_serve(done: Derivation, servers: set[int]) -> str:
+    """The signs at which robots serve: those at which no rule of their own makes them ask."""
+    asking = {
+        rule.signs[0]
+        for name, rule in done.rules.items()
+        if rule.asks and servers & set(done.robots[name])
+    }
     free = tuple(sign for sign in (-1, 0, 1) if sign not in asking and None not in asking)
     texts = {(-1, 0): "p ≤ 0, ", (0, 1): "p ≥ 0, ", (0,): "p = 0, ", (-1, 0, 1): ""}
     return texts.get(free, "not asking, ")
@@ -307,4 +361,7 @@ def _find_gaps(done: Derivation) -> None:
             cover = "the rules correct it" if ruled else "and no rule corrects it"
             done.findings.append(f"{signs_text(signs)} has no case in the policy; {cover}")
         elif signs != (0, 0) and not ruled:
-            done.findings.append(f"{signs_text(signs)} is corrected by no rule")
+            text = f"{signs_text(signs)} is corrected by no rule"
+            if any(step.case in cases for step in done.joint):
+                text += ": either contact may slide, and no robot senses both"
+            done.findings.append(text)

@@ -18,8 +18,8 @@ from typing import NamedTuple
 from palmbots._types import SIDES
 from palmbots.derivation.abstract_world import Motion, Turn
 from palmbots.derivation.contact_motion import Palms, improves, sliders
-from palmbots.derivation.global_policy import Signs
-from palmbots.derivation.local_rules import Conflict, Derivation, signs_text
+from palmbots.derivation.global_policy import Signs, signs_text
+from palmbots.derivation.local_rules import Conflict, Derivation
 
 __all__ = ["LEVELS", "Kind", "Permissions"]
 

@@ -5,14 +5,17 @@ The shipped controllers run in lockstep, in a compiled module without Python in 
 exists for any x86-64 processor and for levels 3 and 4, which run two and four times as many lanes.
 All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
 seed and precision, for any number of threads. A Python controller runs one carry after the other.
+The controller of a policy file runs single carries on several threads.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from functools import cache
 from typing import Any
 
@@ -87,11 +90,11 @@ def run_batch(
     """Run the carries of ``specs[spec_index[i]]`` with ``seeds[i]``, for every i.
 
     Args:
-        specs: `palmbots.scene.spec.to_spec` makes them. With a shipped controller also the bytes of
-            all of them, one after the other (`Spec.to_bytes`).
+        specs: `palmbots.scene.spec.to_spec` makes them. Unless the controller is in Python, also
+            the bytes of all of them, one after the other (`Spec.to_bytes`).
         spec_index: one index into `specs` per carry.
         seeds: one seed per carry.
-        controller: a name, ``module:Class``, ``FILE.py:Class`` or a class.
+        controller: a name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml`` or a class.
         precision: ``double`` or ``float``.
         threads: worker threads; results do not depend on it. A Python controller uses one.
         watch: called now and then with the number of finished carries.
@@ -105,8 +108,13 @@ def run_batch(
     seeds = np.ascontiguousarray(seeds, np.uint64)
     if not entry.is_compiled:
         if isinstance(specs, bytes):
-            raise PalmbotsError(f"controller: {entry.name} is in Python and needs specs, not bytes")
-        return _run_singly(specs, index, seeds, entry, precision, watch)
+            if entry.is_python:
+                raise PalmbotsError(
+                    f"controller: {entry.name} is in Python and needs specs, not bytes"
+                )
+            specs = _core.Spec.list_from_bytes(specs)
+        workers = 1 if entry.is_python else threads
+        return _run_singly(specs, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
     run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
     interrupted = run.pop("interrupted")
@@ -138,9 +146,10 @@ def _run_singly(
     seeds: NDArray[np.uint64],
     controller: ControllerEntry,
     precision: str,
+    threads: int,
     watch: Watch | None,
 ) -> Columns:
-    """The columns of a Python controller, from single carries."""
+    """The columns of a controller that does not run in lockstep, from single carries."""
     n = len(seeds)
     columns: Columns = {
         "finished": np.zeros(n, bool),
@@ -156,21 +165,56 @@ def _run_singly(
         "messages": np.zeros(n, np.uint32),
         "messages_lost": np.zeros(n, np.uint32),
     }
+
+    def carry(i: int, core: Any) -> None:
+        run: Any = _core.run(specs[int(index[i])], core, int(seeds[i]), precision, False)
+        columns["outcome"][i] = OUTCOMES.index(run.outcome)
+        columns["reason"][i] = REASONS.index(run.reason)
+        for name in ("time_s", "distance_m", "contact_rms_m", "contact_peak_m", "waiting_s"):
+            columns[name][i] = getattr(run, name)
+        columns["waits_since_s"][i] = [since for since, *_ in run.hanging]
+        columns["corrections"][i] = run.correction_count
+        columns["messages"][i] = run.messages
+        columns["messages_lost"][i] = run.messages_lost
+        columns["finished"][i] = True
+
     try:
-        for i, (which, seed) in enumerate(zip(index.tolist(), seeds.tolist(), strict=True)):
-            if watch is not None:
-                watch(i)
-            core = controller.for_core()
-            run: Any = _core.run(specs[which], core, seed, precision, False)
-            columns["outcome"][i] = OUTCOMES.index(run.outcome)
-            columns["reason"][i] = REASONS.index(run.reason)
-            for name in ("time_s", "distance_m", "contact_rms_m", "contact_peak_m", "waiting_s"):
-                columns[name][i] = getattr(run, name)
-            columns["waits_since_s"][i] = [since for since, *_ in run.hanging]
-            columns["corrections"][i] = run.correction_count
-            columns["messages"][i] = run.messages
-            columns["messages_lost"][i] = run.messages_lost
-            columns["finished"][i] = True
+        if controller.is_python:
+            for i in range(n):
+                if watch is not None:
+                    watch(i)
+                carry(i, controller.for_core())
+        else:
+            _share(n, threads, functools.partial(carry, core=controller.for_core()), watch)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(columns) from None
     return columns
+
+
+_BLOCK = 64  # carries that a thread takes at once; they last some milliseconds each
+
+
+def _share(n: int, threads: int, carry: Callable[[int], None], watch: Watch | None) -> None:
+    """Run carries 0 … n − 1 on several threads; each runs in the core, without the interpreter."""
+
+    def block(first: int) -> int:
+        last = min(first + _BLOCK, n)
+        for i in range(first, last):
+            carry(i)
+        return last - first
+
+    finished = 0
+    with ThreadPoolExecutor(threads) as pool:
+        waiting = {pool.submit(block, first) for first in range(0, n, _BLOCK)}
+        try:
+            while waiting:
+                done, waiting = wait(waiting, _TICK_S, FIRST_COMPLETED)
+                finished += sum(future.result() for future in done)
+                if watch is not None:
+                    watch(finished)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+_TICK_S = 0.1  # how long Ctrl-C may have to wait

@@ -177,7 +177,7 @@ def noise_limit(
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     base = load_scene(scene, overrides)
     few = max(200, math.ceil(4 / drop_rate))
-    if not entry.is_compiled:
+    if entry.is_python:
         _refuse_if_slow(entry, drop_rate, relative_half_width, few)
     if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
         raise PalmbotsError(
@@ -360,7 +360,7 @@ def _measure(
     """The crossing from carries of its own, and half the window of ln(noise) in which they ran."""
     window = min(math.sqrt(_WINDOW_SQUARED * half_width), _WIDEST_PROBIT / pilot.slope)
     count = max(_needed(rate, half_width, pilot.slope), 200 * LEVELS)
-    if not run.entry.is_compiled:
+    if run.entry.is_python:
         count = min(count, MOST_CARRIES_IN_PYTHON)
     steps = np.linspace(-window, window, LEVELS)
     noises = [min(math.exp(pilot.x + float(step)), MOST_M_S) for step in steps]

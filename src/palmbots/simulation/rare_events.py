@@ -130,8 +130,8 @@ def estimate_drop_rate(
 
     Args:
         scene: as in `palmbots.carry`.
-        controller: the name of a shipped one. Splitting copies a carry that is under way, and a
-            Python controller cannot be copied.
+        controller: the name of a shipped one, or a policy file. Splitting copies a carry that is
+            under way, and a Python controller cannot be copied.
         seed: random seed.
         relative_half_width: wanted half-width of the 95 % interval, as a fraction of the rate. The
             interval may be wider: the number of replicates is an estimate too, and at most 10000
@@ -146,7 +146,7 @@ def estimate_drop_rate(
         PalmbotsError: another argument is not allowed, or no random input moves a contact outward.
     """
     entry = resolve(controller)
-    if not entry.is_compiled:
+    if entry.is_python:
         raise PalmbotsError(
             f"controller: {entry.name} is in Python, and a drop rate needs copies of carries that "
             "are under way; use compare or study, or a shipped controller"
@@ -161,7 +161,8 @@ def estimate_drop_rate(
     prepared = prepare(load_scene(scene, overrides), entry)
     chosen, spec = prepared.scene, prepared.spec
     report = on_progress or (lambda fraction: None)
-    levels = _core.choose_levels(spec, entry.name, seed, max(effort, 1000), SHARE)
+    core = entry.for_core()
+    levels = _core.choose_levels(spec, core, seed, max(effort, 1000), SHARE)
 
     def run(first: int, count: int, part: Interval) -> tuple[NDArray[Any], int]:
         """Stages (reached, drops) of replicates; a few at a time, so that Ctrl-C is noticed."""
@@ -169,9 +170,7 @@ def estimate_drop_rate(
         step = 2 * workers
         for at in range(first, first + count, step):
             more = min(step, first + count - at)
-            stages, spent = _core.replicates(
-                spec, entry.name, seed, effort, levels, at, more, workers
-            )
+            stages, spent = _core.replicates(spec, core, seed, effort, levels, at, more, workers)
             rows += stages
             ticks += spent
             report(part[0] + (part[1] - part[0]) * (at + more - first) / count)

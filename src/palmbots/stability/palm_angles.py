@@ -191,10 +191,10 @@ def _entry(controller: ControllerLike | None, objective: Objective) -> Controlle
             raise PalmbotsError("controller: value is null; allowed with noise: a controller")
         return None
     entry = resolve(controller)
-    if not entry.is_compiled:
+    if entry.is_python:
         raise PalmbotsError(
             f"controller: {entry.name} is in Python, and a design takes several 100,000 carries; "
-            "allowed: a shipped controller"
+            "allowed: a shipped controller or a policy file"
         )
     return entry
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._version import __version__
+from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -54,6 +55,8 @@ class ChunkTask:
     precision: str
     makers: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
     """What makes the controllers in Python, by name."""
+    policies: Mapping[str, ControllerEntry] = field(default_factory=dict)
+    """The controllers from policy files, by name."""
     scenes: tuple[Scene, ...] = ()
     """The scenes of the points; given only if there are controllers in Python."""
 
@@ -120,7 +123,7 @@ def carry_chunk(
                 task.table,
                 spec_index,
                 np.tile(seeds, len(chosen)),
-                controller,
+                task.policies.get(controller, controller),
                 task.precision,
                 threads=threads,
                 watch=report,

@@ -71,7 +71,7 @@ def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
         able = np.nonzero(allowed[:, c])[0]
         if not len(able):
             continue
-        is_compiled = controller.is_compiled
+        is_python = controller.is_python
         places = np.linspace(0, len(able) - 1, min(_POINTS, len(able)))
         scenes = tuple(points.scene(int(able[round(k)])) for k in places)
         task = ChunkTask(
@@ -81,15 +81,16 @@ def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
             controllers=(controller.name,),
             active=np.ones((len(scenes), 1), bool),
             first_seed=study.seeds.first,
-            seeds=max(_SEEDS, 8 * threads) if is_compiled else _SEEDS_IN_PYTHON,
+            seeds=max(_SEEDS, 8 * threads) if not is_python else _SEEDS_IN_PYTHON,
             precision=study.precision,
             makers={} if controller.maker is None else {controller.name: controller.maker},
-            scenes=() if is_compiled else scenes,
+            policies={} if controller.is_compiled or is_python else {controller.name: controller},
+            scenes=scenes if is_python else (),
         )
         began = time.perf_counter()
         carry_chunk(task, threads)
         one = (time.perf_counter() - began) / (task.points * task.seeds)
-        by_controller[controller.name] = 1e3 * one * (threads if is_compiled else 1)
+        by_controller[controller.name] = 1e3 * one * (1 if is_python else threads)
         seconds += one * len(able) * study.seeds.count
     width = sum(np.dtype(v.dtype).itemsize * (2 if v.by_side else 1) for v in VARIABLES.values())
     cells = int(allowed.sum())

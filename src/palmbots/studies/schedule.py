@@ -50,6 +50,9 @@ class StudySchedule:
         self.sums: ExactSums = np.zeros((*self._cells, WIDTH), np.int64)
         self._specs: dict[int, bytes] = {}
         self._makers = {c.name: c.maker for c in self.points.plan.controllers if c.maker}
+        self._policies = {
+            c.name: c for c in self.points.plan.controllers if not (c.is_compiled or c.is_python)
+        }
         self._rows: dict[int, _Row] = {}
         self._queue: deque[int] = deque()
         self.recorded: dict[int, str | None] = {}
@@ -137,6 +140,7 @@ class StudySchedule:
             seeds=chunk.seeds.stop - chunk.seeds.start,
             precision=self._study.precision,
             makers=self._makers,
+            policies=self._policies,
             scenes=tuple(scenes),
         )
 

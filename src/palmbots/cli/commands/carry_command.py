@@ -8,7 +8,7 @@ import typer
 
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, print_json, warn
+from palmbots.cli._run import check_output, controller_of, load, print_json, warn
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -18,6 +18,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    UnprovedOption,
     WorldOption,
     output_option,
 )
@@ -36,6 +37,7 @@ _ANIMATIONS = ("gif", "mp4")
 def carry(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
+    unproved: UnprovedOption = False,
     world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
@@ -80,7 +82,8 @@ def carry(
     unset: list[str] = []
     chosen = load(scene, changes, unset.append)
     check_output(out)
-    prepared = prepare(chosen, controller, world)  # all refusals come before the warnings
+    entry = controller_of(controller, unproved=unproved, quiet=as_json)
+    prepared = prepare(chosen, entry, world)  # all refusals come before the warnings
     check_precision(prepared.world, precision)
     seed_of(seed)
     video_file = mujoco_outputs.video_file(out) if video and out is not None else None
@@ -90,7 +93,7 @@ def carry(
     budget = None
     if world == "mujoco" and is_curved:
         budget = mujoco_outputs.drift_budget(
-            chosen, controller, quiet=as_json, accept_excess=accept_excess
+            chosen, entry, quiet=as_json, accept_excess=accept_excess
         )
     for text in (*unset, *early_warnings, *limits):
         warn(text)
@@ -124,7 +127,7 @@ def carry(
         from palmbots.stability.drop_diagnosis import analyze_hint
 
         dropped = result.outcome == "dropped"
-        hint = analyze_hint(chosen, controller, scene, changes) if dropped else None
+        hint = analyze_hint(chosen, entry.name, scene, changes) if dropped else None
         carry_report(result, scene, late_warnings, written, removed, hint)
     return DONE if result.outcome == "delivered" else FAILED
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, number_list, present
+from palmbots.cli._run import check_output, controller_of, load, number_list, present
 from palmbots.cli.options import (
     DONE,
     JsonOption,
@@ -15,6 +15,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    UnprovedOption,
     output_option,
 )
 from palmbots.errors import PalmbotsError
@@ -47,6 +48,7 @@ def compare(
     precision: PrecisionOption = "double",
     changes: SetOption = None,
     out: Annotated[Path | None, output_option("Write compare.png to this folder.")] = None,
+    unproved: UnprovedOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Compare controllers over a numeric scene key.
@@ -67,7 +69,10 @@ def compare(
             values=DEFAULT_VALUES if values is None else number_list("--values", values),
             controllers=None
             if controllers is None
-            else [name.strip() for name in controllers.split(",")],
+            else [
+                controller_of(name, unproved=unproved and name.endswith(".toml"), quiet=as_json)
+                for name in map(str.strip, controllers.split(","))
+            ],
             carries=carries,
             seed=seed,
             precision=precision,

@@ -5,13 +5,15 @@ from typing import Annotated
 
 import typer
 
+from palmbots.cli._progress import progress
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.errors import PalmbotsError
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
 ORDER = 140
-EXAMPLE = "palmbots derive --policy as-printed --controllers none"
+EXAMPLE = "palmbots derive --policy examples/policies/both-drive.toml"
 
 
 def derive(
@@ -20,7 +22,7 @@ def derive(
         typer.Option(
             "--policy",
             metavar="NAME",
-            help="table-1 (as implemented) or as-printed (with the misprint in case 7).",
+            help="table-1 (as implemented), as-printed (with the misprint in case 7) or FILE.toml.",
         ),
     ] = "table-1",
     controllers: Annotated[
@@ -39,10 +41,14 @@ def derive(
 ) -> int:
     """Derive the robots' rules from the global policy.
 
-    Also check which controllers refine the policy.
+    Also check which controllers refine the policy. From a policy file, derive a distributed
+    algorithm and check it in every run; palmbots carry --controller FILE.toml runs it.
 
-    Exit status 1: the rules differ from Table 2, or the policy is faulty.
+    Exit status 1: the rules differ from Table 2, or the policy is faulty. For a file: no algorithm
+    follows, or its check fails.
     """
+    if policy.endswith(".toml"):
+        return _derive_file(policy, controllers, as_json)
     from palmbots._util.arguments import one_of
     from palmbots.cli.reports.derivation_report import derivation_report, summary
     from palmbots.derivation.abstract_world import CONTROLLERS, system_of
@@ -50,7 +56,7 @@ def derive(
     from palmbots.derivation.local_rules import derive as run_derivation
     from palmbots.derivation.refinement import check_refinement
 
-    one_of("--policy", policy, ("table-1", "as-printed"))
+    one_of("--policy", policy, ("table-1", "as-printed", "FILE.toml"))
     if controllers is None:
         names = list(CONTROLLERS)
     else:
@@ -64,6 +70,30 @@ def derive(
     else:
         derivation_report(result, refinements, policy, counterexamples)
     return DONE if result.is_table_2 and not result.findings else FAILED
+
+
+def _derive_file(policy: str, controllers: str | None, as_json: bool) -> int:
+    from palmbots.cli.reports.policy_report import policy_report, policy_summary
+    from palmbots.derivation.distributed_algorithm import machines_of, refusals
+    from palmbots.derivation.local_rules import derive as run_derivation
+    from palmbots.derivation.policy_file import read_policy
+    from palmbots.derivation.verification import verify
+
+    if controllers is not None:
+        raise PalmbotsError("--controllers needs table-1 or as-printed as --policy")
+    table = read_policy(policy)
+    rules = run_derivation(table.cases, rest=table.rest)
+    reasons = refusals(table, rules)
+    machines = None if reasons else machines_of(table)
+    found = None
+    if machines is not None:
+        with progress("checking every run", as_json) as report:
+            found = verify(machines, table.rest, on_progress=report)
+    if as_json:
+        print_json(policy_summary(policy, table, rules, reasons, machines, found))
+    else:
+        policy_report(policy, table, rules, reasons, found)
+    return DONE if found is not None and found.holds else FAILED
 
 
 COMMAND = derive

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import load, present
+from palmbots.cli._run import controller_of, load, present
 from palmbots.cli.options import (
     DONE,
     ControllerOption,
@@ -14,6 +14,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    UnprovedOption,
 )
 from palmbots.errors import PalmbotsError
 
@@ -26,6 +27,7 @@ EXAMPLE = "palmbots drop-rate --set robot.noise_m_s=0.012 --relative-error-perce
 def drop_rate(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
+    unproved: UnprovedOption = False,
     relative_error_percent: Annotated[
         float,
         typer.Option(
@@ -54,7 +56,7 @@ def drop_rate(
     with progress("splitting", as_json) as report:
         result = estimate_drop_rate(
             load(scene, changes),
-            controller,
+            controller_of(controller, unproved=unproved, quiet=as_json),
             seed=seed,
             relative_half_width=relative_error_percent / 100,
             effort=effort,

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, present
+from palmbots.cli._run import check_output, controller_of, load, present
 from palmbots.cli.options import (
     DONE,
     ControllerOption,
@@ -15,6 +15,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    UnprovedOption,
     output_option,
 )
 from palmbots.errors import PalmbotsError
@@ -28,6 +29,7 @@ EXAMPLE = "palmbots noise-limit -c resilient --set radio.loss=0.2"
 def noise_limit(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
+    unproved: UnprovedOption = False,
     drop_rate_percent: Annotated[
         float,
         typer.Option("--drop-rate-percent", help="Share of carries that drop at the limit."),
@@ -61,7 +63,7 @@ def noise_limit(
     with progress("carrying", as_json) as report:
         result = find_limit(
             load(scene, changes),
-            controller,
+            controller_of(controller, unproved=unproved, quiet=as_json),
             drop_rate=drop_rate_percent / 100,
             relative_half_width=relative_error_percent / 100,
             seed=seed,

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, present
+from palmbots.cli._run import check_output, controller_of, load, present
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -15,6 +15,7 @@ from palmbots.cli.options import (
     JsonOption,
     SceneArgument,
     SetOption,
+    UnprovedOption,
     output_option,
 )
 
@@ -27,6 +28,7 @@ EXAMPLE = "palmbots validate --states 100 --carries 3 --out out"
 def validate(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
+    unproved: UnprovedOption = False,
     states: Annotated[
         int | None, typer.Option("--states", help="Number of grid states to try [default: all].")
     ] = None,
@@ -44,9 +46,10 @@ def validate(
 
     chosen = load(scene, changes)
     check_output(out)
+    entry = controller_of(controller, unproved=unproved, quiet=as_json)
     with progress("validating", as_json) as report:
         result = run_validation(
-            chosen, controller=controller, states=states, carries=carries, on_progress=report
+            chosen, controller=entry, states=states, carries=carries, on_progress=report
         )
     present(
         result, validation_report, as_json=as_json, figure=_save, out=out, file="validation.png"

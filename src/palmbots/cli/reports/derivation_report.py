@@ -12,13 +12,14 @@ from rich.text import Text
 from palmbots._types import SIDES
 from palmbots._util.text import plural
 from palmbots.cli.reports.console import BAD, GOOD, QUIET, report_console
-from palmbots.derivation.local_rules import Derivation, signs_text
+from palmbots.derivation.global_policy import signs_text
+from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS
 
 if TYPE_CHECKING:
     from palmbots.derivation.refinement import Departure, Refinement
 
-__all__ = ["derivation_report", "summary"]
+__all__ = ["derivation_report", "report_table", "rules_summary", "rules_table", "summary"]
 
 
 def derivation_report(
@@ -38,7 +39,7 @@ def derivation_report(
     for finding in derivation.findings:
         console.print(Text("finding: ", style="bold yellow").append(finding, style="default"))
     _moves(console, derivation)
-    _rules(console, derivation)
+    rules_table(console, derivation)
     _conflicts(console, derivation)
     if refinements:
         _refinement(console, refinements)
@@ -46,7 +47,8 @@ def derivation_report(
             _departures(console, controller, found, runs)
 
 
-def _table(title: str, *columns: str) -> Table:
+def report_table(title: str, *columns: str) -> Table:
+    """A table of a report, with a title."""
     table = Table(
         title=title, title_justify="left", title_style="bold", box=None, pad_edge=False,
         padding=(0, 2, 0, 0), header_style=QUIET,
@@ -58,7 +60,7 @@ def _table(title: str, *columns: str) -> Table:
 
 def _moves(console: Console, derivation: Derivation) -> None:
     """Print each move with its owner, and the guards that the owner does not sense."""
-    table = _table(
+    table = report_table(
         "\nMoves, their owners, and guards that the owner does not sense",
         "case", "move", "up", "owner", "guard", "", "because",
     )  # fmt: skip
@@ -82,15 +84,14 @@ def _moves(console: Console, derivation: Derivation) -> None:
         )
 
 
-def _rules(console: Console, derivation: Derivation) -> None:
+def rules_table(console: Console, derivation: Derivation) -> None:
     """Print the programs side by side, as Table 2 does."""
-    table = _table("\nRules")
+    table = report_table("\nRules")
     columns = []
     for name, program in sorted(derivation.programs.items()):
         if name in derivation.rules:
-            sources = sorted({case for case, _ in derivation.sources[name]})
             who = " and ".join(SIDES[robot] for robot in derivation.robots[name])
-            of = f"{who}, case {', '.join(map(str, sources))}"
+            of = f"{who}, {_sources(derivation, name)}"
         else:
             of = "the server"
         label = f"({name})" if name in derivation.table_2 else name
@@ -101,8 +102,17 @@ def _rules(console: Console, derivation: Derivation) -> None:
     console.print(table)
 
 
+def _sources(derivation: Derivation, name: str) -> str:
+    """The cases from which a rule follows, or the rows of a policy file."""
+    numbers = sorted({case for case, _ in derivation.sources[name]})
+    cases = [derivation.policy[number - 1] for number in numbers]
+    if all(case.angles is None for case in cases):
+        return f"case {', '.join(map(str, numbers))}"
+    return f"rows {' '.join(signs_text(case.signs) for case in cases)}"
+
+
 def _conflicts(console: Console, derivation: Derivation) -> None:
-    table = _table(
+    table = report_table(
         "\nConflicts: rules of both robots that hold at once",
         "rules", "signs", "palms", "motion", "policy", "what determines the order",
     )  # fmt: skip
@@ -127,7 +137,7 @@ def _kept_in_table_2(derivation: Derivation, asking: int) -> str:
 
 
 def _refinement(console: Console, refinements: Mapping[str, "Refinement"]) -> None:
-    table = _table(
+    table = report_table(
         "\nMotions in every run, by what permits them",
         "controller", "states", *LEVELS, "nothing", "verdict", "nominal",
     )  # fmt: skip
@@ -200,15 +210,7 @@ def summary(derivation: Derivation, refinements: Mapping[str, "Refinement"]) -> 
             }
             for g in derivation.guards
         ],
-        "rules": {
-            name: {
-                "when": program.when,
-                "lines": list(program.lines),
-                "robots": [SIDES[r] for r in derivation.robots.get(name, (0, 1))],
-                "from": [list(source) for source in derivation.sources.get(name, ())],
-            }
-            for name, program in derivation.programs.items()
-        },
+        "rules": rules_summary(derivation),
         "conflicts": [
             {
                 "rules": list(c.rules),
@@ -223,6 +225,19 @@ def summary(derivation: Derivation, refinements: Mapping[str, "Refinement"]) -> 
         "findings": derivation.findings,
         "is_table_2": derivation.is_table_2,
         "refinement": {name: _refined(found) for name, found in refinements.items()},
+    }
+
+
+def rules_summary(derivation: Derivation) -> dict[str, Any]:
+    """The programs as plain data, with the robots that have them and where they come from."""
+    return {
+        name: {
+            "when": program.when,
+            "lines": list(program.lines),
+            "robots": [SIDES[r] for r in derivation.robots.get(name, (0, 1))],
+            "from": [list(source) for source in derivation.sources.get(name, ())],
+        }
+        for name, program in derivation.programs.items()
     }
 
 

@@ -338,7 +338,7 @@ def _switch(left_slides: Callable[[float], bool], halvings: int) -> float | None
 
 
 def _delivery(base: Scene, controller: ControllerEntry, pairs: list[Pairing]) -> Delivery:
-    carries = _QUASISTATIC_CARRIES[controller.is_compiled]
+    carries = _QUASISTATIC_CARRIES[not controller.is_python]
     outcomes = run_seeds(to_spec(base), controller, 0, carries)["outcome"]
     rate = float((outcomes == DELIVERED).mean())
     n, arrived = len(pairs), sum(p.outcome[1] == "delivered" for p in pairs)

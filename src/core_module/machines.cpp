@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Controllers whose table is data, made from Python and one step at a time.
+#include "machines.hpp"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace palmbots::bindings {
+
+namespace {
+
+// A state: name of the case, palm, move, whether it waits, and for which message.
+using StateTuple = std::tuple<std::string, std::string, std::string, bool, std::string>;
+// A row: state, contact, message, palm, next state, message sent; as in _core.table2().
+using RowTuple = std::tuple<int, std::string, std::string, std::string, int, std::string>;
+using TableTuple = std::tuple<std::vector<StateTuple>, std::vector<RowTuple>>;
+
+// The value of an enumeration, from 0 to `last`, that has this name.
+template <class Enum>
+Enum named(std::string_view name, Enum last) {
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
+    if (name == name_of(static_cast<Enum>(i))) return static_cast<Enum>(i);
+  }
+  throw std::invalid_argument("table: no value has the name " + std::string(name));
+}
+
+std::uint8_t number(int state) {
+  if (state < 0 || state >= static_cast<int>(MachineTable::most_states)) {
+    throw std::invalid_argument("table: a row names a state that does not exist");
+  }
+  return static_cast<std::uint8_t>(state);
+}
+
+MachineTable table_of(const TableTuple& given) {
+  MachineTable table;
+  for (const auto& [name, palm, move, waits, awaits] : std::get<0>(given)) {
+    if (name.size() != 1) throw std::invalid_argument("table: a case is one letter");
+    if (!table.add(Distributed::StateOutput{name[0],
+                                            {named(palm, Palm::shallow), named(move, Move::closer)},
+                                            waits,
+                                            named(awaits, MessageKind::ack)})) {
+      throw std::invalid_argument("table: too many states");
+    }
+  }
+  if (table.states() == 0) throw std::invalid_argument("table: no state");
+  for (const auto& [state, p, got, tilt, next, send] : std::get<1>(given)) {
+    if (!table.add(MachineTable::Row{
+            number(state), named(p, ContactCondition::zero), named(got, Distributed::Got::ack),
+            named(tilt, Distributed::Tilt::done), number(next), named(send, MessageKind::ack)})) {
+      throw std::invalid_argument("table: a row names a state that does not exist");
+    }
+  }
+  return table;
+}
+
+// One robot, which keeps the tables alive.
+class Robot {
+ public:
+  Robot(nb::object machines, std::size_t side)
+      : machines_(std::move(machines)),
+        robot_(&nb::cast<const Machines&>(machines_).tables[side]) {}
+  MachineRobot& operator*() { return robot_; }
+  const MachineRobot* operator->() const { return &robot_; }
+
+ private:
+  nb::object machines_;
+  MachineRobot robot_;
+};
+
+}  // namespace
+
+void bind_machines(nb::module_& m) {
+  nb::class_<Machines>(m, "Machines",
+                       "The controllers of both robots as tables (control/machine_table.hpp).")
+      .def(
+          "__init__",
+          [](Machines* self, const TableTuple& l, const TableTuple& r) {
+            new (self) Machines{{table_of(l), table_of(r)}};
+          },
+          nb::arg("left"), nb::arg("right"),
+          "Per robot the states (case, palm, move, waits, awaited message) and the rows (state, "
+          "contact, message, palm turned, next state, message sent), in the words of table2().");
+
+  nb::class_<Robot>(m, "MachineRobot", "One robot whose controller is a table.")
+      .def(
+          "__init__",
+          [](Robot* self, const nb::object& machines, std::size_t side) {
+            if (side > 1) throw std::out_of_range("side: 0 (left) or 1 (right)");
+            new (self) Robot(machines, side);
+          },
+          nb::arg("machines"), nb::arg("side"))
+      .def(
+          "step",
+          [](Robot& self, int sign, int message, bool palm_at_target) {
+            if (sign < -1 || sign > 1 || message < 0 || message > 3) {
+              throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
+            }
+            const auto out = (*self).step(
+                {static_cast<Sign>(sign), static_cast<MessageKind>(message), palm_at_target});
+            return std::tuple(static_cast<int>(out.command.palm),
+                              static_cast<int>(out.command.move), static_cast<int>(out.send),
+                              out.read);
+          },
+          nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
+          "One tick; returns (palm, move, message sent, message read).")
+      .def("__copy__", [](const Robot& self) { return self; })
+      .def_prop_ro(
+          "memory",
+          [](const Robot& self) {
+            const auto state = static_cast<char>(self->state());
+            return nb::bytes(&state, 1);
+          },
+          "All that it remembers.")
+      .def_prop_ro("name", [](const Robot& self) { return nb::str(&self->now().name, 1); })
+      .def_prop_ro("waits", [](const Robot& self) { return self->now().waits; });
+}
+
+}  // namespace palmbots::bindings

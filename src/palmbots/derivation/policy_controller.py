@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Policy files as controllers: the derived algorithm, checked before it runs.
+
+The registry of controllers calls `load_policy` for every name that ends with ``.toml``.
+"""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from palmbots.control.python_source import ControllerSource
+from palmbots.control.registry import ControllerEntry
+from palmbots.derivation.distributed_algorithm import Machine, machines_of
+from palmbots.derivation.global_policy import Angles
+from palmbots.derivation.policy_file import read_policy
+from palmbots.derivation.verification import MEANINGS, Verification, verify
+from palmbots.errors import PalmbotsError
+
+__all__ = ["PolicyNotProved", "load_policy"]
+
+_CASES = {"a": "own p > 0", "c": "assists its partner", "d": "own p < 0"}
+
+
+class PolicyNotProved(PalmbotsError):
+    """The algorithm that was derived from a policy fails its check."""
+
+    def __init__(self, message: str, verification: Verification) -> None:
+        super().__init__(message)
+        self.verification = verification
+        """What was found."""
+
+
+def load_policy(
+    path: str,
+    *,
+    called: str = "controller",
+    folder: str | None = None,
+    unproved: bool = False,
+    on_progress: Callable[[float], None] | None = None,
+) -> ControllerEntry:
+    """The controller that follows from a policy file.
+
+    The check takes some seconds for a policy that was not checked before in this process.
+
+    Args:
+        path: the file.
+        called: how messages name the argument.
+        folder: where a relative path is looked up; None: the working directory.
+        unproved: skip the check.
+        on_progress: called now and then with the completed fraction of the check.
+
+    Raises:
+        PolicyNotProved: the check found a run that breaks a property.
+        PalmbotsError: the file cannot be read or is no policy, or no algorithm follows from it.
+    """
+    place = Path(folder or ".") / path
+    table = read_policy(place)
+    machines = machines_of(table, called=f"{called}: {path}")
+    data = tuple(machine.for_core() for machine in machines)
+    if not unproved:
+        found = _verified(data, machines, table.rest, on_progress)
+        if not found.holds:
+            name = found.fails[0]
+            raise PolicyNotProved(
+                f"{called}: {path}: the derived algorithm fails {name} ({MEANINGS[name]}); "
+                "allowed: a policy that passes, or --unproved (palmbots derive --policy "
+                f"{path} prints all runs)",
+                found,
+            )
+    states = [state for machine in machines for state in machine.states]
+    asks = any(state.name.endswith("_ask") for state in states)
+    return ControllerEntry(
+        Path(path).name,
+        table.description or f"derived from the policy {Path(path).name}",
+        uses_radio=asks,
+        messages=("TiltUp", "TiltDown", "Ack") if asks else (),
+        drives_by_both_signs=any(s.case == "c" and s.move != "hold" for s in states),
+        cases={
+            letter: text for letter, text in _CASES.items() if letter in {s.case for s in states}
+        },
+        assisted_cases=tuple(sorted({s.case for s in states if s.name.endswith("_ask")})),
+        machines=data,
+        source=ControllerSource(path, hashlib.sha256(place.read_bytes()).hexdigest()),
+    )
+
+
+_found: dict[tuple[Any, Angles], Verification] = {}
+
+
+def _verified(
+    data: Any,
+    machines: tuple[Machine, Machine],
+    rest: Angles,
+    on_progress: Callable[[float], None] | None,
+) -> Verification:
+    """The check of these machines; each is checked once in a process."""
+    if (data, rest) not in _found:
+        _found[data, rest] = verify(machines, rest, on_progress=on_progress)
+    return _found[data, rest]
