@@ -12,7 +12,9 @@
 //           both contacts are outward, so that the robots separate, and the leader if both are
 //           inward (only where the scene lets robots stop, If::may_stop)
 //   silence without news from the partner for a lease, the rule of `silent` on the own sign; with
-//           the next news, the above again
+//           the next news, the above again. The partner may just have stopped. So the leader's palm
+//           is steep at first, because then its own contact slides and shows that. A leader that
+//           has stopped waits longer than in `silent`, because the partner may still be heard.
 //
 // TURNS. The leader decides: it holds a palm for Limit::turn, then takes the other one. Its word says
 // where its palm is, and the follower takes the opposite. So the robots need no common clock, and a
@@ -48,29 +50,51 @@ struct SharedSign {
     in_steep_stop,
     in_shallow_stop,
     alone_centred,
+    alone_watch,
     alone_outward,
     alone_inward,
     alone_pause,
+    alone_outward_follower,
+    alone_outward_stop,
+    alone_inward_leader,
+    alone_inward_stop,
+    alone_inward_back,
+    alone_wait,
   };
-  static constexpr int states = 19;
+  static constexpr int states = 26;
   static constexpr State initial = State::alone_centred;
 
   enum class Limit : std::uint8_t {
     turn,  // how long the leader keeps its palm while both contacts are off in the same direction
-    push,  // as in Silent
+    push,  // this and the next three as in Silent
     rest,
+    patience,
+    back,
+    watch,  // how long the leader watches for a partner that stands
+    wait,   // how long the leader stops
   };
-  static constexpr std::size_t limits = 3;
+  static constexpr std::size_t limits = 7;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
-    if (limit == Limit::push) return Silent::seconds(Silent::Limit::push, timing);
-    if (limit == Limit::rest) return Silent::seconds(Silent::Limit::rest, timing);
-    return timing.turn > 2 * timing.delay ? timing.turn : 2 * timing.delay;
+    switch (limit) {
+      case Limit::turn: return timing.turn > 2 * timing.delay ? timing.turn : 2 * timing.delay;
+      case Limit::push: return Silent::seconds(Silent::Limit::push, timing);
+      case Limit::rest: return Silent::seconds(Silent::Limit::rest, timing);
+      case Limit::patience: return Silent::seconds(Silent::Limit::patience, timing);
+      case Limit::back: return Silent::seconds(Silent::Limit::back, timing);
+      case Limit::watch: return Silent::seconds(Silent::Limit::wait, timing);
+      case Limit::wait: break;
+    }
+    return timing.reach * 4;
   }
 
   static constexpr bool talks = true;
   static constexpr int turn = static_cast<int>(Limit::turn);
   static constexpr int push = static_cast<int>(Limit::push);
   static constexpr int rest = static_cast<int>(Limit::rest);
+  static constexpr int patience = static_cast<int>(Limit::patience);
+  static constexpr int wait = static_cast<int>(Limit::wait);
+  static constexpr int watch = static_cast<int>(Limit::watch);
+  static constexpr int back = static_cast<int>(Limit::back);
 
   using S = State;
   using M = MessageKind;
@@ -92,15 +116,28 @@ struct SharedSign {
       /* in_steep_stop    */ {'d', {Palm::steep, Move::closer, stop}, M::minus, turn},
       /* in_shallow_stop  */ {'d', {Palm::shallow, Move::closer, stop}, M::minus_shallow, turn},
       /* alone_centred    */ {' ', {Palm::shallow, Move::hold}, M::zero},
+      /* alone_watch      */ {' ', {Palm::steep, Move::hold}, M::zero, watch},
       /* alone_outward    */ {'a', {Palm::steep, Move::away}, M::plus},
       /* alone_inward     */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
       /* alone_pause      */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
+      /* alone_outward_follower */ {'a', {Palm::steep, Move::away}, M::plus, patience},
+      /* alone_outward_stop     */ {'a', {Palm::steep, Move::hold, stop}, M::plus},
+      /* alone_inward_leader    */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, patience},
+      /* alone_inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, M::minus_shallow, wait},
+      /* alone_inward_back      */
+      {'d', {Palm::shallow, Move::closer, stop}, M::minus_shallow, back},
+      /* alone_wait             */ {' ', {Palm::shallow, Move::hold, stop}, M::zero, wait},
   };
 
   using P = ContactCondition;
   using Set = EnumSet<State>;
   static constexpr Set any = Set::all();
-  static constexpr Set elsewhere = any - Set{S::alone_inward, S::alone_pause};
+  static constexpr Set alone_out = {S::alone_outward_follower, S::alone_outward_stop};
+  static constexpr Set alone_in = {S::alone_inward, S::alone_pause, S::alone_inward_leader,
+                                   S::alone_inward_stop, S::alone_inward_back};
+  static constexpr Set backed = {S::alone_inward_back, S::alone_wait};
+  static constexpr Set together = any - Set{S::alone_centred, S::alone_watch, S::alone_outward} -
+                                  alone_out - alone_in - S::alone_wait;
   static constexpr Set steep = states_with<State>(Palm::steep, outputs);
   static constexpr Set shallow = states_with<State>(Palm::shallow, outputs);
   static constexpr WordSet silence = M::none;
@@ -111,16 +148,29 @@ struct SharedSign {
   static constexpr IfSet leads = If::leads;
   static constexpr IfSet leads_next = {If::leads, If::timed_out};
   static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
+  static constexpr IfSet follows_and_stops = {If::follows, If::may_stop};
+  static constexpr IfSet waited = If::timed_out;
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
       // in state           contact      hears            if               go to
       // the partner is silent: the rows of `silent`
-      {any,                 P::positive, silence,         {},              S::alone_outward},
-      {any,                 P::zero,     silence,         {},              S::alone_centred},
-      {S::alone_inward,     P::negative, silence,         If::timed_out,   S::alone_pause},
-      {S::alone_pause,      P::negative, silence,         If::timed_out,   S::alone_inward},
-      {elsewhere,           P::negative, silence,         {},              S::alone_inward},
+      {S::alone_wait,       P::zero,     silence,         waited,          S::alone_centred},
+      {S::alone_watch,      P::zero,     silence,         waited,          S::alone_centred},
+      {backed,              P::zero,     silence,         {},              S::alone_wait},
+      {together,            P::zero,     silence,         leads_and_stops, S::alone_watch},
+      {any - S::alone_watch, P::zero,    silence,         {},              S::alone_centred},
+      {S::alone_outward_follower, P::positive, silence,   waited,          S::alone_outward_stop},
+      {any - alone_out,     P::positive, silence,         follows_and_stops, S::alone_outward_follower},
+      {any - alone_out,     P::positive, silence,         {},              S::alone_outward},
+      {S::alone_wait,       P::negative, silence,         {},              S::alone_inward_stop},
+      {S::alone_inward_leader, P::negative, silence,      waited,          S::alone_inward_stop},
+      {S::alone_inward_stop, P::negative, silence,        waited,          S::alone_inward_back},
+      {S::alone_inward_back, P::negative, silence,        waited,          S::alone_inward_leader},
+      {S::alone_inward,     P::negative, silence,         waited,          S::alone_pause},
+      {S::alone_pause,      P::negative, silence,         waited,          S::alone_inward},
+      {any - alone_in,      P::negative, silence,         leads_and_stops, S::alone_inward_leader},
+      {any - alone_in,      P::negative, silence,         {},              S::alone_inward},
       // different signs, or both zero
       {steep,               P::zero,     zero,            {},              S::rest_steep},
       {shallow,             P::zero,     zero,            {},              S::rest_shallow},
@@ -154,16 +204,37 @@ struct SharedSign {
 };
 
 constexpr const char* name_of(SharedSign::State state) {
-  constexpr const char* names[] = {
-      "rest_steep",       "rest_shallow",  "own_out",      "help_out",      "help_in",
-      "own_in",           "apart_in",      "out_steep",    "out_shallow",   "out_steep_stop",
-      "out_shallow_stop", "in_steep",      "in_shallow",   "in_steep_stop", "in_shallow_stop",
-      "alone_centred",    "alone_outward", "alone_inward", "alone_pause"};
+  constexpr const char* names[] = {"rest_steep",
+                                   "rest_shallow",
+                                   "own_out",
+                                   "help_out",
+                                   "help_in",
+                                   "own_in",
+                                   "apart_in",
+                                   "out_steep",
+                                   "out_shallow",
+                                   "out_steep_stop",
+                                   "out_shallow_stop",
+                                   "in_steep",
+                                   "in_shallow",
+                                   "in_steep_stop",
+                                   "in_shallow_stop",
+                                   "alone_centred",
+                                   "alone_watch",
+                                   "alone_outward",
+                                   "alone_inward",
+                                   "alone_pause",
+                                   "alone_outward_follower",
+                                   "alone_outward_stop",
+                                   "alone_inward_leader",
+                                   "alone_inward_stop",
+                                   "alone_inward_back",
+                                   "alone_wait"};
   return names[static_cast<int>(state)];
 }
 
 constexpr const char* name_of(SharedSign::Limit limit) {
-  constexpr const char* names[] = {"turn", "push", "rest"};
+  constexpr const char* names[] = {"turn", "push", "rest", "patience", "back", "watch", "wait"};
   return names[static_cast<int>(limit)];
 }
 
