@@ -37,9 +37,12 @@ def table_of(controller: str, spec: _core.Spec) -> dict[str, Any]:
 
 def test_times_in_the_default_scene() -> None:
     """A turn is as long as a palm turns, 10° at 50°/s; a push as a correction takes from the end of
-    a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
+    a palm, 75 mm at 3 cm/s, of which the other times are parts or multiples; the lease leaves room
+    for four lost beacons."""
+    alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.5, "back": 0.75}
+    assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {"wait": 2.0}
     table = table_of("shared-sign", to_spec(Scene()))
-    assert table["limits_s"] == {"turn": 0.2, "push": 2.5, "rest": pytest.approx(0.32)}
+    assert table["limits_s"] == alone | {"turn": 0.2, "watch": 2.0, "wait": 10.0}
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
     assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
     assert _core.transition_table("distributed", to_spec(Scene())) is None
@@ -52,9 +55,11 @@ def test_times_in_the_default_scene() -> None:
 @pytest.mark.parametrize("brake", [False, True])
 def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) -> None:
     """Over random signs, words and ages, with signs and silences that last."""
-    spec = to_spec(load_scene({"control": {"brake": brake}, "palm": {"length_m": 0.03}}))
-    limits = {"turn": 20, "push": 50, "rest": 7}
+    keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
+    spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"
+    limits = {"turn": 20, "push": 25, "rest": 4, "patience": 5, "back": 8}
+    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20}
     seen = set()
     for seed in range(20):
         chance = random.Random(f"{controller} {leads} {brake} {seed}")
@@ -62,7 +67,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
         rules = SignRobot(Clock(beacon=5, lease=42, **limits), leads, brake, shares)
         sign, news_sign, deaf = 0, 0, False
         for tick in range(3000):
-            if chance.random() < 0.02:
+            if chance.random() < 0.01:
                 sign = chance.choice((-1, 0, 1))
             if chance.random() < 0.03:
                 news_sign = chance.choice((-1, 0, 1))
@@ -85,6 +90,14 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
         states -= (stops[0] | goes[1]) if leads else (goes[0] | stops[1])
     elif shares:
         states -= stops[0] | stops[1]
+    alone = "alone_" if shares else ""
+    if not (brake and leads):
+        states -= {alone + name for name in ("inward_leader", "inward_stop", "inward_back")}
+        states -= {"alone_watch", "alone_wait"}
+    if not (brake and not leads):
+        states -= {alone + name for name in ("outward_follower", "outward_stop")}
+    if brake:
+        states -= {alone + name for name in (("inward", "pause") if leads else ("outward",))}
     assert seen == states
 
 
