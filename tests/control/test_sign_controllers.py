@@ -39,7 +39,7 @@ def test_times_in_the_default_scene() -> None:
     """A turn is as long as a palm turns, 10° at 50°/s; a push as a correction takes from the end of
     a palm, 75 mm at 3 cm/s, of which the other times are parts or multiples; the lease leaves room
     for four lost beacons."""
-    alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.5, "back": 0.75}
+    alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.25, "back": 0.75}
     assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {"wait": 2.0}
     table = table_of("shared-sign", to_spec(Scene()))
     assert table["limits_s"] == alone | {"turn": 0.2, "watch": 2.0, "wait": 10.0}
@@ -58,7 +58,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
     keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
     spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"
-    limits = {"turn": 20, "push": 25, "rest": 4, "patience": 5, "back": 8}
+    limits = {"turn": 20, "push": 25, "rest": 4, "patience": 3, "back": 8}
     limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20}
     seen = set()
     for seed in range(20):

@@ -61,7 +61,7 @@ struct Silent {
     switch (limit) {
       case Limit::push: return timing.reach;
       case Limit::rest: return timing.reach / 8;
-      case Limit::patience: return timing.reach / 5;
+      case Limit::patience: return timing.reach / 10;
       case Limit::wait: return timing.reach * 4 / 5;
       case Limit::back: break;
     }
