@@ -29,7 +29,7 @@ template <class Table>
 class OneTableRobot : public AnyTableRobot {
  public:
   OneTableRobot(const Spec& spec, bool leads)
-      : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0}) {}
+      : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0, spec.start_by_touch != 0}) {}
 
   nb::tuple step(Sign sign, bool palm_at_target, MessageKind message, std::uint16_t age) override {
     const auto out = robot_.step({sign, palm_at_target, 1, message, false, false, age});

@@ -53,18 +53,22 @@ def test_times_in_the_default_scene() -> None:
 @pytest.mark.parametrize("controller", NAMES)
 @pytest.mark.parametrize("leads", [False, True])
 @pytest.mark.parametrize("brake", [False, True])
-def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) -> None:
+@pytest.mark.parametrize("start", ["together", "touch"])
+def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, start: str) -> None:
     """Over random signs, words and ages, with signs and silences that last."""
     keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
+    keys |= {"control.start": start}
+    by_touch = start == "touch"
     spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"
     limits = {"turn": 20, "push": 25, "rest": 4, "patience": 3, "back": 8}
-    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20}
+    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20, "watch": 20}
     seen = set()
     for seed in range(20):
         chance = random.Random(f"{controller} {leads} {brake} {seed}")
         shipped = _core.table_robot(controller, spec, leads)
-        rules = SignRobot(Clock(beacon=5, lease=42, **limits), leads, brake, shares)
+        clock = Clock(beacon=5, lease=42, **limits)
+        rules = SignRobot(clock, leads, brake, shares, by_touch=by_touch)
         sign, news_sign, deaf = 0, 0, False
         for tick in range(3000):
             if chance.random() < 0.01:
@@ -93,11 +97,14 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
     alone = "alone_" if shares else ""
     if not (brake and leads):
         states -= {alone + name for name in ("inward_leader", "inward_stop", "inward_back")}
-        states -= {"alone_watch", "alone_wait"}
+        states -= {"alone_watch"} if leads or not by_touch else set()
+        states -= {"alone_wait"} if not (by_touch and leads) else set()
     if not (brake and not leads):
         states -= {alone + name for name in ("outward_follower", "outward_stop")}
     if brake:
         states -= {alone + name for name in (("inward", "pause") if leads else ("outward",))}
+    states -= {"start_wait"} if not (by_touch and leads) else set()
+    states -= {"start_push"} if not (by_touch and not leads) else set()
     assert seen == states
 
 

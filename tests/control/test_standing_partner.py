@@ -79,6 +79,32 @@ def test_neither_robot_waits_for_the_other_without_end(controller: str) -> None:
     assert (commanded == 0).all(axis=1).any()  # both had stopped
 
 
+def test_leader_starts_when_it_feels_that_the_follower_has_started() -> None:
+    """Its contact leaves the zero zone outward; until then it stands."""
+    for direction, follower in (("forward", "left"), ("backward", "right")):
+        keys = {"robot.noise_m_s": 0.0, "control.start": "touch", "task.direction": direction}
+        carry = pb.carry("paper", "silent", overrides=keys)
+        assert carry.outcome == "delivered"
+        assert carry.trace is not None
+        leader = carry.trace.sel(side=other(follower))
+        before = leader["sign"].to_numpy() == 0
+        first = int(np.argmin(before))  # the tick at which the sign changes
+        assert first > 5
+        assert (leader["commanded"].to_numpy()[:first] == 0).all()
+        assert leader["sign"].to_numpy()[first] == 1
+        assert abs(leader["commanded"].to_numpy()[first]) > 0.06
+        goes = np.abs(carry.trace["commanded"].sel(side=follower).to_numpy()[:first])
+        assert goes == pytest.approx(0.06)
+
+
+def test_where_the_leader_feels_nothing_both_robots_stand() -> None:
+    """The follower's contact slides instead, so that it stops before the object is lost."""
+    keys = {"control.start": "touch", "task.timeout_s": 40.0} | slippery("left")
+    carry = pb.carry("paper", "silent", overrides=keys)
+    assert carry.outcome == "stalled"
+    assert max(carry.contact_peak_m.values()) < 0.05
+
+
 def share(controller: str, outcome: int, count: int = 400, **keys: Any) -> float:
     scene = load_scene("paper", {key.replace("__", "."): value for key, value in keys.items()})
     return float((run_seeds(to_spec(scene), controller, 0, count)["outcome"] == outcome).mean())

@@ -45,6 +45,11 @@ class SignRobot:
     # What the robot does on its own, and since when; None: it hears its partner.
     phase: str | None = "centred"
     phase_began: int = 0
+    by_touch: bool = False
+
+    def __post_init__(self) -> None:
+        if self.by_touch:
+            self.phase = "wait" if self.leads else "watch"
 
     def step(
         self, sign: int, news: tuple[int, str] | None, age: int
@@ -92,7 +97,7 @@ class SignRobot:
         if sign == 0:
             if was == "watch" and lasted < clock.watch:
                 return "watch"
-            if was == "wait" and lasted < clock.wait:
+            if was == "wait" and (lasted < clock.wait or not self.shares):
                 return "wait"
             if was == "back" and self.shares:
                 return "wait"
@@ -107,7 +112,7 @@ class SignRobot:
         if was in ends:
             limit, then = ends[was]
             return was if lasted < limit else then
-        if was == "wait":
+        if was == "wait" and self.shares:
             return "stop in"
         return "patience in" if self.leads and self.brake else "push"
 

@@ -56,6 +56,11 @@ class BitslicedTableTeam {
       beacons_.insert(i, team.radio().steady_delay());
     }
     boot(here);
+    for (const std::size_t side : {left, right}) {
+      RobotMask one{};
+      one[side] = CarryMask{1} << i;
+      robots_.insert(one, team.robot(side).state());
+    }
     cases_.insert(i);
   }
 

@@ -63,6 +63,9 @@ struct SharedSign {
   };
   static constexpr int states = 26;
   static constexpr State initial = State::alone_centred;
+  static constexpr State started_by_touch(bool leads) {
+    return leads ? State::alone_wait : State::alone_watch;
+  }
 
   enum class Limit : std::uint8_t {
     turn,  // how long the leader keeps its palm while both contacts are off in the same direction

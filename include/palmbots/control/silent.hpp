@@ -27,6 +27,9 @@
 // it backs towards its partner for a moment, which raises its contact, on the shallow palm, and then
 // tries again. The follower waits without end; if it backed away from a partner that stands, it
 // would lose objects. These rows need a robot that may stop (If::may_stop).
+//
+// START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
+// then slides outward on the shallow palm and tells it to start.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
@@ -45,9 +48,14 @@ struct Silent {
     inward_leader,  // as inward, of a leader that may stop
     inward_stop,
     inward_back,
+    start_wait,  // the leader, until it feels that the follower has started
+    start_push,  // the follower, whose steep palm lets the leader's contact slide
   };
-  static constexpr int states = 9;
+  static constexpr int states = 11;
   static constexpr State initial = State::centred;
+  static constexpr State started_by_touch(bool leads) {
+    return leads ? State::start_wait : State::start_push;
+  }
 
   enum class Limit : std::uint8_t {
     push,      // how long a robot moves closer before it pauses
@@ -86,6 +94,8 @@ struct Silent {
       /* inward_leader    */ {'d', {Palm::shallow, Move::closer}, MessageKind::none, patience},
       /* inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, MessageKind::none, wait},
       /* inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, MessageKind::none, back},
+      /* start_wait       */ {' ', {Palm::shallow, Move::hold, stop}, MessageKind::none},
+      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, wait},
   };
 
   using P = ContactCondition;
@@ -101,6 +111,9 @@ struct Silent {
   // clang-format off
   static constexpr TableRow<State> rows[] = {
       // in state           contact      heard     if                 go to
+      {S::start_wait,       P::zero,     any_word, {},                S::start_wait},
+      {S::start_push,       P::zero,     any_word, waited,            S::centred},
+      {S::start_push,       P::zero,     any_word, {},                S::start_push},
       {any,                 P::zero,     any_word, {},                S::centred},
       {S::outward_follower, P::positive, any_word, waited,            S::outward_stop},
       {any - out,           P::positive, any_word, follows_and_stops, S::outward_follower},
@@ -119,7 +132,8 @@ struct Silent {
 constexpr const char* name_of(Silent::State state) {
   constexpr const char* names[] = {"centred",       "outward",          "inward",
                                    "pause",         "outward_follower", "outward_stop",
-                                   "inward_leader", "inward_stop",      "inward_back"};
+                                   "inward_leader", "inward_stop",      "inward_back",
+                                   "start_wait",    "start_push"};
   return names[static_cast<int>(state)];
 }
 

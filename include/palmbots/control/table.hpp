@@ -15,6 +15,8 @@
 //   Limit, limits, name_of(Limit)   the time limits to which its states refer, numbered from 0
 //   seconds(Limit, TableTiming)     how long each one is
 //   talks                           whether the words are sent to the partner
+//   started_by_touch(leads)         optional: the state at the start if only the follower starts by
+//                                   itself, and the leader when it feels that
 //
 // WORDS. A robot has one word in each state: its message. If the table talks, a word is sent at once
 // when it changes, and repeated in every beacon period. A robot acts on its partner's newest word

@@ -156,3 +156,6 @@ class Control(Section):
     brake: Switch = True
     """Controllers shared-sign and silent: whether a robot may stop to correct a contact that is off
     centre, or because its partner seems to stand."""
+    start: Literal["together", "touch"] = "together"
+    """Controllers silent and shared-sign. together: both robots start at an agreed time. touch: the
+    follower starts, and the leader when it feels that, or hears it."""
