@@ -29,7 +29,7 @@
 // would lose objects. These rows need a robot that may stop (If::may_stop).
 //
 // START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
-// then slides outward on the shallow palm and tells it to start.
+// then slides outward on the shallow palm and makes it start.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
