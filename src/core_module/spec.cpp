@@ -130,6 +130,9 @@ void bind_spec(nb::module_& m) {
       .def_prop_rw(
           "brake", [](const Spec& s) { return s.brake != 0; },
           [](Spec& s, bool brake) { s.brake = brake ? 1 : 0; })
+      .def_prop_rw(
+          "start_by_touch", [](const Spec& s) { return s.start_by_touch != 0; },
+          [](Spec& s, bool by_touch) { s.start_by_touch = by_touch ? 1 : 0; })
       .def_rw("watchdog", &Spec::watchdog)
       .def_rw("random_reboots", &Spec::random_reboots)
       .def_rw("reboot", &Spec::reboot)

@@ -29,7 +29,7 @@ template <class Table>
 class OneTableRobot : public AnyTableRobot {
  public:
   OneTableRobot(const Spec& spec, bool leads)
-      : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0}) {}
+      : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0, spec.start_by_touch != 0}) {}
 
   nb::tuple step(Sign sign, bool palm_at_target, MessageKind message, std::uint16_t age) override {
     const auto out = robot_.step({sign, palm_at_target, 1, message, false, false, age});
@@ -64,7 +64,7 @@ nb::dict described(const Spec& spec) {
     d["case"] = std::string(1, output.name);
     d["palm"] = name_of(output.command.palm);
     d["move"] = name_of(output.command.move);
-    d["stop"] = output.command.stop;
+    d["stop"] = output.command.stop || output.brakes;
     d["word"] = Table::talks ? name_of(output.message) : "";
     d["limit"] = output.limit < 0 ? "" : name_of(static_cast<typename Table::Limit>(output.limit));
     states.append(d);

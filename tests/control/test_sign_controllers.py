@@ -38,13 +38,16 @@ def table_of(controller: str, spec: _core.Spec) -> dict[str, Any]:
 def test_times_in_the_default_scene() -> None:
     """A turn with its notice is as long as a palm turns, 10° at 50°/s; the notice is as long as a
     message takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end
-    of a palm, 75 mm at 3 cm/s; the lease leaves room for four lost beacons."""
+    of a palm, 75 mm at 3 cm/s, of which the other times are parts or multiples; the lease leaves
+    room for four lost beacons."""
+    alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.25, "back": 0.75}
+    assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {"wait": 2.0}
     table = table_of("shared-sign", to_spec(Scene()))
-    assert table["limits_s"] == {
+    assert table["limits_s"] == alone | {
         "turn": 0.14,
         "notice": 0.06,
-        "push": 2.5,
-        "rest": pytest.approx(0.32),
+        "watch": 2.0,
+        "wait": 10.0,
     }
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
     assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
@@ -56,19 +59,25 @@ def test_times_in_the_default_scene() -> None:
 @pytest.mark.parametrize("controller", NAMES)
 @pytest.mark.parametrize("leads", [False, True])
 @pytest.mark.parametrize("brake", [False, True])
-def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) -> None:
+@pytest.mark.parametrize("start", ["together", "touch"])
+def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, start: str) -> None:
     """Over random signs, words and ages, with signs and silences that last."""
-    spec = to_spec(load_scene({"control": {"brake": brake}, "palm": {"length_m": 0.03}}))
-    limits = {"turn": 14, "notice": 6, "push": 50, "rest": 7}
+    keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
+    keys |= {"control.start": start}
+    by_touch = start == "touch"
+    spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"
+    limits = {"turn": 14, "notice": 6, "push": 25, "rest": 4, "patience": 3, "back": 8}
+    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20, "watch": 20}
     seen = set()
     for seed in range(20):
         chance = random.Random(f"{controller} {leads} {brake} {seed}")
         shipped = _core.table_robot(controller, spec, leads)
-        rules = SignRobot(Clock(beacon=5, lease=42, **limits), leads, brake, shares)
+        clock = Clock(beacon=5, lease=42, **limits)
+        rules = SignRobot(clock, leads, brake, shares, by_touch=by_touch)
         sign, news_sign, deaf = 0, 0, False
         for tick in range(3000):
-            if chance.random() < 0.02:
+            if chance.random() < 0.01:
                 sign = chance.choice((-1, 0, 1))
             if chance.random() < 0.03:
                 news_sign = chance.choice((-1, 0, 1))
@@ -86,6 +95,17 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool) 
             seen.add(shipped.state)
     states = {s["name"] for s in table_of(controller, spec)["states"]}
     states = {name for name in states if not name.startswith("follow" if leads else "lead")}
+    alone = "alone_" if shares else ""
+    if not (brake and leads):
+        states -= {alone + name for name in ("inward_leader", "inward_stop", "inward_back")}
+        states -= {"alone_watch"} if leads or not by_touch else set()
+        states -= {"alone_wait"} if not (by_touch and leads) else set()
+    if not (brake and not leads):
+        states -= {alone + name for name in ("outward_follower", "outward_stop")}
+    if brake:
+        states -= {alone + name for name in (("inward", "pause") if leads else ("outward",))}
+    states -= {"start_wait"} if not (by_touch and leads) else set()
+    states -= {"start_push"} if not (by_touch and not leads) else set()
     assert seen == states
 
 

@@ -133,6 +133,8 @@ def test_baseline_needs_messages() -> None:
 def test_silent_baseline_reproduces_the_carry_bit_for_bit(
     overrides: dict[str, Any], messages: bool
 ) -> None:
+    """In an environment no robot stops, so the carry has no brake."""
+    overrides = overrides | {"control.brake": False}
     known = pb.carry("paper", "silent", seed=3, overrides=overrides)
     env = carry_v0.parallel_env("paper", overrides=overrides, record=True, messages=messages)
     played = run_episode(env, lambda: SilentBaseline("paper", messages), seed=3)

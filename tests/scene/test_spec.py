@@ -135,6 +135,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
                 },
                 "control.watchdog_s": 0.2,
                 "control.brake": False,
+                "control.start": "touch",
                 "robot.left.clock_ppm": 150,
             },
         )
@@ -155,6 +156,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
     ]
     assert (spec.random_reboots, spec.reboot, spec.watchdog) == (3, 0.7, 0.2)
     assert not spec.brake
+    assert spec.start_by_touch
     assert [robot.clock_drift for robot in spec.robots] == [pytest.approx(150e-6), 0]
 
 

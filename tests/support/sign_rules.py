@@ -4,7 +4,7 @@
 A slow transcription of docs/theory/protocols.md that shares nothing with the tables in the core.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 __all__ = ["Clock", "SignRobot"]
 
@@ -19,6 +19,10 @@ class Clock:
     notice: int
     push: int
     rest: int
+    patience: int
+    back: int
+    wait: int
+    watch: int = 0
 
 
 @dataclass
@@ -41,9 +45,14 @@ class SignRobot:
     tie: int | None = None
     turn_began: int = 0
     ending: bool = False
-    # Since when the robot, on its own, has been moving closer, or pausing.
-    phase: str | None = field(default=None)
+    # What the robot does on its own, and since when; None: it hears its partner.
+    phase: str | None = "centred"
     phase_began: int = 0
+    by_touch: bool = False
+
+    def __post_init__(self) -> None:
+        if self.by_touch:
+            self.phase = "wait" if self.leads else "watch"
 
     def step(
         self, sign: int, news: tuple[int, str] | None, age: int
@@ -54,13 +63,11 @@ class SignRobot:
             self.partner_sign, self.partner_palm = news
             self.heard_at = self.now - age
         alone = not self.shares or self.now - self.heard_at > self.clock.lease
-        if not (alone and sign < 0):
-            self.phase = None
-        stop = False
         if alone:
             self.tie = None
-            move = self._alone(sign)
+            move, stop = self._alone(sign)
         else:
+            self.phase = None
             move, stop = self._together(sign, self.partner_sign)
         says = other(self.palm) if self.tie is not None and self.ending else self.palm
         word = (sign, says if sign else "steep")
@@ -70,16 +77,48 @@ class SignRobot:
         self.word = word
         return self.palm, move, stop, word, due
 
-    def _alone(self, sign: int) -> str:
-        self.palm = "steep" if sign > 0 else "shallow"
-        if sign >= 0:
-            return "away" if sign > 0 else "hold"
-        if self.phase is None:
-            self.phase, self.phase_began = "push", self.now
-        limit = self.clock.push if self.phase == "push" else self.clock.rest
-        if self.now - self.phase_began >= limit:
-            self.phase, self.phase_began = "rest" if self.phase == "push" else "push", self.now
-        return "closer" if self.phase == "push" else "hold"
+    def _alone(self, sign: int) -> tuple[str, bool]:
+        phase = self._next_phase(sign)
+        if phase != self.phase:
+            self.phase, self.phase_began = phase, self.now
+        self.palm = "steep" if sign > 0 or phase == "watch" else "shallow"
+        if phase in ("push", "patience in", "back"):
+            move = "closer"
+        else:
+            move = "away" if phase in ("out", "patience out") else "hold"
+        return move, phase in ("stop out", "stop in", "back", "wait")
+
+    def _next_phase(self, sign: int) -> str:
+        """What the robot does from now on: as before, until the sign or the time ends it."""
+        was, clock = self.phase, self.clock
+        lasted = self.now - self.phase_began
+        if sign > 0:
+            if not self.brake or self.leads:
+                return "out"
+            if was == "stop out" or (was == "patience out" and lasted >= clock.patience):
+                return "stop out"
+            return "patience out"
+        if sign == 0:
+            if was == "watch" and lasted < clock.watch:
+                return "watch"
+            if was == "wait" and (lasted < clock.wait or not self.shares):
+                return "wait"
+            if was == "back" and self.shares:
+                return "wait"
+            return "watch" if was is None and self.leads and self.brake else "centred"
+        ends = {
+            "push": (clock.push, "rest"),
+            "rest": (clock.rest, "push"),
+            "patience in": (clock.patience, "stop in"),
+            "stop in": (clock.wait, "back"),
+            "back": (clock.back, "patience in"),
+        }
+        if was in ends:
+            limit, then = ends[was]
+            return was if lasted < limit else then
+        if was == "wait" and self.shares:
+            return "stop in"
+        return "patience in" if self.leads and self.brake else "push"
 
     def _together(self, a: int, b: int) -> tuple[str, bool]:
         if a != b:

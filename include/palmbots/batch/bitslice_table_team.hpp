@@ -56,6 +56,11 @@ class BitslicedTableTeam {
       beacons_.insert(i, team.radio().steady_delay());
     }
     boot(here);
+    for (const std::size_t side : {left, right}) {
+      RobotMask one{};
+      one[side] = CarryMask{1} << i;
+      robots_.insert(one, team.robot(side).state());
+    }
     cases_.insert(i);
   }
 
@@ -90,7 +95,8 @@ class BitslicedTableTeam {
     if constexpr (Table::talks) say(tick, run, lost);
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
-    commands_.stop &= may_stop_;
+    commands_.stop |=
+        may_stop_ & robots_.who([](const TableOutput& output) { return output.brakes; });
     // A robot that is off keeps its palm, also one whose program has not run yet.
     commands_.shallow = (commands_.shallow & ~programs.off) | (before.shallow & programs.off);
     commands_.switch_off(programs.off);

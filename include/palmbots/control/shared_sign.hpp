@@ -12,7 +12,9 @@
 //           both contacts are outward, so that the robots separate, and the leader if both are
 //           inward
 //   silence without news from the partner for a lease, the rule of `silent` on the own sign; with
-//           the next news, the above again
+//           the next news, the above again. The partner may just have stopped. So the leader's palm
+//           is steep at first, because then its own contact slides and shows that. A leader that
+//           has stopped waits longer than in `silent`, because the partner may still be heard.
 //
 // TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its word names its
 // palm, and the follower takes the opposite. So the robots need no common clock, and a turn begins
@@ -54,25 +56,47 @@ struct SharedSign {
     follow_in_steep,
     follow_in_shallow,
     alone_centred,
+    alone_watch,
     alone_outward,
     alone_inward,
     alone_pause,
+    alone_outward_follower,
+    alone_outward_stop,
+    alone_inward_leader,
+    alone_inward_stop,
+    alone_inward_back,
+    alone_wait,
   };
-  static constexpr int states = 23;
+  static constexpr int states = 30;
   static constexpr State initial = State::alone_centred;
+  static constexpr State started_by_touch(bool leads) {
+    return leads ? State::alone_wait : State::alone_watch;
+  }
 
   enum class Limit : std::uint8_t {
     turn,    // how long the leader keeps its palm before it announces the other one
     notice,  // how long before it turns the leader announces its next palm
-    push,    // as in Silent
+    push,    // this and the next three as in Silent
     rest,
+    patience,
+    back,
+    watch,  // how long the leader watches for a partner that stands
+    wait,   // how long the leader stops
   };
-  static constexpr std::size_t limits = 4;
+  static constexpr std::size_t limits = 8;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
-    if (limit == Limit::push) return Silent::seconds(Silent::Limit::push, timing);
-    if (limit == Limit::rest) return Silent::seconds(Silent::Limit::rest, timing);
-    if (limit == Limit::notice) return timing.delay;
-    return timing.turn > 2 * timing.delay ? timing.turn - timing.delay : timing.delay;
+    switch (limit) {
+      case Limit::turn:
+        return timing.turn > 2 * timing.delay ? timing.turn - timing.delay : timing.delay;
+      case Limit::notice: return timing.delay;
+      case Limit::push: return Silent::seconds(Silent::Limit::push, timing);
+      case Limit::rest: return Silent::seconds(Silent::Limit::rest, timing);
+      case Limit::patience: return Silent::seconds(Silent::Limit::patience, timing);
+      case Limit::back: return Silent::seconds(Silent::Limit::back, timing);
+      case Limit::watch: return Silent::seconds(Silent::Limit::wait, timing);
+      case Limit::wait: break;
+    }
+    return timing.reach * 4;
   }
 
   static constexpr bool talks = true;
@@ -80,42 +104,58 @@ struct SharedSign {
   static constexpr int notice = static_cast<int>(Limit::notice);
   static constexpr int push = static_cast<int>(Limit::push);
   static constexpr int rest = static_cast<int>(Limit::rest);
+  static constexpr int patience = static_cast<int>(Limit::patience);
+  static constexpr int back = static_cast<int>(Limit::back);
+  static constexpr int watch = static_cast<int>(Limit::watch);
+  static constexpr int wait = static_cast<int>(Limit::wait);
 
   using S = State;
   using M = MessageKind;
-  static constexpr bool brake = true;
+  static constexpr bool stop = true;
   // clang-format off
   static constexpr TableOutput outputs[states] = {
-      /* rest_steep            */ {' ', {Palm::steep, Move::hold}, M::zero},
-      /* rest_shallow          */ {' ', {Palm::shallow, Move::hold}, M::zero},
-      /* own_out               */ {'a', {Palm::steep, Move::away}, M::plus},
-      /* help_out              */ {'c', {Palm::shallow, Move::away}, M::zero},
-      /* help_in               */ {'c', {Palm::steep, Move::closer}, M::zero},
-      /* own_in                */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
-      /* apart_in              */ {'d', {Palm::shallow, Move::away}, M::minus_shallow},
-      /* lead_out_steep        */ {'b', {Palm::steep, Move::away}, M::plus, turn},
-      /* lead_out_shallow      */ {'b', {Palm::shallow, Move::away}, M::plus_shallow, turn},
-      /* lead_out_steep_ends   */ {'b', {Palm::steep, Move::away}, M::plus_shallow, notice},
-      /* lead_out_shallow_ends */ {'b', {Palm::shallow, Move::away}, M::plus, notice},
-      /* lead_in_steep         */ {'d', {Palm::steep, Move::closer, brake}, M::minus, turn},
-      /* lead_in_shallow       */ {'d', {Palm::shallow, Move::closer, brake}, M::minus_shallow, turn},
-      /* lead_in_steep_ends    */ {'d', {Palm::steep, Move::closer, brake}, M::minus_shallow, notice},
-      /* lead_in_shallow_ends  */ {'d', {Palm::shallow, Move::closer, brake}, M::minus, notice},
-      /* follow_out_steep      */ {'b', {Palm::steep, Move::away, brake}, M::plus},
-      /* follow_out_shallow    */ {'b', {Palm::shallow, Move::away, brake}, M::plus_shallow},
-      /* follow_in_steep       */ {'d', {Palm::steep, Move::closer}, M::minus},
-      /* follow_in_shallow     */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
-      /* alone_centred         */ {' ', {Palm::shallow, Move::hold}, M::zero},
-      /* alone_outward         */ {'a', {Palm::steep, Move::away}, M::plus},
-      /* alone_inward          */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
-      /* alone_pause           */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
+      /* rest_steep             */ {' ', {Palm::steep, Move::hold}, M::zero},
+      /* rest_shallow           */ {' ', {Palm::shallow, Move::hold}, M::zero},
+      /* own_out                */ {'a', {Palm::steep, Move::away}, M::plus},
+      /* help_out               */ {'c', {Palm::shallow, Move::away}, M::zero},
+      /* help_in                */ {'c', {Palm::steep, Move::closer}, M::zero},
+      /* own_in                 */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
+      /* apart_in               */ {'d', {Palm::shallow, Move::away}, M::minus_shallow},
+      /* lead_out_steep         */ {'b', {Palm::steep, Move::away}, M::plus, turn},
+      /* lead_out_shallow       */ {'b', {Palm::shallow, Move::away}, M::plus_shallow, turn},
+      /* lead_out_steep_ends    */ {'b', {Palm::steep, Move::away}, M::plus_shallow, notice},
+      /* lead_out_shallow_ends  */ {'b', {Palm::shallow, Move::away}, M::plus, notice},
+      /* lead_in_steep          */ braking({'d', {Palm::steep, Move::closer}, M::minus, turn}),
+      /* lead_in_shallow        */ braking({'d', {Palm::shallow, Move::closer}, M::minus_shallow, turn}),
+      /* lead_in_steep_ends     */ braking({'d', {Palm::steep, Move::closer}, M::minus_shallow, notice}),
+      /* lead_in_shallow_ends   */ braking({'d', {Palm::shallow, Move::closer}, M::minus, notice}),
+      /* follow_out_steep       */ braking({'b', {Palm::steep, Move::away}, M::plus}),
+      /* follow_out_shallow     */ braking({'b', {Palm::shallow, Move::away}, M::plus_shallow}),
+      /* follow_in_steep        */ {'d', {Palm::steep, Move::closer}, M::minus},
+      /* follow_in_shallow      */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
+      /* alone_centred          */ {' ', {Palm::shallow, Move::hold}, M::zero},
+      /* alone_watch            */ {' ', {Palm::steep, Move::hold}, M::zero, watch},
+      /* alone_outward          */ {'a', {Palm::steep, Move::away}, M::plus},
+      /* alone_inward           */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
+      /* alone_pause            */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
+      /* alone_outward_follower */ {'a', {Palm::steep, Move::away}, M::plus, patience},
+      /* alone_outward_stop     */ {'a', {Palm::steep, Move::hold, stop}, M::plus},
+      /* alone_inward_leader    */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, patience},
+      /* alone_inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, M::minus_shallow, wait},
+      /* alone_inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, M::minus_shallow, back},
+      /* alone_wait             */ {' ', {Palm::shallow, Move::hold, stop}, M::zero, wait},
   };
   // clang-format on
 
   using P = ContactCondition;
   using Set = EnumSet<State>;
   static constexpr Set any = Set::all();
-  static constexpr Set elsewhere = any - Set{S::alone_inward, S::alone_pause};
+  static constexpr Set alone_out = {S::alone_outward_follower, S::alone_outward_stop};
+  static constexpr Set alone_in = {S::alone_inward, S::alone_pause, S::alone_inward_leader,
+                                   S::alone_inward_stop, S::alone_inward_back};
+  static constexpr Set backed = {S::alone_inward_back, S::alone_wait};
+  static constexpr Set together = any - Set{S::alone_centred, S::alone_watch, S::alone_outward} -
+                                  alone_out - alone_in - S::alone_wait;
   static constexpr Set steep = states_with<State>(Palm::steep, outputs);
   static constexpr Set shallow = states_with<State>(Palm::shallow, outputs);
   static constexpr Set ends_out = {S::lead_out_steep_ends, S::lead_out_shallow_ends};
@@ -125,16 +165,29 @@ struct SharedSign {
   static constexpr WordSet plus = {M::plus, M::plus_shallow};
   static constexpr WordSet minus = {M::minus, M::minus_shallow};
   static constexpr WordSet not_plus = {M::zero, M::minus, M::minus_shallow};
+  static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
+  static constexpr IfSet follows_and_stops = {If::follows, If::may_stop};
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
       // in state                 contact      hears            if             go to
       // the partner is silent: the rows of `silent`
-      {any,                       P::positive, silence,         {},            S::alone_outward},
-      {any,                       P::zero,     silence,         {},            S::alone_centred},
-      {S::alone_inward,           P::negative, silence,         If::timed_out, S::alone_pause},
-      {S::alone_pause,            P::negative, silence,         If::timed_out, S::alone_inward},
-      {elsewhere,                 P::negative, silence,         {},            S::alone_inward},
+      {S::alone_wait,             P::zero,     silence,         If::timed_out,     S::alone_centred},
+      {S::alone_watch,            P::zero,     silence,         If::timed_out,     S::alone_centred},
+      {backed,                    P::zero,     silence,         {},                S::alone_wait},
+      {together,                  P::zero,     silence,         leads_and_stops,   S::alone_watch},
+      {any - S::alone_watch,      P::zero,     silence,         {},                S::alone_centred},
+      {S::alone_outward_follower, P::positive, silence,         If::timed_out,     S::alone_outward_stop},
+      {any - alone_out,           P::positive, silence,         follows_and_stops, S::alone_outward_follower},
+      {any - alone_out,           P::positive, silence,         {},                S::alone_outward},
+      {S::alone_wait,             P::negative, silence,         {},                S::alone_inward_stop},
+      {S::alone_inward_leader,    P::negative, silence,         If::timed_out,     S::alone_inward_stop},
+      {S::alone_inward_stop,      P::negative, silence,         If::timed_out,     S::alone_inward_back},
+      {S::alone_inward_back,      P::negative, silence,         If::timed_out,     S::alone_inward_leader},
+      {S::alone_inward,           P::negative, silence,         If::timed_out,     S::alone_pause},
+      {S::alone_pause,            P::negative, silence,         If::timed_out,     S::alone_inward},
+      {any - alone_in,            P::negative, silence,         leads_and_stops,   S::alone_inward_leader},
+      {any - alone_in,            P::negative, silence,         {},                S::alone_inward},
       // different signs, or both zero
       {steep,                     P::zero,     zero,            {},            S::rest_steep},
       {shallow,                   P::zero,     zero,            {},            S::rest_shallow},
@@ -187,14 +240,22 @@ constexpr const char* name_of(SharedSign::State state) {
                                    "follow_in_steep",
                                    "follow_in_shallow",
                                    "alone_centred",
+                                   "alone_watch",
                                    "alone_outward",
                                    "alone_inward",
-                                   "alone_pause"};
+                                   "alone_pause",
+                                   "alone_outward_follower",
+                                   "alone_outward_stop",
+                                   "alone_inward_leader",
+                                   "alone_inward_stop",
+                                   "alone_inward_back",
+                                   "alone_wait"};
   return names[static_cast<int>(state)];
 }
 
 constexpr const char* name_of(SharedSign::Limit limit) {
-  constexpr const char* names[] = {"turn", "notice", "push", "rest"};
+  constexpr const char* names[] = {"turn",     "notice", "push",  "rest",
+                                   "patience", "back",   "watch", "wait"};
   return names[static_cast<int>(limit)];
 }
 

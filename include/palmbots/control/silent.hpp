@@ -15,6 +15,21 @@
 // lowers the partner's contact, on the steep palm. The pauses end the tie, and they cost little
 // elsewhere, because other corrections seldom last that long. The robot that moves closer pauses,
 // not the one that moves away, because away is the correction that saves more objects.
+//
+// A PARTNER THAT STANDS. The follower then closes in on it, and the leader runs away from it, at the
+// travel speed, which no correction outruns. The only sign of it is a contact that stays off
+// centre: outward at the follower, inward at the leader. After Limit::patience the robot stops where
+// it is. It travels again when its contact has come back, because only the partner's motion brings
+// it back. If the partner had not stopped at all, this is a brake: the follower that stops lets the
+// robots separate, the leader that stops lets them close, at the travel speed.
+//
+// Both may stop by mistake, the follower outward and the leader inward. So the leader's wait ends:
+// it backs towards its partner for a moment, which raises its contact, on the shallow palm, and then
+// tries again. The follower waits without end; if it backed away from a partner that stands, it
+// would lose objects. These rows need a robot that may stop (If::may_stop).
+//
+// START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
+// then slides outward on the shallow palm and makes it start.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
@@ -23,53 +38,107 @@
 namespace palmbots {
 
 struct Silent {
-  enum class State : std::uint8_t { centred, outward, inward, pause };
-  static constexpr int states = 4;
+  enum class State : std::uint8_t {
+    centred,
+    outward,
+    inward,
+    pause,
+    outward_follower,  // as outward, of a follower that may stop
+    outward_stop,
+    inward_leader,  // as inward, of a leader that may stop
+    inward_stop,
+    inward_back,
+    start_wait,  // the leader, until it feels that the follower has started
+    start_push,  // the follower, whose steep palm lets the leader's contact slide
+  };
+  static constexpr int states = 11;
   static constexpr State initial = State::centred;
+  static constexpr State started_by_touch(bool leads) {
+    return leads ? State::start_wait : State::start_push;
+  }
 
   enum class Limit : std::uint8_t {
-    push,  // how long a robot moves closer before it pauses
-    rest,  // how long a pause is
+    push,      // how long a robot moves closer before it pauses
+    rest,      // how long a pause is
+    patience,  // how long a contact may stay off centre before a robot stops
+    wait,      // how long the leader stops
+    back,      // how long it then backs towards its partner
   };
-  static constexpr std::size_t limits = 2;
+  static constexpr std::size_t limits = 5;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
-    return limit == Limit::push ? timing.reach : timing.reach / 8;
+    switch (limit) {
+      case Limit::push: return timing.reach;
+      case Limit::rest: return timing.reach / 8;
+      case Limit::patience: return timing.reach / 10;
+      case Limit::wait: return timing.reach * 4 / 5;
+      case Limit::back: break;
+    }
+    return timing.reach * 3 / 10;
   }
 
   static constexpr bool talks = false;
   static constexpr int push = static_cast<int>(Limit::push);
   static constexpr int rest = static_cast<int>(Limit::rest);
+  static constexpr int patience = static_cast<int>(Limit::patience);
+  static constexpr int wait = static_cast<int>(Limit::wait);
+  static constexpr int back = static_cast<int>(Limit::back);
 
+  static constexpr bool stop = true;
   static constexpr TableOutput outputs[states] = {
-      /* centred */ {' ', {Palm::shallow, Move::hold}, MessageKind::none},
-      /* outward */ {'a', {Palm::steep, Move::away}, MessageKind::none},
-      /* inward  */ {'d', {Palm::shallow, Move::closer}, MessageKind::none, push},
-      /* pause   */ {'d', {Palm::shallow, Move::hold}, MessageKind::none, rest},
+      /* centred          */ {' ', {Palm::shallow, Move::hold}, MessageKind::none},
+      /* outward          */ {'a', {Palm::steep, Move::away}, MessageKind::none},
+      /* inward           */ {'d', {Palm::shallow, Move::closer}, MessageKind::none, push},
+      /* pause            */ {'d', {Palm::shallow, Move::hold}, MessageKind::none, rest},
+      /* outward_follower */ {'a', {Palm::steep, Move::away}, MessageKind::none, patience},
+      /* outward_stop     */ {'a', {Palm::steep, Move::hold, stop}, MessageKind::none},
+      /* inward_leader    */ {'d', {Palm::shallow, Move::closer}, MessageKind::none, patience},
+      /* inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, MessageKind::none, wait},
+      /* inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, MessageKind::none, back},
+      /* start_wait       */ {' ', {Palm::shallow, Move::hold, stop}, MessageKind::none},
+      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, wait},
   };
 
   using P = ContactCondition;
-  static constexpr EnumSet<State> any = EnumSet<State>::all();
-  static constexpr EnumSet<State> elsewhere = any - EnumSet<State>{State::inward, State::pause};
+  using S = State;
+  using Set = EnumSet<State>;
+  static constexpr Set any = Set::all();
+  static constexpr Set out = {S::outward_follower, S::outward_stop};
+  static constexpr Set in = {S::inward, S::pause, S::inward_leader, S::inward_stop, S::inward_back};
+  static constexpr IfSet waited = If::timed_out;
+  static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
+  static constexpr IfSet follows_and_stops = {If::follows, If::may_stop};
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
-      // in state        contact      heard     if             go to
-      {any,              P::positive, any_word, {},            State::outward},
-      {any,              P::zero,     any_word, {},            State::centred},
-      {State::inward,    P::negative, any_word, If::timed_out, State::pause},
-      {State::pause,     P::negative, any_word, If::timed_out, State::inward},
-      {elsewhere,        P::negative, any_word, {},            State::inward},
+      // in state           contact      heard     if                 go to
+      {S::start_wait,       P::zero,     any_word, {},                S::start_wait},
+      {S::start_push,       P::zero,     any_word, waited,            S::centred},
+      {S::start_push,       P::zero,     any_word, {},                S::start_push},
+      {any,                 P::zero,     any_word, {},                S::centred},
+      {S::outward_follower, P::positive, any_word, waited,            S::outward_stop},
+      {any - out,           P::positive, any_word, follows_and_stops, S::outward_follower},
+      {any - out,           P::positive, any_word, {},                S::outward},
+      {S::inward_leader,    P::negative, any_word, waited,            S::inward_stop},
+      {S::inward_stop,      P::negative, any_word, waited,            S::inward_back},
+      {S::inward_back,      P::negative, any_word, waited,            S::inward_leader},
+      {S::inward,           P::negative, any_word, waited,            S::pause},
+      {S::pause,            P::negative, any_word, waited,            S::inward},
+      {any - in,            P::negative, any_word, leads_and_stops,   S::inward_leader},
+      {any - in,            P::negative, any_word, {},                S::inward},
   };
   // clang-format on
 };
 
 constexpr const char* name_of(Silent::State state) {
-  constexpr const char* names[] = {"centred", "outward", "inward", "pause"};
+  constexpr const char* names[] = {"centred",       "outward",          "inward",
+                                   "pause",         "outward_follower", "outward_stop",
+                                   "inward_leader", "inward_stop",      "inward_back",
+                                   "start_wait",    "start_push"};
   return names[static_cast<int>(state)];
 }
 
 constexpr const char* name_of(Silent::Limit limit) {
-  constexpr const char* names[] = {"push", "rest"};
+  constexpr const char* names[] = {"push", "rest", "patience", "wait", "back"};
   return names[static_cast<int>(limit)];
 }
 

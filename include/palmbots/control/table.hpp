@@ -15,6 +15,8 @@
 //   Limit, limits, name_of(Limit)   the time limits to which its states refer, numbered from 0
 //   seconds(Limit, TableTiming)     how long each one is
 //   talks                           whether the words are sent to the partner
+//   started_by_touch(leads)         optional: the state at the start if only the follower starts by
+//                                   itself, and the leader when it feels that
 //
 // WORDS. A robot has one word in each state: its message. If the table talks, a word is sent at once
 // when it changes, and repeated in every beacon period. A robot acts on its partner's newest word
@@ -76,15 +78,20 @@ constexpr const char* name_of(If condition) {
   return names[static_cast<int>(condition)];
 }
 
-// What a robot commands and says as long as it is in a state. It stops only if the scene lets robots
-// stop as a correction.
+// What a robot commands and says as long as it is in a state.
 struct TableOutput {
   char name;  // the case: 'a' to 'd' as in Table 2; ' ' for none
   Command command;
   MessageKind message;
-  int limit = -1;      // the number of the state's time limit; -1: it has none
-  bool waits = false;  // it waits for a message
+  int limit = -1;       // the number of the state's time limit; -1: it has none
+  bool waits = false;   // it waits for a message
+  bool brakes = false;  // it stops, too, if the scene lets a robot stop as a correction
 };
+
+constexpr TableOutput braking(TableOutput output) {
+  output.brakes = true;
+  return output;
+}
 
 // The states in which the palm is commanded to this angle.
 template <class State, std::size_t n>

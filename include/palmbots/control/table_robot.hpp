@@ -92,8 +92,9 @@ class TableRobot {
 
   // What a robot knows from the start.
   struct Role {
-    bool leads;     // it is the front robot in the direction of travel
-    bool may_stop;  // the scene lets robots stop as a correction
+    bool leads;             // it is the front robot in the direction of travel
+    bool may_stop;          // the scene lets robots stop as a correction
+    bool by_touch = false;  // the follower starts first, and the leader when it feels that
   };
 
   using Input = RobotInput;
@@ -127,7 +128,7 @@ class TableRobot {
     const bool send = talks && (now().message != said || since_sent_ >= times_.beacon);
     if (send) since_sent_ = 0;
     Command command = now().command;
-    command.stop = command.stop && role_.may_stop;
+    command.stop = command.stop || (now().brakes && role_.may_stop);
     return {command, now().message, send};
   }
 

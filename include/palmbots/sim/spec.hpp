@@ -118,7 +118,9 @@ struct Spec {
   std::array<FaultSpec, max_faults> faults{};
   std::size_t fault_count = 0;
   std::uint32_t random_reboots = 0;  // number per carry
-  double reboot = 0.5;               // duration of each [s]
+  std::uint32_t start_by_touch =
+      0;                // the follower starts first (beside random_reboots: no padding)
+  double reboot = 0.5;  // duration of each [s]
   double distance = 1.5;
   double slope = 0;           // specific force towards −x
   double inertia = 1;         // 0: accelerations have no effect, as the paper assumes

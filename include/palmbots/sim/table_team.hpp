@@ -22,8 +22,10 @@ class TableTeam : public BeaconTeam<TableRobot<Table>> {
   using Times = typename Robot::Times;
 
   TableTeam(const Times& times, bool may_stop, PerSide<double> clock_drift, const Channel& channel,
-            std::uint64_t seed, std::size_t leader, const Faults& faults = {})
-      : Base({Robot(times, {leader == left, may_stop}), Robot(times, {leader == right, may_stop})},
+            std::uint64_t seed, std::size_t leader, const Faults& faults = {},
+            bool by_touch = false)
+      : Base({Robot(times, {leader == left, may_stop, by_touch}),
+              Robot(times, {leader == right, may_stop, by_touch})},
              times.lease, clock_drift, channel, seed, leader, faults),
         times_(times) {}
 
@@ -79,7 +81,8 @@ struct TableTeamMaker {
   TableTeam<Table> operator()(const Spec& spec, std::uint64_t seed) const {
     const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
     return TableTeam<Table>(table_times_of<Table>(spec), spec.brake != 0, drift, channel_of(spec),
-                            seed, leader_of(spec), Faults::of(spec, seed));
+                            seed, leader_of(spec), Faults::of(spec, seed),
+                            spec.start_by_touch != 0);
   }
 };
 

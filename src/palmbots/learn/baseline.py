@@ -21,7 +21,7 @@ from palmbots.control.interface import DistributedController, MessageKind, StepI
 from palmbots.control.silent_controller import SilentController
 from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, load_scene
 
 __all__ = ["Baseline", "EpisodeResult", "Policy", "SilentBaseline", "run_episode"]
 
@@ -65,13 +65,15 @@ class Baseline:
 class SilentBaseline:
     """The controller `silent` for one robot. Each agent needs a new one for each episode.
 
+    An agent cannot stop, so this is the rule with ``control.brake = false``.
+
     Args:
         scene: the scene of the environment, which determines when a robot pauses.
         messages: whether the environment has messages; none is sent.
     """
 
     def __init__(self, scene: Scene | str = "paper", messages: bool = True) -> None:
-        self._silent = SilentController(scene)
+        self._silent = SilentController(load_scene(scene, {"control.brake": False}))
         self._messages = messages
 
     def act(self, observation: Any) -> Any:

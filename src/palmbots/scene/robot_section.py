@@ -154,5 +154,8 @@ class Control(Section):
     watchdog_s: Duration = 0.1
     """If a controller has not stepped for this time, its robot stops and restarts."""
     brake: Switch = True
-    """Controller shared-sign: whether one robot stops while both contacts are off centre in the
-    same direction."""
+    """Controllers shared-sign and silent: whether a robot may stop to correct a contact that is off
+    centre, or because its partner seems to stand."""
+    start: Literal["together", "touch"] = "together"
+    """Controllers silent and shared-sign. together: both robots start at an agreed time. touch: the
+    follower starts, and the leader when it feels that, or hears it."""

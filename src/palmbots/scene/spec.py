@@ -79,6 +79,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
         for m in scene.radio.script
     ]
     spec.brake = scene.control.brake
+    spec.start_by_touch = scene.control.start == "touch"
     spec.watchdog = scene.control.watchdog_s
     spec.faults = [_fault(fault) for fault in scene.faults.script]
     spec.random_reboots = scene.faults.random_reboots

@@ -3,6 +3,8 @@
 // that is new. A new controller needs nothing but its table.
 #include "palmbots/batch/bitslice_table_team.hpp"
 
+#include <bit>
+
 #include "palmbots/control/shared_sign.hpp"
 #include "palmbots/control/silent.hpp"
 #include "support/bitslice_alone.hpp"
@@ -17,14 +19,15 @@ namespace {
 // Times of every length; leases that beacons keep, and shorter ones.
 template <class Table>
 TableTeam<Table> team_over(const Channel& channel, const Faults& faults, std::uint32_t chance) {
-  const auto of = [&](std::uint32_t bit, std::uint32_t most) {
-    return static_cast<std::uint16_t>(1 + (chance >> bit & 0xFF) * most / 256);
+  const auto of = [&](int bit, std::uint32_t most) {
+    return static_cast<std::uint16_t>(1 + (std::rotr(chance, bit) & 0xFF) * most / 256);
   };
   typename TableRobot<Table>::Times times{of(1, 12), of(9, 254), {}};
   for (std::size_t k = 0; k < Table::limits; ++k) {
-    times.limits[k] = of(static_cast<std::uint32_t>(13 + 4 * k), k == 0 ? 1023 : 40);
+    times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? 1023 : 40);
   }
-  return {times, (chance >> 5 & 3) != 0, {}, channel, 0, chance % 2, faults};
+  const bool by_touch = (chance >> 7 & 1) != 0;
+  return {times, (chance >> 5 & 3) != 0, {}, channel, 0, chance % 2, faults, by_touch};
 }
 
 template <class Table>
