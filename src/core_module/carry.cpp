@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "carry.hpp"
+#include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::bindings {
@@ -49,6 +50,13 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     const nb::gil_scoped_release release;
     return single ? run_named<float>(spec, name, seed, record)
                   : run_named<double>(spec, name, seed, record);
+  }
+  if (nb::isinstance<OptimalController>(controller)) {
+    const auto& optimal = nb::cast<const OptimalController&>(controller);
+    const nb::gil_scoped_release release;
+    OptimalTeam team(optimal.policy, spec, optimal.may_stop);
+    return single ? run_team<float>(spec, seed, record, team)
+                  : run_team<double>(spec, seed, record, team);
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));
@@ -212,7 +220,8 @@ void bind_carry(nb::module_& m) {
       .def_prop_ro("trace_hash", [](const Run& r) { return hex(r.hash); });
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
-        nb::arg("record"), "One carry. controller: a name, or a pair of Python step functions.");
+        nb::arg("record"),
+        "One carry. controller: a name, an OptimalController, or a pair of Python step functions.");
 }
 
 }  // namespace palmbots::bindings

@@ -66,6 +66,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
         angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
         yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
+    yield "bound", pb.bound("paper", "stopping", overrides=SHORT)
     yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
     yield "speed_limits", speed_limits()
     ranges = {

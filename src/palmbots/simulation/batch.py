@@ -4,7 +4,8 @@
 The shipped controllers run in lockstep, in a compiled module without Python in the loop. The module
 exists for any x86-64 processor and for levels 3 and 4, which run two and four times as many lanes.
 All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
-seed and precision, for any number of threads. A Python controller runs one carry after the other.
+seed and precision, for any number of threads. A Python controller, or a reference with full
+information, runs one carry after the other.
 """
 
 from __future__ import annotations
@@ -93,7 +94,8 @@ def run_batch(
         seeds: one seed per carry.
         controller: a name, ``module:Class``, ``FILE.py:Class`` or a class.
         precision: ``double`` or ``float``.
-        threads: worker threads; results do not depend on it. A Python controller uses one.
+        threads: worker threads; results do not depend on it. Carries that do not run in lockstep
+            use one.
         watch: called now and then with the number of finished carries.
 
     Raises:
@@ -103,9 +105,9 @@ def run_batch(
     entry = resolve(controller)
     index = np.ascontiguousarray(spec_index, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
-    if not entry.is_compiled:
+    if not entry.runs_in_lockstep:
         if isinstance(specs, bytes):
-            raise PalmbotsError(f"controller: {entry.name} is in Python and needs specs, not bytes")
+            raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
         return _run_singly(specs, index, seeds, entry, precision, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
     run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
@@ -140,7 +142,7 @@ def _run_singly(
     precision: str,
     watch: Watch | None,
 ) -> Columns:
-    """The columns of a Python controller, from single carries."""
+    """The columns of a controller that does not run in lockstep, from single carries."""
     n = len(seeds)
     columns: Columns = {
         "finished": np.zeros(n, bool),
@@ -156,11 +158,13 @@ def _run_singly(
         "messages": np.zeros(n, np.uint32),
         "messages_lost": np.zeros(n, np.uint32),
     }
+    used = set(index.tolist()) if controller.is_reference else set()
+    policies = {i: controller.for_core(specs[i]) for i in used}
     try:
         for i, (which, seed) in enumerate(zip(index.tolist(), seeds.tolist(), strict=True)):
             if watch is not None:
                 watch(i)
-            core = controller.for_core()
+            core = policies[which] if controller.is_reference else controller.for_core(specs[which])
             run: Any = _core.run(specs[which], core, seed, precision, False)
             columns["outcome"][i] = OUTCOMES.index(run.outcome)
             columns["reason"][i] = REASONS.index(run.reason)
