@@ -19,16 +19,14 @@ from palmbots.control.registry import (
 )
 from palmbots.optimum.opening import FINE, law_m_s, opening_problem, solve
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import DELIVERED, DROPPED, run_seeds
+from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, run_seeds
 from random_scenes import random_scene
 
 STOPS = ("shared-sign",)
 """Shipped controllers whose robots may stop: the others are compared with corrections only."""
 
 
-def columns(
-    scene: pb.Scene, controller: str, carries: int, first: int = 10**6
-) -> dict[str, NDArray[np.generic]]:
+def columns(scene: pb.Scene, controller: str, carries: int, first: int = 10**6) -> Columns:
     return run_seeds(to_spec(scene), controller, first, carries, threads=2)
 
 

@@ -143,7 +143,7 @@ def test_without_noise_the_bias_decides() -> None:
     """A bias beyond the greatest speed drops every object in time; a smaller one none."""
     assert solve(problem(0.0, bias=0.059), COARSE).drop == pytest.approx(0, abs=1e-9)
     assert solve(problem(0.0, bias=0.075), COARSE).drop == pytest.approx(1, abs=1e-9)
-    late = problem(0.0, bias=0.075, duration=0.15 / 0.015 - 1)
+    late = problem(0.0, bias=0.075, duration=0.15 / 0.015 - 2)
     assert solve(late, COARSE).drop == pytest.approx(0, abs=1e-9)
 
 

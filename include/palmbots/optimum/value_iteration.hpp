@@ -11,10 +11,9 @@
 // hazard; the iteration then stops and extrapolates. With a price the same decisions also count the
 // expected progress Q, and minimize V − price · Q.
 //
-// Grids: x and n are read by cubic interpolation, n' by Gauss–Hermite quadrature with five nodes.
-// Both are exact for cubic functions, so little is smeared from one decision to the next, although
-// a decision moves x and n by less than a cell. Everything uses + − × ÷ √ only: the decisions enter
-// traces.
+// Grids: x is read by cubic interpolation, so little is smeared from one decision to the next,
+// although a decision moves x by less than a cell. n' is one of the nodes of n, with the weights of
+// NoiseTransition. Everything uses + − × ÷ √ only: the decisions enter traces.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +57,13 @@ struct CubicStencil {
 };
 
 // The weights of n' for each n, on a grid of standard deviations.
+//
+// Where the noise of a decision spreads over at least this many cells, the weights are the normal
+// density at the nodes: the trapezoidal rule, whose error is then below 1e-5. Where it spreads over
+// less, they are those of Gauss–Hermite quadrature with five nodes, read by cubic interpolation.
 struct NoiseTransition {
+  static constexpr double enough_cells = 0.75;
+
   struct Row {
     std::size_t first = 0;
     std::vector<double> weights;
@@ -67,32 +72,56 @@ struct NoiseTransition {
   std::vector<double> stationary;
   std::vector<Row> rows;
 
-  NoiseTransition(std::size_t cells, double memory) : rows(cells + 1) {
+  NoiseTransition(std::size_t cells, double memory) {
+    const double cell = 2 * most_deviations / double(cells);
+    const double spread = std::sqrt(1 - memory * memory);
+    for (std::size_t i = 0; i <= cells; ++i) {
+      deviations.push_back(double(i) * cell - most_deviations);
+    }
+    stationary = density(0, 1);
+    for (const double z : deviations) {
+      const bool is_smooth = spread >= enough_cells * cell;
+      rows.push_back(
+          row_of(is_smooth ? density(memory * z, spread) : quadrature(memory * z, spread, cell)));
+    }
+  }
+
+ private:
+  std::vector<double> density(double mean, double spread) const {
+    std::vector<double> weights;
+    double total = 0;
+    for (const double z : deviations) {
+      const double away = (z - mean) / spread;
+      weights.push_back(magnitude(away) > most_deviations ? 0 : exp_minus(0.5 * away * away));
+      total += weights.back();
+    }
+    for (double& weight : weights) weight /= total;
+    return weights;
+  }
+
+  std::vector<double> quadrature(double mean, double spread, double cell) const {
     constexpr std::array nodes{0.0, 1.3556261799742659, 2.8569700138728056};
     constexpr std::array shares{0.53333333333333333, 0.22207592200561266, 0.011257411327720689};
-    const double cell = 2 * most_deviations / double(cells);
-    double total = 0;
-    for (std::size_t i = 0; i <= cells; ++i) {
-      const double z = double(i) * cell - most_deviations;
-      deviations.push_back(z);
-      stationary.push_back(exp_minus(0.5 * z * z));
-      total += stationary.back();
-      std::vector<double> all(cells + 1);
-      for (int node = -2; node <= 2; ++node) {
-        const auto k = static_cast<std::size_t>(node < 0 ? -node : node);
-        const double spread = (node < 0 ? -nodes[k] : nodes[k]) * std::sqrt(1 - memory * memory);
-        const double to = clamp(memory * z + spread, -most_deviations, most_deviations);
-        const auto stencil = CubicStencil::at((to + most_deviations) / cell, cells);
-        for (std::size_t j = 0; j < 4; ++j)
-          all[stencil.first + j] += shares[k] * stencil.weights[j];
+    std::vector<double> weights(deviations.size());
+    for (int node = -2; node <= 2; ++node) {
+      const auto k = static_cast<std::size_t>(node < 0 ? -node : node);
+      const double away = (node < 0 ? -nodes[k] : nodes[k]) * spread;
+      const double to = clamp(mean + away, -most_deviations, most_deviations);
+      const auto stencil = CubicStencil::at((to + most_deviations) / cell, deviations.size() - 1);
+      for (std::size_t j = 0; j < 4; ++j) {
+        weights[stencil.first + j] += shares[k] * stencil.weights[j];
       }
-      const auto is_used = [](double weight) { return weight != 0; };
-      const auto from = std::ranges::find_if(all, is_used);
-      auto to = all.end();
-      while (!is_used(*(to - 1))) --to;
-      rows[i] = {static_cast<std::size_t>(from - all.begin()), {from, to}};
     }
-    for (double& weight : stationary) weight /= total;
+    return weights;
+  }
+
+  // The weights from the first to the last that is not 0.
+  static Row row_of(const std::vector<double>& weights) {
+    const auto is_used = [](double weight) { return weight != 0; };
+    const auto from = std::ranges::find_if(weights, is_used);
+    auto to = weights.end();
+    while (!is_used(*(to - 1))) --to;
+    return {static_cast<std::size_t>(from - weights.begin()), {from, to}};
   }
 };
 

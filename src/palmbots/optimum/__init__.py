@@ -5,12 +5,16 @@
 """
 
 from palmbots._util.results import FIGURES
+from palmbots.optimum.design_law import DesignLaw as DesignLaw
+from palmbots.optimum.design_law import LawPoint as LawPoint
+from palmbots.optimum.design_law import compare_with_law as compare_with_law
 from palmbots.optimum.drop_bound import Bound as Bound
 from palmbots.optimum.drop_bound import FrontPoint as FrontPoint
 
-__all__ = ["Bound", "FrontPoint"]
+__all__ = ["Bound", "DesignLaw", "FrontPoint", "LawPoint", "compare_with_law"]
 
 FIGURES.register("bound", "palmbots.optimum.bound_figure:draw")
+FIGURES.register("design-law", "palmbots.optimum.design_law_figure:draw")
 
 
 def __dir__() -> list[str]:

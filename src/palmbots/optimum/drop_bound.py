@@ -37,12 +37,17 @@ LEAST_M_S, MOST_M_S = 1e-4, 1.0
 """The noises between which σ* is sought."""
 
 _PRICES = (1, 4, 16, 64, 256, 1024)  # of progress on the front, times that of the fewest drops
-_ACCURACY = 1e-4  # of σ*, relative, before the error of the grids
+_ACCURACY = 1e-3  # of σ* on the coarse grid, relative
 _MOST_STEPS = 40
-_GRIDS_DIFFER = 0.004  # in ln(σ*), about
+_STEP = 0.01  # of ln(noise), for the slope
 _STRIDE = 0.25  # of ln(noise), while σ* is bracketed
 _ORDER = 2  # of convergence, at least: the remainder is a third of the last difference
 _NORMAL = NormalDist()
+
+
+def _quantile(drop: float) -> float:
+    """The normal quantile of a drop rate: nearly linear in ln(noise)."""
+    return _NORMAL.inv_cdf(min(max(drop, 1e-12), 1 - 1e-12))
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,13 +184,19 @@ class _Search:
 
     def numbers(self) -> dict[str, Any]:
         """The fields of `Bound`, as plain numbers."""
-        sigma = self._sigma(FINE)
-        fine = self.solution(sigma, FINE)
+        target = _quantile(self.rate)
+        x, slope = self._coarse_crossing(target)
+        # From there the fine grid needs two steps.
+        x -= (_quantile(self.solution(math.exp(x), FINE).drop) - target) / slope
+        near = math.exp(x)
+        fine = self.solution(near, FINE)
+        sigma = math.exp(x - (_quantile(fine.drop) - target) / slope)
         problem = self._problem(sigma)
-        own = self.solution(self.base.robot.noise_m_s, FINE)
+        noise = self.base.robot.noise_m_s
+        own = self.solution(noise, FINE if noise > sigma / 2 else COARSE)
         return {
             "sigma_star_m_s": sigma,
-            "grid_error": self._grid_error(sigma, fine.drop),
+            "grid_error": self._grid_error(near, fine.drop, slope),
             "drop_rate": max(own.drop, 0.0),
             "rate": self.rate,
             "speeds": self.speeds,
@@ -218,36 +229,27 @@ class _Search:
         expected = 10.0 if self.speeds == "corrections" else 22.0
         self.report(min(self.solved / expected, 0.99))
 
-    def _quantile(self, drop: float) -> float:
-        return _NORMAL.inv_cdf(min(max(drop, 1e-12), 1 - 1e-12))
-
-    def _sigma(self, grid: Grid) -> float:
-        """The noise at which the least drop rate is `rate`: by false position in ln(noise)."""
+    def _coarse_crossing(self, target: float) -> tuple[float, float]:
+        """Where the quantile of the drop rate passes the target on the coarse grid, in ln(noise),
+        and its slope there."""
         start = law_m_s(self._problem(0.01), self.base.robot_of("left").noise_tau_s)
-        centre = math.log(min(max(start, 2 * LEAST_M_S), MOST_M_S / 2))
-        target = self._quantile(self.rate)
-        low, high = self._bracket(centre, target)
-        # The coarse grid brings the noise near, the fine one ends the search.
-        x = self._crossing(low, high, target, COARSE, 1e-3)
-        a, b = x - _GRIDS_DIFFER, x + _GRIDS_DIFFER
-        while self._error(a, target, grid) > 0:
-            a -= 4 * _GRIDS_DIFFER
-        while self._error(b, target, grid) < 0:
-            b += 4 * _GRIDS_DIFFER
-        return math.exp(self._crossing(a, b, target, grid, _ACCURACY))
+        low, high = self._bracket(math.log(min(max(start, 2 * LEAST_M_S), MOST_M_S / 2)), target)
+        x = self._crossing(low, high, target)
+        rise = self._error(x + _STEP, target) - self._error(x - _STEP, target)
+        return x, rise / (2 * _STEP)
 
-    def _error(self, x: float, target: float, grid: Grid) -> float:
-        return self._quantile(self.solution(math.exp(x), grid).drop) - target
+    def _error(self, x: float, target: float) -> float:
+        return _quantile(self.solution(math.exp(x), COARSE).drop) - target
 
     def _bracket(self, centre: float, target: float) -> tuple[float, float]:
         """Two noises, as logarithms, between which the least drop rate passes the target."""
         least, most = math.log(LEAST_M_S), math.log(MOST_M_S)
         low = high = centre
-        while self._error(high, target, COARSE) < 0:
+        while self._error(high, target) < 0:
             if high >= most:
                 raise self._unreached("at most", high)
             low, high = high, min(high + _STRIDE, most)
-        while low == high or self._error(low, target, COARSE) > 0:
+        while low == high or self._error(low, target) > 0:
             if low <= least:
                 raise self._unreached("at least", low)
             low = max(low - _STRIDE, least)
@@ -261,15 +263,15 @@ class _Search:
             f"{LEAST_M_S:g} and {MOST_M_S:g} m/s"
         )
 
-    def _crossing(self, a: float, b: float, target: float, grid: Grid, accuracy: float) -> float:
+    def _crossing(self, a: float, b: float, target: float) -> float:
         """Where the quantile passes the target between a and b (Illinois variant)."""
-        fa, fb = self._error(a, target, grid), self._error(b, target, grid)
+        fa, fb = self._error(a, target), self._error(b, target)
         side = 0
         x = a
         for _ in range(_MOST_STEPS):
             before, x = x, (a * fb - b * fa) / (fb - fa)
-            f = self._error(x, target, grid)
-            if abs(x - before) < accuracy or f == 0:
+            f = self._error(x, target)
+            if abs(x - before) < _ACCURACY or f == 0:
                 break
             if f > 0:
                 b, fb = x, f
@@ -281,16 +283,13 @@ class _Search:
                 side = -1
         return x
 
-    def _grid_error(self, sigma: float, drop: float) -> float:
+    def _grid_error(self, noise: float, drop: float, slope: float) -> float:
         """The remainder of σ*, from solutions with half as many intervals, one kind at a time."""
-        there = self._quantile(drop)
-        ahead = self._quantile(self.solution(1.01 * sigma, COARSE).drop)
-        slope = (ahead - self._quantile(self.solution(sigma, COARSE).drop)) / math.log(1.01)
-        total = 0.0
-        for name in ("positions", "noises", "speeds"):
-            other = self._quantile(self.solution(sigma, FINE.coarser(name)).drop)
-            total += abs(other - there) / slope
-        return total / (2**_ORDER - 1)
+        differences = (
+            _quantile(self.solution(noise, FINE.coarser(name)).drop) - _quantile(drop)
+            for name in ("positions", "noises", "speeds")
+        )
+        return sum(map(abs, differences)) / slope / (2**_ORDER - 1)
 
     def _front(self, sigma: float) -> list[dict[str, float]]:
         """Least drop rate over mean duration at a noise: progress gets more and more expensive."""

@@ -52,6 +52,7 @@ SPEEDS: tuple[str, ...] = get_args(Speeds)
 _MOST_PRICES = 8  # the iteration converges in two or three
 _PRICE_ACCURACY = 1e-2  # a relative error of this size costs less than 1e-4 of the drop rate
 _LEAST_PRICE = 1e-9  # drops per metre
+_NEVER = 1e-9  # drops per second
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,8 @@ def best_price(
         solution = solve(problem, grid)
         report(solution)
         attempts += 1
+        if solution.hazard < _NEVER:
+            return solution
         price = max(solution.hazard / solution.speed, _LEAST_PRICE)
         if abs(price - problem.price) <= _PRICE_ACCURACY * price or attempts == _MOST_PRICES:
             return solution
