@@ -67,7 +67,7 @@ def test_stopping_drops_fewer_and_costs_little_time() -> None:
         {},
         {"robot.noise_m_s": 0.0},
         {"task.direction": "backward", "robot.noise_m_s": 0.03},
-        {"robot.noise_tau_s": 0.0, "robot.noise_m_s": 0.03},
+        {"robot.noise_tau_s": 0.001, "robot.noise_m_s": 0.03},
         {"robot.left.correction_m_s": 0.02, "robot.right.speed_m_s": 0.07},
         {"palm.left.length_m": 0.1},
     ],

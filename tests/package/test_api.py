@@ -25,6 +25,7 @@ ROOMS = (
     "logs",
     "mechanics",
     "mujoco",
+    "optimum",
     "simulation",
     "stability",
     "studies",
