@@ -16,9 +16,9 @@ SHORT = {"task.distance_m": 0.2}
 @pytest.fixture(autouse=True)
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of its own, and coarse grids: the numbers shift by less than 0.5 %."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("PALMBOTS_CACHE", str(tmp_path))
     monkeypatch.setattr(drop_bound, "FINE", COARSE)
-    return tmp_path / "palmbots" / "bound"
+    return tmp_path / "bound"
 
 
 def test_bound_of_the_default_scene() -> None:
@@ -97,7 +97,7 @@ def test_cache_that_cannot_be_written_is_no_error(
 ) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
+    monkeypatch.setenv("PALMBOTS_CACHE", str(blocked))
     assert pb.bound(overrides=SHORT).sigma_star_m_s > 0
 
 

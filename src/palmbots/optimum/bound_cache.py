@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Results of bounds that were computed before, one file for each scene and set of arguments.
 
-They lie in ``palmbots/bound`` of the user's cache folder (``XDG_CACHE_HOME``, else ``~/.cache``).
+They lie in the folder ``PALMBOTS_CACHE``, else in ``palmbots`` of the user's cache folder
+(``XDG_CACHE_HOME``, else ``~/.cache``).
 The name of a file is a hash of everything on which its numbers depend. A cache that cannot be read
 or written is not used, without a message: it only saves time.
 """
@@ -32,9 +33,9 @@ def key_of(arguments: Mapping[str, Any]) -> str:
 
 
 def _file(key: str) -> Path:
-    home = os.environ.get("XDG_CACHE_HOME")
-    base = Path(home) if home else Path.home() / ".cache"
-    return base / "palmbots" / "bound" / f"{key}.json"
+    own, home = os.environ.get("PALMBOTS_CACHE"), os.environ.get("XDG_CACHE_HOME")
+    base = Path(own) if own else (Path(home) if home else Path.home() / ".cache") / "palmbots"
+    return base / "bound" / f"{key}.json"
 
 
 def cached(key: str) -> dict[str, Any] | None:
