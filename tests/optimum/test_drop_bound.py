@@ -2,13 +2,15 @@
 """`palmbots.bound`: its numbers, its cache and its refusals."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import palmbots as pb
-from palmbots.optimum import drop_bound
-from palmbots.optimum.opening import COARSE
+from palmbots.optimum import FrontPoint, drop_bound
+from palmbots.optimum.opening import COARSE, best_price, opening_problem
+from palmbots.scene.spec import to_spec
 
 SHORT = {"task.distance_m": 0.2}
 
@@ -36,6 +38,15 @@ def test_bound_of_the_default_scene() -> None:
     assert repr(found).startswith("σ* ≤ 3.9")
 
 
+def test_stopping_counts_the_time() -> None:
+    """1 % drop at 5.86 ± 0.03 cm/s, where the rate grows 13 times as fast as the noise."""
+    spec = to_spec(pb.load_scene("paper", {"robot.noise_m_s": 0.0586}))
+    found = best_price(opening_problem(spec, "stopping"), COARSE)
+    assert found.drop == pytest.approx(0.01, rel=13 * 0.03 / 5.86)
+    assert found.duration > 26.0
+
+
+@pytest.mark.soak
 def test_bound_with_stopping_counts_the_time() -> None:
     """5.86 cm/s: less than 5.91, because the carry takes longer while a robot stops."""
     found = pb.bound("paper", "stopping")
@@ -126,7 +137,10 @@ def test_refusals(keys: dict[str, object], given: dict[str, object], match: str)
 def test_figure_shows_the_front() -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    figure = pb.bound("paper", "stopping", overrides=SHORT).plot()
+    found = pb.bound("paper", overrides=SHORT)
+    front = tuple(FrontPoint(27.0 - i, 0.01 * (1 + i)) for i in range(3))
+    figure = replace(found, speeds="stopping", front=front).plot()
     (axes,) = figure.axes
+    assert axes.lines[0].get_xdata().tolist() == [27.0, 26.0, 25.0]  # type: ignore[union-attr]
     assert axes.get_xlabel() == "mean duration of a carry [s]"
     FigureCanvasAgg(figure).draw()

@@ -40,7 +40,7 @@ _PRICES = (1, 4, 16, 64, 256, 1024)  # of progress on the front, times that of t
 _ACCURACY = 1e-3  # of σ* on the coarse grid, relative
 _MOST_STEPS = 40
 _STEP = 0.01  # of ln(noise), for the slope
-_STRIDE = 0.25  # of ln(noise), while σ* is bracketed
+_STRIDE = 0.2  # of ln(noise), first, while σ* is bracketed
 _ORDER = 2  # of convergence, at least: the remainder is a third of the last difference
 _NORMAL = NormalDist()
 
@@ -245,14 +245,17 @@ class _Search:
         """Two noises, as logarithms, between which the least drop rate passes the target."""
         least, most = math.log(LEAST_M_S), math.log(MOST_M_S)
         low = high = centre
+        stride = _STRIDE
         while self._error(high, target) < 0:
             if high >= most:
                 raise self._unreached("at most", high)
-            low, high = high, min(high + _STRIDE, most)
+            low, high = high, min(high + stride, most)
+            stride *= 2
         while low == high or self._error(low, target) > 0:
             if low <= least:
                 raise self._unreached("at least", low)
-            low = max(low - _STRIDE, least)
+            low = max(low - stride, least)
+            stride *= 2
         return low, high
 
     def _unreached(self, bound: str, x: float) -> PalmbotsError:
