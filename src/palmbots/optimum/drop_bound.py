@@ -226,7 +226,7 @@ class _Search:
     def _count(self, grid: Grid) -> None:
         share = grid.positions * grid.noises * grid.speeds
         self.solved += share / (FINE.positions * FINE.noises * FINE.speeds)
-        expected = 10.0 if self.speeds == "corrections" else 22.0
+        expected = 7.0 if self.speeds == "corrections" else 14.0
         self.report(min(self.solved / expected, 0.99))
 
     def _coarse_crossing(self, target: float) -> tuple[float, float]:

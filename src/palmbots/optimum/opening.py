@@ -74,7 +74,7 @@ class Grid:
 
 FINE = Grid(160, 80, 1.0)
 COARSE = Grid(80, 40, 1.0)
-"""For policies: their drop rates differ little from those of the fine grid."""
+"""For what needs no accuracy: a first search, the price of progress, the front."""
 
 
 def refuse_unfit(scene: Scene) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 from palmbots.control.registry import ControllerEntry
 from palmbots.optimum.opening import (
     COARSE,
+    FINE,
     OpeningProblem,
     OptimalController,
     Spec,
@@ -62,8 +63,9 @@ def _policy(values: tuple[Any, ...], may_stop: bool) -> OptimalController:
     problem = OpeningProblem()
     for name, value in zip(_FIELDS, values, strict=True):
         setattr(problem, name, value)
-    solution = best_price(problem, COARSE) if may_stop else solve(problem, COARSE)
-    return OptimalController(solution.policy, may_stop)
+    if may_stop:
+        best_price(problem, COARSE)  # the price stays in the problem
+    return OptimalController(solve(problem, FINE).policy, may_stop)
 
 
 def _entry(name: str, description: str, maker: Any) -> ControllerEntry:
