@@ -4,7 +4,7 @@
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter
 
 from palmbots.viz.style import INK, QUIET, axis_label, styled
 
@@ -36,7 +36,7 @@ def draw(result: "Bound") -> Figure:
             title=f"Least drop rate at {100 * result.sigma_star_m_s:.3g} cm/s ({result.speeds})",
         )
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         figure.supxlabel(
             "no controller drops the object less often in carries of this duration",
             fontsize=7,
