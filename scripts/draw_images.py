@@ -43,6 +43,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "figure6.png": "out/figure6.png",
     },
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
+    "palmbots bound --speeds stopping --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},
     "palmbots design --maximize com --friction 0.3 0.5 --common-friction --region palm --out out": {
         "design-com.png": "out/design.png"
@@ -92,7 +93,15 @@ def curve_3d(path: Path) -> None:
     save_still(carry, path, row=int(np.searchsorted(carry.trace["time"], CIRCLE_TIME_S)))
 
 
+def design_law(path: Path) -> None:
+    """The design law beside the optimum."""
+    from palmbots.optimum import compare_with_law
+
+    compare_with_law().save_figure(path)
+
+
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
+    "design-law.png": design_law,
     "task.png": task,
     "carry-3d.png": carry_3d,
     "curve-3d.png": curve_3d,

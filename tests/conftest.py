@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of all tests: Hypothesis profiles, and reports of slow tests and of failures."""
 
+import atexit
 import os
+import shutil
 import signal
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -21,6 +24,10 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Some 150 Python processes are started: they share the compiled bytecode of the modules.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# Each test process has a cache of its own: no result of earlier code is read.
+os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
+atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)
 
 # `make test` uses `ci`: the same examples on every run, and no limit on the time of an example.
 # `make soak` uses `soak`: random examples, and many more of them.

@@ -9,6 +9,7 @@
 
 #include "carry.hpp"
 #include "machines.hpp"
+#include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::bindings {
@@ -56,6 +57,13 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     const nb::gil_scoped_release release;
     return single ? run_team<float>(spec, seed, record, machine_team(machines, spec, seed))
                   : run_team<double>(spec, seed, record, machine_team(machines, spec, seed));
+  }
+  if (nb::isinstance<OptimalController>(controller)) {
+    const auto& optimal = nb::cast<const OptimalController&>(controller);
+    const nb::gil_scoped_release release;
+    OptimalTeam team(optimal.policy, spec, optimal.may_stop);
+    return single ? run_team<float>(spec, seed, record, team)
+                  : run_team<double>(spec, seed, record, team);
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));
@@ -220,7 +228,8 @@ void bind_carry(nb::module_& m) {
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
         nb::arg("record"),
-        "One carry. controller: a name, Machines, or a pair of Python step functions.");
+        "One carry. controller: a name, Machines, an OptimalController, or a pair of Python step "
+        "functions.");
 }
 
 }  // namespace palmbots::bindings

@@ -18,6 +18,7 @@ if _TYPE_CHECKING:
     from palmbots import logs as logs
     from palmbots import mechanics as mechanics
     from palmbots import mujoco as mujoco
+    from palmbots import optimum as optimum
     from palmbots import simulation as simulation
     from palmbots import stability as stability
     from palmbots import studies as studies
@@ -33,6 +34,7 @@ if _TYPE_CHECKING:
     from palmbots.mechanics.mode_analysis import modes as modes
     from palmbots.mechanics.mode_analysis import modes_batch as modes_batch
     from palmbots.mujoco.validation.validation import validate as validate
+    from palmbots.optimum.drop_bound import bound as bound
     from palmbots.scene.object_library import object_names as object_names
     from palmbots.scene.scene import Scene as Scene
     from palmbots.scene.scene import load_scene as load_scene
@@ -53,6 +55,7 @@ __all__ = [
     "SceneError",
     "__version__",
     "analyze",
+    "bound",
     "carry",
     "certify",
     "check",
@@ -72,6 +75,7 @@ __all__ = [
     "noise_limit",
     "object_names",
     "open_study",
+    "optimum",
     "read_log",
     "replay",
     "simulation",
@@ -88,6 +92,7 @@ __all__ = [
 # which take a quarter of a second, and `palmbots --help` and Ctrl-C must not wait for them.
 _LAZY = {
     "analyze": "palmbots.stability.analysis:analyze",
+    "bound": "palmbots.optimum.drop_bound:bound",
     "carry": "palmbots.simulation.single:carry",
     "certify": "palmbots.stability.certificates.prover:certify",
     "check": "palmbots.stability.certificates.checker.verify:check",
@@ -107,6 +112,7 @@ _LAZY = {
     "noise_limit": "palmbots.simulation.noise_limit:noise_limit",
     "object_names": "palmbots.scene.object_library:object_names",
     "open_study": "palmbots.studies.study_reader:open_study",
+    "optimum": "palmbots.optimum",
     "PalmbotsError": "palmbots.errors:PalmbotsError",
     "read_log": "palmbots.logs.mcap_reader:read_log",
     "replay": "palmbots.logs.replaying:replay",

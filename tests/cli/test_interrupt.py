@@ -30,6 +30,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "design": ("palmbots.stability.palm_angles", "design", []),
     "compare": ("palmbots.simulation.sweep", "compare", []),
     "drop-rate": ("palmbots.simulation.rare_events", "estimate_drop_rate", []),
+    "bound": ("palmbots.optimum.drop_bound", "bound", []),
     "noise-limit": ("palmbots.simulation.noise_limit", "noise_limit", []),
     "speed-limits": ("palmbots.mujoco.validation.speed_limits", "speed_limits", []),
     "validate": ("palmbots.mujoco.validation.validation", "validate", []),

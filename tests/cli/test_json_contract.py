@@ -80,6 +80,15 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
         },
     ),
     (
+        "bound",
+        SHORT,
+        0,
+        {
+            "sigma_star_m_s", "grid_error", "drop_rate", "noise_m_s", "rate", "speeds", "time_s",
+            "law_m_s", "opening_speed_m_s", "usable_m", "front", "scene",
+        },
+    ),
+    (
         "compare",
         ("--values", "0,0.2", "-n", "2", *SHORT),
         0,

@@ -34,6 +34,7 @@ from palmbots.control.registry import (
     unregister,
 )
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.spec import to_spec
 
 SOURCE = '''
 from palmbots.control import StepInput, StepOutput
@@ -86,7 +87,7 @@ def test_shipped_controllers_are_those_of_the_core() -> None:
         assert entry.name == name
         assert entry.is_compiled
         assert entry.source is None
-        assert entry.for_core() == name
+        assert entry.for_core(to_spec(pb.load_scene("paper"))) == name
         carry = pb.carry("paper", name, overrides={"task.distance_m": 0.3}, record=False)
         assert (carry.messages > 0) == entry.uses_radio
         assert (carry.bounds is not None) == (entry.timing_check is not None)

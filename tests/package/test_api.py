@@ -25,6 +25,7 @@ ROOMS = (
     "logs",
     "mechanics",
     "mujoco",
+    "optimum",
     "simulation",
     "stability",
     "studies",
@@ -99,7 +100,7 @@ def test_arguments_after_the_second_are_keywords(name: str) -> None:
 
 def test_dir_shows_exactly_the_public_names() -> None:
     assert dir(pb) == sorted(pb.__all__)
-    assert len(pb.__all__) == len(set(pb.__all__)) == 24 + len(ROOMS)
+    assert len(pb.__all__) == len(set(pb.__all__)) == 25 + len(ROOMS)
     assert set(ROOMS) < set(pb.__all__)
 
 

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import palmbots as pb
 from palmbots import viz
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
+from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
@@ -66,6 +67,9 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
         angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
         yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
+    yield "bound", pb.bound("paper", overrides=SHORT)
+    law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]
+    yield "design-law", DesignLaw(tuple(law), Scene())
     yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
     yield "speed_limits", speed_limits()
     ranges = {

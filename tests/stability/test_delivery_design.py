@@ -4,7 +4,6 @@
 `make soak` tries 20 random objects with every shipped controller.
 """
 
-import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from scipy import stats
 
+import paired_drops
 import palmbots as pb
 from palmbots.cli.main import run
 from palmbots.control.registry import shipped_names
@@ -34,18 +33,7 @@ def dropped(scene: pb.Scene, noise_m_s: float, controller: str, carries: int) ->
 def more_drops(design: Design, noise_m_s: float, controller: str, carries: int) -> float:
     """McNemar's exact one-sided p-value: the designed angles drop no more than the scene's own."""
     mine = dropped(design.designed_scene, noise_m_s, controller, carries)
-    own = dropped(design.scene, noise_m_s, controller, carries)
-    worse, better = int(np.sum(mine & ~own)), int(np.sum(own & ~mine))
-    return float(stats.binom.sf(worse - 1, worse + better, 0.5)) if worse + better else 1.0
-
-
-def rejected(p_values: list[float], level: float) -> int:
-    """How many hypotheses Holm's procedure rejects."""
-    ordered = sorted(p_values)
-    passed = itertools.takewhile(
-        lambda item: item[1] <= level / (len(ordered) - item[0]), enumerate(ordered)
-    )
-    return sum(1 for _ in passed)
+    return paired_drops.more_drops(mine, dropped(design.scene, noise_m_s, controller, carries))
 
 
 @pytest.fixture(scope="module")
@@ -207,4 +195,4 @@ def test_twenty_random_objects_drop_no_more_with_any_controller() -> None:
                   found.own.tolerance, flush=True)  # fmt: skip
     print(f"{len(gains)} designs, median gain in sigma* {np.median(gains):.3f}")
     assert len(gains) > 40
-    assert rejected(p_values, 0.01) == 0
+    assert paired_drops.rejected(p_values, 0.01) == 0

@@ -69,6 +69,8 @@ class Carry : public RobotPair<Real, Team> {
 
   // Executes the rest of the tick with these observations.
   [[gnu::always_inline]] void act(const PerSide<RobotObservation>& sensed) {
+    // A team that reads the whole state (optimum/optimal_team.hpp).
+    if constexpr (requires { team_.look(world_, robots_); }) team_.look(world_, robots_);
     if (notice(sensed)) think();
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();

@@ -708,7 +708,7 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """
-    One carry. controller: a name, Machines, or a pair of Python step functions.
+    One carry. controller: a name, Machines, an OptimalController, or a pair of Python step functions.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
@@ -882,3 +882,131 @@ def possible_motions(supports: Sequence[tuple[int, float, float, float, float, f
 
 def outcomes(supports: Sequence[tuple[int, float, float, float, float, float]], velocities: Sequence[tuple[float, float]], slope: float = 0.0) -> list[list[int]]:
     """Those of them that balance."""
+
+class OpeningProblem:
+    """The separation of the robots under noise, in SI units."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def lowest(self) -> float: ...
+
+    @lowest.setter
+    def lowest(self, arg: float, /) -> None: ...
+
+    @property
+    def highest(self) -> float: ...
+
+    @highest.setter
+    def highest(self, arg: float, /) -> None: ...
+
+    @property
+    def start(self) -> float: ...
+
+    @start.setter
+    def start(self, arg: float, /) -> None: ...
+
+    @property
+    def slowest(self) -> float: ...
+
+    @slowest.setter
+    def slowest(self, arg: float, /) -> None: ...
+
+    @property
+    def fastest(self) -> float: ...
+
+    @fastest.setter
+    def fastest(self, arg: float, /) -> None: ...
+
+    @property
+    def change(self) -> float: ...
+
+    @change.setter
+    def change(self, arg: float, /) -> None: ...
+
+    @property
+    def bias(self) -> float: ...
+
+    @bias.setter
+    def bias(self, arg: float, /) -> None: ...
+
+    @property
+    def noise(self) -> float: ...
+
+    @noise.setter
+    def noise(self, arg: float, /) -> None: ...
+
+    @property
+    def memory(self) -> float: ...
+
+    @memory.setter
+    def memory(self, arg: float, /) -> None: ...
+
+    @property
+    def period(self) -> float: ...
+
+    @period.setter
+    def period(self, arg: float, /) -> None: ...
+
+    @property
+    def duration(self) -> float: ...
+
+    @duration.setter
+    def duration(self, arg: float, /) -> None: ...
+
+    @property
+    def distance(self) -> float: ...
+
+    @distance.setter
+    def distance(self, arg: float, /) -> None: ...
+
+    @property
+    def price(self) -> float: ...
+
+    @price.setter
+    def price(self, arg: float, /) -> None: ...
+
+    @property
+    def most(self) -> tuple[float, float]:
+        """Largest commanded speed of the follower and of the leader."""
+
+    @most.setter
+    def most(self, arg: tuple[float, float], /) -> None: ...
+
+class OptimalController:
+    """A reference with full information, for one scene."""
+
+    def __init__(self, policy: bytes, may_stop: bool) -> None: ...
+
+class OpeningSolution:
+    """What value iteration found, in SI units."""
+
+    @property
+    def drop(self) -> float:
+        """Probability of a drop in a carry."""
+
+    @property
+    def hazard(self) -> float:
+        """Probability of a drop per second."""
+
+    @property
+    def speed(self) -> float:
+        """Of the midpoint; 0: progress does not count."""
+
+    @property
+    def duration(self) -> float:
+        """Of the carry."""
+
+    @property
+    def decisions(self) -> int:
+        """After which the hazard was constant."""
+
+    @property
+    def policy(self) -> bytes:
+        """The table of costs, for OptimalController."""
+
+def opening_problem(spec: Spec, speeds: str) -> OpeningProblem:
+    """The opening problem of a carry; speeds: corrections or stopping."""
+
+def solve_opening(problem: OpeningProblem, positions: int, noises: int, speeds: float) -> OpeningSolution:
+    """Solves it on a grid (OpeningGrid)."""

@@ -94,7 +94,12 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
     entry = resolve(controller)
     zone, overrun = zero_zone_m(scene), overrun_m(scene, entry)
     lines = []
-    if overrun > zone:
+    if entry.is_reference:
+        lines.append(
+            f"{entry.name} is a reference with full information: it reads the simulated state, and "
+            "no robot can run it"
+        )
+    elif overrun > zone:
         late = entry.team == "station" or entry.drives_by_both_signs
         keys = ", radio.latency_s)" if late else ", control.period_s)"
         lines.append(
@@ -104,7 +109,7 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
         )
     if (deaf := deafness(entry, scene)) is not None:
         lines.append(deaf)
-    if entry.team != "none":
+    if entry.team != "none" and not entry.is_reference:
         lines += [line for side in SIDES if (line := _blind(scene, side))]
     if scene.object.is_upside_down:
         lines.append(

@@ -35,7 +35,9 @@ __all__ = [
     "controller_names",
     "describe",
     "recover",
+    "reference_names",
     "refusal",
+    "refuse_reference",
     "register",
     "resolve",
     "shipped_names",
@@ -74,6 +76,14 @@ class ControllerEntry:
     """The tables of both robots, as the compiled core takes them; None: it is not from a policy."""
     source: ControllerSource | None = None
     """The Python class or the policy file; None: the compiled core has this controller."""
+    policy_maker: Callable[[Any], _core.OptimalController] | None = None
+    """Of a reference with full information: makes its policy for a `Spec`. None: the controller
+    knows what a robot or station knows."""
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether it reads the state of the simulated world, so that no robot can run it."""
+        return self.policy_maker is not None
 
     @property
     def requirements(self) -> tuple[str, ...]:
@@ -91,7 +101,7 @@ class ControllerEntry:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether the compiled core has this controller. Only such a one runs in lockstep."""
+        """Whether the compiled core has this controller."""
         return self.maker is None and self.machines is None
 
     @property
@@ -99,11 +109,18 @@ class ControllerEntry:
         """Whether it is written in Python. Such a one is slow and cannot be copied."""
         return self.maker is not None
 
-    def for_core(self) -> Any:
-        """The argument that the compiled core takes: a name, machines, or a new step function per
-        robot."""
+    @property
+    def runs_in_lockstep(self) -> bool:
+        """Whether many carries run side by side; else they run one after the other."""
+        return self.is_compiled and not self.is_reference
+
+    def for_core(self, spec: _core.Spec) -> Any:
+        """The argument that the compiled core takes: a name, machines, a policy for this spec, or a
+        new step function per robot."""
         if self.machines is not None:
             return _core.Machines(*self.machines)
+        if self.policy_maker is not None:
+            return self.policy_maker(spec)
         return self.name if self.maker is None else make_controller_pair(self.maker)
 
 
@@ -123,6 +140,10 @@ _SHIPPED = _CONTROLLERS.names()
 # What makes a controller from a file. The derivation is a higher room, so it is loaded by name.
 _LOADERS: Registry[Callable[..., ControllerEntry]] = Registry("controller file")
 _LOADERS.register(".toml", "palmbots.derivation.policy_controller:load_policy")
+# What no robot can run. A higher room makes them, on first use.
+_REFERENCES: Registry[ControllerEntry] = Registry("controller")
+_REFERENCES.register("optimal", "palmbots.optimum.optimal_controllers:OPTIMAL")
+_REFERENCES.register("optimal-stopping", "palmbots.optimum.optimal_controllers:OPTIMAL_STOPPING")
 
 
 def shipped_names() -> tuple[str, ...]:
@@ -133,6 +154,11 @@ def shipped_names() -> tuple[str, ...]:
 def controller_names() -> tuple[str, ...]:
     """The names of all controllers, the shipped ones first."""
     return _CONTROLLERS.names()
+
+
+def reference_names() -> tuple[str, ...]:
+    """The names of the references with full information, which no robot can run."""
+    return _REFERENCES.names()
 
 
 def register(name: str, controller: ControllerLike) -> None:
@@ -149,6 +175,8 @@ def register(name: str, controller: ControllerLike) -> None:
         raise PalmbotsError(
             f"controller: name is {show(name)}; allowed: a text without comma, colon and space"
         )
+    if name in _REFERENCES:
+        raise PalmbotsError(f"controller: {show(name)} is registered already")
     _CONTROLLERS.register(name, _renamed(resolve(controller), name))
 
 
@@ -194,6 +222,8 @@ def resolve(
         if controller.endswith(".toml") and controller not in _CONTROLLERS:
             load = _LOADERS.get(".toml")
             return load(controller, called=called, folder=folder, unproved=unproved)
+        if controller in _REFERENCES:
+            return _REFERENCES.get(controller)
         files = ("module:Class", "FILE.py:Class", "FILE.toml")
         one_of(called, controller, (*controller_names(), *files))
         return _CONTROLLERS.get(controller)
@@ -278,8 +308,9 @@ def recover(
 
 def describe(name: str) -> ControllerEntry:
     """The entry of a name for reports and figures; a minimal one if the name is unknown."""
-    if name in _CONTROLLERS:
-        return _CONTROLLERS.get(name)
+    for registry in (_CONTROLLERS, _REFERENCES):
+        if name in registry:
+            return registry.get(name)
     return ControllerEntry(name, "a controller in Python")
 
 
@@ -291,6 +322,15 @@ def check(controller: ControllerLike, scene: Scene) -> Bounds | None:
     """
     entry = resolve(controller)
     return None if entry.timing_check is None else entry.timing_check(scene)
+
+
+def refuse_reference(entry: ControllerEntry, where: str) -> None:
+    """Raise `PalmbotsError` for a reference, `where` robots or only shipped controllers carry."""
+    if entry.is_reference:
+        raise PalmbotsError(
+            f"controller: {entry.name} is a reference that reads the state of the quasistatic "
+            f"world; {where} needs a controller that robots can run"
+        )
 
 
 def refusal(controller: ControllerLike, scene: Scene) -> str | None:

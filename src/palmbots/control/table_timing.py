@@ -17,7 +17,7 @@ __all__ = ["deafness", "transition_table"]
 
 def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | None:
     """The table that a controller runs, with its times in a scene; None: it is not such a one."""
-    if not entry.is_compiled:
+    if not entry.runs_in_lockstep:
         return None
     return _core.transition_table(entry.name, to_spec(scene, unrolled=True))
 

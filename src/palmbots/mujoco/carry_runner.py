@@ -57,7 +57,7 @@ def run(
     """
     scene = prepared.scene
     world = world_of(scene, engine, measures=record or on_tick is not None)
-    core = prepared.controller.for_core()
+    core = prepared.controller.for_core(prepared.spec)
     crew = _core.CoSimulation(prepared.spec, core, seed, world.sight(first=True), SLACK)
     recorder = MujocoRecorder(world, engine) if record else None
     if on_tick is not None:

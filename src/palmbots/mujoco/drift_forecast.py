@@ -152,7 +152,7 @@ class Forecast:
 
     def seed(self, seed: int) -> NDArray[np.float64]:
         """The drift (ticks, sides) [m] of the carry of one seed, to the left seen towards +x."""
-        run: Any = _core.run(self._spec, self.controller.for_core(), seed, "double", True)
+        run: Any = _core.run(self._spec, self.controller.for_core(self._spec), seed, "double", True)
         trace = run.trace
         slides = np.diff(trace["contact_m"], axis=0)
         angles = trace["palm_rad"][:-1]

@@ -4,8 +4,9 @@
 The shipped controllers run in lockstep, in a compiled module without Python in the loop. The module
 exists for any x86-64 processor and for levels 3 and 4, which run two and four times as many lanes.
 All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
-seed and precision, for any number of threads. A Python controller runs one carry after the other.
-The controller of a policy file runs single carries on several threads.
+seed and precision, for any number of threads. A Python controller, or a reference with full
+information, runs one carry after the other. The controller of a policy file runs single carries on
+several threads.
 """
 
 from __future__ import annotations
@@ -96,7 +97,8 @@ def run_batch(
         seeds: one seed per carry.
         controller: a name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml`` or a class.
         precision: ``double`` or ``float``.
-        threads: worker threads; results do not depend on it. A Python controller uses one.
+        threads: worker threads; results do not depend on it. Carries that do not run in lockstep
+            use one.
         watch: called now and then with the number of finished carries.
 
     Raises:
@@ -106,14 +108,12 @@ def run_batch(
     entry = resolve(controller)
     index = np.ascontiguousarray(spec_index, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
-    if not entry.is_compiled:
+    if not entry.runs_in_lockstep:
         if isinstance(specs, bytes):
-            if entry.is_python:
-                raise PalmbotsError(
-                    f"controller: {entry.name} is in Python and needs specs, not bytes"
-                )
+            if entry.is_python or entry.is_reference:
+                raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
             specs = _core.Spec.list_from_bytes(specs)
-        workers = 1 if entry.is_python else threads
+        workers = threads if entry.machines is not None else 1
         return _run_singly(specs, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
     run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
@@ -178,14 +178,20 @@ def _run_singly(
         columns["messages_lost"][i] = run.messages_lost
         columns["finished"][i] = True
 
+    used = [] if controller.is_python else sorted(set(index.tolist()))
+    cores = {i: controller.for_core(specs[i]) for i in used}
+
+    def shared(i: int) -> None:
+        carry(i, cores[int(index[i])])
+
     try:
         if controller.is_python:
             for i in range(n):
                 if watch is not None:
                     watch(i)
-                carry(i, controller.for_core())
+                carry(i, controller.for_core(specs[int(index[i])]))
         else:
-            _share(n, threads, functools.partial(carry, core=controller.for_core()), watch)
+            _share(n, threads, shared, watch)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(columns) from None
     return columns

@@ -6,7 +6,14 @@ from functools import cached_property
 
 import palmbots._core as _core
 from palmbots.control.dead_band import warnings_before
-from palmbots.control.registry import ControllerEntry, ControllerLike, check, describe, resolve
+from palmbots.control.registry import (
+    ControllerEntry,
+    ControllerLike,
+    check,
+    describe,
+    refuse_reference,
+    resolve,
+)
 from palmbots.control.resilient_timing import Bounds
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
@@ -52,5 +59,7 @@ def prepare(
     place = world_entry(world) if isinstance(world, str) else world
     entry = resolve(controller)
     check_scene(place, scene)
+    if not place.supports_references:
+        refuse_reference(entry, f"the {place.name} world")
     timing = check(entry, scene)
     return Prepared(scene, entry, place, to_spec(scene, unrolled=place.supports_curved), timing)

@@ -23,7 +23,7 @@ def run(
     on_progress: Callable[[float], None] | None = None,
 ) -> WorldRun:
     """Run one carry; it takes milliseconds, so the callbacks are not called."""
-    core = prepared.controller.for_core()
+    core = prepared.controller.for_core(prepared.spec)
     return WorldRun(_core.run(prepared.spec, core, seed, precision, record))
 
 
@@ -53,4 +53,5 @@ WORLD = WorldEntry(
     episode=QuasistaticEpisode,
     precisions=PRECISIONS,
     supports_bumps=True,
+    supports_references=True,
 )

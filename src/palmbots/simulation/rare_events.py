@@ -27,7 +27,7 @@ from palmbots._util.confidence_intervals import student_t95
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots._util.text import plural
-from palmbots.control.registry import ControllerLike, resolve
+from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
@@ -146,6 +146,7 @@ def estimate_drop_rate(
         PalmbotsError: another argument is not allowed, or no random input moves a contact outward.
     """
     entry = resolve(controller)
+    refuse_reference(entry, "a drop rate")
     if entry.is_python:
         raise PalmbotsError(
             f"controller: {entry.name} is in Python, and a drop rate needs copies of carries that "
@@ -161,7 +162,7 @@ def estimate_drop_rate(
     prepared = prepare(load_scene(scene, overrides), entry)
     chosen, spec = prepared.scene, prepared.spec
     report = on_progress or (lambda fraction: None)
-    core = entry.for_core()
+    core = entry.for_core(spec)
     levels = _core.choose_levels(spec, core, seed, max(effort, 1000), SHARE)
 
     def run(first: int, count: int, part: Interval) -> tuple[NDArray[Any], int]:

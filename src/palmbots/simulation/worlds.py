@@ -63,6 +63,8 @@ class WorldEntry:
     precisions: tuple[str, ...] = ("double",)
     supports_curved: bool = False
     supports_bumps: bool = False
+    supports_references: bool = False
+    """Controllers with full information can read its state (`ControllerEntry.is_reference`)."""
     is_stepped: bool = False
     """The world runs tick by tick in Python: it calls `on_tick` and `on_progress`."""
     trace_variables: Mapping[str, Mapping[str, str]] = field(default_factory=dict)

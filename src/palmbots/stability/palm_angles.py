@@ -22,7 +22,12 @@ import numpy as np
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, two_numbers
 from palmbots._util.renamed_names import renamed_arguments
-from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
+from palmbots.control.registry import (
+    ControllerEntry,
+    ControllerLike,
+    refuse_reference,
+    resolve,
+)
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
@@ -191,6 +196,7 @@ def _entry(controller: ControllerLike | None, objective: Objective) -> Controlle
             raise PalmbotsError("controller: value is null; allowed with noise: a controller")
         return None
     entry = resolve(controller)
+    refuse_reference(entry, "a design")
     if entry.is_python:
         raise PalmbotsError(
             f"controller: {entry.name} is in Python, and a design takes several 100,000 carries; "

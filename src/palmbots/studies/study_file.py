@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from palmbots._util.arguments import show, whole_number
-from palmbots.control.registry import ControllerEntry, resolve
+from palmbots.control.registry import ControllerEntry, refuse_reference, resolve
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, field_error, from_list, whole
@@ -284,6 +284,7 @@ def _controllers(study: Study, folder: Path, called: str) -> tuple[ControllerEnt
     for k, one in enumerate(study.controllers):
         try:
             controller = resolve(one, called=f"controllers[{k}]", folder=str(folder))
+            refuse_reference(controller, "a study")
         except PalmbotsError as error:
             raise SceneError(f"{called} {error}") from None
         if controller.name in (other.name for other in controllers):
