@@ -25,7 +25,7 @@ def draw(result: "Bound") -> Figure:
     with styled():
         figure = Figure(figsize=(5.2, 3.4), layout="constrained")
         axes = figure.subplots()
-        axes.plot(times, [100 * rate for rate in rates], color=SERIES[0], marker="o", ms=4)
+        axes.plot(times, [100 * rate for rate in rates], color=SERIES[0].colour, marker="o", ms=4)
         axes.axhline(100 * result.rate, color=INK, lw=0.7, ls=":")
         axes.set_yscale("log")
         axes.set(

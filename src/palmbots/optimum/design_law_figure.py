@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw"]
 
-_MARKERS = ("o", "s", "^", "D")
-
 
 def draw(result: "DesignLaw") -> Figure:
     """Draw σ* of the optimum (marks) and the law (lines), and below the error of the law."""
@@ -25,7 +23,7 @@ def draw(result: "DesignLaw") -> Figure:
         figure = Figure(figsize=(5.2, 5.0), layout="constrained")
         above, below = figure.subplots(2, sharex=True, height_ratios=(2, 1))
         for index, key in enumerate(keys):
-            colour, marker = SERIES[index % len(SERIES)], _MARKERS[index % len(_MARKERS)]
+            colour, marker, _ = SERIES[index % len(SERIES)]
             mine = [point for point in result.points if point.key == key]
             factors = [point.factor for point in mine]
             label = KEYS.get(key, key)
