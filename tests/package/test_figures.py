@@ -31,6 +31,7 @@ WITHOUT_UNIT = {
     "correction\n(case)",
     "friction μ",
     "messages per metre",
+    "multiple of the scene's value",
     "palm friction",
     "sensor",
     "share of the variance (Sobol index)",

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from palmbots.viz.style import INK, QUIET, axis_label, styled
+from palmbots.viz.style import INK, QUIET, SERIES, axis_label, styled
 
 if TYPE_CHECKING:
     from palmbots.optimum.drop_bound import Bound
 
 __all__ = ["draw"]
-
-_COLOUR = "#0072B2"
 
 
 def draw(result: "Bound") -> Figure:
@@ -27,7 +25,7 @@ def draw(result: "Bound") -> Figure:
     with styled():
         figure = Figure(figsize=(5.2, 3.4), layout="constrained")
         axes = figure.subplots()
-        axes.plot(times, [100 * rate for rate in rates], color=_COLOUR, marker="o", ms=4)
+        axes.plot(times, [100 * rate for rate in rates], color=SERIES[0].colour, marker="o", ms=4)
         axes.axhline(100 * result.rate, color=INK, lw=0.7, ls=":")
         axes.set_yscale("log")
         axes.set(

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 
-from palmbots.viz.style import INK, QUIET, axis_label, styled
+from palmbots.viz.style import INK, QUIET, SERIES, axis_label, styled
 
 if TYPE_CHECKING:
     from palmbots.optimum.design_law import DesignLaw
 
 __all__ = ["draw"]
-
-_LOOKS = (("#0072B2", "o"), ("#D55E00", "s"), ("#009E73", "^"), ("#CC79A7", "D"))
 
 
 def draw(result: "DesignLaw") -> Figure:
@@ -25,7 +23,7 @@ def draw(result: "DesignLaw") -> Figure:
         figure = Figure(figsize=(5.2, 5.0), layout="constrained")
         above, below = figure.subplots(2, sharex=True, height_ratios=(2, 1))
         for index, key in enumerate(keys):
-            colour, marker = _LOOKS[index % len(_LOOKS)]
+            colour, marker, _ = SERIES[index % len(SERIES)]
             mine = [point for point in result.points if point.key == key]
             factors = [point.factor for point in mine]
             label = KEYS.get(key, key)

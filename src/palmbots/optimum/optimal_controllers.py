@@ -27,7 +27,7 @@ from palmbots.optimum.opening import (
 
 __all__ = ["OPTIMAL", "OPTIMAL_STOPPING"]
 
-_RESOLVED = 0.6
+_RESOLVED = 0.8
 """Least noise of a policy, as a fraction of the design law. At less noise all drop rates are so
 small that rounding would decide."""
 
@@ -65,7 +65,8 @@ def _policy(values: tuple[Any, ...], may_stop: bool) -> OptimalController:
         setattr(problem, name, value)
     if may_stop:
         best_price(problem, COARSE)  # the price stays in the problem
-    return OptimalController(solve(problem, FINE).policy, may_stop)
+    grid = FINE.coarser("noises") if may_stop else FINE
+    return OptimalController(solve(problem, grid).policy, may_stop)
 
 
 def _entry(name: str, description: str, maker: Any) -> ControllerEntry:
