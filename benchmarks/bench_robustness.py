@@ -101,7 +101,7 @@ def rate_at_1_cm_s(condition: Condition, controller: str, n: int) -> float | Non
     if dropped >= ENOUGH:
         return dropped / n
     try:
-        return pb.estimate_drop_rate(scene, controller, relative_half_width=0.5).rate
+        return pb.estimate_drop_rate(scene, controller, relative_half_width=0.5).drop_rate
     except PalmbotsError:  # none of its carries dropped
         return dropped / n if dropped else None
 

@@ -51,6 +51,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots study centralized-vs-distributed --plot": {
         "centralized-vs-distributed.png": "centralized-vs-distributed.study/study.png"
     },
+    "palmbots study silent-map --plot": {"silent-map.png": "silent-map.study/study.png"},
     "palmbots study what-matters --plot": {"what-matters.png": "what-matters.study/study.png"},
     "palmbots carry --world mujoco --set task.path.kind=s --set task.path.radius_m=1 "
     "--set task.distance_m=2.27 --out out": {"curve-plan.png": "out/plan.png"},

@@ -45,13 +45,13 @@ def test_robot_whose_contact_slides_stops_too_and_travels_again_with_its_partner
     carry = pb.carry("paper", controller, overrides=keys)
     assert carry.outcome == "delivered"
     assert carry.trace is not None
-    speed = np.abs(carry.trace["commanded"].sel(side=goes))
+    speed = abs(carry.trace["commanded"].sel(side=goes))
     standing = speed.sel(time=slice(STOP_S + 1.0, STOP_S + LASTS_S))
     # It stands, but for the moments in which a leader backs and tries again.
     assert float((standing == 0).mean()) > 0.6
     # Both travel again soon: in the last seconds at the nominal speed.
     ends = STOP_S + LASTS_S
-    late = np.abs(carry.trace["commanded"].sel(time=slice(ends + 5.0, ends + 8.0)))
+    late = abs(carry.trace["commanded"].sel(time=slice(ends + 5.0, ends + 8.0)))
     assert late.sizes["time"] > 100
     assert float(late.mean()) == pytest.approx(0.06, abs=0.005)
 

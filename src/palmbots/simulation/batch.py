@@ -12,7 +12,6 @@ several threads.
 from __future__ import annotations
 
 import contextlib
-import functools
 import importlib
 import os
 from collections.abc import Callable, Sequence
