@@ -136,10 +136,9 @@ void robot_step(int side, int age) {
   if (!out.send) return;
   const Beacon said = receiver.beacon(out.message, false, false);
   const bool heard_any = said.heard.epoch != 0;
-  pair.air[1 - side][0] = {
-      {r.life, 0},
-      {static_cast<unsigned char>(said.heard.epoch),
-       static_cast<unsigned char>(heard_any ? present - said.heard.tick : 0)}};
+  pair.air[1 - side][0] = {{r.life, 0},
+                           {static_cast<unsigned char>(said.heard.epoch),
+                            static_cast<unsigned char>(heard_any ? present - said.heard.tick : 0)}};
 }
 
 int is_silent(int side) { return awake(side).silence(); }
@@ -153,6 +152,8 @@ void note_links(void) {
 
 char robot_case(int side) { return awake(side).now().name; }
 
-const char* robot_doing(int side) { return is_silent(side) ? "hears nothing" : "hears its partner"; }
+const char* robot_doing(int side) {
+  return is_silent(side) ? "hears nothing" : "hears its partner";
+}
 
 }  // extern "C"

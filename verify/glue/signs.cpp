@@ -142,8 +142,8 @@ void set_program(int talks_too, int may_stop, int longest, int turn, int push, i
 }
 
 void robot_boot(int side) {
-  pair.mind[side] = talks ? packed(awake<SharedSign>(side).booted())
-                          : packed(awake<Silent>(side).booted());
+  pair.mind[side] =
+      talks ? packed(awake<SharedSign>(side).booted()) : packed(awake<Silent>(side).booted());
   fall_silent(side);
   // A beacon counts only if it echoes a word of this life.
   std::fill_n(pair.said[side], lease + 1, 0);

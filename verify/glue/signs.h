@@ -27,11 +27,12 @@ struct mind {
 
 struct pair {
   struct mind mind[2];
-  unsigned char word[2];             /* on which each robot acts; 0: its partner is silent */
-  unsigned char age[2];              /* of it, in cycles, */
-  unsigned char bound[2];            /* and as the robot bounds it: since what the word echoes was sent */
+  unsigned char word[2];  /* on which each robot acts; 0: its partner is silent */
+  unsigned char age[2];   /* of it, in cycles, */
+  unsigned char bound[2]; /* and as the robot bounds it: since what the word echoes was sent */
   unsigned char said[2][OLDEST + 1]; /* to each robot, by age; 0: nothing, or no longer of use */
-  unsigned char echo[2][OLDEST + 1]; /* how old the newest word was that its partner had heard then */
+  unsigned char echo[2]
+                    [OLDEST + 1]; /* how old the newest word was that its partner had heard then */
 };
 extern struct pair pair;
 
