@@ -174,7 +174,8 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     environment = os.environ | {k: str(v) for k, v in run.parameters.items()}
     pan = str(folder / run.search)
     depth = [] if run.search == "shortest" else ["-m5000000"]
-    command = [pan, *flags, "-w24", *depth]
+    claim = [] if run.formula is None else ["-N", run.formula]
+    command = [pan, *flags, *claim, "-w24", *depth]
     limit = ["prlimit", f"--as={megabytes * 2**20}"]
     done = subprocess.run(
         [*limit, *command], cwd=place, env=environment, capture_output=True, text=True
@@ -221,7 +222,7 @@ def _transcript(run: Run, replay: str) -> str:
     """The model's account of a trail: a line a cycle, then, indented, the events of each robot."""
     lines = [f"{run.says}: {run.fails} is violated", ""]
     for line in replay.splitlines():
-        if re.match(r" {0,3}\d+  left|      \w.*[^;{]$", line) and "parameter(" not in line:
+        if re.match(r" {0,3}\d+  left|      \w.*[^;{]$", line) and not line.endswith("...]"):
             lines.append(line.rstrip())
         elif "START OF CYCLE" in line:
             lines.append("      from here for ever:")
