@@ -26,15 +26,24 @@ bool talks = true;
 bool brake = true;
 int lease = 0;
 std::uint16_t turn_limit = 0;
+std::uint16_t notice_limit = 0;
 std::uint16_t push_limit = 0;
 std::uint16_t rest_limit = 0;
+
+// Parts and multiples of the push, as Table::seconds has them; at least one cycle.
+std::uint16_t part_of_push(int tenths) {
+  return static_cast<std::uint16_t>(std::max(1, push_limit * tenths / 10));
+}
 
 template <class Table>
 typename TableRobot<Table>::Times times_of() {
   if constexpr (Table::talks) {
-    return {1, fresh, {turn_limit, push_limit, rest_limit}};
+    return {1,
+            fresh,
+            {turn_limit, notice_limit, push_limit, rest_limit, part_of_push(1), part_of_push(3),
+             part_of_push(8), part_of_push(40)}};
   } else {
-    return {1, fresh, {push_limit, rest_limit}};
+    return {1, fresh, {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3)}};
   }
 }
 
@@ -128,11 +137,13 @@ extern "C" {
 
 struct pair pair;
 
-void set_program(int talks_too, int may_stop, int longest, int turn, int push, int rest) {
+void set_program(int talks_too, int may_stop, int longest, int turn, int notice, int push,
+                 int rest) {
   talks = talks_too != 0;
   brake = may_stop != 0;
   lease = longest;
   turn_limit = static_cast<std::uint16_t>(turn);
+  notice_limit = static_cast<std::uint16_t>(notice);
   push_limit = static_cast<std::uint16_t>(push);
   rest_limit = static_cast<std::uint16_t>(rest);
   if (lease > OLDEST) {

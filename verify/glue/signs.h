@@ -44,7 +44,7 @@ struct deed {
 
 /* `talks`: shared-sign, else silent. `turn`, `push` and `rest`: the limits of the table. All times in
  * cycles. The right robot leads. */
-void set_program(int talks, int brake, int lease, int turn, int push, int rest);
+void set_program(int talks, int brake, int lease, int turn, int notice, int push, int rest);
 void robot_boot(int side);
 
 /* One more cycle has passed. */

@@ -247,7 +247,7 @@ active proctype cycle()
       now.links[RIGHT] = now.LINKS;
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TAKES, now.PUSH, now.PAUSE);
+      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TAKES, now.DELAY, now.PUSH, now.PAUSE);
       robot_boot(LEFT);
       robot_boot(RIGHT);
     };
