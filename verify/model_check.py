@@ -297,8 +297,8 @@ def main() -> int:
     console = Console(width=None if sys.stdout.isatty() else 160)
     findings, wrong = [], 0
     with console.status("exploring") as status:
-        for run in chosen:
-            status.update(f"exploring {run.name}")
+        for number, run in enumerate(chosen, 1):
+            status.update(f"exploring {run.name}, {number} of {len(chosen)}")
             found = explore(run)
             findings.append(found)
             if wanted.rewrite:

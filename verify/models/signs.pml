@@ -55,7 +55,8 @@ byte TAKES; /* limit of the table: cycles for which the leader keeps its palm, *
 byte PUSH;  /* before a robot pauses that moves closer, */
 byte PAUSE; /* and of the pause */
 byte COAST; /* cycles that the wheels lag behind the command: 0 or 1 */
-byte NAPS;  /* steps in a row that a robot may miss without knowing it */
+byte NAPS;  /* 1: a robot whose clock is slow may miss a step without knowing it, */
+byte APART; /* after so many cycles without one missed */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte DOWN;  /* cycles for which a robot that reboots is off */
 byte FAIR;  /* times in a row that the same contact slides where no property speaks; 0: any number */
@@ -74,7 +75,8 @@ bool goal;      /* both contacts at 0 */
 byte wheels[2]; /* what each robot commands its wheels */
 byte rolls[2];  /* and what they do */
 bool rest[2];   /* whether it does not travel */
-byte missed[2]; /* steps in a row */
+byte missed[2]; /* whether it misses its step */
+byte wait;      /* cycles until a step may be missed again */
 byte down[2];   /* cycles for which it is still off */
 byte opposed;   /* cycles for which one robot has moved away and the other closer, while they hear each other */
 byte streak;    /* times in a row that a contact slid where no property speaks, */
@@ -100,9 +102,9 @@ inline step()
 {
   if
   :: down[who] > 0 -> down[who]--; rolls[who] = 0; turn(who, palm[who])
-  :: down[who] == 0 && !calm && missed[who] < NAPS ->
+  :: down[who] == 0 && !calm && missed[who] < NAPS && wait == 0 ->
        d_step {
-         missed[who]++;
+         missed[who] = 1; wait = APART;
          c_code { robot_skip(now.who); };
          rolls[who] = wheels[who];
          turn(who, palm[who])
@@ -162,7 +164,7 @@ inline environment()
          down[who] = DOWN; wheels[who] = 0; rolls[who] = 0; rest[who] = true; missed[who] = 0; who = 0
        }
   :: !calm && CALMS && down[LEFT] + down[RIGHT] == 0 ->
-       calm = true; missed[LEFT] = 0; missed[RIGHT] = 0; c_code { Printf("      faults are over\n"); }
+       calm = true; missed[LEFT] = 0; missed[RIGHT] = 0; wait = 0; c_code { Printf("      faults are over\n"); }
   :: skip
   fi
 }
@@ -215,6 +217,7 @@ inline check()
   claim(FIGHT, opposed <= OPPOSED);
   claim(STOP, !(rest[LEFT] && rest[RIGHT]) || down[LEFT] + down[RIGHT] > 0);
   claim(FALL, !fallen(LEFT) && !fallen(RIGHT));
+  wait = (wait > 0 -> wait - 1 : 0);
   goal = sign(LEFT) == 0 && sign(RIGHT) == 0
 }
 
@@ -238,6 +241,7 @@ active proctype cycle()
       now.PAUSE = parameter("PAUSE");
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
+      now.APART = parameter("APART");
       now.TRAVEL = parameter("TRAVEL");
       now.DOWN = parameter("DOWN");
       now.FAIR = parameter("FAIR");
