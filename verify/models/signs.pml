@@ -41,7 +41,7 @@ c_code {
 /* What is asserted. */
 #define FALL 1    /* no contact goes beyond the bound */
 #define FIGHT 2   /* robots that hear each other move against each other for OPPOSED cycles at most */
-#define STOP 4    /* never do both robots stop */
+#define STOP 4    /* never do both robots stop that hear each other */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED; /* sum of the above */
@@ -215,7 +215,7 @@ inline check()
   };
   opposed = (rate(LEFT) * rate(RIGHT) < 0 && both_hear && (ARMED & FIGHT) -> opposed + 1 : 0);
   claim(FIGHT, opposed <= OPPOSED);
-  claim(STOP, !(rest[LEFT] && rest[RIGHT]) || down[LEFT] + down[RIGHT] > 0);
+  claim(STOP, !(rest[LEFT] && rest[RIGHT] && both_hear));
   claim(FALL, !fallen(LEFT) && !fallen(RIGHT));
   wait = (wait > 0 -> wait - 1 : 0);
   goal = sign(LEFT) == 0 && sign(RIGHT) == 0
