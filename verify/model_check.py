@@ -3,7 +3,7 @@
 
 Spin turns a model into a C program that explores it; linked in are the shipped controllers,
 compiled from include/palmbots. Exit status 1: a run came out otherwise than runs.toml and
-pinned.csv say.
+state_counts.csv say.
 
     .venv/bin/python verify/model_check.py [--quick] [--rewrite] [NAME...]
 """
