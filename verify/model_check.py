@@ -3,7 +3,7 @@
 
 Spin turns a model into a C program that explores it; linked in are the shipped controllers,
 compiled from include/palmbots. Exit status 1: a run came out otherwise than runs.toml and
-pinned.csv say.
+state_counts.csv say.
 
     .venv/bin/python verify/model_check.py [--quick] [--rewrite] [NAME...]
 """
@@ -174,7 +174,8 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     environment = os.environ | {k: str(v) for k, v in run.parameters.items()}
     pan = str(folder / run.search)
     depth = [] if run.search == "shortest" else ["-m5000000"]
-    command = [pan, *flags, "-w24", *depth]
+    claim = [] if run.formula is None else ["-N", run.formula]
+    command = [pan, *flags, *claim, "-w24", *depth]
     limit = ["prlimit", f"--as={megabytes * 2**20}"]
     done = subprocess.run(
         [*limit, *command], cwd=place, env=environment, capture_output=True, text=True
@@ -221,7 +222,7 @@ def _transcript(run: Run, replay: str) -> str:
     """The model's account of a trail: a line a cycle, then, indented, the events of each robot."""
     lines = [f"{run.says}: {run.fails} is violated", ""]
     for line in replay.splitlines():
-        if re.match(r" {0,3}\d+  left|      \w.*[^;{]$", line) and "parameter(" not in line:
+        if re.match(r" {0,3}\d+  left|      \w.*[^;{]$", line) and not line.endswith("...]"):
             lines.append(line.rstrip())
         elif "START OF CYCLE" in line:
             lines.append("      from here for ever:")
@@ -296,8 +297,8 @@ def main() -> int:
     console = Console(width=None if sys.stdout.isatty() else 160)
     findings, wrong = [], 0
     with console.status("exploring") as status:
-        for run in chosen:
-            status.update(f"exploring {run.name}")
+        for number, run in enumerate(chosen, 1):
+            status.update(f"exploring {run.name}, {number} of {len(chosen)}")
             found = explore(run)
             findings.append(found)
             if wanted.rewrite:
