@@ -8,34 +8,21 @@ A generated part stands between two markers, `<!-- NAME -->` and `<!-- end of NA
 --check nothing is written, and the exit status is 1 if a part is out of date.
 """
 
+import importlib
+import pkgutil
 import re
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from docs_generators import (
-    commands,
-    controllers,
-    derivation,
-    public_names,
-    rooms,
-    scene_keys,
-    table_controllers,
-    wire,
-)
+import docs_generators
 
 ROOT = Path(__file__).resolve().parent.parent
-GENERATORS = (
-    commands,
-    controllers,
-    derivation,
-    public_names,
-    rooms,
-    scene_keys,
-    table_controllers,
-    wire,
-)
+GENERATORS = [
+    importlib.import_module(f"{docs_generators.__name__}.{module.name}")
+    for module in pkgutil.iter_modules(docs_generators.__path__)
+]
 
 
 def main() -> int:

@@ -36,7 +36,7 @@ PINNED = {
     ("distributed", "float"): "f17f2ca1dcc84385",
     ("resilient", "double"): "cf24fa7e2d29ab7d",
     ("resilient", "float"): "1adb9883c0b1be5a",
-    ("silent", "double"): "7e1e16cbcf0cb6de",
+    ("silent", "double"): "532a6fea0e4b1dd3",
     ("silent", "float"): "f73fee217a701a47",
     ("shared-sign", "double"): "0b5a3f2117259ef0",
     ("shared-sign", "float"): "f8208b1ef3fabcb3",

@@ -53,6 +53,7 @@ class SignRobot:
     def __post_init__(self) -> None:
         if self.by_touch:
             self.phase = "wait" if self.leads else "watch"
+            self.palm = "shallow" if self.leads else "steep"
 
     def step(
         self, sign: int, news: tuple[int, str] | None, age: int

@@ -109,11 +109,12 @@ class TableRobot {
   constexpr TableRobot(const Times& times, Role role)
       : times_(times),
         role_(role),
+        state_(first(role)),
         age_(static_cast<std::uint16_t>(times.lease + 1)),
         since_sent_(times.beacon) {}
 
   // The robot after a boot.
-  constexpr TableRobot booted() const { return TableRobot(times_, role_); }
+  constexpr TableRobot booted() const { return TableRobot(times_, {role_.leads, role_.may_stop}); }
 
   Output step(const Input& in) {
     pass(in.elapsed);
@@ -165,6 +166,12 @@ class TableRobot {
  private:
   static constexpr TableRowMasks<Table> row_masks{};
 
+  static constexpr State first(const Role& role) {
+    if constexpr (requires { Table::started_by_touch(true); }) {
+      if (role.by_touch) return Table::started_by_touch(role.leads);
+    }
+    return Table::initial;
+  }
   constexpr std::uint16_t stale() const { return static_cast<std::uint16_t>(times_.lease + 1); }
   // The time limit of the present state [ticks].
   constexpr std::uint16_t limit() const {
@@ -182,7 +189,7 @@ class TableRobot {
 
   Times times_;
   Role role_;
-  State state_ = Table::initial;
+  State state_;
   MessageKind word_ = MessageKind::none;  // the partner's newest
   std::uint16_t age_;                     // of it
   std::uint16_t since_entered_ = 0;       // since the state was entered
