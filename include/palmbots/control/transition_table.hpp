@@ -37,6 +37,16 @@ template <class B>
   }
 }
 
+// True if it holds for no robot. A word has two parts, one for each side.
+template <class B>
+[[gnu::always_inline]] constexpr bool is_empty(const B& b) {
+  if constexpr (std::is_same_v<B, bool>) {
+    return !b;
+  } else {
+    return (b[0] | b[1]) == 0;
+  }
+}
+
 // What the robots sense, as truth values.
 template <class B>
 struct Observation {
@@ -144,12 +154,19 @@ template <class Table, class B, class Fits, class Went>
         stay[from] &= opposite(go);
       } else {
         go &= idle;
+        if (is_empty(go)) return;  // as with most rows in most ticks
         if (row.from != decltype(row.from)::all()) {
+          // The fewer states are looked at: those in which the row starts, or the others.
+          int starts = 0;
+          for (int s = 0; s < Table::states; ++s) {
+            starts += row.from.has(static_cast<typename Table::State>(s)) ? 1 : 0;
+          }
+          const bool few = 2 * starts <= Table::states;
           B there{};
           for (int s = 0; s < Table::states; ++s) {
-            if (row.from.has(static_cast<typename Table::State>(s))) there |= in[s];
+            if (row.from.has(static_cast<typename Table::State>(s)) == few) there |= in[s];
           }
-          go &= there;
+          go &= few ? there : opposite(there);
         }
         idle &= opposite(go);
       }
