@@ -10,7 +10,9 @@ using namespace palmbots::wire;
 // For all to see, so that no compiler takes them for constants.
 Key key{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
 std::uint16_t pair = 0xC0DE;
-Packet packet{PacketKind::beacon, Role::left, Role::right, pair, {5, 1000}, {7, 900}, 'R'};
+const Payload request =
+    payload_of(State{Language::beacons, palmbots::MessageKind::tilt_up, RobotMode::carrying});
+Packet packet{PacketKind::state, Role::left, Role::right, pair, {5, 1000}, {7, 900}, request};
 Bytes written;
 Bytes given;
 Verdict verdict;
@@ -31,7 +33,9 @@ extern "C" {
 [[gnu::noinline]] void count_decode_bad_tag_in_first_byte() { judge(); }
 [[gnu::noinline]] void count_decode_bad_tag_in_last_byte() { judge(); }
 [[gnu::noinline]] void count_decode_wrong_pair() { judge(); }
-[[gnu::noinline]] void count_send() { sender.send(Role::right, PacketKind::beacon, 'R', written); }
+[[gnu::noinline]] void count_send() {
+  sender.send(Role::right, PacketKind::state, request, written);
+}
 [[gnu::noinline]] void count_receive() { verdict = receiver.receive(written).verdict; }
 }
 
@@ -57,7 +61,7 @@ int main() {
     expect(Verdict::wrong_pair);
   }
   // The two ends meet, so that the receiver accepts what is sent.
-  receiver.send(Role::left, PacketKind::hello, 0, written);
+  receiver.send(Role::left, PacketKind::hello, payload_of(Hello{}), written);
   sender.receive(written);
   for (int i = 0; i < calls; ++i) {
     count_send();

@@ -5,5 +5,8 @@
 #include "palmbots/wire/codec.hpp"
 #include "palmbots/wire/endpoint.hpp"
 #include "palmbots/wire/packet.hpp"
+#include "palmbots/wire/payload.hpp"
 #include "palmbots/wire/replay_window.hpp"
+#include "palmbots/wire/robot_mode.hpp"
+#include "palmbots/wire/session.hpp"
 #include "palmbots/wire/siphash.hpp"

@@ -20,7 +20,7 @@ namespace {
 
 using StampTuple = std::tuple<std::uint32_t, std::uint32_t>;
 // Kind, sender, receiver, pair, stamp, stamp heard, payload.
-using Fields = std::tuple<int, int, int, int, StampTuple, StampTuple, int>;
+using Fields = std::tuple<int, int, int, int, StampTuple, StampTuple, nb::bytes>;
 
 int number(auto value) { return static_cast<int>(value); }
 
@@ -33,6 +33,17 @@ wire::Key key_of(const nb::bytes& bytes) {
 
 std::span<const std::uint8_t> span_of(const nb::bytes& bytes) {
   return {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
+
+nb::bytes bytes_of(const wire::Payload& payload) {
+  return nb::bytes(payload.data(), payload.size());
+}
+
+wire::Payload payload_in(const nb::bytes& bytes) {
+  wire::Payload payload{};
+  if (bytes.size() != payload.size()) throw std::out_of_range("a payload has 5 bytes");
+  std::copy_n(static_cast<const std::uint8_t*>(bytes.data()), payload.size(), payload.begin());
+  return payload;
 }
 
 std::optional<nb::bytes> bytes_or_none(bool written, const wire::Bytes& bytes) {
@@ -49,16 +60,129 @@ std::tuple<std::string, Fields> verdict_and_fields(const wire::Decoded& decoded)
            p.pair,
            {p.sent.epoch, p.sent.sequence},
            {p.heard.epoch, p.heard.sequence},
-           p.payload}};
+           bytes_of(p.payload)}};
+}
+
+// The payload of each kind from its content, and back.
+void bind_payloads(nb::module_& m) {
+  m.def(
+      "hello",
+      [](std::uint32_t settings, bool stop) {
+        return bytes_of(wire::payload_of(wire::Hello{settings, stop}));
+      },
+      nb::arg("settings"), nb::arg("stop"), "The payload of a hello.");
+  m.def(
+      "hello_of",
+      [](const nb::bytes& payload) {
+        const wire::Hello hello = wire::hello_of(payload_in(payload));
+        return std::tuple(hello.settings, hello.stop);
+      },
+      nb::arg("payload"), "A hello: settings, stop.");
+  m.def(
+      "state",
+      [](std::uint8_t language, std::uint8_t word, std::uint8_t mode, bool ready, bool at_rest,
+         bool stop) {
+        return bytes_of(wire::payload_of(
+            wire::State{static_cast<wire::Language>(language), static_cast<MessageKind>(word),
+                        static_cast<wire::RobotMode>(mode), ready, at_rest, stop}));
+      },
+      nb::arg("language"), nb::arg("word"), nb::arg("mode"), nb::arg("ready"), nb::arg("at_rest"),
+      nb::arg("stop"), "The payload of a state.");
+  m.def(
+      "state_of",
+      [](const nb::bytes& payload) {
+        const wire::State s = wire::state_of(payload_in(payload));
+        return std::tuple(number(s.language), number(s.word), number(s.mode), s.ready, s.at_rest,
+                          s.stop);
+      },
+      nb::arg("payload"), "A state: language, word, mode, ready, at rest, stop.");
+  m.def(
+      "status",
+      [](std::uint8_t mode, std::uint8_t fault, int sign, std::uint8_t palm, bool palm_at_target,
+         char activity, std::uint8_t item, std::uint16_t value, bool ready, bool at_rest,
+         bool stop) {
+        return bytes_of(wire::payload_of(
+            wire::Status{static_cast<wire::RobotMode>(mode), static_cast<wire::FaultCode>(fault),
+                         static_cast<Sign>(sign), static_cast<Palm>(palm), palm_at_target, activity,
+                         static_cast<wire::StatusItem>(item), value, ready, at_rest, stop}));
+      },
+      nb::arg("mode"), nb::arg("fault"), nb::arg("sign"), nb::arg("palm"),
+      nb::arg("palm_at_target"), nb::arg("activity"), nb::arg("item"), nb::arg("value"),
+      nb::arg("ready"), nb::arg("at_rest"), nb::arg("stop"), "The payload of a status.");
+  m.def(
+      "status_of",
+      [](const nb::bytes& payload) {
+        const wire::Status s = wire::status_of(payload_in(payload));
+        return std::tuple(number(s.mode), number(s.fault), number(s.sign), number(s.palm),
+                          s.palm_at_target, std::string(1, s.activity), number(s.item), s.value,
+                          s.ready, s.at_rest, s.stop);
+      },
+      nb::arg("payload"),
+      "A status: mode, fault, sign, palm, palm at target, case, item, value, ready, at rest, "
+      "stop.");
+  m.def(
+      "operate",
+      [](std::uint8_t operation, bool stop) {
+        return bytes_of(
+            wire::payload_of(wire::Operate{static_cast<wire::Operation>(operation), stop}));
+      },
+      nb::arg("operation"), nb::arg("stop"), "The payload of a wish of the operator.");
+  m.def(
+      "operate_of",
+      [](const nb::bytes& payload) {
+        const wire::Operate wish = wire::operate_of(payload_in(payload));
+        return std::tuple(number(wish.operation), wish.stop);
+      },
+      nb::arg("payload"), "A wish of the operator: operation, stop.");
+  m.def(
+      "report",
+      [](int sign, std::uint8_t palm, bool palm_at_target, bool stop) {
+        return bytes_of(wire::payload_of(
+            Centralized::Report{static_cast<Sign>(sign), static_cast<Palm>(palm), palm_at_target},
+            stop));
+      },
+      nb::arg("sign"), nb::arg("palm"), nb::arg("palm_at_target"), nb::arg("stop"),
+      "The payload of a report.");
+  m.def(
+      "report_of",
+      [](const nb::bytes& bytes) {
+        const wire::Payload payload = payload_in(bytes);
+        const auto report = wire::report_of(payload);
+        return std::tuple(number(report.sign), number(report.palm), report.palm_at_target,
+                          wire::passes_stop(payload));
+      },
+      nb::arg("payload"), "A report: sign, palm, palm at target, stop.");
+  m.def(
+      "command",
+      [](std::uint8_t palm, std::uint8_t move, bool stop) {
+        return bytes_of(
+            wire::payload_of(Command{static_cast<Palm>(palm), static_cast<Move>(move)}, stop));
+      },
+      nb::arg("palm"), nb::arg("move"), nb::arg("stop"), "The payload of a command.");
+  m.def(
+      "command_of",
+      [](const nb::bytes& bytes) {
+        const wire::Payload payload = payload_in(bytes);
+        const auto command = wire::command_of(payload);
+        return std::tuple(number(command.palm), number(command.move), wire::passes_stop(payload));
+      },
+      nb::arg("payload"), "A command: palm, move, stop.");
 }
 
 }  // namespace
 
 void bind_wire(nb::module_& core) {
   nb::module_ m = core.def_submodule("wire", "Packets, and one end of the wire.");
-  m.attr("packet_kinds") = names_to(wire::PacketKind::sign);
+  m.attr("packet_kinds") = names_to(wire::PacketKind::command);
   m.attr("roles") = names_to(wire::Role::station);
   m.attr("verdicts") = names_to(wire::Verdict::no_session);
+  m.attr("languages") = names_to(wire::Language::signs);
+  m.attr("words") = names_to(MessageKind::minus_shallow);
+  m.attr("robot_modes") = names_to(wire::RobotMode::fault);
+  m.attr("fault_codes") = names_to(wire::FaultCode::stopping);
+  m.attr("operations") = names_to(wire::Operation::release);
+  m.attr("status_numbers") = nb::make_tuple("progress", "battery", "overruns", "sent");
+  m.attr("cases") = std::string(wire::case_names, sizeof wire::case_names);
   m.def(
       "layout",
       [] {
@@ -73,14 +197,14 @@ void bind_wire(nb::module_& core) {
       "encode",
       [](const nb::bytes& key, std::uint8_t kind, std::uint8_t sender, std::uint8_t receiver,
          std::uint16_t pair, const StampTuple& sent, const StampTuple& heard,
-         std::uint8_t payload) {
+         const nb::bytes& payload) {
         const wire::Packet packet{static_cast<wire::PacketKind>(kind),
                                   static_cast<wire::Role>(sender),
                                   static_cast<wire::Role>(receiver),
                                   pair,
                                   {std::get<0>(sent), std::get<1>(sent)},
                                   {std::get<0>(heard), std::get<1>(heard)},
-                                  payload};
+                                  payload_in(payload)};
         wire::Bytes bytes{};
         const bool written = wire::encode(packet, key_of(key), bytes);
         return bytes_or_none(written, bytes);
@@ -97,59 +221,7 @@ void bind_wire(nb::module_& core) {
       nb::arg("bytes"), nb::arg("key"), nb::arg("pair"), nb::arg("receiver"),
       "The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, "
       "pair, (epoch, sequence) sent and heard, payload.");
-  m.def(
-      "report",
-      [](int sign, std::uint8_t palm, bool palm_at_target) {
-        return wire::payload(
-            Centralized::Report{static_cast<Sign>(sign), static_cast<Palm>(palm), palm_at_target});
-      },
-      nb::arg("sign"), nb::arg("palm"), nb::arg("palm_at_target"), "The payload of a report.");
-  m.def(
-      "report_of",
-      [](std::uint8_t payload) {
-        const auto report = wire::report_of(payload);
-        return std::tuple(number(report.sign), number(report.palm), report.palm_at_target);
-      },
-      nb::arg("payload"), "A report: sign, palm, palm at target.");
-  m.def(
-      "beacon",
-      [](char letter, bool stopped, bool ready) {
-        return wire::payload(wire::Beacon{letter, stopped, ready});
-      },
-      nb::arg("letter"), nb::arg("stopped"), nb::arg("ready"), "The payload of a beacon.");
-  m.def(
-      "beacon_of",
-      [](std::uint8_t payload) {
-        const auto beacon = wire::beacon_of(payload);
-        return std::tuple(std::string(1, beacon.letter), beacon.stopped, beacon.ready);
-      },
-      nb::arg("payload"), "A beacon: letter, stopped, ready.");
-  m.def(
-      "command",
-      [](std::uint8_t palm, std::uint8_t move) {
-        return wire::payload(Command{static_cast<Palm>(palm), static_cast<Move>(move)});
-      },
-      nb::arg("palm"), nb::arg("move"), "The payload of a command.");
-  m.def(
-      "command_of",
-      [](std::uint8_t payload) {
-        const auto command = wire::command_of(payload);
-        return std::tuple(number(command.palm), number(command.move));
-      },
-      nb::arg("payload"), "A command: palm, move.");
-  m.def(
-      "sign",
-      [](int sign, std::uint8_t palm) {
-        return wire::payload(wire::SignWord{static_cast<Sign>(sign), palm != 0});
-      },
-      nb::arg("sign"), nb::arg("palm"), "The payload of a sign.");
-  m.def(
-      "sign_of",
-      [](std::uint8_t payload) {
-        const auto word = wire::sign_of(payload);
-        return std::tuple(number(word.sign), int{word.shallow});
-      },
-      nb::arg("payload"), "A sign: sign, palm.");
+  bind_payloads(m);
 
   nb::class_<wire::Endpoint>(m, "Endpoint", "One end of the wire.")
       .def(
@@ -161,10 +233,12 @@ void bind_wire(nb::module_& core) {
           nb::arg("key"), nb::arg("pair"), nb::arg("role"), nb::arg("epoch"))
       .def(
           "send",
-          [](wire::Endpoint& self, std::uint8_t receiver, std::uint8_t kind, std::uint8_t payload) {
+          [](wire::Endpoint& self, std::uint8_t receiver, std::uint8_t kind,
+             const nb::bytes& payload) {
             wire::Bytes bytes{};
-            const bool written = self.send(static_cast<wire::Role>(receiver),
-                                           static_cast<wire::PacketKind>(kind), payload, bytes);
+            const bool written =
+                self.send(static_cast<wire::Role>(receiver), static_cast<wire::PacketKind>(kind),
+                          payload_in(payload), bytes);
             return bytes_or_none(written, bytes);
           },
           nb::arg("receiver"), nb::arg("kind"), nb::arg("payload"),
@@ -175,6 +249,19 @@ void bind_wire(nb::module_& core) {
             return verdict_and_fields(self.receive(span_of(bytes)));
           },
           nb::arg("bytes"), "The verdict and the fields, as decode.")
+      .def(
+          "skip_to",
+          [](wire::Endpoint& self, std::uint8_t receiver, std::uint32_t sequence) {
+            self.skip_to(static_cast<wire::Role>(receiver), sequence);
+          },
+          nb::arg("receiver"), nb::arg("sequence"),
+          "The next packet to this receiver gets this sequence number, unless it has been used.")
+      .def(
+          "claimed_epoch",
+          [](const wire::Endpoint& self, std::uint8_t other) {
+            return self.session(static_cast<wire::Role>(other)).claimed_epoch();
+          },
+          nb::arg("other"), "The highest epoch of this end that the other end has named.")
       .def_prop_ro("counts", [](const wire::Endpoint& self) {
         std::vector<std::tuple<std::string, std::uint32_t>> counts;
         for (std::size_t i = 0; i < wire::verdict_count; ++i) {

@@ -4,7 +4,6 @@
 Type checkers need the names spelled out, and tables give each name a text or a look.
 """
 
-from string import printable
 from typing import Any, get_args, get_type_hints
 
 import pytest
@@ -22,6 +21,7 @@ from palmbots.simulation import batch, result
 from palmbots.stability import clearance, first_contact
 from palmbots.studies import variables
 from palmbots.viz import timeline
+from palmbots.wire import bodies
 
 MESSAGES = tuple(_core.MessageKind.__members__)[1:]
 PALMS = tuple(_core.Palm.__members__)
@@ -37,6 +37,11 @@ ALIASES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "role": (wire.Role, _core.wire.roles),
     "packet": (wire.Kind, _core.wire.packet_kinds),
     "verdict": (wire.Verdict, _core.wire.verdicts),
+    "language": (wire.Language, _core.wire.languages),
+    "word": (wire.Word, _core.wire.words),
+    "mode of a robot": (wire.RobotMode, _core.wire.robot_modes),
+    "fault": (wire.FaultCode, _core.wire.fault_codes),
+    "operation": (wire.Operation, _core.wire.operations),
     "outcome": (result.Carry.__annotations__["outcome"], _core.carry_outcomes[1:]),
     "contact": (contact_points.Kind, _core.contact_kinds[1:]),
     "contact event": (get_type_hints(result.ContactEvent)["kind"], TOUCHES),
@@ -76,16 +81,13 @@ def test_numbers_are_those_of_the_core() -> None:
     assert interface.MESSAGE_KINDS[1:] == spaces.OBSERVATION[4:]
 
 
-def test_beacon_has_the_letters_of_the_core() -> None:
-    kind = _core.wire.packet_kinds.index("beacon")
-
-    def is_valid(letter: str) -> bool:
-        payload = _core.wire.beacon(letter, False, False)
-        packet = _core.wire.encode(bytes(16), kind, 0, 1, 7, (1, 1), (0, 0), payload)
-        return packet is not None and _core.wire.beacon_of(payload)[0] == letter
-
-    letters = get_args(get_type_hints(wire.Beacon)["letter"])
-    assert sorted(letters) == sorted(filter(is_valid, printable))
+def test_languages_have_the_words_of_the_core() -> None:
+    kind = _core.wire.packet_kinds.index("state")
+    for language, language_name in enumerate(_core.wire.languages):
+        for word, word_name in enumerate(_core.wire.words):
+            payload = _core.wire.state(language, word, 0, False, False, False)
+            packet = _core.wire.encode(bytes(16), kind, 0, 1, 7, (1, 1), (0, 0), payload)
+            assert (packet is not None) == (word_name in bodies._WORDS_OF[language_name])
 
 
 def test_controllers_of_the_core_have_known_teams() -> None:

@@ -197,13 +197,11 @@ ROWS: dict[str, dict[str, str]] = {
         "endpoint().counts['unanswered']": "no_session",
         "endpoint().counts['other_version']": "wrong_version",
     },
-    "`Packet.heard`, `Report.turned`, `Beacon.rests`": {
+    "`Packet.heard`, `Report.turned`": {
         "packet().heard": "acknowledged",
         "wire.Packet('left', 'right', 1, 1, 1, heard=(1, 1))": "acknowledged",
         "wire.Report(0, 'steep', True).turned": "palm_at_target",
         "wire.Report(0, 'steep', turned=True)": "palm_at_target",
-        "wire.Beacon('I').rests": "stopped",
-        "wire.Beacon('I', rests=True)": "stopped",
     },
 }
 CASES = [(program, new) for cases in ROWS.values() for program, new in cases.items()]

@@ -29,10 +29,10 @@ def seeds() -> Iterator[bytes]:
         if not line.startswith("#"):
             packet = bytes.fromhex(line.split(" | ")[3])
             yield b"\x00" + packet
-            yield b"\x01" + packet[:20]
-            kind, roles, payload = packet[1], packet[2], packet[19]
+            yield b"\x01" + packet[:24]
+            kind, roles, payload = packet[1], packet[2], packet[19:24]
             numbers = packet[5:8] + b"\x00" + packet[8:15] + b"\x00" + packet[15:19]
-            yield bytes([2, kind, roles]) + packet[3:5] + numbers + bytes([payload])
+            yield bytes([2, kind, roles]) + packet[3:5] + numbers + payload
     # Steps: 0, 1 boot; 2, 3 send; 4, 5 deliver to the left, the right; 6, 7 the same with a flip.
     greet = bytes([2, 5, 3, 4])
     yield b"\x03" + greet + bytes([2, 5] * 8)
@@ -43,7 +43,7 @@ def seeds() -> Iterator[bytes]:
 def write_seeds(folder: Path) -> Path:
     """Writes them to an existing folder."""
     for number, seed in enumerate(seeds()):
-        (folder / f"seed-{number:03}").write_bytes(seed)
+        (folder / f"seed-{number:04}").write_bytes(seed)
     return folder
 
 

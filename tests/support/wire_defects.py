@@ -27,9 +27,9 @@ DEFECTS = {
         "stamp <= newest_",
         "stamp < newest_",
     ),
-    "packet-from-before-the-boot-is-accepted": (
-        "endpoint.hpp",
-        "packet.heard.epoch == next_.epoch",
+    "packet-from-before-a-boot-is-accepted": (
+        "session.hpp",
+        "heard.epoch == next_.epoch",
         "true",
     ),
 }

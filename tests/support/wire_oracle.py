@@ -4,6 +4,7 @@
 .venv/bin/python tests/support/wire_oracle.py     rewrites tests/fixtures/wire_packets.txt
 """
 
+import random
 from pathlib import Path
 
 GOLDEN = Path(__file__).parent.parent / "fixtures" / "wire_packets.txt"
@@ -44,94 +45,170 @@ def siphash24(key: bytes, text: bytes) -> int:
 
 
 ROLES = {"left": 0, "right": 1, "station": 2}
-MESSAGES = {"TiltUp": 1, "TiltDown": 2, "Ack": 3}
+KINDS = {"hello": 0, "state": 1, "status": 2, "operate": 3, "report": 4, "command": 5}
+WORDS = {
+    "none": [""],
+    "messages": ["TiltUp", "TiltDown", "Ack"],
+    "beacons": ["TiltUp", "TiltDown", "Ack", "Closing", "Raised"],
+    "signs": ["Zero", "Plus", "PlusShallow", "Minus", "MinusShallow"],
+}
+WORD_NUMBERS = {word: n for n, word in enumerate(["", *WORDS["beacons"], *WORDS["signs"]])}
+MODES = ["off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"]
+FAULTS = ["none", "driver", "contact", "palm", "battery", "partner_lost", "station_lost",
+          "time_limit", "overrun", "storage", "settings", "stopping"]  # fmt: skip
+OPERATIONS = ["arm", "disarm", "start", "stop", "e_stop", "release"]
 PALMS = {"steep": 0, "shallow": 1}
 MOVES = {"hold": 0, "away": 1, "closer": 2}
+CASES = " abcd12345678"
+ITEMS = ["progress", "battery", "overruns", "sent",
+         "accepted", "wrong_version", "too_short", "too_long", "wrong_pair",
+         "wrong_receiver", "bad_tag", "malformed", "stale", "no_session"]  # fmt: skip
 
 Stamp = tuple[int, int]
 """Epoch and sequence."""
-Content = tuple[str, str, str, str]
-"""Sender, receiver, kind and content, in words."""
+Content = tuple[str, str, str, tuple[str, ...]]
+"""Sender, receiver, kind, and the values of the kind's fields, in words."""
+
+# The fields of each kind, with the values that they may have.
+NO_YES = ["no", "yes"]
+FIELDS: dict[str, dict[str, list[str]]] = {
+    "hello": {"settings": ["0", "1", "67305985", "4294967295"], "stop": NO_YES},
+    "state": {
+        "said": [f"{language}:{word}" for language, words in WORDS.items() for word in words],
+        "mode": MODES, "ready": NO_YES, "at_rest": NO_YES, "stop": NO_YES,
+    },
+    "status": {
+        "mode": MODES, "fault": FAULTS, "sign": ["-1", "0", "1"], "palm": [*PALMS],
+        "palm_at_target": NO_YES, "case": [*CASES], "item": ITEMS,
+        "value": ["0", "1", "513", "65535"], "ready": NO_YES, "at_rest": NO_YES, "stop": NO_YES,
+    },
+    "operate": {"operation": OPERATIONS, "stop": NO_YES},
+    "report": {
+        "sign": ["-1", "0", "1"], "palm": [*PALMS], "palm_at_target": NO_YES, "stop": NO_YES,
+    },
+    "command": {"palm": [*PALMS], "move": [*MOVES], "stop": NO_YES},
+}  # fmt: skip
+ROBOT_PAIRS = [("left", "right"), ("right", "left")]
+UP = [("left", "station"), ("right", "station")]
+DOWN = [("station", "left"), ("station", "right")]
+DIRECTIONS = {
+    "hello": ROBOT_PAIRS + UP + DOWN, "state": ROBOT_PAIRS, "status": UP,
+    "operate": DOWN, "report": UP, "command": DOWN,
+}  # fmt: skip
 
 
 def contents() -> list[Content]:
-    """Every packet that is allowed."""
-    all_of: list[Content] = [(a, b, "hello", "") for a in ROLES for b in ROLES if a != b]
-    for sender, receiver in (("left", "right"), ("right", "left")):
-        all_of += [(sender, receiver, "message", message) for message in MESSAGES]
-        all_of += [
-            (sender, receiver, "beacon", f"{letter} {ready} {travel}")
-            for letter in "IRGDW"
-            for ready in ("unready", "ready")
-            for travel in ("travels", "stopped")
-        ]
-    for robot in ("left", "right"):
-        for palm in PALMS:
-            all_of += [
-                (robot, "station", "report", f"{sign} {palm} {progress}")
-                for sign in ("-1", "0", "1")
-                for progress in ("turning", "at-target")
-            ]
-            all_of += [("station", robot, "command", f"{palm} {move}") for move in MOVES]
-    for sender, receiver in (("left", "right"), ("right", "left")):
-        words = ("0", "-1 steep", "-1 shallow", "1 steep", "1 shallow")
-        all_of += [(sender, receiver, "sign", word) for word in words]
-    return all_of
+    """For every kind and direction, each value of each field, next to changing others."""
+    found: list[Content] = []
+    for kind, fields in FIELDS.items():
+        for direction in DIRECTIONS[kind]:
+            for i in range(max(len(values) for values in fields.values()) * 2):
+                said = tuple(
+                    values[(i + i // len(values) * place) % len(values)]
+                    for place, values in enumerate(fields.values())
+                )
+                found.append((*direction, kind, said))
+    return list(dict.fromkeys(found))
 
 
-def payload(kind: str, said: str) -> tuple[int, int]:
-    """The bytes `kind` and `payload`."""
-    words = said.split()
+def random_content(chance: random.Random) -> Content:
+    """Any allowed content."""
+    kind = chance.choice([*FIELDS])
+    said = tuple(chance.choice(values) for values in FIELDS[kind].values())
+    return (*chance.choice(DIRECTIONS[kind]), kind, said)
+
+
+def payload(kind: str, said: tuple[str, ...]) -> bytes:
+    """The five payload bytes."""
+    field = dict(zip(FIELDS[kind], said, strict=True))
+    stop = int(field["stop"] == "yes")
+    flags = stop + 2 * (field.get("ready") == "yes") + 4 * (field.get("at_rest") == "yes")
+    at_target = 8 * (field.get("palm_at_target") == "yes")
     match kind:
         case "hello":
-            return 0, 0
-        case "message":
-            return 1, MESSAGES[said]
-        case "beacon":
-            return 2, ord(words[0]) + 32 * ("ready" in words) + 128 * ("stopped" in words)
-        case "sign":
-            return 5, int(words[0]) + 1 + 4 * (words[-1] == "shallow")
+            return int(field["settings"]).to_bytes(4, "little") + bytes([stop])
+        case "state":
+            language, word = field["said"].split(":")
+            number = WORD_NUMBERS[word] + 16 * [*WORDS].index(language)
+            return bytes([number, MODES.index(field["mode"]), 0, 0, flags])
+        case "status":
+            first = MODES.index(field["mode"]) + 16 * FAULTS.index(field["fault"])
+            second = int(field["sign"]) + 1 + 4 * PALMS[field["palm"]] + at_target
+            second += 16 * CASES.index(field["case"])
+            value = int(field["value"])
+            last = flags + 8 * ITEMS.index(field["item"])
+            return bytes([first, second, value % 256, value // 256, last])
+        case "operate":
+            return bytes([OPERATIONS.index(field["operation"]), 0, 0, 0, stop])
         case "report":
-            sign, palm, progress = words
-            return 3, int(sign) + 1 + 4 * PALMS[palm] + 8 * (progress == "at-target")
+            first = int(field["sign"]) + 1 + 4 * PALMS[field["palm"]] + at_target
+            return bytes([first, 0, 0, 0, stop])
         case _:
-            palm, move = words
-            return 4, PALMS[palm] + 2 * MOVES[move]
+            return bytes([PALMS[field["palm"]] + 2 * MOVES[field["move"]], 0, 0, 0, stop])
+
+
+def is_allowed(kind: int, sender: int, receiver: int, b: bytes) -> bool:
+    """Whether a packet with these numbers is allowed, by the tables of the page."""
+    names = {number: name for name, number in ROLES.items()}
+    if kind > 5 or (names.get(sender), names.get(receiver)) not in DIRECTIONS[[*KINDS][kind]]:
+        return False
+    short = b[1:4] == bytes(3) and b[4] in (0, 1)
+    match kind:
+        case 0:
+            return b[4] in (0, 1)
+        case 1:
+            first, count = {0: (0, 1), 1: (1, 3), 2: (1, 5), 3: (6, 5)}.get(b[0] // 16, (0, 0))
+            said = b[0] % 16 in range(first, first + count)
+            return said and b[1] < 9 and b[2:4] == bytes(2) and b[4] < 8
+        case 2:
+            sides = b[0] % 16 < 9 and b[0] // 16 < 12 and b[1] % 4 != 3 and b[1] // 16 < 13
+            return sides and b[4] // 8 < 14
+        case 3:
+            return short and b[0] < 6
+        case 4:
+            return short and b[0] < 16 and b[0] % 4 != 3
+        case _:
+            return short and b[0] < 6
 
 
 def packet(
     content: Content, sent: Stamp, acknowledged: Stamp, key: bytes = KEY, pair: int = PAIR
 ) -> bytes:
-    """The packet's 28 bytes."""
+    """The packet's 32 bytes."""
     sender, receiver, kind, said = content
-    head = bytearray(20)
-    head[0] = 1
-    head[1], head[19] = payload(kind, said)
+    head = bytearray(24)
+    head[0] = 2
+    head[1] = KINDS[kind]
     head[2] = ROLES[sender] + 16 * ROLES[receiver]
     head[3:5] = pair % 256, pair // 256
     for place, (epoch, sequence) in ((5, sent), (12, acknowledged)):
         head[place : place + 3] = (epoch >> shift & 255 for shift in (0, 8, 16))
         head[place + 3 : place + 7] = (sequence >> shift & 255 for shift in (0, 8, 16, 24))
+    head[19:24] = payload(kind, said)
     tag = siphash24(key, bytes(head))
     return bytes(head) + bytes(tag >> shift & 255 for shift in range(0, 64, 8))
 
 
 def golden() -> str:
-    """One line for each allowed packet, with numbers at and between their limits."""
+    """One line for each content, with numbers at and between their limits."""
     lines = [
-        "# Every allowed packet, key 0f1e2d3c4b5a69788796a5b4c3d2e1f0, pair c0de.",
+        "# Packets of every kind and direction, with every value of every field;",
+        "# key 0f1e2d3c4b5a69788796a5b4c3d2e1f0, pair c0de.",
         "# Written by tests/support/wire_oracle.py, which shares no code with the package:",
-        "# sender > receiver kind content | sent | acknowledged | bytes",
+        "# sender > receiver kind field=value... | sent | acknowledged | bytes",
     ]
     for i, content in enumerate(contents()):
         last = (2**24 - 1, 2**32 - 1)
         between = ((0x010203, 0x04050607), (0x08090A, 0x0B0C0D0E))
         sent, acknowledged = (((1, 1), (0, 0)), between, (last, last))[i % 3]
-        sender, receiver, *what = content
-        words = " ".join(word for word in what if word)
+        sender, receiver, kind, said = content
+        words = " ".join(
+            f"{field}={value.replace(' ', '-')}"
+            for field, value in zip(FIELDS[kind], said, strict=True)
+        )
         data = packet(content, sent, acknowledged).hex(" ")
         numbers = f"{sent[0]} {sent[1]} | {acknowledged[0]} {acknowledged[1]}"
-        lines.append(f"{sender} > {receiver} {words} | {numbers} | {data}")
+        lines.append(f"{sender} > {receiver} {kind} {words} | {numbers} | {data}")
     return "\n".join(lines) + "\n"
 
 

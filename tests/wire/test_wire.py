@@ -3,6 +3,7 @@
 
 import random
 import re
+from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import get_args
@@ -17,19 +18,17 @@ from palmbots import wire
 KEY, PAIR = oracle.KEY, oracle.PAIR
 
 
-def body(kind: str, said: str) -> wire.Body:
+def body(kind: str, said: tuple[str, ...]) -> wire.Body:
     """The body for the words of the oracle."""
-    words = said.split()
-    if kind == "report":
-        sign, palm, progress = words
-        return wire.Report(int(sign), palm, progress == "at-target")  # type: ignore[arg-type]
-    if kind == "beacon":
-        return wire.Beacon(words[0], "stopped" in words, "ready" in words)  # type: ignore[arg-type]
-    if kind == "sign":
-        return wire.SignWord(int(words[0]), words[-1] if len(words) > 1 else "steep")  # type: ignore[arg-type]
-    if kind == "command":
-        return wire.Command(*words)  # type: ignore[arg-type]
-    return said or None  # type: ignore[return-value]
+    field: dict[str, object] = {}
+    for name, value in zip(oracle.FIELDS[kind], said, strict=True):
+        if name == "said":
+            field["language"], field["word"] = value.split(":")
+        elif value in ("no", "yes"):
+            field[name] = value == "yes"
+        else:
+            field[name] = int(value) if name in ("settings", "sign", "value") else value
+    return getattr(wire, kind.capitalize())(**field)
 
 
 def packet(content: oracle.Content, sent: oracle.Stamp, acknowledged: oracle.Stamp) -> wire.Packet:
@@ -48,25 +47,30 @@ def test_siphash_of_the_oracle_matches_the_published_vectors() -> None:
 
 def test_golden_packets() -> None:
     """A change of the format is a new version (then run tests/support/wire_oracle.py)."""
-    lines = oracle.GOLDEN.read_text(encoding="utf-8").splitlines()
-    lines = [line for line in lines if not line.startswith("#")]
-    assert len(lines) == len(oracle.contents()) == 98
-    for line, content in zip(lines, oracle.contents(), strict=True):
-        who, *stamps, digits = line.split(" | ")
-        sender, receiver, kind, said = content
-        assert who.split() == [sender, ">", receiver, kind, *said.split()]
+    assert oracle.GOLDEN.read_text(encoding="utf-8") == oracle.golden()
+    for i, content in enumerate(oracle.contents()):
+        line = oracle.golden().splitlines()[4 + i]
+        _, *stamps, digits = line.split(" | ")
         sent, acknowledged = ((int(a), int(b)) for a, b in (stamp.split() for stamp in stamps))
         data = bytes.fromhex(digits)
         one = packet(content, sent, acknowledged)
-        assert one.kind == kind
+        assert one.kind == content[2]
         assert wire.encode(one, KEY) == data
         assert wire.decode(data, KEY, PAIR, one.receiver) == wire.Decoded("accepted", one)
+
+
+def test_golden_packets_have_every_value_of_every_field() -> None:
+    for kind, fields in oracle.FIELDS.items():
+        for direction in oracle.DIRECTIONS[kind]:
+            said = [one[3] for one in oracle.contents() if one[:3] == (*direction, kind)]
+            for place, values in enumerate(fields.values()):
+                assert {words[place] for words in said} == set(values)
 
 
 def test_random_packets_equal_those_of_the_oracle() -> None:
     chance = random.Random(1)
     for _ in range(2000):
-        content = chance.choice(oracle.contents())
+        content = oracle.random_content(chance)
         key, pair = chance.randbytes(16), chance.randrange(2**16)
         sent, acknowledged = (
             (chance.randrange(1, 2**24), chance.randrange(1, 2**32)) for _ in "sh"
@@ -79,26 +83,24 @@ def test_random_packets_equal_those_of_the_oracle() -> None:
 
 def test_tagged_bytes_decode_exactly_if_the_oracle_allows_them() -> None:
     """With a valid tag, exactly the packets of the oracle decode."""
-    known = {
-        data[:3] + data[19:20]
-        for data in (oracle.packet(content, (1, 1), (0, 0)) for content in oracle.contents())
-    }
     chance = random.Random(2)
-    verdicts = set()
-    for _ in range(20000):
-        head = bytearray(oracle.packet(chance.choice(oracle.contents()), (1, 1), (0, 0))[:20])
-        for place in chance.sample((1, 2, 19), chance.randrange(3)):
+    verdicts: Counter[tuple[str, int]] = Counter()
+    for _ in range(30000):
+        head = bytearray(oracle.packet(oracle.random_content(chance), (1, 1), (0, 0))[:24])
+        for place in chance.sample((1, 2, *range(19, 24)), chance.randrange(3)):
             head[place] = chance.choice((chance.randrange(256), chance.randrange(8)))
         data = bytes(head) + oracle.siphash24(KEY, bytes(head)).to_bytes(8, "little")
         # The receiver is the role that the packet names, if it names one.
-        named = head[2] >> 4
+        sender, named = head[2] % 16, head[2] >> 4
         receiver = get_args(wire.Role)[named] if named < 3 else "left"
         verdict = wire.decode(data, KEY, PAIR, receiver).verdict
-        legal = bytes(head[:3]) + bytes(head[19:20]) in known
+        legal = oracle.is_allowed(head[1], sender, named, bytes(head[19:24]))
         wanted = "wrong_receiver" if named >= 3 else "accepted" if legal else "malformed"
         assert verdict == wanted, data.hex()
-        verdicts.add(verdict)
-    assert verdicts == {"accepted", "malformed", "wrong_receiver"}
+        verdicts[verdict, head[1]] += 1
+    for kind in range(6):
+        assert verdicts["accepted", kind] > 100
+        assert verdicts["malformed", kind] > 100
 
 
 def test_endpoint_counts_every_verdict() -> None:
@@ -106,18 +108,19 @@ def test_endpoint_counts_every_verdict() -> None:
     right = wire.Endpoint(KEY, PAIR, "right", 8)
     assert right.receive(left.send("right")).verdict == "no_session"
     hello = right.send("left")
-    assert hello == oracle.packet(("right", "left", "hello", ""), (8, 1), (3, 1))
+    assert hello == oracle.packet(("right", "left", "hello", ("0", "no")), (8, 1), (3, 1))
     assert left.receive(hello) == wire.Decoded(
         "accepted", wire.Packet("right", "left", PAIR, epoch=8, sequence=1, acknowledged=(3, 1))
     )
-    ack = left.send("right", "Ack")
-    assert ack == oracle.packet(("left", "right", "message", "Ack"), (3, 2), (8, 1))
+    ack = left.send("right", wire.State("messages", "Ack"))
+    said = ("messages:Ack", "carrying", "no", "no", "no")
+    assert ack == oracle.packet(("left", "right", "state", said), (3, 2), (8, 1))
     got = right.receive(ack).packet
-    assert got is not None and got.body == "Ack"
+    assert got is not None and got.body == wire.State("messages", "Ack")
     forged = ack[:-1] + bytes([ack[-1] ^ 1])
     stranger = wire.Endpoint(KEY, PAIR + 1, "left", 3)
-    newer = bytes([2]) + ack
-    for data in (ack, ack, forged, ack[:27], ack + b"0", b"", newer, stranger.send("right"), hello):
+    newer = bytes([3]) + ack
+    for data in (ack, ack, forged, ack[:31], ack + b"0", b"", newer, stranger.send("right"), hello):
         assert right.receive(data).packet is None
     wanted = dict.fromkeys(right.counts, 0) | {
         "no_session": 1, "accepted": 1, "stale": 2, "bad_tag": 1, "too_short": 2, "too_long": 1,
@@ -126,9 +129,31 @@ def test_endpoint_counts_every_verdict() -> None:
     assert right.counts == wanted
 
 
+def test_each_receiver_has_its_own_sequence_which_may_skip_numbers() -> None:
+    left = wire.Endpoint(KEY, PAIR, "left", 3)
+    left.skip_to("right", 500)
+    assert left.send("right")[8:12] == (500).to_bytes(4, "little")
+    assert left.send("station")[8:12] == (1).to_bytes(4, "little")
+    left.skip_to("right", 500)  # has been used
+    assert left.send("right")[8:12] == (501).to_bytes(4, "little")
+    with pytest.raises(pb.PalmbotsError, match=r"^sequence: value is 0; allowed: 1 to 4294967295$"):
+        left.skip_to("right", 0)
+
+
+def test_claimed_epoch_shows_an_end_that_its_counter_is_behind() -> None:
+    robot = wire.Endpoint(KEY, PAIR, "left", 3)
+    robot.receive(wire.Endpoint(KEY, PAIR, "station", 9).send("left"))
+    station = wire.Endpoint(KEY, PAIR, "station", 1)
+    assert station.claimed_epoch("left") == 0
+    assert station.receive(robot.send("station")).verdict == "no_session"
+    assert (station.claimed_epoch("left"), station.claimed_epoch("right")) == (9, 0)
+    with pytest.raises(pb.PalmbotsError, match=r'^other: value is "up"; allowed: '):
+        station.claimed_epoch("up")  # type: ignore[arg-type]
+
+
 def test_packets_of_an_earlier_epoch_are_stale() -> None:
     left = wire.Endpoint(KEY, PAIR, "left", 3)
-    before = left.send("right", wire.Beacon("R"))
+    before = left.send("right", wire.State("beacons", "TiltUp"))
     right = wire.Endpoint(KEY, PAIR, "right", 8)
     assert right.receive(wire.Endpoint(KEY, PAIR, "left", 4).send("right")).verdict == "no_session"
     assert right.receive(before).verdict == "stale"
@@ -144,7 +169,8 @@ def test_used_up_sequence_numbers_are_refused() -> None:
 
 
 GOOD = wire.Packet("left", "right", PAIR, epoch=1, sequence=1)
-LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command, SignWord or None'
+
+LEGAL = "allowed: Hello, State, Status, Operate, Report, Command"
 
 
 @pytest.mark.parametrize(
@@ -155,18 +181,45 @@ LEGAL = 'allowed: "TiltUp", "TiltDown", "Ack", or a Beacon, Report, Command, Sig
         ({"acknowledged": (0, 1)}, "acknowledged epoch: value is 0; allowed: 1 to 16777215"),
         ({"acknowledged": (1, 0)}, "acknowledged sequence: value is 0; allowed: 1 to 4294967295"),
         (
-            {"body": wire.Beacon("X")},  # type: ignore[arg-type]
-            'letter of a beacon: value is "X"; allowed: "I", "R", "G", "D", "W"',
+            {"body": wire.State("morse", "")},  # type: ignore[arg-type]
+            'language: value is "morse"; allowed: "none", "messages", "beacons", "signs"',
+        ),
+        (
+            {"body": wire.State("messages", "Closing")},
+            'word of messages: value is "Closing"; allowed: "TiltUp", "TiltDown", "Ack"',
+        ),
+        (
+            {"body": wire.State("none", "Ack")},
+            'word of none: value is "Ack"; allowed: ""',
+        ),
+        (
+            {"body": wire.Operate("go"), "sender": "station"},  # type: ignore[arg-type]
+            'operation: value is "go"; allowed: "arm", "disarm", "start", "stop", "e_stop", '
+            '"release"',
+        ),
+        ({"body": wire.Hello(-1)}, "settings: value is -1; allowed: 0 to 4294967295"),
+        (
+            {"body": wire.Status(case="e"), "receiver": "station"},
+            'case: value is "e"; allowed: " ", "a", "b", "c", "d", "1", "2", "3", "4", "5", "6", '
+            '"7", "8"',
+        ),
+        (
+            {"body": wire.Status(value=65536), "receiver": "station"},
+            "value: value is 65536; allowed: 0 to 65535",
+        ),
+        (
+            {"body": wire.Operate("stop")},
+            'sender of an operation: value is "left"; allowed: "station"',
         ),
         ({"sequence": 0}, "sequence: value is 0; allowed: 1 to 4294967295"),
         ({"sequence": True}, "sequence: value is true; allowed: 1 to 4294967295"),
         ({"pair": 65536}, "pair: value is 65536; allowed: 0 to 65535"),
         ({"sender": "top"}, 'sender: value is "top"; allowed: "left", "right", "station"'),
         ({"receiver": "left"}, 'receiver: value is "left"; allowed: "right", "station"'),
-        ({"body": "tiltup"}, f'body: value is "tiltup"; {LEGAL}'),
-        ({"body": 1}, f"body: value is 1; {LEGAL}"),
+        ({"body": "TiltUp"}, f'body: value is "TiltUp"; {LEGAL}'),
+        ({"body": None}, f"body: value is None; {LEGAL}"),
         (
-            {"body": wire.Beacon("R"), "receiver": "station"},
+            {"body": wire.State("beacons", "TiltUp"), "receiver": "station"},
             'receiver: value is "station"; allowed: "right"',
         ),
         (
@@ -198,12 +251,12 @@ def test_invalid_keys_and_roles_are_refused() -> None:
         with pytest.raises(pb.PalmbotsError, match=r"^key: is not 16 bytes; allowed: "):
             wire.encode(GOOD, key)  # type: ignore[arg-type]
         with pytest.raises(pb.PalmbotsError, match=r"^key: "):
-            wire.decode(bytes(28), key, PAIR, "left")  # type: ignore[arg-type]
+            wire.decode(bytes(32), key, PAIR, "left")  # type: ignore[arg-type]
         with pytest.raises(pb.PalmbotsError, match=r"^key: "):
             wire.Endpoint(key, PAIR, "left", 1)  # type: ignore[arg-type]
     with pytest.raises(pb.PalmbotsError, match=r'^role: value is "up"; allowed: "left", '):
         wire.Endpoint(KEY, PAIR, "up", 1)  # type: ignore[arg-type]
     with pytest.raises(pb.PalmbotsError, match=r"^epoch: value is 0; allowed: 1 to 16777215$"):
         wire.Endpoint(KEY, PAIR, "left", 0)
-    with pytest.raises(pb.PalmbotsError, match=r'^sender of a message: value is "station"; '):
-        wire.Endpoint(KEY, PAIR, "station", 1).send("left", "Ack")
+    with pytest.raises(pb.PalmbotsError, match=r'^sender of a state: value is "station"; '):
+        wire.Endpoint(KEY, PAIR, "station", 1).send("left", wire.State("messages", "Ack"))

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The packet of every controller, byte by byte: 28 bytes, little-endian, authenticated
-// (docs/reference/wire.md).
+// The packet, byte by byte: 32 bytes, little-endian, authenticated (docs/reference/wire.md).
 //
-// One packet carries one item: a message of the distributed algorithm, a beacon of the resilient
-// one, a sign of a controller that shares signs, a report or a command of the centralized one, or
-// hello, which announces a boot. This payload is one byte. The other fields are sender and
-// receiver, the packet's own stamp (wire/replay_window.hpp), the newest stamp that the sender had
-// received from the receiver, and a SipHash-2-4 tag over all of this under the key of the pair.
-// `decode` accepts exactly the byte sequences that `encode` produces; wire/endpoint.hpp decides
-// whether a packet is new.
+// A packet carries one item: hello, which announces a boot; the state that a robot sends its
+// partner; its status for the station; a wish of the operator; or a report or a command of
+// the centralized algorithm (wire/payload.hpp). The other fields are sender and receiver, the
+// packet's own stamp (wire/replay_window.hpp), the newest stamp that the sender had received from
+// the receiver, and a SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts
+// exactly the byte sequences that `encode` produces; wire/endpoint.hpp decides whether a packet is
+// new.
 #pragma once
 
 #include <array>
@@ -16,8 +15,7 @@
 #include <cstdint>
 #include <span>
 
-#include "palmbots/control/centralized.hpp"
-#include "palmbots/control/messages.hpp"
+#include "palmbots/wire/payload.hpp"
 #include "palmbots/wire/replay_window.hpp"
 #include "palmbots/wire/siphash.hpp"
 
@@ -38,14 +36,14 @@ inline constexpr Field epoch_field{"epoch", 5, 3};
 inline constexpr Field sequence_field{"sequence", 8, 4};
 inline constexpr Field heard_epoch_field{"heard epoch", 12, 3};
 inline constexpr Field heard_sequence_field{"heard sequence", 15, 4};
-inline constexpr Field payload_field{"payload", 19, 1};
-inline constexpr Field tag_field{"tag", 20, 8};
+inline constexpr Field payload_field{"payload", 19, payload_size};
+inline constexpr Field tag_field{"tag", 24, 8};
 inline constexpr Field layout[] = {
     version_field,  kind_field,        roles_field,          pair_field,    epoch_field,
     sequence_field, heard_epoch_field, heard_sequence_field, payload_field, tag_field};
 
 // Version of the packet format; the tag covers the first `tagged_size` bytes.
-inline constexpr std::uint8_t version = 1;
+inline constexpr std::uint8_t version = 2;
 inline constexpr std::size_t tagged_size = tag_field.offset;
 inline constexpr std::size_t packet_size = tag_field.offset + tag_field.size;
 
@@ -62,14 +60,6 @@ constexpr const char* name_of(Role role) {
   return names[static_cast<int>(role)];
 }
 
-// What a packet carries.
-enum class PacketKind : std::uint8_t { hello, message, beacon, report, command, sign };
-
-constexpr const char* name_of(PacketKind kind) {
-  constexpr const char* names[] = {"hello", "message", "beacon", "report", "command", "sign"};
-  return names[static_cast<int>(kind)];
-}
-
 // The largest epoch that fits into its field.
 inline constexpr std::uint32_t max_epoch = 0xFFFFFF;
 
@@ -81,7 +71,7 @@ struct Packet {
   std::uint16_t pair;
   SequenceNumber sent;
   SequenceNumber heard;  // newest stamp from the receiver since the sender's boot
-  std::uint8_t payload;  // meaning depends on the kind (below)
+  Payload payload;
 
   constexpr bool operator==(const Packet&) const = default;
 };
@@ -109,92 +99,16 @@ constexpr const char* name_of(Verdict verdict) {
   return names[static_cast<int>(verdict)];
 }
 
-// --- Payloads: each kind's content as a byte, and back. `means` rejects invalid bytes.
-
-constexpr std::uint8_t payload(MessageKind message) { return static_cast<std::uint8_t>(message); }
-
-// A beacon. The letter is I, R, G, D or W in ASCII. Bit 5, the lower-case bit of ASCII, is set if
-// the robot is ready to travel. Bit 7 is set if it rests.
-struct Beacon {
-  char letter;
-  bool stopped;
-  bool ready;
-};
-
-constexpr std::uint8_t payload(const Beacon& beacon) {
-  return static_cast<std::uint8_t>(static_cast<unsigned>(beacon.letter) |
-                                   unsigned{beacon.ready} << 5 | unsigned{beacon.stopped} << 7);
-}
-
-// Bits 0–1: sign + 1; bit 2: palm; bit 3: turned.
-constexpr std::uint8_t payload(const Centralized::Report& report) {
-  const unsigned sign = static_cast<unsigned>(static_cast<int>(report.sign) + 1);
-  const unsigned palm = static_cast<unsigned>(report.palm);
-  return static_cast<std::uint8_t>(sign | palm << 2 | unsigned{report.palm_at_target} << 3);
-}
-
-// Bit 0: palm; bits 1–2: move.
-constexpr std::uint8_t payload(const Command& command) {
-  const unsigned palm = static_cast<unsigned>(command.palm);
-  return static_cast<std::uint8_t>(palm | static_cast<unsigned>(command.move) << 1);
-}
-
-// Bits 0–1: the sender's sign + 1; bit 2: its palm is shallow. At sign 0 the palm is not sent.
-struct SignWord {
-  Sign sign;
-  bool shallow;
-};
-
-constexpr std::uint8_t payload(const SignWord& word) {
-  const unsigned sign = static_cast<unsigned>(static_cast<int>(word.sign) + 1);
-  return static_cast<std::uint8_t>(sign | unsigned{word.shallow} << 2);
-}
-
-constexpr MessageKind message_of(std::uint8_t payload) { return static_cast<MessageKind>(payload); }
-
-constexpr Beacon beacon_of(std::uint8_t payload) {
-  return {static_cast<char>(payload & 0x5f), (payload >> 7) != 0, (payload >> 5 & 1) != 0};
-}
-
-constexpr Centralized::Report report_of(std::uint8_t payload) {
-  return {static_cast<Sign>((payload & 3) - 1), static_cast<Palm>(payload >> 2 & 1),
-          (payload >> 3 & 1) != 0};
-}
-
-constexpr Command command_of(std::uint8_t payload) {
-  return {static_cast<Palm>(payload & 1), static_cast<Move>(payload >> 1)};
-}
-
-constexpr SignWord sign_of(std::uint8_t payload) {
-  return {static_cast<Sign>((payload & 3) - 1), (payload >> 2 & 1) != 0};
-}
-
-// True if the payload is valid for this kind.
-constexpr bool means(PacketKind kind, std::uint8_t payload) {
-  switch (kind) {
-    case PacketKind::hello: return payload == 0;
-    case PacketKind::message: return payload >= 1 && payload <= 3;
-    case PacketKind::beacon: {
-      const char letter = beacon_of(payload).letter;
-      return letter == 'I' || letter == 'R' || letter == 'G' || letter == 'D' || letter == 'W';
-    }
-    case PacketKind::report: return payload < 16 && (payload & 3) != 3;
-    case PacketKind::command: return payload < 6;
-    case PacketKind::sign: return payload < 7 && payload != 3 && payload != 5;
-  }
-  return false;
-}
-
 // True if this sender may send a packet of this kind to this receiver. Robots talk to each other or
 // with the station.
 constexpr bool on_speaking_terms(PacketKind kind, Role sender, Role receiver) {
   if (sender > Role::station || receiver > Role::station || sender == receiver) return false;
   switch (kind) {
     case PacketKind::hello: return true;
-    case PacketKind::message:
-    case PacketKind::beacon:
-    case PacketKind::sign: return sender != Role::station && receiver != Role::station;
+    case PacketKind::state: return sender != Role::station && receiver != Role::station;
+    case PacketKind::status:
     case PacketKind::report: return receiver == Role::station;
+    case PacketKind::operate:
     case PacketKind::command: return sender == Role::station;
   }
   return false;
@@ -240,7 +154,9 @@ constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   put(bytes, sequence_field, packet.sent.sequence);
   put(bytes, heard_epoch_field, packet.heard.epoch);
   put(bytes, heard_sequence_field, packet.heard.sequence);
-  put(bytes, payload_field, packet.payload);
+  for (std::size_t i = 0; i < payload_size; ++i) {
+    bytes[payload_field.offset + i] = packet.payload[i];
+  }
   const std::span<const std::uint8_t> written = bytes;
   put(bytes, tag_field, siphash24(key, written.first(tagged_size)));
   return true;
@@ -268,6 +184,10 @@ constexpr Decoded decode(std::span<const std::uint8_t> bytes, const Key& key, st
   if (bytes.size() < packet_size) return {Verdict::too_short, {}};
   if (bytes.size() > packet_size) return {Verdict::too_long, {}};
   const auto roles = get<std::uint8_t>(bytes, roles_field);
+  Payload payload{};
+  for (std::size_t i = 0; i < payload_size; ++i) {
+    payload[i] = bytes[payload_field.offset + i];
+  }
   const Packet packet{
       get<PacketKind>(bytes, kind_field),
       static_cast<Role>(roles & 15),
@@ -276,7 +196,7 @@ constexpr Decoded decode(std::span<const std::uint8_t> bytes, const Key& key, st
       {get<std::uint32_t>(bytes, epoch_field), get<std::uint32_t>(bytes, sequence_field)},
       {get<std::uint32_t>(bytes, heard_epoch_field),
        get<std::uint32_t>(bytes, heard_sequence_field)},
-      get<std::uint8_t>(bytes, payload_field)};
+      payload};
   if (packet.pair != pair) return {Verdict::wrong_pair, {}};
   if (packet.receiver != receiver) return {Verdict::wrong_receiver, {}};
   const std::uint64_t tag = siphash24(key, bytes.first(tagged_size));

@@ -43,11 +43,11 @@ bool hear(palmbots::BeaconReceiver& receiver, const palmbots::Beacon& beacon) {
 }
 
 bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to,
-                palmbots::wire::PacketKind kind, std::uint8_t payload,
+                palmbots::wire::PacketKind kind, const palmbots::wire::Payload& payload,
                 palmbots::wire::Bytes& bytes);
 
 bool radio_send(palmbots::wire::Endpoint& end, palmbots::wire::Role to,
-                palmbots::wire::PacketKind kind, std::uint8_t payload,
+                palmbots::wire::PacketKind kind, const palmbots::wire::Payload& payload,
                 palmbots::wire::Bytes& bytes) {
   return end.send(to, kind, payload, bytes);
 }

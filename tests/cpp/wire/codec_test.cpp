@@ -37,7 +37,8 @@ void test_beacons_there_and_back() {
         const Beacon beacon{message, stopped, ready, {70000, 4000000000U}, {3, 9}};
         const wire::Packet packet =
             wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
-        CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::beacon);
+        CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::state);
+        CHECK(wire::state_of(packet.payload).language == wire::Language::beacons);
         const Beacon back = wire::beacon_in(packet);
         CHECK(back.message == message && back.stopped == stopped && back.ready == ready);
         CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
@@ -45,37 +46,26 @@ void test_beacons_there_and_back() {
       }
     }
   }
-  // docs/reference/wire.md: I idle, R request, G grant, D in case (d), W palm up but not granted.
-  const auto alphabet = [](MessageKind message) {
-    return wire::beacon_of(wire::payload(Beacon{message, false, false, {}, {}})).letter;
-  };
-  CHECK(alphabet(MessageKind::tilt_down) == 'I' && alphabet(MessageKind::tilt_up) == 'R');
-  CHECK(alphabet(MessageKind::ack) == 'G' && alphabet(MessageKind::closing) == 'D');
-  CHECK(alphabet(MessageKind::raised) == 'W');
 }
 
-// Each word of a table that shares signs is a packet of its own kind, with its stamps.
+// The words of a table that shares signs are a language of their own, with the same stamps.
 void test_signs_there_and_back() {
-  const std::pair<MessageKind, int> words[] = {{MessageKind::minus, 0},
-                                               {MessageKind::zero, 1},
-                                               {MessageKind::plus, 2},
-                                               {MessageKind::minus_shallow, 4},
-                                               {MessageKind::plus_shallow, 6}};
-  for (const auto& [word, payload] : words) {
+  for (const MessageKind word : {MessageKind::minus, MessageKind::zero, MessageKind::plus,
+                                 MessageKind::minus_shallow, MessageKind::plus_shallow}) {
     const Beacon beacon{word, false, false, {70000, 4000000000U}, {3, 9}};
     const wire::Packet packet =
         wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
-    CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::sign);
-    CHECK(packet.payload == payload);
+    CHECK(wire::well_formed(packet));
+    CHECK(wire::state_of(packet.payload).language == wire::Language::signs);
     const Beacon back = wire::beacon_in(packet);
     CHECK(back.message == word && !back.stopped && !back.ready);
     CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
     CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
-    // A robot takes in only the kind that its controller uses.
-    for (const wire::PacketKind wanted : {wire::PacketKind::beacon, wire::PacketKind::sign}) {
+    // A robot takes in only the language that its controller uses.
+    for (const wire::Language wanted : {wire::Language::beacons, wire::Language::signs}) {
       BeaconReceiver receiver(1);
       const bool counts = wire::hear(receiver, {Verdict::accepted, packet}, wanted);
-      CHECK(counts == (wanted == wire::PacketKind::sign));
+      CHECK(counts == (wanted == wire::Language::signs));
     }
   }
 }
@@ -98,7 +88,7 @@ void test_reports_commands_and_messages_survive_encoding() {
     CHECK((wire::command_of(packet.payload) == Command{Palm::shallow, move}));
   }
   const wire::Packet message = wire::packet_of(MessageKind::ack, across);
-  CHECK(wire::well_formed(message) && wire::message_of(message.payload) == MessageKind::ack);
+  CHECK(wire::well_formed(message) && wire::state_of(message.payload).word == MessageKind::ack);
   CHECK(
       (message.sent == wire::SequenceNumber{1, 2} && message.heard == wire::SequenceNumber{3, 4}));
 }
@@ -108,17 +98,17 @@ void test_numbers_left_out() {
   const wire::Identity identity{wire::test_key, wire::test_pair, Role::left};
   const auto number = [](Endpoint& end) {
     Bytes bytes{};
-    if (!end.send(Role::right, wire::PacketKind::hello, 0, bytes)) return std::uint32_t{0};
+    if (!end.send(Role::right, wire::PacketKind::hello, wire::up, bytes)) return std::uint32_t{0};
     return wire::get<std::uint32_t>(bytes, wire::sequence_field);
   };
   Endpoint end(identity, 1);
-  end.skip_to(40);
+  end.skip_to(Role::right, 40);
   CHECK(number(end) == 40 && number(end) == 41);
-  end.skip_to(41);
+  end.skip_to(Role::right, 41);
   CHECK(number(end) == 42);
-  end.skip_to(0xFFFFFFFF);
+  end.skip_to(Role::right, 0xFFFFFFFF);
   CHECK(number(end) == 0xFFFFFFFF && number(end) == 0);
-  end.skip_to(50);
+  end.skip_to(Role::right, 50);
   CHECK(number(end) == 0);
 }
 
@@ -168,9 +158,10 @@ struct Machine {
     if (out.send) {
       const Beacon beacon = receiver.beacon(out.message, robot.stopped(), out.ready);
       Bytes bytes{};
-      end.skip_to(beacon.sent.tick);
-      CHECK(end.send(static_cast<Role>(other(side)), wire::PacketKind::beacon,
-                     wire::payload(beacon), bytes));
+      end.skip_to(static_cast<Role>(other(side)), beacon.sent.tick);
+      const wire::Packet packet = wire::packet_of(beacon, {});
+      CHECK(
+          end.send(static_cast<Role>(other(side)), wire::PacketKind::state, packet.payload, bytes));
       CHECK(wire::get<std::uint32_t>(bytes, wire::sequence_field) == beacon.sent.tick);
       sends.push_back(bytes);
     }
@@ -272,21 +263,21 @@ void test_damage_is_noticed() {
   std::array<std::uint32_t, wire::verdict_count> verdicts{};
   std::uint32_t n = 0;
   for (const wire::Packet& packet : wire::all_sayings()) {
-    for (std::uint32_t i = 0; i < 2000; ++i, ++n) {
+    for (std::uint32_t i = 0; i < 200; ++i, ++n) {
       const Verdict verdict = damaged(packet, draw(11, n, Stream::corruption));
       CHECK(verdict != Verdict::accepted && verdict != Verdict::malformed);
       ++verdicts[static_cast<std::size_t>(verdict)];
     }
   }
-  // The first field that is wrong decides. Noise of 1 to 8 bytes begins at each of 28 as often, the
+  // The first field that is wrong decides. Noise of 1 to 8 bytes begins at each of 32 as often, the
   // first of them always wrong, a later one but for one time in 256.
   const auto share = [&](Verdict verdict) {
     return verdicts[static_cast<std::size_t>(verdict)] / double(n);
   };
-  CHECK(share(Verdict::wrong_version) > 0.8 / 28 && share(Verdict::wrong_version) < 1.2 / 28);
-  CHECK(share(Verdict::wrong_pair) > 2.0 / 28 && share(Verdict::wrong_pair) < 5.0 / 28);
-  CHECK(share(Verdict::bad_tag) > 20.0 / 28);
-  CHECK(share(Verdict::wrong_receiver) > 0.1 / 28);
+  CHECK(share(Verdict::wrong_version) > 0.8 / 32 && share(Verdict::wrong_version) < 1.2 / 32);
+  CHECK(share(Verdict::wrong_pair) > 2.0 / 32 && share(Verdict::wrong_pair) < 5.0 / 32);
+  CHECK(share(Verdict::bad_tag) > 20.0 / 32);
+  CHECK(share(Verdict::wrong_receiver) > 0.1 / 32);
 }
 
 }  // namespace

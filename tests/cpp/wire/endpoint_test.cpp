@@ -21,7 +21,7 @@ constexpr Identity left_end{test_key, test_pair, Role::left};
 constexpr Identity right_end{test_key, test_pair, Role::right};
 constexpr Identity station_end{test_key, test_pair, Role::station};
 
-Bytes sent(Endpoint& from, Role to, PacketKind kind, std::uint8_t payload) {
+Bytes sent(Endpoint& from, Role to, PacketKind kind, const Payload& payload) {
   Bytes bytes{};
   CHECK(from.send(to, kind, payload, bytes));
   return bytes;
@@ -33,9 +33,10 @@ struct Acquainted {
   Endpoint right{right_end, 9};
 
   Acquainted() {
-    CHECK(right.receive(sent(left, Role::right, PacketKind::hello, 0)).verdict ==
+    CHECK(right.receive(sent(left, Role::right, PacketKind::hello, up)).verdict ==
           Verdict::no_session);
-    CHECK(left.receive(sent(right, Role::left, PacketKind::hello, 0)).verdict == Verdict::accepted);
+    CHECK(left.receive(sent(right, Role::left, PacketKind::hello, up)).verdict ==
+          Verdict::accepted);
     CHECK((left.heard(Role::right) == SequenceNumber{9, 1} &&
            right.heard(Role::left) == SequenceNumber{4, 1}));
   }
@@ -43,11 +44,10 @@ struct Acquainted {
 
 void test_packets_are_accepted_after_one_round_trip() {
   Acquainted ends;
-  const Decoded got = ends.right.receive(
-      sent(ends.left, Role::right, PacketKind::message, payload(palmbots::MessageKind::ack)));
+  const Decoded got = ends.right.receive(sent(ends.left, Role::right, PacketKind::state, request));
   CHECK(got.verdict == Verdict::accepted);
   CHECK((got.packet ==
-         Packet{PacketKind::message, Role::left, Role::right, test_pair, {4, 2}, {9, 1}, 3}));
+         Packet{PacketKind::state, Role::left, Role::right, test_pair, {4, 2}, {9, 1}, request}));
   CHECK(ends.right.count(Verdict::accepted) == 1 && ends.right.count(Verdict::no_session) == 1);
 }
 
@@ -55,13 +55,13 @@ void test_packets_are_accepted_after_one_round_trip() {
 void test_crossing_hellos() {
   Endpoint left(left_end, 1);
   Endpoint right(right_end, 1);
-  const Bytes from_left = sent(left, Role::right, PacketKind::hello, 0);
-  const Bytes from_right = sent(right, Role::left, PacketKind::hello, 0);
+  const Bytes from_left = sent(left, Role::right, PacketKind::hello, up);
+  const Bytes from_right = sent(right, Role::left, PacketKind::hello, up);
   CHECK(left.receive(from_right).verdict == Verdict::no_session);
   CHECK(right.receive(from_left).verdict == Verdict::no_session);
-  CHECK(left.receive(sent(right, Role::left, PacketKind::beacon, 'R')).verdict ==
+  CHECK(left.receive(sent(right, Role::left, PacketKind::state, request)).verdict ==
         Verdict::accepted);
-  CHECK(right.receive(sent(left, Role::right, PacketKind::beacon, 'G')).verdict ==
+  CHECK(right.receive(sent(left, Role::right, PacketKind::state, request)).verdict ==
         Verdict::accepted);
 }
 
@@ -70,7 +70,7 @@ void test_what_was_sent_before_a_boot_stays_out() {
   Acquainted ends;
   std::vector<Bytes> tape;
   for (int i = 0; i < 50; ++i) {
-    tape.push_back(sent(ends.left, Role::right, PacketKind::beacon, 'R'));
+    tape.push_back(sent(ends.left, Role::right, PacketKind::state, request));
     CHECK(ends.right.receive(tape.back()).verdict == Verdict::accepted);
   }
   ends.right = Endpoint(right_end, 10);
@@ -81,38 +81,76 @@ void test_what_was_sent_before_a_boot_stays_out() {
     }
   }
   // The partner hears of the boot, and they go on.
-  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::beacon, 'I')).verdict ==
+  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::state, idle)).verdict ==
         Verdict::accepted);
-  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::beacon, 'R')).verdict ==
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::state, request)).verdict ==
         Verdict::accepted);
 }
 
 // One's own packet thrown back is for somebody else; the station keeps the two robots apart.
 void test_reflection_and_station() {
   Acquainted ends;
-  CHECK(ends.left.receive(sent(ends.left, Role::right, PacketKind::beacon, 'I')).verdict ==
+  CHECK(ends.left.receive(sent(ends.left, Role::right, PacketKind::state, idle)).verdict ==
         Verdict::wrong_receiver);
   Endpoint station(station_end, 3);
-  const Bytes early = sent(ends.left, Role::station, PacketKind::hello, 0);
-  for (int i = 0; i < 5; ++i) sent(ends.right, Role::station, PacketKind::hello, 0);
-  CHECK(station.receive(sent(ends.right, Role::station, PacketKind::hello, 0)).verdict ==
+  const Bytes early = sent(ends.left, Role::station, PacketKind::hello, up);
+  for (int i = 0; i < 5; ++i) sent(ends.right, Role::station, PacketKind::hello, up);
+  CHECK(station.receive(sent(ends.right, Role::station, PacketKind::hello, up)).verdict ==
         Verdict::no_session);
   CHECK(station.receive(early).verdict == Verdict::no_session);  // an older number, another sender
-  CHECK(ends.left.receive(sent(station, Role::left, PacketKind::command, 0)).verdict ==
+  CHECK(ends.left.receive(sent(station, Role::left, PacketKind::command, up)).verdict ==
         Verdict::accepted);
-  CHECK(station.receive(sent(ends.left, Role::station, PacketKind::report, 1)).verdict ==
+  CHECK(station.receive(sent(ends.left, Role::station, PacketKind::report, Payload{1})).verdict ==
         Verdict::accepted);
+}
+
+// What goes to the station leaves no gap in the numbers to the partner, so these can be control
+// ticks.
+void test_each_receiver_has_a_sequence_of_its_own() {
+  const auto number = [](const Bytes& bytes) { return get<std::uint32_t>(bytes, sequence_field); };
+  Endpoint left(left_end, 4);
+  for (std::uint32_t tick = 10; tick < 20; ++tick) {
+    left.skip_to(Role::right, tick);
+    CHECK(number(sent(left, Role::right, PacketKind::state, request)) == tick);
+    CHECK(number(sent(left, Role::station, PacketKind::hello, up)) == tick - 9);
+  }
+}
+
+// A station that starts on another laptop, with a lower count of boots, learns from the robots which
+// epoch they know. Neither damage nor repetition raises that number, nor does what is for others.
+void test_an_end_that_is_behind_learns_its_epoch() {
+  Endpoint robot(left_end, 2);
+  Endpoint before(station_end, 7);
+  robot.receive(sent(before, Role::left, PacketKind::hello, up));
+  Endpoint station(station_end, 1);
+  CHECK(station.session(Role::left).claimed_epoch() == 0);
+  CHECK(robot.receive(sent(station, Role::left, PacketKind::operate, Payload{0})).verdict ==
+        Verdict::stale);
+  Bytes bytes = sent(robot, Role::station, PacketKind::hello, up);
+  Bytes damaged = bytes;
+  damaged[heard_epoch_field.offset] ^= 0x40;
+  CHECK(station.receive(damaged).verdict == Verdict::bad_tag);
+  CHECK(station.session(Role::left).claimed_epoch() == 0);
+  CHECK(station.receive(bytes).verdict == Verdict::no_session);
+  CHECK(station.session(Role::left).claimed_epoch() == 7);
+  CHECK(station.session(Role::right).claimed_epoch() == 0);
+  station = Endpoint(station_end, 8);
+  CHECK(robot.receive(sent(station, Role::left, PacketKind::hello, up)).verdict ==
+        Verdict::no_session);
+  CHECK(station.receive(sent(robot, Role::station, PacketKind::hello, up)).verdict ==
+        Verdict::accepted);
+  CHECK(station.session(Role::left).claimed_epoch() == 8);
 }
 
 void test_invalid_packets_are_not_sent() {
   Endpoint left(left_end, 1);
   Bytes bytes{};
-  CHECK(!left.send(Role::left, PacketKind::hello, 0, bytes));
-  CHECK(!left.send(Role::station, PacketKind::beacon, 'I', bytes));
-  CHECK(!left.send(Role::right, PacketKind::beacon, 'X', bytes));
+  CHECK(!left.send(Role::left, PacketKind::hello, up, bytes));
+  CHECK(!left.send(Role::station, PacketKind::state, idle, bytes));
+  CHECK(!left.send(Role::right, PacketKind::state, Payload{0x66}, bytes));
   CHECK(bytes == Bytes{});
   // Nothing of this has used up a number.
-  CHECK(left.send(Role::right, PacketKind::beacon, 'I', bytes));
+  CHECK(left.send(Role::right, PacketKind::state, idle, bytes));
   CHECK(decode(bytes, test_key, test_pair, Role::right).packet.sent.sequence == 1);
 }
 
@@ -120,7 +158,7 @@ void test_invalid_packets_are_not_sent() {
 constexpr bool sent_to_nobody() {
   Endpoint left(left_end, 1);
   Bytes bytes{};
-  return left.send(static_cast<Role>(3), PacketKind::hello, 0, bytes);
+  return left.send(static_cast<Role>(3), PacketKind::hello, up, bytes);
 }
 static_assert(!sent_to_nobody());
 
@@ -128,12 +166,12 @@ static_assert(!sent_to_nobody());
 void test_endpoint_without_numbers_stops_until_the_next_epoch() {
   Acquainted ends;
   ends.left = Endpoint(left_end, 4, 0xFFFFFFFF);
-  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, 0)).verdict ==
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, up)).verdict ==
         Verdict::no_session);
   Bytes bytes{};
-  CHECK(!ends.left.send(Role::right, PacketKind::hello, 0, bytes) && bytes == Bytes{});
+  CHECK(!ends.left.send(Role::right, PacketKind::hello, up, bytes) && bytes == Bytes{});
   ends.left = Endpoint(left_end, 5);
-  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, 0)).verdict ==
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::hello, up)).verdict ==
         Verdict::no_session);
   CHECK((ends.right.heard(Role::left) == SequenceNumber{5, 1}));
 }
@@ -144,8 +182,8 @@ void test_endpoint_in_epoch_zero_neither_sends_nor_accepts() {
   Endpoint left(left_end, 0);
   Endpoint right(right_end, 1);
   Bytes bytes{};
-  CHECK(!left.send(Role::right, PacketKind::hello, 0, bytes));
-  CHECK(left.receive(sent(right, Role::left, PacketKind::beacon, 'G')).verdict ==
+  CHECK(!left.send(Role::right, PacketKind::hello, up, bytes));
+  CHECK(left.receive(sent(right, Role::left, PacketKind::state, request)).verdict ==
         Verdict::no_session);
 }
 
@@ -153,9 +191,9 @@ void test_endpoint_in_epoch_zero_neither_sends_nor_accepts() {
 void test_a_counter_that_went_back() {
   Acquainted ends;
   ends.left = Endpoint(left_end, 3);
-  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::beacon, 'G')).verdict ==
+  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::state, request)).verdict ==
         Verdict::no_session);
-  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::beacon, 'R')).verdict ==
+  CHECK(ends.right.receive(sent(ends.left, Role::right, PacketKind::state, request)).verdict ==
         Verdict::stale);
 }
 
@@ -187,7 +225,9 @@ void test_random_order_of_delivery_with_boots() {
           break;
         case 1:
         case 2:
-        case 3: tapes[end].push_back({sent(ends[end], other, PacketKind::beacon, 'R'), now}); break;
+        case 3:
+          tapes[end].push_back({sent(ends[end], other, PacketKind::state, request), now});
+          break;
         default: {
           if (tape.empty()) break;
           const auto size = static_cast<std::uint32_t>(tape.size());
@@ -219,7 +259,7 @@ void test_a_million_forged_packets_are_rejected() {
   Acquainted ends;
   RandomWords dice(2);
   for (int i = 0; i < million; ++i) {
-    Bytes bytes = sent(ends.left, Role::right, PacketKind::beacon, 'R');
+    Bytes bytes = sent(ends.left, Role::right, PacketKind::state, request);
     put(bytes, tag_field, std::uint64_t{dice.word()} << 32 | dice.word());
     CHECK(ends.right.receive(bytes).verdict == Verdict::bad_tag);
   }
@@ -232,7 +272,7 @@ void test_a_million_replayed_packets_are_rejected() {
   Acquainted ends;
   std::vector<Bytes> tape;
   for (int i = 0; i < 1000; ++i) {
-    tape.push_back(sent(ends.left, Role::right, PacketKind::beacon, 'R'));
+    tape.push_back(sent(ends.left, Role::right, PacketKind::state, request));
     CHECK(ends.right.receive(tape.back()).verdict == Verdict::accepted);
   }
   RandomWords dice(3);
@@ -249,7 +289,7 @@ void test_a_million_corrupted_packets_are_rejected() {
   Acquainted ends;
   RandomWords dice(4);
   for (int i = 0; i < million; ++i) {
-    const Bytes good = sent(ends.left, Role::right, PacketKind::beacon, 'R');
+    const Bytes good = sent(ends.left, Role::right, PacketKind::state, request);
     std::array<std::uint8_t, packet_size + 4> bytes{};
     std::copy(good.begin(), good.end(), bytes.begin());
     const std::uint32_t first = dice.below(packet_size);
@@ -276,6 +316,8 @@ int main() {
   test_crossing_hellos();
   test_what_was_sent_before_a_boot_stays_out();
   test_reflection_and_station();
+  test_each_receiver_has_a_sequence_of_its_own();
+  test_an_end_that_is_behind_learns_its_epoch();
   test_invalid_packets_are_not_sent();
   test_endpoint_without_numbers_stops_until_the_next_epoch();
   test_endpoint_in_epoch_zero_neither_sends_nor_accepts();

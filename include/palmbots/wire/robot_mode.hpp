@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words in which robots and station speak about operation: the mode of a robot, why it does not
+// carry, and what the operator wants.
+#pragma once
+
+#include <cstdint>
+
+namespace palmbots::wire {
+
+// The mode of a robot.
+enum class RobotMode : std::uint8_t {
+  off,       // its program has just started, and nothing has been checked
+  disarmed,  // nothing moves
+  armed,     // the preflight has passed; the palm is at its angle
+  ready,     // will carry as soon as its partner is ready, too
+  carrying,  // the controller decides about palm and wheels
+  holding,   // as carrying, while the controller does not travel
+  done,      // the distance is covered
+  stopped,   // after a stop; has to be released and armed again
+  fault,     // something does not work (FaultCode); has to be armed again
+};
+inline constexpr unsigned robot_modes = 9;
+
+constexpr const char* name_of(RobotMode mode) {
+  constexpr const char* names[] = {"off",     "disarmed", "armed",   "ready", "carrying",
+                                   "holding", "done",     "stopped", "fault"};
+  return names[static_cast<int>(mode)];
+}
+
+// Why a robot is in mode fault or stopped, or why it refused to arm.
+enum class FaultCode : std::uint8_t {
+  none,
+  driver,        // the motor board does not answer
+  contact,       // no contact is sensed on the palm
+  palm,          // the palm does not reach its angle in time
+  battery,       // the voltage is too low
+  partner_lost,  // the partner has not been heard within the limit
+  station_lost,  // the station has not been heard within the limit
+  time_limit,    // the carry takes too long
+  overrun,       // the control loop is late too often
+  storage,       // the boot counter cannot be stored
+  settings,      // the partner runs with other settings
+  stopping,      // braking takes longer than the watchdog allows
+};
+inline constexpr unsigned fault_codes = 12;
+
+constexpr const char* name_of(FaultCode code) {
+  constexpr const char* names[] = {"none",    "driver",       "contact",      "palm",
+                                   "battery", "partner_lost", "station_lost", "time_limit",
+                                   "overrun", "storage",      "settings",     "stopping"};
+  return names[static_cast<int>(code)];
+}
+
+// What the operator wants.
+enum class Operation : std::uint8_t { arm, disarm, start, stop, e_stop, release };
+inline constexpr unsigned operations = 6;
+
+constexpr const char* name_of(Operation operation) {
+  constexpr const char* names[] = {"arm", "disarm", "start", "stop", "e_stop", "release"};
+  return names[static_cast<int>(operation)];
+}
+
+}  // namespace palmbots::wire

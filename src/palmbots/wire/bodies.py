@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The contents of packets (docs/reference/wire.md), and their five payload bytes.
+
+In every content, `stop` states that the sender knows of a stop that is in force.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import palmbots._core as _core
+from palmbots._util.arguments import show
+from palmbots._util.renamed_names import renamed_fields
+from palmbots.control.interface import MOVES, PALMS, Move, Palm
+from palmbots.errors import PalmbotsError
+
+Verdict = Literal[
+    "accepted",
+    "wrong_version",
+    "too_short",
+    "too_long",
+    "wrong_pair",
+    "wrong_receiver",
+    "bad_tag",
+    "malformed",
+    "stale",
+    "no_session",
+]
+"""The verdict on received bytes."""
+Language = Literal["none", "messages", "beacons", "signs"]
+"""The language of a controller: `messages` of Table 2, `beacons` of the resilient algorithm,
+`signs` of a controller that shares signs; `none`: it says nothing."""
+Word = Literal[
+    "",
+    "TiltUp",
+    "TiltDown",
+    "Ack",
+    "Closing",
+    "Raised",
+    "Zero",
+    "Plus",
+    "PlusShallow",
+    "Minus",
+    "MinusShallow",
+]
+"""What a controller says. `messages` has the first three words, `beacons` the first five, `signs`
+the others."""
+RobotMode = Literal[
+    "off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"
+]
+"""The mode of a robot."""
+FaultCode = Literal[
+    "none",
+    "driver",
+    "contact",
+    "palm",
+    "battery",
+    "partner_lost",
+    "station_lost",
+    "time_limit",
+    "overrun",
+    "storage",
+    "settings",
+    "stopping",
+]
+"""Why a robot does not carry."""
+Operation = Literal["arm", "disarm", "start", "stop", "e_stop", "release"]
+"""What the operator wants."""
+StatusItem = Literal["progress", "battery", "overruns", "sent"] | Verdict
+"""A number that takes its turn in the status: `progress` is the covered part of the distance times
+65535, `battery` is in mV (65535: not measured), all others are counts modulo 65536: ticks that came
+too late, packets sent, and packets received with each verdict."""
+
+# In the order of the core's numbers.
+_LANGUAGES: tuple[Language, ...] = _core.wire.languages
+_WORDS: tuple[Word, ...] = _core.wire.words
+_MODES: tuple[RobotMode, ...] = _core.wire.robot_modes
+_FAULTS: tuple[FaultCode, ...] = _core.wire.fault_codes
+_OPERATIONS: tuple[Operation, ...] = _core.wire.operations
+STATUS_ITEMS: tuple[StatusItem, ...] = (*_core.wire.status_numbers, *_core.wire.verdicts)
+_CASES = tuple(_core.wire.cases)
+_SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
+_WORDS_OF: dict[str, tuple[Word, ...]] = {
+    "none": _WORDS[:1],
+    "messages": _WORDS[1:4],
+    "beacons": _WORDS[1:6],
+    "signs": _WORDS[6:],
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Hello:
+    """The sender is up."""
+
+    settings: int = 0
+    """A number that is equal for robots and station if their settings are; 0: not stated."""
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What a robot sends to its partner."""
+
+    language: Language = "none"
+    word: Word = ""
+    """What the controller says."""
+    mode: RobotMode = "carrying"
+    ready: bool = False
+    """No condition of the controller keeps the robot from travelling."""
+    at_rest: bool = False
+    """The robot does not travel."""
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """What a robot reports to the station at intervals."""
+
+    mode: RobotMode = "carrying"
+    fault: FaultCode = "none"
+    sign: Literal[-1, 0, 1] = 0
+    """Tactile sign of the contact coordinate p; p > 0 is outward."""
+    palm: Palm = "steep"
+    """The palm angle that was commanded last."""
+    palm_at_target: bool = False
+    """The palm has reached that angle."""
+    case: str = " "
+    """The case of Table 2 ("a" to "d") or Table 1 ("1" to "8"); " ": none."""
+    item: StatusItem = "progress"
+    value: int = 0
+    """The number that `item` names, 0 to 65535."""
+    ready: bool = False
+    """No condition of the controller keeps the robot from travelling."""
+    at_rest: bool = False
+    """The robot does not travel."""
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Operate:
+    """What the operator wants a robot to do."""
+
+    operation: Operation
+    stop: bool = False
+
+
+@renamed_fields(turned="palm_at_target")
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What a robot of the centralized algorithm reports to the station."""
+
+    sign: Literal[-1, 0, 1]
+    """Tactile sign of the contact coordinate p; p > 0 is outward."""
+    palm: Palm
+    """The palm angle that was commanded last."""
+    palm_at_target: bool
+    """The palm has reached that angle."""
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What the station of the centralized algorithm commands a robot to do."""
+
+    palm: Palm
+    move: Move
+    stop: bool = False
+
+
+Body = Hello | State | Status | Operate | Report | Command
+"""Content of a packet."""
+
+# In the order of the core's kinds of packets.
+BODIES: tuple[type[Body], ...] = get_args(Body)
+
+
+def payload_of(body: Body) -> bytes:
+    """The five bytes of a content.
+
+    Raises:
+        PalmbotsError: a field has no allowed value.
+    """
+    match body:
+        case Hello():
+            return _core.wire.hello(whole("settings", body.settings, 0, 2**32 - 1), bool(body.stop))
+        case State():
+            language = index("language", _LANGUAGES, body.language)
+            index(f"word of {body.language}", _WORDS_OF[body.language], body.word)
+            return _core.wire.state(
+                language,
+                _WORDS.index(body.word),
+                index("mode", _MODES, body.mode),
+                bool(body.ready),
+                bool(body.at_rest),
+                bool(body.stop),
+            )
+        case Status():
+            return _core.wire.status(
+                index("mode", _MODES, body.mode),
+                index("fault", _FAULTS, body.fault),
+                _SIGNS[index("sign", _SIGNS, body.sign)],
+                index("palm", PALMS, body.palm),
+                bool(body.palm_at_target),
+                _CASES[index("case", _CASES, body.case)],
+                index("item", STATUS_ITEMS, body.item),
+                whole("value", body.value, 0, 0xFFFF),
+                bool(body.ready),
+                bool(body.at_rest),
+                bool(body.stop),
+            )
+        case Operate():
+            return _core.wire.operate(
+                index("operation", _OPERATIONS, body.operation), bool(body.stop)
+            )
+        case Report():
+            return _core.wire.report(
+                _SIGNS[index("sign", _SIGNS, body.sign)],
+                index("palm", PALMS, body.palm),
+                bool(body.palm_at_target),
+                bool(body.stop),
+            )
+        case Command():
+            palm, move = index("palm", PALMS, body.palm), index("move", MOVES, body.move)
+            return _core.wire.command(palm, move, bool(body.stop))
+    allowed = ", ".join(kind.__name__ for kind in BODIES)
+    raise PalmbotsError(f"body: value is {_shown(body)}; allowed: {allowed}")
+
+
+def body_of(kind: int, payload: bytes) -> Body:
+    """The content of an accepted packet; `kind` is the core's number."""
+    match BODIES[kind].__name__:
+        case "Hello":
+            return Hello(*_core.wire.hello_of(payload))
+        case "State":
+            language, word, mode, *flags = _core.wire.state_of(payload)
+            return State(_LANGUAGES[language], _WORDS[word], _MODES[mode], *flags)
+        case "Status":
+            mode, fault, sign, palm, at_target, case, item, value, *flags = _core.wire.status_of(
+                payload
+            )
+            return Status(
+                _MODES[mode],
+                _FAULTS[fault],
+                _SIGNS[sign + 1],
+                PALMS[palm],
+                at_target,
+                case,
+                STATUS_ITEMS[item],
+                value,
+                *flags,
+            )
+        case "Operate":
+            operation, stop = _core.wire.operate_of(payload)
+            return Operate(_OPERATIONS[operation], stop)
+        case "Report":
+            sign, palm, palm_at_target, stop = _core.wire.report_of(payload)
+            return Report(_SIGNS[sign + 1], PALMS[palm], palm_at_target, stop)
+        case _:
+            palm, move, stop = _core.wire.command_of(payload)
+            return Command(PALMS[palm], MOVES[move], stop)
+
+
+def index(what: str, legal: tuple[object, ...], value: object) -> int:
+    """The position of a value among those allowed; raises PalmbotsError if it is none of them."""
+    if type(value) in (str, int) and value in legal:
+        return legal.index(value)
+    allowed = ", ".join(show(one) for one in legal)
+    raise PalmbotsError(f"{what}: value is {_shown(value)}; allowed: {allowed}")
+
+
+def whole(what: str, value: int, least: int, most: int) -> int:
+    """The value, if it is a whole number in this range; otherwise raises PalmbotsError."""
+    if type(value) is int and least <= value <= most:
+        return value
+    raise PalmbotsError(f"{what}: value is {_shown(value)}; allowed: {least} to {most}")
+
+
+def _shown(value: object) -> str:
+    return "None" if value is None else show(value)
