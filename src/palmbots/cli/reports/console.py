@@ -12,6 +12,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from palmbots.cli._warnings import print_held_warnings
+
 __all__ = [
     "BAD",
     "GOOD",
@@ -43,12 +45,13 @@ class _TrimmedStream:
 
 
 def report_console() -> Console:
-    """A console on stdout.
+    """A console on stdout; warnings that are held are printed before it.
 
     It is 80 columns wide in a pipe and as wide as the window in a terminal, but not narrower than
     80 columns: a terminal may break lines, but no table shortens numbers to fit. Markup is off,
     because units are written in brackets.
     """
+    print_held_warnings()
     console = Console(
         highlight=False, markup=False, file=cast("TextIO", _TrimmedStream(sys.stdout))
     )
