@@ -11,7 +11,7 @@ import typer
 
 from palmbots.cli._progress import staged_progress
 from palmbots.cli._run import check_output, interruption_line, print_json
-from palmbots.cli._warnings import warn
+from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.cli.options import DONE, JsonOption, output_option
 from palmbots.errors import PalmbotsError
 
@@ -84,7 +84,7 @@ def study(
     with interruption_line(line), _quiet_asyncio(), staged_progress(as_json) as report:
         result = run_study(
             plan, root, threads=threads, chunk_size=chunk_size, scheduler=scheduler,
-            local_cluster=local_cluster, report=report, notify=warn,
+            local_cluster=local_cluster, report=report, notify=_notify,
         )  # fmt: skip
     written: list[Path] = []
     if plot:
@@ -97,6 +97,12 @@ def study(
     else:
         study_report(result, written)
     return DONE
+
+
+def _notify(text: str) -> None:
+    """Print a warning about a study that runs already."""
+    print_held_warnings()
+    warn(text)
 
 
 @contextmanager
