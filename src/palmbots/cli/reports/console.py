@@ -12,6 +12,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from palmbots._util.text import data_size
 from palmbots.cli._warnings import print_held_warnings
 
 __all__ = [
@@ -91,12 +92,8 @@ def indented(text: str | Text, columns: int = 2) -> Padding:
 def print_written_files(console: Console, written: Sequence[Path]) -> None:
     """Print the files that a command wrote, with their sizes."""
     for path in written:
-        size = _size(path.stat().st_size)
+        size = data_size(path.stat().st_size)
         console.print(f"wrote {path}  {size}", soft_wrap=True)
-
-
-def _size(n: int) -> str:
-    return f"{n / 1e6:.1f} MB" if n >= 1e6 else f"{n / 1e3:.0f} kB"
 
 
 def signed(value: float) -> str:
