@@ -81,3 +81,18 @@ def test_variables_that_describe_no_terminal_and_no_home_change_nothing(
     assert (result.returncode, result.stderr) == (0, "")
     assert result.stdout.startswith("DELIVERED")
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"carry.png", "carry.mcap"}
+
+
+def test_settings_that_matplotlib_cannot_read_are_not_blamed_on_the_backend(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = tmp_path / "matplotlibrc"
+    settings.write_bytes(b"\xff\xfe\x00")
+    monkeypatch.setenv("MATPLOTLIBRC", str(settings))
+    monkeypatch.delenv("MPLBACKEND", raising=False)
+    result = palmbots("carry", "--out", str(tmp_path / "out"))
+    assert (result.returncode, result.stdout) == (2, "")
+    own, line = result.stderr.splitlines()  # matplotlib names the file
+    assert str(settings) in own
+    assert line.startswith("palmbots: matplotlibrc: matplotlib rejects this file: ")
+    assert not (tmp_path / "out").exists()

@@ -112,7 +112,7 @@ def check_output(out: Path | None) -> None:
     """Check, before the work, that figures can be drawn and written to the folder `out`.
 
     Raises:
-        PalmbotsError: `out` cannot be a folder, or matplotlib rejects ``MPLBACKEND``.
+        PalmbotsError: `out` cannot be a folder, or matplotlib rejects its settings.
     """
     if out is None:
         return
@@ -122,8 +122,10 @@ def check_output(out: Path | None) -> None:
     check_folder(out)
     try:
         import matplotlib as _  # noqa: F401
-    except ValueError:
+    except ValueError as error:
         backend = os.environ.get("MPLBACKEND")
+        if isinstance(error, UnicodeError) or backend is None:
+            raise PalmbotsError(f"matplotlibrc: matplotlib rejects this file: {error}") from None
         raise PalmbotsError(
             f"MPLBACKEND: value is {show(backend)}; allowed: agg, or leave it unset"
         ) from None
