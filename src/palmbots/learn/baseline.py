@@ -17,6 +17,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 
 from palmbots._util.renamed_names import renamed_in_module
+from palmbots._util.results import Result
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.control.silent_controller import SilentController
 from palmbots.errors import PalmbotsError
@@ -84,8 +85,8 @@ class SilentBaseline:
         return action(output.palm, output.move, messages=self._messages)
 
 
-@dataclass(frozen=True)
-class EpisodeResult:
+@dataclass(frozen=True, repr=False)
+class EpisodeResult(Result):
     """The result of one episode."""
 
     outcome: str
@@ -93,6 +94,14 @@ class EpisodeResult:
     steps: int
     returned: float
     """Sum of the rewards, without discount."""
+
+    def headline(self) -> str:
+        """One line that states the outcome."""
+        return f"{self.outcome} after {self.steps} steps"
+
+    def facts(self) -> dict[str, str]:
+        """The sum of the rewards."""
+        return {"return": f"{self.returned:.4g}"}
 
 
 PolicyLike: TypeAlias = "Callable[[], Policy] | Mapping[str, Policy]"
