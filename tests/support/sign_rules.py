@@ -104,6 +104,8 @@ class SignRobot:
                 return "watch"
             if was == "wait" and (lasted < clock.wait or not self.shares):
                 return "wait"
+            if was == "wait":
+                return "watch"
             if was == "back" and self.shares:
                 return "wait"
             return "watch" if was is None and self.leads and self.brake else "centred"
@@ -117,7 +119,7 @@ class SignRobot:
         if was in ends:
             limit, then = ends[was]
             return was if lasted < limit else then
-        if was == "wait" and self.shares:
+        if was == "wait" and self.shares and self.brake:
             return "stop in"
         return "patience in" if self.leads and self.brake else "push"
 

@@ -29,7 +29,9 @@
 // would lose objects. These rows need a robot that may stop (If::may_stop).
 //
 // START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
-// then slides outward on the shallow palm and makes it start.
+// then slides outward on the shallow palm and makes it start. The follower's palm is steep only for
+// as long as that takes. When the leader then moves away, a steep palm would draw the follower's own
+// contact inward, and it would not come back where closing cannot move it.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
@@ -53,8 +55,8 @@ struct Silent {
   };
   static constexpr int states = 11;
   static constexpr State initial = State::centred;
-  static constexpr State started_by_touch(bool leads) {
-    return leads ? State::start_wait : State::start_push;
+  static constexpr State started_by_touch(bool is_leader) {
+    return is_leader ? State::start_wait : State::start_push;
   }
 
   enum class Limit : std::uint8_t {
@@ -63,17 +65,19 @@ struct Silent {
     patience,  // how long a contact may stay off centre before a robot stops
     wait,      // how long the leader stops
     back,      // how long it then backs towards its partner
+    start,     // how long the follower's palm is steep at the start
   };
-  static constexpr std::size_t limits = 5;
+  static constexpr std::size_t limits = 6;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
     switch (limit) {
       case Limit::push: return timing.reach;
       case Limit::rest: return timing.reach / 8;
       case Limit::patience: return timing.reach / 10;
       case Limit::wait: return timing.reach * 4 / 5;
-      case Limit::back: break;
+      case Limit::back: return timing.reach * 3 / 10;
+      case Limit::start: break;
     }
-    return timing.reach * 3 / 10;
+    return timing.crossing < timing.reach ? timing.crossing : timing.reach;  // some zones never end
   }
 
   static constexpr bool talks = false;
@@ -82,6 +86,7 @@ struct Silent {
   static constexpr int patience = static_cast<int>(Limit::patience);
   static constexpr int wait = static_cast<int>(Limit::wait);
   static constexpr int back = static_cast<int>(Limit::back);
+  static constexpr int start = static_cast<int>(Limit::start);
 
   static constexpr bool stop = true;
   static constexpr TableOutput outputs[states] = {
@@ -95,7 +100,7 @@ struct Silent {
       /* inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, MessageKind::none, wait},
       /* inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, MessageKind::none, back},
       /* start_wait       */ {' ', {Palm::shallow, Move::hold, stop}, MessageKind::none},
-      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, wait},
+      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, start},
   };
 
   using P = ContactCondition;
@@ -138,7 +143,7 @@ constexpr const char* name_of(Silent::State state) {
 }
 
 constexpr const char* name_of(Silent::Limit limit) {
-  constexpr const char* names[] = {"push", "rest", "patience", "wait", "back"};
+  constexpr const char* names[] = {"push", "rest", "patience", "wait", "back", "start"};
   return names[static_cast<int>(limit)];
 }
 
