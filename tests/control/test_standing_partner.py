@@ -112,6 +112,12 @@ def test_start_by_touch_drops_hardly_more_than_a_start_together() -> None:
     assert share("silent", 1, **keys | {"control.start": "touch"}) > 0.92
 
 
+def test_follower_starts_also_with_its_contact_outward() -> None:
+    """It pushes until the leader must have started, and corrects afterwards."""
+    keys = {"start.left_m": 0.02, "control.start": "touch", "robot.noise_m_s": 0.01}
+    assert share("silent", 1, **keys) == 1.0
+
+
 def test_follower_is_steep_at_the_start_until_the_leader_must_have_felt_it() -> None:
     """It crosses the zone of 10 mm at 6 cm/s, 0.06 s late because it accelerates."""
     keys = {"robot.noise_m_s": 0.0, "control.start": "touch", "palm.rate_deg_s": 1000.0}

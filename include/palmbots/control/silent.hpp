@@ -31,7 +31,8 @@
 // START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
 // then slides outward on the shallow palm and makes it start. The follower's palm is steep only for
 // as long as that takes. When the leader then moves away, a steep palm would draw the follower's own
-// contact inward, and it would not come back where closing cannot move it.
+// contact inward, and it would not come back where closing cannot move it. The follower pushes also
+// while its own contact is outward, because that contact does not slide on the steep palm.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
@@ -115,21 +116,21 @@ struct Silent {
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
-      // in state           contact      heard     if                 go to
-      {S::start_wait,       P::zero,     any_word, {},                S::start_wait},
-      {S::start_push,       P::zero,     any_word, waited,            S::centred},
-      {S::start_push,       P::zero,     any_word, {},                S::start_push},
-      {any,                 P::zero,     any_word, {},                S::centred},
-      {S::outward_follower, P::positive, any_word, waited,            S::outward_stop},
-      {any - out,           P::positive, any_word, follows_and_stops, S::outward_follower},
-      {any - out,           P::positive, any_word, {},                S::outward},
-      {S::inward_leader,    P::negative, any_word, waited,            S::inward_stop},
-      {S::inward_stop,      P::negative, any_word, waited,            S::inward_back},
-      {S::inward_back,      P::negative, any_word, waited,            S::inward_leader},
-      {S::inward,           P::negative, any_word, waited,            S::pause},
-      {S::pause,            P::negative, any_word, waited,            S::inward},
-      {any - in,            P::negative, any_word, leads_and_stops,   S::inward_leader},
-      {any - in,            P::negative, any_word, {},                S::inward},
+      // in state            contact         heard     if                 go to
+      {S::start_wait,        P::zero,         any_word, {},                S::start_wait},
+      {S::start_push,        P::not_negative, any_word, waited,            S::centred},
+      {S::start_push,        P::not_negative, any_word, {},                S::start_push},
+      {any,                  P::zero,         any_word, {},                S::centred},
+      {S::outward_follower,  P::positive,     any_word, waited,            S::outward_stop},
+      {any - out,            P::positive,     any_word, follows_and_stops, S::outward_follower},
+      {any - out,            P::positive,     any_word, {},                S::outward},
+      {S::inward_leader,     P::negative,     any_word, waited,            S::inward_stop},
+      {S::inward_stop,       P::negative,     any_word, waited,            S::inward_back},
+      {S::inward_back,       P::negative,     any_word, waited,            S::inward_leader},
+      {S::inward,            P::negative,     any_word, waited,            S::pause},
+      {S::pause,             P::negative,     any_word, waited,            S::inward},
+      {any - in,             P::negative,     any_word, leads_and_stops,   S::inward_leader},
+      {any - in,             P::negative,     any_word, {},                S::inward},
   };
   // clang-format on
 };

@@ -23,8 +23,9 @@ TableTeam<Table> team_over(const Channel& channel, const Faults& faults, std::ui
     return static_cast<std::uint16_t>(1 + (std::rotr(chance, bit) & 0xFF) * most / 256);
   };
   typename TableRobot<Table>::Times times{of(1, 12), of(9, 254), {}};
+  const std::uint32_t longest = (chance >> 8 & 1) != 0 ? 4095 : 500;
   for (std::size_t k = 0; k < Table::limits; ++k) {
-    times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? 4095 : 40);
+    times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? longest : 40);
   }
   const bool by_touch = (chance >> 7 & 1) != 0;
   return {times, (chance >> 5 & 3) != 0, {}, channel, 0, chance % 2, faults, by_touch};
