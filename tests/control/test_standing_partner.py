@@ -107,14 +107,18 @@ def test_where_the_leader_feels_nothing_both_robots_stand() -> None:
 
 def test_start_by_touch_drops_hardly_more_than_a_start_together() -> None:
     """Also with the centre of mass at the follower, whose contact then does not come back."""
-    keys = {"object.com_m": (0.095, 0.04), "robot.noise_m_s": 0.02}
-    assert share("silent", 2, **keys | {"control.start": "touch"}) < 0.08
-    assert share("silent", 1, **keys | {"control.start": "touch"}) > 0.92
+    keys: dict[str, Any] = {
+        "control.start": "touch", "object.com_m": (0.095, 0.04), "robot.noise_m_s": 0.02,
+    }  # fmt: skip
+    assert share("silent", 2, **keys) < 0.08
+    assert share("silent", 1, **keys) > 0.92
 
 
 def test_follower_starts_also_with_its_contact_outward() -> None:
     """It pushes until the leader must have started, and corrects afterwards."""
-    keys = {"start.left_m": 0.02, "control.start": "touch", "robot.noise_m_s": 0.01}
+    keys: dict[str, Any] = {
+        "control.start": "touch", "start.left_m": 0.02, "robot.noise_m_s": 0.01,
+    }  # fmt: skip
     assert share("silent", 1, **keys) == 1.0
 
 
