@@ -4,7 +4,8 @@
 The policies use nothing but the observations. `Baseline` is the paper's distributed algorithm, the
 shipped controller of Table 2 (`palmbots.control.DistributedController`), with an inbox of its own:
 the environment delivers a message once, while Table 2 leaves a message that it cannot use yet in
-the inbox. `SilentBaseline` is the shipped controller `silent`, which needs no messages.
+the inbox. `SilentBaseline` is the shipped controller `silent` with ``control.brake = false``: it
+needs no messages and never stops.
 """
 
 from __future__ import annotations

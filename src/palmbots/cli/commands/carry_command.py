@@ -124,10 +124,10 @@ def carry(
         warnings = [*early_warnings, *limits, *late_warnings]
         print_json(result.summary() | {"warnings": warnings, "drift_forecast": forecast})
     else:
-        from palmbots.stability.drop_diagnosis import analyze_hint
+        from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
 
-        dropped = result.outcome == "dropped"
-        hint = analyze_hint(chosen, entry.name, scene, changes) if dropped else None
+        explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
+        hint = explain(chosen, entry.name, scene, changes) if explain else None
         carry_report(result, scene, late_warnings, written, removed, hint)
     return DONE if result.outcome == "delivered" else FAILED
 
