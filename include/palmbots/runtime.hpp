@@ -2,5 +2,7 @@
 // Includes every header of the room `runtime`: what a robot decides, without I/O.
 #pragma once
 
+#include "palmbots/runtime/mode_inputs.hpp"
+#include "palmbots/runtime/mode_machine.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/runtime/robot_runtime.hpp"
