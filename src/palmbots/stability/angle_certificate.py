@@ -3,7 +3,8 @@
 
 Near the largest tolerance a condition becomes an equality, and a prover that bisects boxes cannot
 decide it. The certificate therefore claims a little less than the tolerance: first by the error of
-its bisection, then by more, until the prover can decide.
+its bisection, then by more, until the prover can decide. It makes all claims if they hold, and else
+those for robots of which only one turns its palm at a time, for which the angles are designed.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from palmbots._types import SIDES, Interval
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.stability.angle_grid import Quantity, Uncertainty
 from palmbots.stability.certificates.box_from_scene import box_of
+from palmbots.stability.certificates.obligations import ONE_TURNS
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.problem import StabilityProblem
 
@@ -63,7 +65,10 @@ def certify_tolerance(
         intervals = _intervals(problem, quantity, claimed, angles_deg, uncertainty)
         box = box_of(turned, beyond_m=problem.beyond, **intervals)
         is_whole = reduction == _REDUCTIONS[0]
-        return prove(box, scene=turned, max_boxes=max_boxes), tolerance if is_whole else claimed
+        certificate = prove(box, scene=turned, max_boxes=max_boxes)
+        if certificate.verdict != "holds":
+            certificate = prove(box, ONE_TURNS, scene=turned, max_boxes=max_boxes)
+        return certificate, tolerance if is_whole else claimed
 
     for reduction in _REDUCTIONS[:-1]:
         certificate, proved = attempt(reduction, _FEW_BOXES)

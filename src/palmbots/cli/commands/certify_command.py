@@ -61,6 +61,16 @@ def certify(
     region_m: Annotated[
         Interval, interval_option("--region-m", "Contact coordinates, within the palms")
     ] = None,
+    claims: Annotated[
+        str | None,
+        typer.Option(
+            "--claims",
+            metavar="NAME,…",
+            help="Prove these claims: property 1, property 2, property 0, clearance, property 0 "
+            "turning, clearance turning, no jam [default: all].",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         output_option("Write the certificate to this file.", "--out", "-o", metavar="FILE"),
@@ -80,6 +90,7 @@ def certify(
         check_file(out)
     result = run_proof(
         load(scene, changes),
+        claims=None if claims is None else tuple(name.strip() for name in claims.split(",")),
         com_x_m=com_x_m,
         com_y_m=com_y_m,
         friction=friction,
