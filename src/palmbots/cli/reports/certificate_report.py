@@ -111,7 +111,7 @@ def design_report(
 ) -> None:
     """Print the angles, what they tolerate beside the scene's own, and how to use them."""
     from palmbots.stability.angle_grid import NOISE, QUANTITIES
-    from palmbots.stability.certificates.obligations import CLAIMS
+    from palmbots.stability.certificates.obligations import BOTH_TURN
 
     console = report_console()
     name = QUANTITIES[design.quantity][-1]
@@ -135,7 +135,7 @@ def design_report(
     if verdict == "holds":
         claims = design.certificate.data["claims"]
         console.print(f"certified under these conditions: {', '.join(claims)}")
-        if missing := [claim for claim in CLAIMS if claim not in claims]:
+        if missing := [claim for claim in BOTH_TURN if claim not in claims]:
             console.print(
                 f"not certified for palms that turn at the same time: {', '.join(missing)}"
             )

@@ -20,11 +20,22 @@ from fractions import Fraction
 from palmbots._types import SIDES
 from palmbots.stability.certificates.parameter_box import Box, Ends
 
-__all__ = ["CLAIMS", "ONE_TURNS", "Obligation", "Subbox", "bisect", "exact", "obligations"]
+__all__ = [
+    "BOTH_TURN",
+    "CLAIMS",
+    "ONE_TURNS",
+    "Obligation",
+    "Subbox",
+    "bisect",
+    "exact",
+    "obligations",
+]
 
 ONE_TURNS = ("property 1", "property 2", "property 0", "clearance")
 """What robots need of which only one turns its palm at a time."""
-CLAIMS = (*ONE_TURNS, "property 0 turning", "clearance turning", "no jam")
+BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")
+"""What robots need besides that turn their palms at the same time."""
+CLAIMS = (*ONE_TURNS, *BOTH_TURN)
 """What a certificate can prove."""
 
 _LEAST = 1e-7  # intervals smaller than this are not bisected
