@@ -61,6 +61,15 @@ def certify(
     region_m: Annotated[
         Interval, interval_option("--region-m", "Contact coordinates, within the palms")
     ] = None,
+    beyond_m: Annotated[
+        float,
+        typer.Option(
+            "--beyond-m",
+            metavar="M",
+            help="How far past p = 0 corrections continue [default: 0].",
+            show_default=False,
+        ),
+    ] = 0.0,
     claims: Annotated[
         str | None,
         typer.Option(
@@ -103,6 +112,7 @@ def certify(
         offset_m=offset_m,
         slope_deg=slope_deg,
         region_m=region_m,
+        beyond_m=beyond_m,
     )
     written: list[Path] = []
     if out is not None and result.verdict != "undecided":

@@ -181,6 +181,7 @@ def certify(
     claims: Claims = None,
     max_boxes: int = _MAX_BOXES,
     common_friction: bool = False,
+    beyond_m: float = 0.0,
     overrides: Overrides = None,
     **intervals: Any,
 ) -> Certificate:
@@ -192,6 +193,8 @@ def certify(
         max_boxes: number of boxes after which the claims count as undecided.
         common_friction: True: both palms have the same coefficient, which may be any of the
             interval; False: each palm has its own.
+        beyond_m: how far past p = 0 a correction may continue. Contacts up to there count as not yet
+            corrected. 0: as in the paper.
         overrides: scene keys to set.
         intervals: (low, high) of ``com_x_m``, ``com_y_m``, ``friction``, ``friction_right`` (where
             it differs), ``shallow_deg``, ``steep_deg``, ``width_m``, ``length_m``, ``offset_m``,
@@ -207,5 +210,5 @@ def certify(
         one_of("certify", name, INTERVALS)
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
-    box = box_of(chosen, common_friction=common_friction, **intervals)
+    box = box_of(chosen, common_friction=common_friction, beyond_m=beyond_m, **intervals)
     return prove(box, claims, scene=chosen, max_boxes=max_boxes)
