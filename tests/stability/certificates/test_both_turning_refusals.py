@@ -4,6 +4,7 @@
 import copy
 import json
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,21 @@ import palmbots as pb
 from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.cli.main import run
-from palmbots.stability.certificates.obligations import BOTH_TURN, ONE_TURNS
+from palmbots.stability.certificates import jam_proof, property_proof
+from palmbots.stability.certificates.box_from_scene import box_of
+from palmbots.stability.certificates.checker.certificate_file import Entry
+from palmbots.stability.certificates.checker.claimed_box import read_box
+from palmbots.stability.certificates.checker.jam_conditions import prove_no_jam
+from palmbots.stability.certificates.checker.property_conditions import CheckFailed, Corner
+from palmbots.stability.certificates.checker.required_obligations import required_obligations
+from palmbots.stability.certificates.obligations import (
+    BOTH_TURN,
+    CLAIMS,
+    ONE_TURNS,
+    Obligation,
+    Subbox,
+    obligations,
+)
 from palmbots.stability.certificates.prover import certify
 
 # Angles that differ by 21.4°: held while one palm turns, but not with both palms at any angle and
@@ -126,6 +141,72 @@ def test_forged_witnesses_of_a_jam_are_refused(tmp_path: Path) -> None:
         found = checked(changed, tmp_path)
         assert not found.valid
         assert reason in found.reason, found.reason
+
+
+def test_prover_and_checker_require_the_same() -> None:
+    """Both list the obligations on their own; a correction continues past p = 0, so that every
+    region is clipped."""
+    scene = pb.load_scene("paper", {"palm.right.length_m": 0.12})
+    box = box_of(scene, beyond_m=0.01, shallow_deg=(4.0, 5.0), steep_deg=(14.0, 16.0))
+    prover = {o.name: o for o in obligations(box, CLAIMS)}
+    required = required_obligations(read_box(Entry(box.as_dict())), CLAIMS)
+    assert list(prover) == list(required)
+    for name, one in prover.items():
+        other = required[name]
+        assert (one.claim, one.number, one.side) == (other.claim, other.number, other.side)
+        assert (one.part.angles, one.part.contacts) == (other.angles, other.contacts)
+    inward = required["clear left turning inward"].contacts
+    assert inward == ((Fraction("-0.075"), Fraction("0.01")), (Fraction("-0.06"), Fraction("0.01")))
+
+
+# (tangents of the palm angles, tangent of the object's angle, the friction on both palms, whether
+# closing and opening are possible), with the reason worked out by hand.
+EDGES: tuple[tuple[tuple[str, str], str, str, tuple[bool, bool]], ...] = (
+    (("0.1", "0.2"), "0", "0.3", (True, True)),
+    # a d + b c > 0, but the left edge leans outward (a < 0): b − a T = −1 and d + c T = −3.
+    (("-1", "2"), "-2", "0", (False, False)),
+    # Only the left edge is wedged, b − a T = −0.2, while a d + b c > 0: the right contact slides.
+    (("1", "0.5"), "1.2", "0", (True, True)),
+    # Only the right edge is, with a < 0, so that it is the left contact that proves it.
+    (("-0.1", "2"), "-0.6", "0", (True, True)),
+    # Both up edges are wedged, and both down edges are not.
+    (("0.5", "0.5"), "0", "3", (False, True)),
+    # Both palms tilt inward: both down edges are wedged.
+    (("-0.5", "-0.5"), "0", "3", (True, False)),
+)
+
+
+@pytest.mark.parametrize(("tangents", "turn", "friction", "possible"), EDGES)
+def test_jam_conditions_by_hand(
+    tangents: tuple[str, str], turn: str, friction: str, possible: tuple[bool, bool]
+) -> None:
+    t = Fraction(tangents[0]), Fraction(tangents[1])
+    mu = Fraction(friction)
+    at = [Corner(t, (mu, mu), Fraction(1), Fraction(1), Fraction(turn), Fraction(2), Fraction(0))]
+    for number, moves in zip((1, 2), possible, strict=True):
+        if moves:
+            prove_no_jam(number, at)
+        else:
+            with pytest.raises(CheckFailed, match="both contacts may be wedged"):
+                prove_no_jam(number, at)
+
+
+@pytest.mark.parametrize(("tangents", "turn", "friction", "possible"), EDGES)
+def test_jam_proof_by_hand(
+    tangents: tuple[str, str],
+    turn: str,
+    friction: str,
+    possible: tuple[bool, bool],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    box = box_of(pb.load_scene("paper"))
+    part = Subbox(box.shallow_deg, box.friction, box.width, box.contacts)
+    t, mu = (float(tangents[0]), float(tangents[1])), float(friction)
+    corner = property_proof.Corner(t, (mu, mu), (1.0, 1.0), float(turn), 2.0, 0.0)
+    monkeypatch.setattr(jam_proof, "corners", lambda *_: [corner])
+    for number, moves in zip((1, 2), possible, strict=True):
+        obligation = Obligation("jam", "no jam", number, 0, part)
+        assert jam_proof.proved(box, obligation, part) == moves
 
 
 def test_command_names_what_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
