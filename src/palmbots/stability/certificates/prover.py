@@ -193,8 +193,8 @@ def certify(
         max_boxes: number of boxes after which the claims count as undecided.
         common_friction: True: both palms have the same coefficient, which may be any of the
             interval; False: each palm has its own.
-        beyond_m: how far past p = 0 a correction may continue. Contacts up to there count as not yet
-            corrected. 0: as in the paper.
+        beyond_m: how far past p = 0 a correction may continue. Contacts up to there count as not
+            yet corrected. 0: as in the paper.
         overrides: scene keys to set.
         intervals: (low, high) of ``com_x_m``, ``com_y_m``, ``friction``, ``friction_right`` (where
             it differs), ``shallow_deg``, ``steep_deg``, ``width_m``, ``length_m``, ``offset_m``,
