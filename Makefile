@@ -27,7 +27,7 @@ define install
 endef
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
 
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
@@ -35,6 +35,9 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python tests/support/cxx.py
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
+
+test-robot: $(VENV)/strict.done  ## world and robots as processes: the same carries as inside one program
+	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
@@ -107,4 +110,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs help carry build quick test verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean

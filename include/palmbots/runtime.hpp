@@ -4,3 +4,5 @@
 
 #include "palmbots/runtime/mode_inputs.hpp"
 #include "palmbots/runtime/mode_machine.hpp"
+#include "palmbots/runtime/robot_program.hpp"
+#include "palmbots/runtime/robot_runtime.hpp"

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
-from palmbots._core import wire as wire
+from palmbots._core import runtime as runtime, wire as wire
 
 
 def tangent(angle: float) -> float:
@@ -714,7 +714,7 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """
-    One carry. controller: a name, Machines, an OptimalController, or a pair of Python step functions.
+    One carry. controller: a name, Machines, an OptimalController, RemoteControllers, or a pair of Python step functions.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
