@@ -109,7 +109,7 @@ class ModeSearch {
     if (has_ended(state.other.mode)) {
       Pair pair = state;
       for (int turns = 0; turns % 2 == 1 || carries(pair.now.mode); ++turns) {
-        if (turns > 8) return false;
+        if (turns > 3) return false;
         longest_ = turns > longest_ ? turns : longest_;
         pair = world_.step(pair, prompt(pair)).next;
       }

@@ -12,11 +12,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "palmbots/runtime/mode_machine.hpp"
 
