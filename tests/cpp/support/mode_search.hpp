@@ -40,6 +40,7 @@ class ModeSearch {
         if (violated != nullptr) return;
         const ModeWorld::Step step = world_.step(from, turn);
         add(step.next);
+        add(step.lost);
         if (step.violates != nullptr) violated = step.violates;
         ++transitions_;
       });
@@ -87,7 +88,7 @@ class ModeSearch {
   }
 
   void add(const Pair& pair) {
-    if (numbers_.emplace(key_of(pair), states_.size()).second) states_.push_back(pair);
+    if (numbers_.try_emplace(key_of(pair), states_.size()).second) states_.push_back(pair);
   }
 
   // A turn without faults; the newest packet arrives.

@@ -31,7 +31,8 @@ constexpr bool carries(RobotMode mode) {
 }
 constexpr bool is_under_way(RobotMode mode) { return carries(mode) || mode == RobotMode::ready; }
 
-// Modes that a partner cannot tell apart; one of them stands for all. The test shows that it holds.
+// Modes of the partner on which a robot acts alike; one of them stands for all. A test shows that it
+// does.
 constexpr RobotMode as_heard(RobotMode mode) {
   if (is_under_way(mode)) return RobotMode::ready;
   if (mode == RobotMode::disarmed || mode == RobotMode::armed) return RobotMode::fault;
@@ -86,7 +87,6 @@ struct Turn {
   bool station_ok = true;
   bool time_up = false;
   bool travels = true;
-  bool sends = true;
 };
 
 class ModeWorld {
@@ -138,6 +138,7 @@ class ModeWorld {
 
   struct Step {
     Pair next;
+    Pair lost;  // the same, but the packet of this step is lost
     const char* violates = nullptr;
   };
 
@@ -170,8 +171,9 @@ class ModeWorld {
     require(robot, before, in, stop_heard);
     const char* violated = check(robot, partner, before, out, stop_heard, was_off);
     if (is_under_way(robot.mode)) robot.since_ready = 0;
-    if (turn.sends && settings.has_radio) send(robot, partner);
-    return {{tidy(partner), tidy(robot), left}, violated};
+    const Pair lost{tidy(partner), tidy(robot), left};
+    if (settings.has_radio) send(robot, partner);
+    return {{tidy(partner), lost.other, left}, lost, violated};
   }
 
   // Every turn that can happen to the robot that is next.
@@ -180,13 +182,10 @@ class ModeWorld {
     for (int hears = -1; hears < 2; ++hears) {
       if (hears >= 0 && from.now.to[static_cast<std::size_t>(hears)].mode == RobotMode::off)
         continue;
-      for (int lost = 0; lost < (settings.has_radio ? 2 : 1); ++lost) {
-        each_event([&](Turn turn) {
-          turn.hears = hears;
-          turn.sends = lost == 0;
-          visit(turn);
-        });
-      }
+      each_event([&](Turn turn) {
+        turn.hears = hears;
+        visit(turn);
+      });
     }
   }
 
@@ -290,7 +289,7 @@ class ModeWorld {
       if (started) robot.needs = nothing;
       if (in.operation == Operation::disarm) robot.needs = std::max(robot.needs, arming);
     }
-    // Whoever has ended has to be armed again, and so does a robot that lost what it needs.
+    // A robot that has ended has to be armed again.
     const bool ended = robot.mode == RobotMode::done || robot.mode == RobotMode::fault;
     if (ended) robot.needs = std::max(robot.needs, arming);
   }
