@@ -55,7 +55,7 @@ ModeMachine carrying(const ModeSettings& settings = settings_for_steps()) {
   return machine;
 }
 
-// True if the step ends a carry in this way, and the wheels stop in the same step.
+// True if this step would bring a robot into this mode, and stop its wheels at once.
 bool ends(ModeMachine machine, const ModeInputs& in, RobotMode mode,
           FaultCode code = FaultCode::none) {
   const ModeOutputs out = machine.step(in);
@@ -184,11 +184,16 @@ void limits_of_time() {
   silent.elapsed = 50;
   silent.partner.age = 21;
   CHECK(ends(carrying(), silent, RobotMode::fault, FaultCode::partner_lost));
+  silent.partner.age = 20;
+  CHECK(carrying().step(silent).wheels);
   ModeInputs deaf = good();
   deaf.elapsed = 50;
   deaf.station_age = 51;
   CHECK(ends(carrying(), deaf, RobotMode::fault, FaultCode::station_lost));
   ModeSettings settings = settings_for_steps();
+  deaf.station_age = 50;
+  CHECK(carrying().step(deaf).wheels);
+  deaf.station_age = never;
   settings.station_lost = StationLost::carry_on;
   settings.partner_lost = PartnerLost::controller;
   deaf.partner.age = never;
@@ -279,6 +284,54 @@ void what_a_boot_does() {
   CHECK(booted({false, true}, in).mode == RobotMode::stopped);
 }
 
+void a_second_carry_starts_anew() {
+  ModeSettings settings = settings_for_steps();
+  settings.travel = 600;
+  ModeMachine machine = carrying(settings);
+  ModeInputs in = good();
+  in.elapsed = 599;
+  CHECK(machine.step(in).mode == RobotMode::done);
+  // A refusal is reported in this mode, too.
+  ModeInputs arm = with(Operation::arm);
+  arm.preflight.battery = false;
+  CHECK(ends(machine, arm, RobotMode::done, FaultCode::battery));
+  machine.step(with(Operation::arm));
+  machine.step(with(Operation::start));
+  CHECK(machine.step(good()).controller == ControllerStart::fresh);
+  CHECK(machine.step(in).wheels);
+  in.elapsed = 1;
+  CHECK(ends(machine, in, RobotMode::done));
+}
+
+void a_fault_before_the_start() {
+  ModeMachine armed = disarmed();
+  armed.step(with(Operation::arm));
+  ModeMachine ready = armed;
+  ready.step(with(Operation::start));
+  ModeInputs in = good();
+  in.partner = {RobotMode::armed, 0};
+  for (const ModeMachine& machine : {armed, ready}) {
+    ModeInputs spoilt = in;
+    spoilt.driver_ok = false;
+    CHECK(ends(machine, spoilt, RobotMode::fault, FaultCode::driver));
+    spoilt = in;
+    spoilt.overruns = 4;
+    CHECK(ends(machine, spoilt, RobotMode::fault, FaultCode::overrun));
+    spoilt = in;
+    spoilt.station_age = 51;
+    CHECK(ends(machine, spoilt, RobotMode::fault, FaultCode::station_lost));
+    spoilt = in;
+    spoilt.order(Operation::disarm, true);
+    CHECK(ends(machine, spoilt, RobotMode::disarmed));
+    // Neither the partner's silence nor what it does ends the wait.
+    for (const RobotMode mode : {RobotMode::disarmed, RobotMode::done, RobotMode::fault}) {
+      spoilt = in;
+      spoilt.partner = {mode, never};
+      CHECK(ends(machine, spoilt, machine.memory().mode));
+    }
+  }
+}
+
 // The search treats these modes of the partner as one.
 void some_modes_sound_alike() {
   for (unsigned mode = 0; mode < wire::robot_modes; ++mode) {
@@ -310,6 +363,8 @@ int main() {
   limits_of_time();
   a_stop_is_latched();
   a_fault_is_latched();
+  a_fault_before_the_start();
+  a_second_carry_starts_anew();
   what_a_boot_does();
   some_modes_sound_alike();
 }
