@@ -37,6 +37,7 @@ void holds_everywhere(const char* name, const ModeWorld& world, std::size_t stat
   const char* violated = search.run();
   std::printf("%-18s %7zu states, %9zu transitions, %d turns to end: %s\n", name, search.states(),
               search.transitions(), search.longest(), violated != nullptr ? violated : "holds");
+  if (violated != nullptr) search.print_trail();
   CHECK(violated == nullptr);
   CHECK(search.states() == states);
 }

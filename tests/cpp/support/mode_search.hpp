@@ -32,6 +32,7 @@ class ModeSearch {
     add(world_.start());
     for (std::size_t i = 0; i < states_.size(); ++i) {
       const Pair from = states_[i];
+      from_ = i;
       if (!partner_ends(from)) return "M4";
       add(world_.wait(from));
       if (from.reboots > 0) add(world_.reboot(from));
@@ -47,6 +48,18 @@ class ModeSearch {
       if (violated != nullptr) return violated;
     }
     return operator_succeeds() ? nullptr : "M5";
+  }
+
+  // Prints the modes on a shortest way to the state from which the violation was found: first the
+  // robot whose turn it is.
+  void print_trail() const {
+    std::vector<std::size_t> trail{from_};
+    while (trail.back() != 0) trail.push_back(parents_[trail.back()]);
+    for (std::size_t i = trail.size(); i-- > 0;) {
+      const Pair& pair = states_[trail[i]];
+      std::printf("  %-9s hears %-8s | %-9s hears %s\n", name_of(pair.now.mode),
+                  name_of(pair.now.news), name_of(pair.other.mode), name_of(pair.other.news));
+    }
   }
 
   std::size_t states() const { return states_.size(); }
@@ -88,7 +101,9 @@ class ModeSearch {
   }
 
   void add(const Pair& pair) {
-    if (numbers_.try_emplace(key_of(pair), states_.size()).second) states_.push_back(pair);
+    if (!numbers_.try_emplace(key_of(pair), states_.size()).second) return;
+    states_.push_back(pair);
+    parents_.push_back(from_);
   }
 
   // A turn without faults; the newest packet arrives.
@@ -144,7 +159,10 @@ class ModeSearch {
         if (found == numbers_.end()) return false;
         at = found->second * period + (phase + 1) % period;
       }
-      if (known[at] == on_the_way) return false;  // for ever without a carry
+      if (known[at] == on_the_way) {  // for ever without a carry
+        from_ = at / period;
+        return false;
+      }
       known[at] = leads_to_a_carry;
       for (const std::size_t passed : path) known[passed] = leads_to_a_carry;
     }
@@ -172,6 +190,8 @@ class ModeSearch {
 
   const ModeWorld& world_;
   std::vector<Pair> states_;
+  std::vector<std::size_t> parents_;  // from which each state was found first
+  std::size_t from_ = 0;              // the state whose turns are visited
   std::unordered_map<Key, std::size_t, Hash> numbers_;
   std::size_t transitions_ = 0;
   int longest_ = 0;
