@@ -79,7 +79,7 @@ struct ModeInputs {
   bool driver_ok = true;       // the motor board answers
   bool storage_ok = true;      // the boot counter and the mode can be stored
   std::uint16_t overruns = 0;  // late ticks within the time that the node counts
-  bool covered = false;        // the distance, by this robot's odometry
+  bool covered = false;        // the distance, by this robot's odometry since the carry began
   bool travels = true;         // the controller travelled in the last step
 
   // The operator's wish has arrived in an authentic and new packet. Without a session only an

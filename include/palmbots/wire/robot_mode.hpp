@@ -47,10 +47,9 @@ enum class FaultCode : std::uint8_t {
 inline constexpr unsigned fault_codes = 14;
 
 constexpr const char* name_of(FaultCode code) {
-  constexpr const char* names[] = {"none",    "driver",       "contact",      "palm",
-                                   "battery", "partner_lost", "station_lost", "time_limit",
-                                   "overrun", "storage",      "settings",     "stopping",
-                                   "partner", "stop"};
+  constexpr const char* names[] = {
+      "none",       "driver",  "contact", "palm",     "battery",  "partner_lost", "station_lost",
+      "time_limit", "overrun", "storage", "settings", "stopping", "partner",      "stop"};
   return names[static_cast<int>(code)];
 }
 

@@ -12,11 +12,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "palmbots/runtime/mode_machine.hpp"
 
@@ -33,6 +30,14 @@ constexpr bool carries(RobotMode mode) {
   return mode == RobotMode::carrying || mode == RobotMode::holding;
 }
 constexpr bool is_under_way(RobotMode mode) { return carries(mode) || mode == RobotMode::ready; }
+
+// Modes of the partner on which a robot acts alike; one of them stands for all. A test shows that it
+// does.
+constexpr RobotMode as_heard(RobotMode mode) {
+  if (is_under_way(mode)) return RobotMode::ready;
+  if (mode == RobotMode::disarmed || mode == RobotMode::armed) return RobotMode::fault;
+  return mode;
+}
 
 // What a robot still needs before its wheels may turn, by the rules for the operator.
 enum Needs : std::uint8_t { nothing, a_start, arming, a_release };
@@ -55,15 +60,15 @@ struct Robot {
   bool knows = false;  // it has heard the partner's present boot
   bool stored_carry = false;
   bool stored_stop = false;
-  Needs needs = arming;         // for the checks only
-  std::uint8_t since_ready = 0; // time since it was under way; for the checks only
-  std::array<Packet, 2> to{};   // packets to it, the oldest first
+  Needs needs = arming;          // for the checks only
+  std::uint8_t since_ready = 0;  // time since it was under way; for the checks only
+  std::array<Packet, 2> to{};    // packets to it, the oldest first
 
   constexpr bool operator==(const Robot&) const = default;
 };
 
 struct Pair {
-  Robot now;    // steps next
+  Robot now;  // steps next
   Robot other;
   std::uint8_t reboots = 0;  // that may still happen
 
@@ -82,7 +87,6 @@ struct Turn {
   bool station_ok = true;
   bool time_up = false;
   bool travels = true;
-  bool sends = true;
 };
 
 class ModeWorld {
@@ -90,6 +94,7 @@ class ModeWorld {
   ModeSettings settings;
   const ModeTable* table = &runtime::mode_table;
   std::uint8_t reboots = 1;
+  int room = 1;  // packets under way to each robot
 
   std::uint8_t oldest() const { return static_cast<std::uint8_t>(settings.lease + 1); }
 
@@ -111,7 +116,8 @@ class ModeWorld {
     robot.stored_stop = old.mode == RobotMode::stopped;
     robot.news_age = oldest();
     robot.since_ready = old.since_ready;
-    const bool rejoins = settings.after_reboot == runtime::AfterReboot::rejoin && robot.stored_carry;
+    const bool rejoins =
+        settings.after_reboot == runtime::AfterReboot::rejoin && robot.stored_carry;
     robot.needs = rejoins ? old.needs : std::max(old.needs, arming);
     robot.to = old.to;
     for (Packet& packet : robot.to) packet.answers = false;
@@ -123,14 +129,16 @@ class ModeWorld {
     return {tidy(partner), tidy(robot), static_cast<std::uint8_t>(from.reboots - 1)};
   }
 
-  // A turn in which a robot that is off stays off.
+  // A turn without a step: the robot is still off, or its program is held up.
   Pair wait(const Pair& from) const {
-    const Pair later = aged(from);
+    Pair later = aged(from);
+    if (carries(later.now.mode)) age(later.now.carried);  // the next step adds the time
     return {tidy(later.other), tidy(later.now), from.reboots};
   }
 
   struct Step {
     Pair next;
+    Pair lost;  // the same, but the packet of this step is lost
     const char* violates = nullptr;
   };
 
@@ -157,51 +165,56 @@ class ModeWorld {
     const auto out = machine.step(in);
     const RobotMode before = robot.mode;
     robot.mode = out.mode;
-    robot.carried = static_cast<std::uint8_t>(
-        std::min<std::uint32_t>(machine.memory().carried, oldest()));
+    robot.carried =
+        static_cast<std::uint8_t>(std::min<std::uint32_t>(machine.memory().carried, oldest()));
     robot.stored_carry = robot.stored_stop = false;
     require(robot, before, in, stop_heard);
     const char* violated = check(robot, partner, before, out, stop_heard, was_off);
     if (is_under_way(robot.mode)) robot.since_ready = 0;
-    if (turn.sends && settings.has_radio) send(robot, partner);
-    return {{tidy(partner), tidy(robot), left}, violated};
+    const Pair lost{tidy(partner), tidy(robot), left};
+    if (settings.has_radio) send(robot, partner);
+    return {{tidy(partner), lost.other, left}, lost, violated};
   }
 
   // Every turn that can happen to the robot that is next.
   template <class Visit>
   void each_turn(const Pair& from, Visit&& visit) const {
     for (int hears = -1; hears < 2; ++hears) {
-      if (hears >= 0 && from.now.to[static_cast<std::size_t>(hears)].mode == RobotMode::off) continue;
-      for (int lost = 0; lost < (settings.has_radio ? 2 : 1); ++lost) {
-        each_event([&](Turn turn) {
-          turn.hears = hears;
-          turn.sends = lost == 0;
-          visit(turn);
-        });
-      }
+      if (hears >= 0 && from.now.to[static_cast<std::size_t>(hears)].mode == RobotMode::off)
+        continue;
+      each_event([&](Turn turn) {
+        turn.hears = hears;
+        visit(turn);
+      });
     }
   }
 
  private:
-  // What the operator does in combination with what happens besides.
+  // What the operator wants, and what happens besides.
   template <class Visit>
   static void each_event(Visit&& visit) {
-    constexpr std::array<std::optional<Operation>, 5> wishes{
-        std::nullopt, Operation::arm, Operation::disarm, Operation::start, Operation::release};
-    for (const auto& wish : wishes) {
-      for (int what = 0; what < 8; ++what) {
-        Turn turn;
-        turn.operates = wish.has_value();
-        turn.operation = wish.value_or(Operation::disarm);
-        turn.stop = what == 1;
-        turn.driver_ok = what != 2;
-        turn.covered = what == 3;
-        turn.station_ok = what != 4;
-        turn.time_up = what == 5;
-        turn.travels = what != 6;
-        turn.preflight = what != 7;
-        visit(turn);
-      }
+    Turn turn;
+    const auto also = [&](auto Turn::* what, bool value) {
+      Turn other = turn;
+      other.*what = value;
+      visit(other);
+    };
+    visit(turn);
+    also(&Turn::stop, true);
+    also(&Turn::covered, true);
+    also(&Turn::driver_ok, false);
+    also(&Turn::station_ok, false);
+    also(&Turn::time_up, true);
+    also(&Turn::travels, false);
+    turn.operates = true;
+    for (const Operation wish :
+         {Operation::arm, Operation::disarm, Operation::start, Operation::release}) {
+      turn.operation = wish;
+      visit(turn);
+      also(&Turn::stop, true);
+      also(&Turn::covered, true);
+      also(&Turn::driver_ok, false);
+      if (wish == Operation::arm) also(&Turn::preflight, false);
     }
   }
 
@@ -232,15 +245,15 @@ class ModeWorld {
 
   // A packet that says the same as the one before it replaces it. Where there is no room, the
   // oldest is lost.
-  static void send(const Robot& robot, Robot& partner) {
-    const Packet packet{robot.mode, 0, robot.knows, true};
+  void send(const Robot& robot, Robot& partner) const {
+    const Packet packet{as_heard(robot.mode), 0, robot.knows, true};
     std::array<Packet, 2>& to = partner.to;
     const bool is_empty = to[0].mode == RobotMode::off;
     const std::size_t last = to[1].mode == RobotMode::off ? 0 : 1;
     const Packet& newest = to[last];
     const bool same = newest.mode == packet.mode && newest.answers == packet.answers &&
                       newest.is_current == packet.is_current;
-    if (is_empty || same) {
+    if (is_empty || same || room == 1) {
       to[last] = packet;
     } else {
       if (last == 1) to[0] = to[1];
@@ -258,10 +271,10 @@ class ModeWorld {
 
   // Follows what the operator has done, without the machine.
   void require(Robot& robot, RobotMode before, const ModeInputs& in, bool stop_heard) const {
-    const bool may_arm = in.preflight.contact && in.driver_ok &&
-                         (!settings.has_radio ||
-                          (in.partner.age != never && in.partner.mode != RobotMode::stopped));
-    const bool latches = before != RobotMode::disarmed && robot.needs != a_release;
+    const bool may_arm =
+        in.preflight.contact && in.driver_ok &&
+        (!settings.has_radio || (in.partner.age != never && in.partner.mode != RobotMode::stopped));
+    const bool latches = before != RobotMode::disarmed && before != RobotMode::stopped;
     if (in.stop || (stop_heard && latches)) {
       robot.needs = a_release;
       return;
@@ -276,7 +289,7 @@ class ModeWorld {
       if (started) robot.needs = nothing;
       if (in.operation == Operation::disarm) robot.needs = std::max(robot.needs, arming);
     }
-    // Whoever has ended has to be armed again, and so does a robot that lost what it needs.
+    // A robot that has ended has to be armed again.
     const bool ended = robot.mode == RobotMode::done || robot.mode == RobotMode::fault;
     if (ended) robot.needs = std::max(robot.needs, arming);
   }
@@ -294,7 +307,7 @@ class ModeWorld {
       return "M3";
     }
     if (robot.needs == a_release && out.mode != RobotMode::stopped) return "M3";
-    if (out.wheels && robot.needs != nothing) return was_off ? "M6" : "M3";
+    if (out.wheels && robot.needs != nothing) return "M6";
     if (was_off && out.wheels && settings.after_reboot == runtime::AfterReboot::disarm) return "M6";
     return nullptr;
   }
