@@ -4,8 +4,8 @@
 //
 // CentralizedTeam (sim/centralized_team.hpp) handles single packets; this header does the same with
 // operations on words. The cases are those of Centralized::table. It requires that the only faults
-// are reboots of robots, that the stations never fail, and that all packets of a carry have the
-// same delay or are lost.
+// are reboots of robots on a bare channel, where a boot ends no session, that the stations never
+// fail, and that all packets of a carry have the same delay or are lost.
 #pragma once
 
 #include "palmbots/batch/bitslice_counters.hpp"
@@ -120,7 +120,8 @@ class BitslicedCentralized {
   static constexpr bool station = true;
 
   static bool supports(const CentralizedTeam& team) {
-    return BitslicedDelay::supports(team.radio().steady_delay()) && team.faults().are_reboots();
+    return BitslicedDelay::supports(team.radio().steady_delay()) && team.faults().are_reboots() &&
+           !team.judges();
   }
 
   void insert(int i, const CentralizedTeam& team) {

@@ -52,6 +52,7 @@ struct Channel {
   std::uint64_t duplicate_words = 0;  // of 2³²
   std::uint64_t corrupt_words = 0;    // of 2³²
   bool reorders = false;
+  bool has_sessions = true;  // the ends of a link judge packets as the wire does
   double burst_share = 0;
   double burst_rate = 0;     // 1/((1 − s) m), per tick
   double airtime_ticks = 0;  // two messages of one tick collide if they are closer than this
@@ -83,6 +84,14 @@ struct Channel {
     const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
     return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
            outage_count == 0 && message_fault_count == 0;
+  }
+  // True if no message arrives twice or after one that was sent later.
+  constexpr bool keeps_order() const {
+    if (duplicate_words > 0 || reorders) return false;
+    for (std::size_t i = 0; i < message_fault_count; ++i) {
+      if (message_faults[i].effect == MessageEffect::copied) return false;
+    }
+    return true;
   }
   constexpr bool loses(const Words& words) const { return words[0] < loss_words; }
 
@@ -178,6 +187,13 @@ class Link {
   // arrives before it, because the queue is in order of arrival.
   std::uint32_t next_arrival(std::uint32_t now) const {
     return first_due_ > now ? first_due_ : never;
+  }
+
+  // The i-th of the messages that have arrived, from 0, or null.
+  const Payload* arrived(std::uint32_t now, std::uint32_t i) const {
+    if (i >= tail_ - head_) return nullptr;
+    const Waiting& waiting = line_[(head_ + i) % capacity];
+    return waiting.due <= now ? &waiting.payload : nullptr;
   }
 
   // Discards everything that has arrived while the receiver was off.
