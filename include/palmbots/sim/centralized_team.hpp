@@ -47,17 +47,9 @@ class CentralizedTeam {
     bool all_accepted = true;
     for (const std::size_t side : {left, right}) {
       if (faults_.any()) runs[side] = this->runs(tick, side);
-      if (runs[side]) {
-        all_accepted &=
-            receive(down_[side], tick, judges_, robot_ends_[side], link_totals.links[2 + side],
-                    [&](const Command& command) { now_.commands[side] = command; });
-      }
+      if (runs[side]) all_accepted &= receive_commands(tick, side);
       if (lost) up_[side].drop(tick);
-      all_accepted &= receive(up_[side], tick, judges_, station_ends_[side],
-                              link_totals.links[side], [&](const Centralized::Report& report) {
-                                now_.reports[side] = report;
-                                now_.heard[side] = true;
-                              });
+      all_accepted &= receive_reports(tick, side);
     }
     // Time slots separate the station's packets from the robots', but not the robots' packets from
     // each other.
@@ -155,6 +147,20 @@ class CentralizedTeam {
     }
   };
 
+  // Take in what has arrived at a robot, and from it at the station. Return true if none of it was
+  // rejected.
+  bool receive_commands(std::uint32_t tick, std::size_t side) {
+    return receive(down_[side], tick, judges_, robot_ends_[side], link_totals.links[2 + side],
+                   [&](const Command& command) { now_.commands[side] = command; });
+  }
+  bool receive_reports(std::uint32_t tick, std::size_t side) {
+    return receive(up_[side], tick, judges_, station_ends_[side], link_totals.links[side],
+                   [&](const Centralized::Report& report) {
+                     now_.reports[side] = report;
+                     now_.heard[side] = true;
+                   });
+  }
+
   // Sends a packet of the station to a robot.
   void command(std::uint32_t tick, std::size_t side, const Stamped<Command>& packet) {
     radio_.post(down_[side], tick, packet, 2, side, false, link_totals);
@@ -178,8 +184,6 @@ class CentralizedTeam {
   Moment now_;
   PerSide<Link<Stamped<Centralized::Report>>> up_;
   PerSide<Link<Stamped<Command>>> down_;
-  PerSide<SessionEnd> robot_ends_;
-  PerSide<SessionEnd> station_ends_;
   PerSide<Palm> obeyed_{Palm::steep, Palm::steep};
   Radio radio_;
   Faults faults_;
@@ -189,6 +193,8 @@ class CentralizedTeam {
   std::uint32_t changed_ = 0;  // the last tick that differed from the one before
   std::uint32_t due_ = 0;      // the tick after the last step
   bool judges_;
+  PerSide<SessionEnd> robot_ends_;
+  PerSide<SessionEnd> station_ends_;
 };
 
 static_assert(Team<CentralizedTeam>);

@@ -191,12 +191,12 @@ class DistributedTeam {
   bool settled_ = false;         // both are quiescent with their present input
   PerSide<Link<Packet>> link_;   // to each robot
   PerSide<MessageInbox> inbox_;  // of each robot
-  PerSide<SessionEnd> ends_;
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Radio radio_;
   Faults faults_;
   ProgramMonitor monitor_;
   bool judges_;
+  PerSide<SessionEnd> ends_;
 };
 
 static_assert(Team<DistributedTeam<Distributed>>);

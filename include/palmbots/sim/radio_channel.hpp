@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/scalar.hpp"
@@ -131,10 +132,33 @@ struct Channel {
 // The longest delay that a link can hold, with one message per tick [ticks].
 inline constexpr std::uint32_t max_delay_ticks = 240;
 
-// One direction of a radio connection: a queue of messages under way, in order of arrival.
+// The state of a link, apart from the messages under way.
+struct LinkState {
+  static constexpr std::uint32_t never = ~0U;
+
+  std::uint32_t head_ = 0;
+  std::uint32_t tail_ = 0;
+  std::uint32_t first_due_ = never;  // when the oldest arrives
+  std::uint32_t last_due_ = 0;
+  std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
+  bool observed_ = false;
+  bool burst_ = false;
+};
+
+// One direction of a radio connection: a queue of messages under way, in order of arrival. Only
+// these are copied with a link, because the queue is much larger than most need.
 template <class Payload>
-class Link {
+class Link : LinkState {
  public:
+  Link() = default;
+  Link(const Link& that) : LinkState(that) { copy_messages(that); }
+  Link& operator=(const Link& that) {
+    if (this == &that) return *this;
+    LinkState::operator=(that);
+    copy_messages(that);
+    return *this;
+  }
+
   // Returns the tick of arrival, or 0 if the message is lost. A full queue loses the message.
   std::uint32_t send(std::uint32_t now, Payload payload, const Channel& channel,
                      const Words& words) {
@@ -175,12 +199,12 @@ class Link {
   // The oldest message that has arrived, or null.
   const Payload* oldest(std::uint32_t now) const {
     if (first_due_ > now || head_ == tail_) return nullptr;
-    return &line_[head_ % capacity].payload;
+    return &at(head_).payload;
   }
 
   void pop() {
     ++head_;
-    first_due_ = head_ == tail_ ? never : line_[head_ % capacity].due;
+    first_due_ = head_ == tail_ ? never : at(head_).due;
   }
 
   // The tick at which the oldest message still under way arrives, or `never`. No other message
@@ -192,7 +216,7 @@ class Link {
   // The i-th of the messages that have arrived, from 0, or null.
   const Payload* arrived(std::uint32_t now, std::uint32_t i) const {
     if (i >= tail_ - head_) return nullptr;
-    const Waiting& waiting = line_[(head_ + i) % capacity];
+    const Waiting& waiting = at(head_ + i);
     return waiting.due <= now ? &waiting.payload : nullptr;
   }
 
@@ -214,7 +238,6 @@ class Link {
   }
 
  private:
-  static constexpr std::uint32_t never = ~0U;
   static constexpr std::uint32_t capacity = 256;
   static_assert(capacity > max_delay_ticks);
 
@@ -222,6 +245,19 @@ class Link {
     std::uint32_t due;
     Payload payload;
   };
+  // A place in the queue, not initialized until a message is put there.
+  union Place {
+    Waiting waiting;
+    Place() {}
+  };
+  static_assert(std::is_trivially_copyable_v<Waiting>);
+
+  void copy_messages(const Link& that) {
+    for (std::uint32_t place = head_; place != tail_; ++place) at(place) = that.at(place);
+  }
+
+  const Waiting& at(std::uint32_t place) const { return line_[place % capacity].waiting; }
+  Waiting& at(std::uint32_t place) { return line_[place % capacity].waiting; }
 
   bool in_burst(std::uint32_t now, const Channel& channel, std::uint32_t word) {
     const double share = channel.burst_share;
@@ -237,27 +273,18 @@ class Link {
   std::uint32_t put(std::uint32_t due, const Payload& payload, bool reorders) {
     std::uint32_t place = tail_++;
     if (reorders) {
-      for (; place != head_ && line_[(place - 1) % capacity].due > due; --place) {
-        line_[place % capacity] = line_[(place - 1) % capacity];
+      for (; place != head_ && at(place - 1).due > due; --place) {
+        at(place) = at(place - 1);
       }
     } else {
       last_due_ = due = due > last_due_ ? due : last_due_;
     }
-    Waiting& last = line_[place % capacity];
-    last.due = due;
-    last.payload = payload;
+    at(place) = {due, payload};
     if (place == head_) first_due_ = due;
     return due;
   }
 
-  std::array<Waiting, capacity> line_;  // not cleared: head_ and tail_ delimit the valid part
-  std::uint32_t head_ = 0;
-  std::uint32_t tail_ = 0;
-  std::uint32_t first_due_ = never;  // when the oldest arrives
-  std::uint32_t last_due_ = 0;
-  std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
-  bool observed_ = false;
-  bool burst_ = false;
+  std::array<Place, capacity> line_;  // head_ and tail_ delimit the valid part
 };
 
 }  // namespace palmbots

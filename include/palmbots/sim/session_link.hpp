@@ -82,13 +82,16 @@ inline bool needs_sessions(const Channel& channel, const Faults& faults) {
 }
 
 // Takes in the packets that have arrived, in order of arrival, and calls act(content) for those to
-// be acted upon. Without `judges` these are all. Returns true if none was rejected.
+// be acted upon: all of them, or those that the receiving end accepts. Returns true if none was
+// rejected.
 template <class Content, class Act>
 bool receive(Link<Stamped<Content>>& link, std::uint32_t tick, bool judges, SessionEnd& end,
              LinkCounts& counts, Act&& act) {
   bool all_accepted = true;
   while (const Stamped<Content>* packet = link.oldest(tick)) {
-    if (judges && !end.accepts(*packet)) {
+    if (!judges) {
+      act(packet->content);
+    } else if (!end.accepts(*packet)) {
       ++counts.rejected;
       all_accepted = false;
     } else if (!packet->is_hello) {
