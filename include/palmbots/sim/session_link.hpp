@@ -87,17 +87,18 @@ inline bool needs_sessions(const Channel& channel, const Faults& faults) {
 template <class Content, class Act>
 bool receive(Link<Stamped<Content>>& link, std::uint32_t tick, bool judges, SessionEnd& end,
              LinkCounts& counts, Act&& act) {
+  if (!judges) {
+    for (; const Stamped<Content>* packet = link.oldest(tick); link.pop()) act(packet->content);
+    return true;
+  }
   bool all_accepted = true;
-  while (const Stamped<Content>* packet = link.oldest(tick)) {
-    if (!judges) {
-      act(packet->content);
-    } else if (!end.accepts(*packet)) {
+  for (; const Stamped<Content>* packet = link.oldest(tick); link.pop()) {
+    if (!end.accepts(*packet)) {
       ++counts.rejected;
       all_accepted = false;
     } else if (!packet->is_hello) {
       act(packet->content);
     }
-    link.pop();
   }
   return all_accepted;
 }
