@@ -62,7 +62,7 @@ class CentralizedTeam {
       now_.station_output = output;
     } else {
       for (const std::size_t side : {left, right}) {
-        if (station_ends_[side].must_answer() && !lost)
+        if (station_ends_[side].must_answer())
           command(tick, side, station_ends_[side].stamp(Command{}, true));
       }
     }
