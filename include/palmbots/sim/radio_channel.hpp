@@ -225,18 +225,6 @@ class Link : LinkState {
     while (oldest(now) != nullptr) pop();
   }
 
-  // For periodic state packets: removes all that have arrived and copies the newest to `state`.
-  // Returns true if there was one.
-  bool newest(std::uint32_t now, Payload& state) {
-    bool any = false;
-    while (const Payload* packet = oldest(now)) {
-      state = *packet;
-      any = true;
-      pop();
-    }
-    return any;
-  }
-
  private:
   static constexpr std::uint32_t capacity = 256;
   static_assert(capacity > max_delay_ticks);
