@@ -55,8 +55,8 @@ def test_scripted_delay_delays_the_message() -> None:
 
 
 def test_scripted_duplicate_repeats_the_message() -> None:
-    """On the bare channel a second TiltUp raises the assistant's palm again, although no robot needs
-    it. With sessions the copy is rejected."""
+    """On the bare channel a second TiltUp raises the assistant's palm again, although no robot
+    needs it. With sessions the copy is rejected."""
     mishap = {"sender": "right", "message": 1, "effect": "duplicated", "delay_s": 1.5}
     keys = {"radio.reorder": True}  # what follows does not wait for the copy
     ignored = carried(mishap, **keys)

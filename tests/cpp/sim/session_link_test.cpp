@@ -5,40 +5,15 @@
 #include "palmbots/sim/session_link.hpp"
 
 #include <cstdint>
-#include <deque>
 #include <utility>
 #include <vector>
 
 #include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/distributed_team.hpp"
-#include "palmbots/wire/endpoint.hpp"
 #include "support/check.hpp"
-#include "support/wire_packets.hpp"
-
-namespace palmbots {
-
-// What the channel of the endpoints carries.
-struct Envelope {
-  wire::Bytes bytes;
-};
-
-// For the channel, which damages packets: what a link to the station carries.
-struct EnvelopeToStation : Envelope {};
-template <>
-inline constexpr bool goes_to_station<EnvelopeToStation> = true;
-
-static wire::Packet packet_of(const Envelope& envelope, const wire::PacketHeader& header) {
-  return wire::decode(envelope.bytes, wire::test_key, wire::test_pair, header.receiver).packet;
-}
-
-}  // namespace palmbots
+#include "support/endpoint_teams.hpp"
 
 using namespace palmbots;
-namespace wire = palmbots::wire;
-using wire::Endpoint;
-using wire::PacketKind;
-using wire::Role;
-using wire::Verdict;
 
 namespace {
 
@@ -98,46 +73,6 @@ std::vector<Condition> conditions() {
           damaged, scripted, rebooting, all,     rebooting_slowly};
 }
 
-// An endpoint that notes whether it has to answer.
-struct End {
-  Role self;
-  std::uint32_t epoch = 1;
-  Endpoint endpoint{identity(), 1};
-  PerSide<bool> owes{};  // to a robot, by its side; a robot owes its one partner owes[0]
-
-  explicit End(Role role) : self(role) {}
-  wire::Identity identity() const { return {wire::test_key, wire::test_pair, self}; }
-
-  void boot() {
-    endpoint = Endpoint(identity(), ++epoch);
-    owes = {};
-  }
-
-  Envelope write(Role to, PacketKind kind, const wire::Payload& payload) {
-    Envelope envelope{};
-    CHECK(endpoint.send(to, kind, payload, envelope.bytes));
-    return envelope;
-  }
-
-  // Returns the packet if it is to be acted upon, and counts it otherwise. An empty packet is of the
-  // kind hello.
-  wire::Packet read(const Envelope& envelope, LinkCounts& counts, bool& must_answer) {
-    const wire::Decoded decoded = endpoint.receive(envelope.bytes);
-    const bool accepted = decoded.verdict == Verdict::accepted;
-    if (decoded.verdict == Verdict::no_session) must_answer = true;
-    counts.rejected += accepted ? 0 : 1;
-    return accepted ? decoded.packet : wire::Packet{};
-  }
-};
-
-// One hello each way, beside the radio.
-void shake_hands(End& one, End& other) {
-  const Envelope there = one.write(other.self, PacketKind::hello, wire::up);
-  CHECK(other.endpoint.receive(there.bytes).verdict == Verdict::no_session);
-  const Envelope back = other.write(one.self, PacketKind::hello, wire::up);
-  CHECK(one.endpoint.receive(back.bytes).verdict == Verdict::accepted);
-}
-
 // A robot that says and commands something new in many ticks, depending on all that it has heard.
 struct Talker {
   std::uint32_t heard = 1;
@@ -148,174 +83,6 @@ struct Talker {
     return {{Palm::shallow, static_cast<Move>(luck / 8 % 3)}, send, luck / 32 % 4 != 0};
   }
   Distributed::StateOutput now() const { return Distributed::outputs[0]; }
-};
-
-// Two robots of these controllers, on endpoints.
-template <class Controller>
-class Pair {
- public:
-  LinkTotals totals{};
-  PerSide<MessageKind> found{};  // by the robots in the last tick
-
-  Pair(const Condition& condition, std::uint64_t seed)
-      : radio_(condition.channel, seed, right), faults_(condition.faults(seed)) {
-    shake_hands(ends_[left], ends_[right]);
-  }
-
-  PerSide<Command> step(std::uint32_t tick, const PerSide<RobotObservation>& sensed,
-                        std::vector<SentMessage>& log) {
-    PerSide<MessageKind> says{};
-    PerSide<bool> sends{};
-    found = {};
-    for (const std::size_t side : {left, right}) {
-      const ProgramState state = monitor_.program_state(faults_, tick, side);
-      if (state == ProgramState::frozen) continue;
-      if (state == ProgramState::off) {
-        air_[side].drop(tick);
-        inbox_[side].clear();
-        commands_[side] = switched_off(commands_[side]);
-        continue;
-      }
-      End& end = ends_[side];
-      if (state == ProgramState::booting) {
-        end.boot();
-        controllers_[side] = Controller{};
-      }
-      while (const Envelope* envelope = air_[side].oldest(tick)) {
-        const wire::Packet packet = end.read(*envelope, totals.links[other(side)], end.owes[0]);
-        if (packet.kind == PacketKind::state)
-          inbox_[side].push_back(wire::state_of(packet.payload).word);
-        air_[side].pop();
-      }
-      const MessageKind first = inbox_[side].empty() ? MessageKind::none : inbox_[side].front();
-      found[side] = first;
-      const auto out =
-          controllers_[side].step({sensed[side].sign, first, sensed[side].palm_at_target});
-      if (out.read && first != MessageKind::none) inbox_[side].pop_front();
-      commands_[side] = out.command;
-      says[side] = out.send;
-      sends[side] = out.send != MessageKind::none || end.owes[0];
-    }
-    const bool collides = sends[left] && sends[right] && radio_.collide(tick);
-    for (const std::size_t side : {left, right}) {
-      if (!sends[side]) continue;
-      End& end = ends_[side];
-      const bool is_hello = says[side] == MessageKind::none;
-      const auto to = static_cast<Role>(other(side));
-      end.endpoint.skip_to(to, tick + 2);  // between robots the numbers are control ticks
-      const wire::Payload payload = wire::packet_of(says[side], {}).payload;
-      const Envelope envelope = is_hello ? end.write(to, PacketKind::hello, wire::up)
-                                         : end.write(to, PacketKind::state, payload);
-      end.owes[0] = false;
-      const std::uint32_t received =
-          radio_.post(air_[other(side)], tick, envelope, side, side, collides, totals);
-      log.push_back({tick, received, static_cast<std::uint8_t>(side),
-                     static_cast<std::uint8_t>(other(side)), says[side], is_hello});
-    }
-    return commands_;
-  }
-
-  std::uint32_t count(Verdict verdict) const {
-    return ends_[left].endpoint.count(verdict) + ends_[right].endpoint.count(verdict);
-  }
-
- private:
-  PerSide<End> ends_{End(Role::left), End(Role::right)};
-  PerSide<Controller> controllers_{};
-  PerSide<std::deque<MessageKind>> inbox_;
-  PerSide<Link<Envelope>> air_;  // to each robot
-  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Radio radio_;
-  Faults faults_;
-  ProgramMonitor monitor_;
-};
-
-// A station and two robots, on endpoints.
-class Triple {
- public:
-  LinkTotals totals{};
-
-  Triple(const Condition& condition, std::uint64_t seed)
-      : radio_(condition.channel, seed, right), faults_(condition.faults(seed)) {
-    for (End& robot : robots_) shake_hands(robot, station_);
-  }
-
-  PerSide<Command> step(std::uint32_t tick, const PerSide<RobotObservation>& sensed) {
-    const bool lost = faults_.station_lost(tick);
-    PerSide<bool> runs{};
-    for (const std::size_t side : {left, right}) {
-      const ProgramState state = monitor_.program_state(faults_, tick, side);
-      runs[side] = state == ProgramState::running || state == ProgramState::booting;
-      if (state == ProgramState::off) {
-        down_[side].drop(tick);
-        commands_[side] = switched_off(commands_[side]);
-      }
-      if (state == ProgramState::booting) {
-        robots_[side].boot();
-        commands_[side] = {Palm::steep, Move::hold};
-      }
-      while (const Envelope* envelope = runs[side] ? down_[side].oldest(tick) : nullptr) {
-        bool must_answer = false;  // the report of this tick answers
-        const wire::Packet packet =
-            robots_[side].read(*envelope, totals.links[2 + side], must_answer);
-        if (packet.kind == PacketKind::command) commands_[side] = wire::command_of(packet.payload);
-        down_[side].pop();
-      }
-      while (const Envelope* envelope = up_[side].oldest(tick)) {
-        if (!lost) {
-          const wire::Packet packet =
-              station_.read(*envelope, totals.links[side], station_.owes[side]);
-          if (packet.kind == PacketKind::report) {
-            reports_[side] = wire::report_of(packet.payload);
-            heard_[side] = true;
-          }
-        }
-        up_[side].pop();
-      }
-    }
-    const bool collides = runs[left] && runs[right] && radio_.collide(tick);
-    Centralized::Output output{};
-    const bool commands = heard_[left] && heard_[right] && !lost;
-    if (commands) output = controller_.step(reports_);
-    for (const std::size_t side : {left, right}) {
-      const auto robot = static_cast<Role>(side);
-      if (commands) {
-        const wire::Payload payload = wire::packet_of(output.command[side], {}).payload;
-        radio_.post(down_[side], tick, station_.write(robot, PacketKind::command, payload), 2, side,
-                    false, totals);
-        station_.owes[side] = false;
-      } else if (station_.owes[side] && !lost) {
-        radio_.post(down_[side], tick, station_.write(robot, PacketKind::hello, wire::up), 2, side,
-                    false, totals);
-        station_.owes[side] = false;
-        ++hellos;
-      }
-      if (!runs[side]) continue;
-      const Centralized::Report report{sensed[side].sign, obeyed_[side],
-                                       sensed[side].palm_at_target};
-      const EnvelopeToStation envelope{robots_[side].write(Role::station, PacketKind::report,
-                                                           wire::packet_of(report, {}).payload)};
-      radio_.post(up_[side], tick, envelope, side, side, collides, totals);
-      obeyed_[side] = commands_[side].palm;
-    }
-    return commands_;
-  }
-
-  std::uint32_t hellos = 0;
-
- private:
-  PerSide<End> robots_{End(Role::left), End(Role::right)};
-  End station_{Role::station};
-  Centralized controller_;
-  Centralized::Report reports_[2]{};
-  PerSide<bool> heard_{};
-  PerSide<Palm> obeyed_{Palm::steep, Palm::steep};
-  PerSide<Link<EnvelopeToStation>> up_;
-  PerSide<Link<Envelope>> down_;
-  PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
-  Radio radio_;
-  Faults faults_;
-  ProgramMonitor monitor_;
 };
 
 // What the robots sense: signs that last for a while, palms that arrive or do not.
@@ -377,7 +144,7 @@ std::uint32_t test_distributed(const Condition& condition, std::uint64_t seed) {
                                           condition.faults(seed));
   DistributedTeam<Controller> team = start;
   Lazy<DistributedTeam<Controller>> lazy{start};
-  Pair<Controller> pair(condition, seed);
+  EndpointPair<Controller> pair(condition.channel, seed, condition.faults(seed));
   std::vector<SentMessage> log;
   std::vector<SentMessage> lazy_log;
   std::vector<SentMessage> expected;
@@ -406,7 +173,7 @@ std::uint32_t test_centralized(const Condition& condition, std::uint64_t seed) {
   const CentralizedTeam start(condition.channel, seed, right, condition.faults(seed));
   CentralizedTeam team = start;
   Lazy<CentralizedTeam> lazy{start};
-  Triple triple(condition, seed);
+  EndpointStation triple(condition.channel, seed, condition.faults(seed));
   const auto ignore = [](const SentMessage&) {};
   for (std::uint32_t tick = 0; tick < length; ++tick) {
     const PerSide<RobotObservation> seen = observation(seed, tick);
