@@ -8,8 +8,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
@@ -19,6 +20,9 @@ from palmbots.node.lockstep_robot import REBOOTED
 from palmbots.node.pair_file import init_pair
 from palmbots.scene.scene import Scene
 
+_Running: TypeAlias = dict[str, "subprocess.Popen[bytes]"]
+_Commands: TypeAlias = Mapping[str, Sequence[str]]
+_BAD_INPUT = 2
 _POLL_S = 0.02
 _END_WITHIN_S = 5.0
 
@@ -62,7 +66,13 @@ def run_lockstep(scene: Scene, controller: str, world_options: Sequence[str]) ->
 
 
 def run_live(
-    scene: Scene, controller: str, world_options: Sequence[str], *, rate: float, quiet: bool
+    scene: Scene,
+    controller: str,
+    world_options: Sequence[str],
+    *,
+    rate: float,
+    quiet: bool,
+    on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
 
@@ -72,6 +82,7 @@ def run_live(
         world_options: further options of ``palmbots world``.
         rate: how many times faster than real time.
         quiet: only the world prints its result.
+        on_line: called with a line about each program that was killed and starts again.
 
     Returns:
         The exit status of the world: 0 if the object was delivered.
@@ -95,19 +106,16 @@ def run_live(
         robots = {side: ["robot", str(file), "--side", side, *speed] for side in SIDES}
         for side, command in robots.items():
             running[side] = _started(command)
-        running["station"] = _started(["station", str(file), "--auto"], quiet=quiet)
-        _wait_for("station", running, robots)
+        commands = robots | {"station": ["station", str(file), "--auto"]}
+        running["station"] = _started(commands["station"], quiet=quiet)
+        _supervise(running, commands, on_line)
         for side in SIDES:
             running[side].send_signal(signal.SIGTERM)
         return running["world"].wait()
 
 
-def _wait_for(
-    name: str,
-    running: "dict[str, subprocess.Popen[bytes]]",
-    robots: Mapping[str, Sequence[str]],
-) -> None:
-    """Wait until the process of this name ends; start rebooted robots again.
+def _wait_for(name: str, running: _Running, robots: _Commands) -> None:
+    """Wait until the process of this name, or the world, ends; start rebooted robots again.
 
     Raises:
         PalmbotsError: a robot's program ended on its own.
@@ -120,6 +128,29 @@ def _wait_for(
             elif ended not in (None, 0):
                 raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
         time.sleep(_POLL_S)
+
+
+def _supervise(running: _Running, commands: _Commands, on_line: Callable[[str], None]) -> None:
+    """Wait until the station, or the world, ends; start again what was killed.
+
+    Raises:
+        PalmbotsError: a program ended with a fault, or the world was killed.
+    """
+    while running["world"].poll() is None:
+        for name, command in commands.items():
+            ended = running[name].poll()
+            if ended is not None and ended < 0:
+                on_line(f"{name}: was killed (signal {-ended}), and starts again")
+                running[name] = _started(command)
+            elif name == "station" and ended is not None:
+                if ended == _BAD_INPUT:
+                    raise PalmbotsError("station: its program ended with a fault")
+                return
+            elif ended not in (None, 0):
+                raise PalmbotsError(f"{name} robot: its program ended with status {ended}")
+        time.sleep(_POLL_S)
+    if running["world"].returncode < 0:
+        raise PalmbotsError("world: was killed; the carry is void")
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import controller_of, load
+from palmbots.cli._run import controller_of, load, warn
 from palmbots.cli.options import (
     ControllerOption,
     JsonOption,
@@ -62,7 +62,7 @@ def up(
     if lockstep:
         options += ["--precision", precision, "--called", scene]
         return run_lockstep(chosen, controller, options)
-    return run_live(chosen, controller, options, rate=check_rate(rate), quiet=as_json)
+    return run_live(chosen, controller, options, rate=check_rate(rate), quiet=as_json, on_line=warn)
 
 
 COMMAND = up
