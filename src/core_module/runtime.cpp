@@ -40,23 +40,42 @@ struct Start {
   wire::Identity identity;
   std::uint32_t epoch;
   std::size_t side;
-  bool is_first;  // this program runs from the start of the carry
-  bool assists;   // stored: the palm was up for the partner
+  bool assists;  // stored: the palm was up for the partner
+  runtime::RuntimeSettings settings;
+  runtime::StoredMode stored;
+  bool carries;  // the carry is under way
 };
+
+template <class Program>
+AnyRuntime runtime_with(const Start& s, Program fresh, Program rebooted) {
+  return RobotRuntime<Program>(s.identity, s.epoch, std::move(fresh), std::move(rebooted),
+                               s.settings, s.stored, s.carries);
+}
 
 template <class Table>
 AnyRuntime table_runtime(const Spec& spec, const Start& start, wire::Language language) {
   using Robot = TableRobot<Table>;
   const auto times = table_times_of<Table>(spec);
-  const typename Robot::Role role{leader_of(spec) == start.side, spec.brake != 0,
-                                  start.is_first && spec.start_by_touch != 0};
-  return RobotRuntime(start.identity, start.epoch,
-                      BeaconProgram(Robot(times, role), language, times.lease, start.epoch));
+  const auto program = [&](bool by_touch) {
+    const typename Robot::Role role{leader_of(spec) == start.side, spec.brake != 0, by_touch};
+    return BeaconProgram(Robot(times, role), language, times.lease, start.epoch);
+  };
+  return runtime_with(start, program(spec.start_by_touch != 0), program(false));
 }
 
 template <class Controller>
-AnyRuntime message_runtime(const Start& start, Controller controller) {
-  return RobotRuntime(start.identity, start.epoch, MessageProgram(std::move(controller)));
+AnyRuntime message_runtime(const Start& start, const Controller& controller) {
+  return runtime_with(start, MessageProgram(controller), MessageProgram(controller));
+}
+
+AnyRuntime resilient_runtime(const Spec& spec, const Start& start) {
+  const Resilient::Times times = resilient_timing_of(spec).times;
+  const bool yields = leader_of(spec) != start.side;
+  const auto program = [&](bool assists) {
+    return BeaconProgram(Resilient(times, yields, assists), wire::Language::beacons, times.lease,
+                         start.epoch);
+  };
+  return runtime_with(start, program(false), program(start.assists));
 }
 
 AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Start& start) {
@@ -68,13 +87,7 @@ AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Star
     return message_runtime(start, python_controllers(controller, spec)[start.side]);
   }
   const auto name = nb::cast<std::string>(controller);
-  if (name == "resilient") {
-    const Resilient::Times times = resilient_timing_of(spec).times;
-    const bool yields = leader_of(spec) != start.side;
-    const Resilient robot(times, yields, start.assists);
-    return RobotRuntime(start.identity, start.epoch,
-                        BeaconProgram(robot, wire::Language::beacons, times.lease, start.epoch));
-  }
+  if (name == "resilient") return resilient_runtime(spec, start);
   if (name == "silent") return table_runtime<Silent>(spec, start, wire::Language::none);
   if (name == "shared-sign") return table_runtime<SharedSign>(spec, start, wire::Language::signs);
   if (name == "distributed") return message_runtime(start, Distributed());
@@ -99,7 +112,7 @@ class RobotHandle {
   RobotHandle(const Spec& spec, nb::object controller, const Start& start)
       : controller_(std::move(controller)), runtime_(runtime_of(spec, controller_, start)) {}
 
-  Answer step(std::uint16_t elapsed, int sign, bool palm_at_target,
+  Answer step(std::uint16_t elapsed, const runtime::Reading& reading,
               const std::vector<nb::bytes>& packets) {
     return std::visit(
         [&](auto& robot) -> Answer {
@@ -108,7 +121,8 @@ class RobotHandle {
           for (const nb::bytes& bytes : packets) {
             robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
           }
-          const runtime::Outputs out = robot.step({static_cast<Sign>(sign), palm_at_target});
+          const runtime::Outputs out = robot.step(reading);
+          mode_ = out.mode;
           std::vector<PacketTuple> sent;
           for (std::size_t i = 0; i < out.packet_count; ++i) {
             const runtime::Outgoing& p = out.packets[i];
@@ -131,6 +145,8 @@ class RobotHandle {
         },
         runtime_);
   }
+
+  const runtime::ModeOutputs& mode() const { return mode_; }
 
   std::optional<nb::bytes> greet() {
     wire::Bytes bytes{};
@@ -156,6 +172,7 @@ class RobotHandle {
   }
 
  private:
+  runtime::ModeOutputs mode_{};
   nb::object controller_;  // outlives the runtime, which may point into it
   AnyRuntime runtime_;
 };
@@ -196,28 +213,109 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
   return outputs;
 }
 
+namespace {
+
+void bind_settings(nb::module_& m) {
+  using runtime::Reading;
+  using runtime::RuntimeSettings;
+  nb::class_<RuntimeSettings>(m, "RuntimeSettings", "Times in control ticks.")
+      .def(
+          "__init__",
+          [](RuntimeSettings* self, std::uint32_t lease, std::uint32_t station_limit,
+             std::uint32_t time_limit, std::uint32_t travel, std::uint32_t watchdog,
+             std::uint16_t most_overruns, bool has_radio, bool rejoins, bool stops_without_station,
+             bool stops_without_partner, std::uint16_t state_period, std::uint16_t status_period,
+             std::uint32_t number) {
+            using namespace runtime;
+            new (self) RuntimeSettings{
+                {rejoins ? AfterReboot::rejoin : AfterReboot::disarm,
+                 stops_without_station ? StationLost::stop : StationLost::carry_on,
+                 stops_without_partner ? PartnerLost::stop : PartnerLost::controller, has_radio,
+                 lease, station_limit, time_limit, travel, watchdog, most_overruns},
+                state_period,
+                status_period,
+                number};
+          },
+          nb::arg("lease"), nb::arg("station_limit"), nb::arg("time_limit"), nb::arg("travel"),
+          nb::arg("watchdog"), nb::arg("most_overruns"), nb::arg("has_radio"), nb::arg("rejoins"),
+          nb::arg("stops_without_station"), nb::arg("stops_without_partner"),
+          nb::arg("state_period"), nb::arg("status_period"), nb::arg("number"))
+      .def_static(
+          "lockstep",
+          [] {
+            using namespace runtime;
+            RuntimeSettings settings{};
+            settings.mode.station_lost = StationLost::carry_on;
+            settings.mode.partner_lost = PartnerLost::controller;
+            settings.mode.lease = settings.mode.station_limit = settings.mode.time_limit = never;
+            settings.mode.most_overruns = 0xFFFF;
+            return settings;
+          },
+          "The controller alone decides, and nothing is sent but what it says.");
+  nb::class_<Reading>(m, "Reading", "What a robot reads in a tick.")
+      .def(
+          "__init__",
+          [](Reading* self, int sign, bool palm_at_target, bool contact, bool battery_ok,
+             bool driver_ok, bool storage_ok, bool covered, bool stop, std::uint16_t overruns,
+             std::uint16_t battery_mv, std::uint16_t progress, std::uint32_t stopping) {
+            if (sign < -1 || sign > 1) throw std::out_of_range("sign is -1, 0 or 1");
+            new (self) Reading{{static_cast<Sign>(sign), palm_at_target},
+                               contact,
+                               battery_ok,
+                               driver_ok,
+                               storage_ok,
+                               covered,
+                               stop,
+                               overruns,
+                               battery_mv,
+                               progress,
+                               stopping};
+          },
+          nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("contact") = true,
+          nb::arg("battery_ok") = true, nb::arg("driver_ok") = true, nb::arg("storage_ok") = true,
+          nb::arg("covered") = false, nb::arg("stop") = false, nb::arg("overruns") = 0,
+          nb::arg("battery_mv") = 0xFFFF, nb::arg("progress") = 0, nb::arg("stopping") = 0);
+}
+
+}  // namespace
+
 void bind_runtime(nb::module_& core) {
   nb::module_ m = core.def_submodule("runtime", "What a robot decides, packets in and out.");
+  bind_settings(m);
   nb::class_<RobotHandle>(m, "Robot", "The program of one robot.")
       .def(
           "__init__",
           [](RobotHandle* self, const Spec& spec, nb::object controller, std::uint8_t side,
-             const nb::bytes& key, std::uint16_t pair, std::uint32_t epoch, bool is_first,
-             bool assists) {
+             const nb::bytes& key, std::uint16_t pair, std::uint32_t epoch, bool assists,
+             const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
+             bool stored_stop) {
             wire::Identity identity{{}, pair, static_cast<wire::Role>(side)};
             if (key.size() != identity.key.size()) throw std::out_of_range("a key has 16 bytes");
             std::copy_n(static_cast<const std::uint8_t*>(key.data()), key.size(),
                         identity.key.begin());
-            new (self) RobotHandle(spec, std::move(controller),
-                                   {identity, epoch, side, is_first, assists});
+            new (self) RobotHandle(
+                spec, std::move(controller),
+                {identity, epoch, side, assists, settings, {stored_carries, stored_stop}, carries});
           },
           nb::arg("spec"), nb::arg("controller"), nb::arg("side"), nb::arg("key"), nb::arg("pair"),
-          nb::arg("epoch"), nb::arg("is_first"), nb::arg("assists"),
-          "controller: a name, Machines, or a pair of Python step functions.")
-      .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("sign"),
-           nb::arg("palm_at_target"), nb::arg("packets"),
+          nb::arg("epoch"), nb::arg("assists"), nb::arg("settings"), nb::arg("carries") = false,
+          nb::arg("stored_carries") = false, nb::arg("stored_stop") = false,
+          "controller: a name, Machines, or a pair of Python step functions. carries: the carry is "
+          "under way, as in lockstep.")
+      .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
            "One tick; returns palm, move, stop, packets (receiver, bytes, word), case, waits, "
            "awaits, packets rejected and late in this tick, and whether the palm assists.")
+      .def_prop_ro("mode", [](const RobotHandle& r) { return name_of(r.mode().mode); })
+      .def_prop_ro("fault", [](const RobotHandle& r) { return name_of(r.mode().code); })
+      .def_prop_ro(
+          "wheels", [](const RobotHandle& r) { return r.mode().wheels; },
+          "The wheels may turn; otherwise the driver is to stop them at once.")
+      .def_prop_ro(
+          "to_store",
+          [](const RobotHandle& r) {
+            return std::tuple(r.mode().store.carries, r.mode().store.stop);
+          },
+          "To be stored when it changes: a carry is under way, a stop is in force.")
       .def("greet", &RobotHandle::greet,
            "A hello to the partner, before the carry; None if the controller has no use for it.")
       .def("hear", &RobotHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.")

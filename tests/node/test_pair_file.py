@@ -13,7 +13,9 @@ from palmbots.node.stored_state import read_state
 
 def test_a_new_pair_has_a_protected_random_key_and_counters_at_zero(tmp_path: Path) -> None:
     files = init_pair(tmp_path / "pair.toml", scene="rough", controller="silent")
-    assert [file.name for file in files] == ["pair.toml", "pair.key", "left.json", "right.json"]
+    assert [file.name for file in files] == [
+        "pair.toml", "pair.key", "left.json", "right.json", "station.json"
+    ]  # fmt: skip
     pair = load_pair(files[0])
     assert (pair.scene(), pair.settings.pair.controller) == ("rough", "silent")
     assert stat.S_IMODE(files[1].stat().st_mode) == 0o600

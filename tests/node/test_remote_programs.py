@@ -40,7 +40,8 @@ class Programs:
         self.epoch[side] += 1
         return _core.runtime.Robot(
             self.spec, self.entry.for_core(self.spec), side, KEY, PAIR,
-            epoch=self.epoch[side], is_first=self.epoch[side] == 1, assists=self.assists[side],
+            epoch=self.epoch[side], assists=self.assists[side],
+            settings=_core.runtime.RuntimeSettings.lockstep(), carries=True,
         )  # fmt: skip
 
     def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
@@ -53,7 +54,9 @@ class Programs:
             elapsed, sign, palm_at_target, boots, packets = given
             if boots:
                 self.robots[side] = self.booted(side)
-            answer = self.robots[side].step(elapsed, sign, palm_at_target, packets)
+            answer = self.robots[side].step(
+                elapsed, _core.runtime.Reading(sign, palm_at_target), packets
+            )
             self.assists[side] = answer[-1]
             answers.append(answer)
         return [*answers, None]

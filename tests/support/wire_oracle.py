@@ -55,7 +55,8 @@ WORDS = {
 WORD_NUMBERS = {word: n for n, word in enumerate(["", *WORDS["beacons"], *WORDS["signs"]])}
 MODES = ["off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"]
 FAULTS = ["none", "driver", "contact", "palm", "battery", "partner_lost", "station_lost",
-          "time_limit", "overrun", "storage", "settings", "stopping", "partner", "stop"]  # fmt: skip
+          "time_limit", "overrun", "storage", "settings", "stopping", "partner",
+          "stop"]  # fmt: skip
 OPERATIONS = ["arm", "disarm", "start", "stop", "e_stop", "release"]
 PALMS = {"steep": 0, "shallow": 1}
 MOVES = {"hold": 0, "away": 1, "closer": 2}

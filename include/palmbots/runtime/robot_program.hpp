@@ -3,10 +3,10 @@
 //
 // Every program has the same interface, so that one runtime (runtime/robot_runtime.hpp) serves all
 // controllers. It provides
+//   begin(tick)        the controller starts, so many ticks after this boot
 //   pass(elapsed)      the ticks since the last step, before anything that arrived in them
 //   hear(decoded)      a packet that arrived, with its verdict; returns how it was taken
 //   step(observation)  → Decision: one tick
-//   sequence()         the number of the next packet to the partner at least, 0: any
 //   name(), awaits(), waits()   the case, and what it waits for, for logs
 //   answers_with_hello whether a packet without a session is answered by a hello
 #pragma once
@@ -63,7 +63,9 @@ class BeaconProgram {
   // `lease` is the greatest age at which a beacon counts [ticks], `epoch` the number of this boot.
   constexpr BeaconProgram(const Robot& robot, wire::Language language, std::uint16_t lease,
                           std::uint32_t epoch)
-      : robot_(robot), language_(language), lease_(lease), receiver_(epoch) {}
+      : robot_(robot), language_(language), lease_(lease), epoch_(epoch), receiver_(epoch) {}
+
+  constexpr void begin(std::uint32_t tick) { receiver_ = BeaconReceiver(epoch_, tick); }
 
   constexpr void pass(std::uint16_t elapsed) {
     elapsed_ = elapsed;
@@ -95,9 +97,6 @@ class BeaconProgram {
     return decision;
   }
 
-  constexpr std::uint32_t sequence() const {
-    return receiver_.beacon(MessageKind::none, false, false).sent.tick;
-  }
   constexpr char name() const { return robot_.now().name; }
   constexpr bool waits() const { return robot_.now().waits; }
   constexpr MessageKind awaits() const { return waits() ? MessageKind::ack : MessageKind::none; }
@@ -107,6 +106,7 @@ class BeaconProgram {
   Robot robot_;
   wire::Language language_;
   std::uint16_t lease_;
+  std::uint32_t epoch_;
   BeaconReceiver receiver_;
   std::uint16_t elapsed_ = 1;
   bool news_ = false;
@@ -120,6 +120,8 @@ class MessageProgram {
   static constexpr bool answers_with_hello = true;
 
   explicit MessageProgram(Controller controller) : controller_(std::move(controller)) {}
+
+  constexpr void begin(std::uint32_t) {}
 
   constexpr void pass(std::uint16_t) {}
 
@@ -146,7 +148,6 @@ class MessageProgram {
     return decision;
   }
 
-  constexpr std::uint32_t sequence() const { return 0; }
   char name() const { return controller_.now().name; }
   bool waits() const { return controller_.now().waits; }
   MessageKind awaits() const { return controller_.now().awaits; }
@@ -165,6 +166,7 @@ class ReportProgram {
  public:
   static constexpr bool answers_with_hello = false;  // reports answer
 
+  constexpr void begin(std::uint32_t) {}
   constexpr void pass(std::uint16_t) {}
 
   constexpr Taken hear(const wire::Decoded& got) {
@@ -182,7 +184,6 @@ class ReportProgram {
     return decision;
   }
 
-  constexpr std::uint32_t sequence() const { return 0; }
   static constexpr char name() { return ' '; }  // the station knows the case
   static constexpr bool waits() { return false; }
   static constexpr MessageKind awaits() { return MessageKind::none; }

@@ -826,6 +826,11 @@ class Episode:
         So many ticks with (palm, move, message to send) of each robot. What is there to be read is read in the first of them, in which messages go out too. Returns (outcome, ticks and messages so far, midpoint [m], contacts [m]).
         """
 
+    def stop(self, left: bool, right: bool) -> None:
+        """
+        Whether each robot rests, from the next step on, until it is called again.
+        """
+
     def run(self) -> Run:
         """What became of it; takes the trace with it."""
 
@@ -851,6 +856,11 @@ class ExternalCoSimulation:
     def set_commands(self, left: tuple[int, int, int], right: tuple[int, int, int]) -> None:
         """(palm, move, message to send) of each robot, from the next command on."""
 
+    def stop(self, left: bool, right: bool) -> None:
+        """
+        Whether each robot rests, from the next command on, until it is called again.
+        """
+
     def step_controllers(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """(Speeds [m/s] towards +x, palm angles [rad] at the end of the tick.)"""
 
@@ -863,15 +873,6 @@ def mode_table() -> list[tuple[list[str], str, str, str, str]]:
     """
     The mode machine of a robot as it runs: per row the modes in which it starts, what happens, the next mode, what becomes of the fault code (keep, set, refusal), and the code.
     """
-
-def modes_with_controller() -> list[str]:
-    """The modes in which the controller runs and the wheels may turn."""
-
-contact_kinds: tuple = ('', 'vertex', 'flush', 'tip')
-
-contact_tolerance: float = 1e-05
-
-wrench_tolerance: float = 1e-09
 
 def contacts(spec: Spec, angles: tuple[float, float], places: tuple[float, float]) -> tuple:
     """

@@ -39,6 +39,7 @@ class Connection:
             ConnectionLost: the connection is closed.
         """
         try:
+            self._stream.settimeout(None)
             self._stream.sendall(json.dumps(frame, separators=(",", ":")).encode() + b"\n")
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
@@ -68,6 +69,27 @@ class Connection:
             return json.loads(line)
         except ValueError:
             raise ConnectionLost(f"{self.name}: sends no frames") from None
+
+    def poll(self) -> Any:
+        """The next frame, if there is one; else None. Never waits.
+
+        Raises:
+            ConnectionLost: as for `receive`.
+        """
+        if b"\n" not in self._received:
+            self._stream.settimeout(0)
+            try:
+                more = self._stream.recv(65536)
+            except BlockingIOError:
+                return None
+            except OSError as error:
+                raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+            if not more:
+                raise ConnectionLost(f"{self.name}: has closed the connection")
+            self._received += more
+            if b"\n" not in self._received:
+                return None
+        return self.receive()
 
     def close(self) -> None:
         """Close the connection."""

@@ -3,14 +3,16 @@
 
 import contextlib
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from palmbots._types import SIDES
+from palmbots._util.arguments import show
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.node.lockstep_robot import REBOOTED
@@ -21,7 +23,18 @@ _POLL_S = 0.02
 _END_WITHIN_S = 5.0
 
 
-def run_processes(scene: Scene, controller: str, world_options: Sequence[str]) -> int:
+def check_rate(rate: float) -> float:
+    """The rate, if it is one.
+
+    Raises:
+        PalmbotsError: it is too small or too large.
+    """
+    if not 0.01 <= rate <= 100:
+        raise PalmbotsError(f"rate: value is {show(rate)}; allowed: a number from 0.01 to 100")
+    return rate
+
+
+def run_lockstep(scene: Scene, controller: str, world_options: Sequence[str]) -> int:
     """Run a carry as a world and two robots, each in a process of its own, in lockstep.
 
     Args:
@@ -35,30 +48,107 @@ def run_processes(scene: Scene, controller: str, world_options: Sequence[str]) -
     Raises:
         PalmbotsError: a process cannot be started, or a robot's program fails.
     """
+    with _pair(scene, controller) as (file, address), _processes() as running:
+        world = ["world", str(file.with_name("scene.toml")), "--serve", address, "--lockstep"]
+        running["world"] = _started([*world, "--controller", controller, *world_options])
+        robots = {side: ["robot", str(file), "--side", side, "--lockstep"] for side in SIDES}
+        for side, command in robots.items():
+            running[side] = _started(command)
+        _wait_for("world", running, robots)
+        for side in SIDES:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                running[side].wait(_END_WITHIN_S)
+        return running["world"].wait()
+
+
+def run_live(
+    scene: Scene, controller: str, world_options: Sequence[str], *, rate: float, quiet: bool
+) -> int:
+    """Run a world, two robots and a station in real time; the station arms and starts the robots.
+
+    Args:
+        scene: the scene.
+        controller: the controller of both robots.
+        world_options: further options of ``palmbots world``.
+        rate: how many times faster than real time.
+        quiet: only the world prints its result.
+
+    Returns:
+        The exit status of the world: 0 if the object was delivered.
+
+    Raises:
+        PalmbotsError: a process cannot be started, or a program fails.
+    """
+    left, right, station = _free_ports(3)
+    values = {
+        "link.left": left,
+        "link.right": right,
+        "link.station": station,
+        "limits.after_reboot": "rejoin",
+        "limits.partner_lost": "controller",
+        "limits.time_limit_s": scene.timeout_s,
+    }
+    speed = ["--rate", str(rate)]
+    with _pair(scene, controller, values) as (file, address), _processes() as running:
+        world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
+        running["world"] = _started([*world, *world_options])
+        robots = {side: ["robot", str(file), "--side", side, *speed] for side in SIDES}
+        for side, command in robots.items():
+            running[side] = _started(command)
+        running["station"] = _started(["station", str(file), "--auto"], quiet=quiet)
+        _wait_for("station", running, robots)
+        for side in SIDES:
+            running[side].send_signal(signal.SIGTERM)
+        return running["world"].wait()
+
+
+def _wait_for(
+    name: str,
+    running: "dict[str, subprocess.Popen[bytes]]",
+    robots: Mapping[str, Sequence[str]],
+) -> None:
+    """Wait until the process of this name ends; start rebooted robots again.
+
+    Raises:
+        PalmbotsError: a robot's program ended on its own.
+    """
+    while running[name].poll() is None and running["world"].poll() is None:
+        for side, command in robots.items():
+            ended = running[side].poll()
+            if ended == REBOOTED:
+                running[side] = _started(command)
+            elif ended not in (None, 0):
+                raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
+        time.sleep(_POLL_S)
+
+
+@contextlib.contextmanager
+def _pair(
+    scene: Scene, controller: str, values: Mapping[str, object] | None = None
+) -> Iterator[tuple[Path, str]]:
+    """A ``pair.toml`` beside ``scene.toml`` in a temporary folder, and the address of a world."""
     with tempfile.TemporaryDirectory(prefix="palmbots-") as name:
         folder = Path(name)
         write_whole(folder / "scene.toml", scene.to_toml())
         address = f"unix:{folder / 'world.socket'}"
         file = folder / "pair.toml"
-        init_pair(file, scene="scene.toml", controller=_absolute(controller), address=address)
-        lockstep = ["--serve", address, "--lockstep", "--controller", controller, *world_options]
-        with _processes() as processes:
-            processes["world"] = _started(["world", str(folder / "scene.toml"), *lockstep])
-            robots = {side: ["robot", str(file), "--side", side] for side in SIDES}
-            for side, command in robots.items():
-                processes[side] = _started(command)
-            while (status := processes["world"].poll()) is None:
-                for side, command in robots.items():
-                    ended = processes[side].poll()
-                    if ended == REBOOTED:
-                        processes[side] = _started(command)
-                    elif ended not in (None, 0):
-                        raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
-                time.sleep(_POLL_S)
-            for side in SIDES:
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    processes[side].wait(_END_WITHIN_S)
-            return status
+        init_pair(
+            file,
+            scene="scene.toml",
+            controller=_absolute(controller),
+            address=address,
+            values=values,
+        )
+        yield file, address
+
+
+def _free_ports(count: int) -> list[str]:
+    """Addresses of this machine that no program uses."""
+    with contextlib.ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(count)]
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        return ["{}:{}".format(*one.getsockname()) for one in sockets]
 
 
 def _absolute(controller: str) -> str:
@@ -69,9 +159,10 @@ def _absolute(controller: str) -> str:
     return f"{Path(file).absolute()}{colon}{name}"
 
 
-def _started(arguments: Sequence[str]) -> "subprocess.Popen[bytes]":
+def _started(arguments: Sequence[str], *, quiet: bool = False) -> "subprocess.Popen[bytes]":
+    output = subprocess.DEVNULL if quiet else None
     try:
-        return subprocess.Popen([sys.executable, "-m", "palmbots", *arguments])
+        return subprocess.Popen([sys.executable, "-m", "palmbots", *arguments], stdout=output)
     except OSError as error:
         raise PalmbotsError(f"{sys.executable}: {error.strerror or error}") from None
 

@@ -12,6 +12,7 @@ Frames (`palmbots.node.frames`), one JSON line each:
 """
 
 import os
+from dataclasses import replace
 from typing import Any
 
 import palmbots._core as _core
@@ -58,10 +59,11 @@ def run_robot(pair: Pair, side: Side) -> int:
                 robot.hear(bytes.fromhex(frame[1]))
                 continue
             elapsed, sign, palm_at_target, packets = frame
-            answer = robot.step(elapsed, sign, palm_at_target, [*map(bytes.fromhex, packets)])
+            reading = _core.runtime.Reading(sign, palm_at_target)
+            answer = robot.step(elapsed, reading, [*map(bytes.fromhex, packets)])
             *_, assists = answer
             if assists != state.assists:  # before the packet that grants
-                state = StoredState(state.epoch, assists)
+                state = replace(state, assists=assists)
                 write_state(file, state)
             world.send(_in_hexadecimal(answer))
 
@@ -77,8 +79,9 @@ def _program(pair: Pair, side: Side, state: StoredState) -> Any:
         pair.key,
         pair.settings.pair.number,
         epoch=state.epoch,
-        is_first=state.epoch == 1,
         assists=state.assists,
+        settings=_core.runtime.RuntimeSettings.lockstep(),
+        carries=True,
     )
 
 

@@ -15,6 +15,7 @@ from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError
 from palmbots.node.frames import Connection, ConnectionLost
+from palmbots.node.greeting import greeted
 
 _START_WITHIN_S = 30.0
 _ANSWER_WITHIN_S = 30.0
@@ -45,7 +46,7 @@ class Robots:
                     f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
                 ) from None
             program = Connection(stream, "a program")
-            side, epoch = _greeting(program)
+            side, epoch = greeted(program)
             if side in self._programs:
                 program.close()
                 raise PalmbotsError(f"robots: two programs claim to be the {side} robot")
@@ -125,17 +126,6 @@ class _Greeter:
 
     def hear(self, data: bytes, /) -> None:
         self._program.send(["hear", data.hex()])
-
-
-def _greeting(program: Connection) -> tuple[str, int]:
-    try:
-        side, epoch = program.receive(_ANSWER_WITHIN_S)
-    except (TypeError, ValueError):
-        side, epoch = "", 0
-    if side not in SIDES or not isinstance(epoch, int):
-        program.close()
-        raise PalmbotsError("robots: a program connected that is no robot")
-    return side, epoch
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,10 @@ class StoredState:
     """Number of boots so far."""
     assists: bool = False
     """The palm was up for the partner."""
+    carries: bool = False
+    """A carry was under way."""
+    stop: bool = False
+    """A stop was in force."""
 
     def booted(self) -> Self:
         """The state to store at a boot.
@@ -70,6 +74,6 @@ def read_state(path: Path) -> StoredState:
         raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, KeyError, AttributeError, TypeError):
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}") from None
-    if check != _check(content) or set(content) != {"epoch", "assists"}:
+    if check != _check(content) or set(content) != {"epoch", "assists", "carries", "stop"}:
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}")
     return StoredState(**content)

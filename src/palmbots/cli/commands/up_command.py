@@ -15,7 +15,6 @@ from palmbots.cli.options import (
     SetOption,
     WorldOption,
 )
-from palmbots.errors import PalmbotsError
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -29,26 +28,28 @@ def up(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
+    rate: Annotated[
+        float, typer.Option("--rate", help="How many times faster than real time.")
+    ] = 1.0,
     world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Run a world and two robots on this machine, each as a process of its own.
+    """Run a world, two robots and a station on this machine, each as a process of its own.
 
-    In lockstep the result is that of palmbots carry with the same scene, controller and seed.
+    The station arms and starts the robots, and reports what happens. With --lockstep there is no
+    station, and the result is that of palmbots carry with the same scene, controller and seed.
 
     Exit status 1: the object was not delivered.
     """
     from palmbots._util.arguments import seed_of
     from palmbots.control.registry import check
-    from palmbots.node.launcher import run_processes
+    from palmbots.node.launcher import check_rate, run_live, run_lockstep
     from palmbots.node.lockstep_world import remote
     from palmbots.simulation.worlds import check_precision, check_scene, world_entry
 
-    if not lockstep:
-        raise PalmbotsError("up: needs --lockstep; a world in real time is not there yet")
     chosen = load(scene, changes)
     entry = controller_of(controller, quiet=as_json)
     place = world_entry(world)
@@ -56,9 +57,12 @@ def up(
     check_precision(place, precision)
     remote(entry, lambda *_: [])
     check(entry, chosen)
-    options = ["--world", world, "--precision", precision, "--seed", str(seed_of(seed))]
-    options += ["--called", scene]
-    return run_processes(chosen, controller, [*options, *(["--json"] if as_json else [])])
+    options = ["--world", world, "--seed", str(seed_of(seed))]
+    options += ["--json"] if as_json else []
+    if lockstep:
+        options += ["--precision", precision, "--called", scene]
+        return run_lockstep(chosen, controller, options)
+    return run_live(chosen, controller, options, rate=check_rate(rate), quiet=as_json)
 
 
 COMMAND = up

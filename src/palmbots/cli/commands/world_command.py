@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots world`."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,7 +17,9 @@ from palmbots.cli.options import (
     SetOption,
     WorldOption,
 )
-from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.scene.scene import Scene
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -33,6 +35,9 @@ def world(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
+    rate: Annotated[
+        float, typer.Option("--rate", help="How many times faster than real time.")
+    ] = 1.0,
     controller: ControllerOption = "resilient",
     world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
@@ -53,9 +58,9 @@ def world(
     from palmbots.simulation.worlds import check_precision, world_entry
     from palmbots.stability.scene_limits import self_check
 
-    if not lockstep:
-        raise PalmbotsError("world: needs --lockstep; a world in real time is not there yet")
     chosen = load(scene, changes)
+    if not lockstep:
+        return _live(chosen, serve, world, seed, rate, as_json=as_json)
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve) as door:
@@ -78,6 +83,21 @@ def world(
         for text in before:
             warn(text)
         carry_report(result, called or scene, late, [], [], None)
+    return DONE if result.outcome == "delivered" else FAILED
+
+
+def _live(scene: "Scene", serve: str, world: str, seed: int, rate: float, *, as_json: bool) -> int:
+    """A world in real time."""
+    from palmbots.node.frames import listen
+    from palmbots.node.launcher import check_rate
+    from palmbots.node.live_world import run_live_world
+
+    with listen(serve) as door:
+        result = run_live_world(scene, door, world=world, seed=seed, rate=check_rate(rate))
+    if as_json:
+        print_json(result.summary())
+    else:
+        print(f"{result.outcome.upper()}  {result.distance_m:.2f} m in {result.time_s:.1f} s")
     return DONE if result.outcome == "delivered" else FAILED
 
 
