@@ -874,6 +874,12 @@ def mode_table() -> list[tuple[list[str], str, str, str, str]]:
     The mode machine of a robot as it runs: per row the modes in which it starts, what happens, the next mode, what becomes of the fault code (keep, set, refusal), and the code.
     """
 
+contact_kinds: tuple = ('', 'vertex', 'flush', 'tip')
+
+contact_tolerance: float = 1e-05
+
+wrench_tolerance: float = 1e-09
+
 def contacts(spec: Spec, angles: tuple[float, float], places: tuple[float, float]) -> tuple:
     """
     All contacts as (kind, place, object x, object y, support), how many there are (at most 8 are listed), how deep either palm is in the object [m], and the pivots from the COM [m].
