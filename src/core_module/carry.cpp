@@ -174,7 +174,7 @@ nb::list messages(const Run& run) {
     const double received = p.received == 0 ? std::numeric_limits<double>::quiet_NaN()
                                             : double(p.received) * run.period;
     list.append(nb::make_tuple(double(p.sent) * run.period, received, static_cast<int>(p.sender),
-                               static_cast<int>(p.receiver), name_of(p.kind)));
+                               static_cast<int>(p.receiver), name_of(p)));
   }
   return list;
 }

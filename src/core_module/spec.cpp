@@ -122,6 +122,9 @@ void bind_spec(nb::module_& m) {
       .def_prop_rw(
           "reorders", [](const Spec& s) { return s.reorders != 0; },
           [](Spec& s, bool reorders) { s.reorders = reorders ? 1 : 0; })
+      .def_prop_rw(
+          "sessions", [](const Spec& s) { return s.sessions != 0; },
+          [](Spec& s, bool sessions) { s.sessions = sessions ? 1 : 0; })
       .def_rw("burst_share", &Spec::burst_share)
       .def_rw("burst_mean", &Spec::burst_mean)
       .def_rw("airtime", &Spec::airtime)

@@ -76,20 +76,11 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
     [{}, {"radio.loss": 0.1}, HARD_RADIO, REBOOTS, DRIFT, HARD_RADIO | REBOOTS | DRIFT],
     ids=["plain", "loss", "hard-radio", "reboots", "drift", "everything"],
 )
-@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "silent"])
+@pytest.mark.parametrize(
+    "controller",
+    ["resilient", "shared-sign", "silent", "distributed", "examples/policies/table-1.toml"],
+)
 def test_programs_carry_as_inside_one_program(
-    controller: str, overrides: dict[str, Any], seed: int
-) -> None:
-    inside, outside = both_ways(controller, overrides, seed)
-    assert outside.trace_hash == inside.trace_hash
-    assert outside.summary() == inside.summary()
-    assert outside.message_log == inside.message_log
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("overrides", [{}, {"radio.loss": 0.02}], ids=["plain", "loss"])
-@pytest.mark.parametrize("controller", ["distributed", "examples/policies/table-1.toml"])
-def test_programs_exchange_messages_as_inside_one_program(
     controller: str, overrides: dict[str, Any], seed: int
 ) -> None:
     inside, outside = both_ways(controller, overrides, seed)

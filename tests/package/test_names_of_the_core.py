@@ -59,7 +59,7 @@ def test_alias_has_the_names_of_the_core(name: str) -> None:
 @pytest.mark.parametrize(
     ("table", "names"),
     [
-        (timeline._MARKERS, MESSAGES),
+        (timeline._MARKERS, (*MESSAGES, "Hello")),
         (carry_report._REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
         (first_contact.MOTION_NAMES, contact_points.MOTION_CODES),

@@ -100,6 +100,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
                 "radio": {
                     **{k + "_s" * (k in ("latency", "jitter")): v for k, v in numbers.items()},
                     "reorder": True,
+                    "sessions": False,
                     "outages": [
                         {"sender": "station", "start_s": 1.5, "end_s": 2.5},
                         {"sender": "right", "start_s": 0.5, "end_s": 3.5},
@@ -145,6 +146,7 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
         field = names.get(name, name.removesuffix("_s"))
         assert getattr(spec, field) == number, name
     assert spec.reorders == 1
+    assert not spec.sessions
     assert spec.outages == [(2, 1.5, 2.5), (1, 0.5, 3.5)]
     assert spec.message_faults == [(1, 4, 1, 0.11), (0, 2, 0, 0.0), (0, 3, 2, 0.12)]
     assert spec.faults == [

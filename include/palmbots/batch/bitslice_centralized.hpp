@@ -126,8 +126,10 @@ class BitslicedCentralized {
   void insert(int i, const CentralizedTeam& team) {
     controllers_.insert(i);
     delays_.insert(i, team.radio().steady_delay());
-    for (BitslicedCounts* counts : {&corrections_, &off_, &reports_lost_, &commands_lost_})
+    for (BitslicedCounts* counts :
+         {&corrections_, &off_, &reports_lost_, &commands_lost_, &hellos_})
       counts->clear(both_at(i));
+    sessions_.insert(i, team.judges());
   }
 
   void erase(int i) {
@@ -140,6 +142,7 @@ class BitslicedCentralized {
     }
     commands_.erase(~those);
     heard_ &= those;
+    sessions_.erase(i);
   }
 
   CarryMask step(std::uint64_t tick, const BitslicedObservation& sensed,
@@ -148,11 +151,16 @@ class BitslicedCentralized {
     const BitslicedCommand before = commands_;
     const BitslicedReport said{sensed.positive, sensed.negative, commands_.shallow,
                                sensed.palm_at_target};
+    sessions_.boot(programs.booting, line_);
     hear(arrived, tick);
     obey(arrived, programs);
     const CarryMask hear_both = heard_[left] & heard_[right];
     const BitslicedCommand sent = controllers_.step(hear_both, reports_);
-    const RobotMask addressed = RobotMask{} + hear_both;
+    const RobotMask commanded = RobotMask{} + hear_both;
+    const RobotMask greeted = sessions_.unanswered(arrived) & ~commanded;
+    const RobotMask addressed = commanded | greeted;
+    if (either(greeted) != 0) [[unlikely]]
+      hellos_.add(greeted);
     // Robots are seldom off, and messages are seldom lost.
     if (either(programs.off) != 0) [[unlikely]]
       off_.add(programs.off);
@@ -175,6 +183,11 @@ class BitslicedCentralized {
       put(row.commands.closer, sent.closer);
       put(row.reported, ~(programs.off | lost.from_robot));
       put(row.commands_arrive, addressed & ~lost.from_station);
+      if (sessions_.any()) {
+        put(row.answers, sessions_.robot_heard);
+        put(row.is_present, ~RobotMask{});
+        put(row.is_known, sessions_.station_knows & commanded);
+      }
     });
     now_ = tick;
     return commands_.differ(before);
@@ -182,8 +195,8 @@ class BitslicedCentralized {
 
   const BitslicedCommand& commands() const { return commands_; }
 
-  // In every tick each running robot sends to the station. The station sends to both robots once it
-  // has received from both.
+  // In every tick each running robot sends to the station. The station commands both robots once it
+  // has received from both. Before that it only answers reports without a session.
   void write_results(int i, std::uint32_t ticks, Metrics& metrics, LinkTotals& link_totals) const {
     metrics.corrections = corrections_.of(left, i);
     const bool heard = (heard_[left] & heard_[right] & CarryMask{1} << i) != 0;
@@ -195,7 +208,7 @@ class BitslicedCentralized {
       metrics.waits_since[side] = ticks;
       link_totals.links[side].sent = ticks - off_.of(side, i);
       link_totals.links[side].lost = reports_lost_.of(side, i);
-      link_totals.links[side + 2].sent = static_cast<std::uint32_t>(answers);
+      link_totals.links[side + 2].sent = static_cast<std::uint32_t>(answers) + hellos_.of(side, i);
       link_totals.links[side + 2].lost = commands_lost_.of(side, i);
     }
     for (const LinkCounts& link : link_totals.links) {
@@ -210,14 +223,62 @@ class BitslicedCentralized {
     BitslicedReport report;
     BitslicedCommand commands;
     RobotMask reported{};
-    RobotMask commands_arrive{};
+    RobotMask commands_arrive{};  // or hellos
+    // With sessions: the robot had heard the station since its boot, it has not booted since, and
+    // the station knew its present boot.
+    RobotMask answers{};
+    RobotMask is_present{};
+    RobotMask is_known{};
+  };
+
+  // What the sessions (sim/session_link.hpp) of robots that may boot come to if every packet keeps
+  // its place.
+  struct Sessions {
+    RobotMask judged{};         // robots of carries in which packets are judged
+    RobotMask robot_heard{};    // robots that have heard the station since their boot
+    RobotMask station_knows{};  // robots whose station has heard them since their boot
+
+    bool any() const { return either(judged) != 0; }
+
+    void insert(int i, bool judges) {
+      if (judges) judged |= both_at(i);
+      robot_heard |= both_at(i);
+      station_knows |= both_at(i);
+    }
+    void erase(int i) { judged &= ~both_at(i); }
+
+    template <class Line>
+    void boot(RobotMask booting, Line& line) {
+      if (either(booting & judged) == 0) [[likely]]
+        return;
+      robot_heard &= ~booting;
+      station_knows &= ~booting;
+      for (Row& row : line) {
+        row.is_present &= ~booting;
+        row.is_known &= ~booting;
+      }
+    }
+
+    // Robots whose report has just come without a session.
+    RobotMask unanswered(const Row& arrived) const {
+      return arrived.reported & ~arrived.answers & judged;
+    }
+    // Takes in what has come to the stations, and to these robots. Return whose is acted upon.
+    RobotMask reports(const Row& arrived) {
+      station_knows |= arrived.reported & arrived.is_present;
+      return arrived.reported & (arrived.answers | ~judged);
+    }
+    RobotMask commands(const Row& arrived, RobotMask running) {
+      robot_heard |= arrived.commands_arrive & running;
+      return arrived.commands_arrive & running & (arrived.is_known | ~judged);
+    }
   };
 
   // Robots execute the newest command. A robot that boots has none (palm steep, nominal speed)
   // until one arrives.
   void obey(const Row& arrived, const BitslicedProgramState& programs) {
     commands_.erase(programs.booting);
-    const RobotMask whose = arrived.commands_arrive & ~programs.off;
+    const RobotMask whose = sessions_.commands(arrived, ~programs.off);
     const auto take = [&](RobotMask& newest, RobotMask said) {
       newest = (newest & ~whose) | (said & whose);
     };
@@ -229,7 +290,7 @@ class BitslicedCentralized {
 
   // Stations use the newest reports.
   void hear(const Row& arrived, std::uint64_t tick) {
-    const RobotMask whose = arrived.reported;
+    const RobotMask whose = sessions_.reports(arrived);
     const auto take = [&](RobotMask& newest, RobotMask said) {
       newest = (newest & ~whose) | (said & whose);
     };
@@ -255,6 +316,8 @@ class BitslicedCentralized {
   BitslicedCounts off_;  // ticks in which a robot was off
   BitslicedCounts reports_lost_;
   BitslicedCounts commands_lost_;
+  BitslicedCounts hellos_;  // packets that are no commands
+  Sessions sessions_;
 };
 
 template <>

@@ -104,6 +104,7 @@ inline Channel channel_of(const Spec& spec) {
   channel.duplicate_words = Channel::words_of(spec.duplicate);
   channel.corrupt_words = Channel::words_of(spec.corruption);
   channel.reorders = spec.reorders != 0;
+  channel.has_sessions = spec.sessions != 0;
   channel.burst_share = spec.burst_share;
   channel.burst_rate = spec.period / ((1 - spec.burst_share) * spec.burst_mean);
   channel.airtime_ticks = spec.airtime / spec.period;

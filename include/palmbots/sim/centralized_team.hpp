@@ -2,6 +2,9 @@
 // Team of the centralized algorithm: two robots that report to a station every tick and execute the
 // command in its newest packet.
 //
+// The robots' reports and the station's commands answer each other, so only a station that has not
+// yet heard both robots sends a hello (sim/session_link.hpp).
+//
 // Over a plain radio the messages repeat until a robot's observation changes. Once nothing new has
 // been sent for as long as messages travel, nothing new is received either, so the repeated
 // messages are only counted. This ends before a robot or the station fails.
@@ -12,6 +15,7 @@
 
 #include "palmbots/control/centralized.hpp"
 #include "palmbots/sim/faults.hpp"
+#include "palmbots/sim/session_link.hpp"
 #include "palmbots/sim/team.hpp"
 
 namespace palmbots {
@@ -28,7 +32,10 @@ class CentralizedTeam {
       : radio_(channel, seed, leader),
         faults_(faults),
         may_rest_(channel.is_plain()),
-        travel_(channel.longest()) {}
+        travel_(channel.longest()),
+        judges_(needs_sessions(channel, faults)) {
+    for (const std::size_t side : {left, right}) establish(robot_ends_[side], station_ends_[side]);
+  }
 
   template <class Log>
   const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed, Log&&) {
@@ -37,11 +44,12 @@ class CentralizedTeam {
     const Moment before = now_;
     const bool lost = faults_.any() && faults_.station_lost(tick);
     PerSide<bool> runs{true, true};
+    bool all_accepted = true;
     for (const std::size_t side : {left, right}) {
       if (faults_.any()) runs[side] = this->runs(tick, side);
-      if (runs[side]) down_[side].newest(tick, now_.commands[side]);
+      if (runs[side]) all_accepted &= receive_commands(tick, side);
       if (lost) up_[side].drop(tick);
-      now_.heard[side] = up_[side].newest(tick, now_.reports[side]) || now_.heard[side];
+      all_accepted &= receive_reports(tick, side);
     }
     // Time slots separate the station's packets from the robots', but not the robots' packets from
     // each other.
@@ -49,19 +57,25 @@ class CentralizedTeam {
     if (now_.heard[left] && now_.heard[right] && !lost) {
       const Centralized::Output output = now_.station.step(now_.reports);
       on_both_sides([&](std::size_t side) {
-        radio_.post(down_[side], tick, output.command[side], 2, side, false, link_totals);
+        command(tick, side, station_ends_[side].stamp(output.command[side]));
       });
       now_.station_output = output;
+    } else {
+      for (const std::size_t side : {left, right}) {
+        if (station_ends_[side].must_answer())
+          command(tick, side, station_ends_[side].stamp(Command{}, true));
+      }
     }
     on_both_sides([&](std::size_t side) {
       if (!runs[side]) return;
       // `palm_at_target` refers to the command in force until this tick.
       const Centralized::Report said{sensed[side].sign, obeyed_[side], sensed[side].palm_at_target};
-      radio_.post(up_[side], tick, said, side, side, collides, link_totals);
+      radio_.post(up_[side], tick, robot_ends_[side].stamp(said), side, side, collides,
+                  link_totals);
       now_.said[side] = said;
       obeyed_[side] = now_.commands[side].palm;
     });
-    if (!(now_ == before)) changed_ = tick;
+    if (!(now_ == before) || !all_accepted) changed_ = tick;
     return now_.commands;
   }
 
@@ -86,6 +100,8 @@ class CentralizedTeam {
 
   const Radio& radio() const { return radio_; }
   const Faults& faults() const { return faults_; }
+  // True if packets have to be judged when they arrive (sim/session_link.hpp).
+  bool judges() const { return judges_; }
 
   char name(std::size_t) const {
     const int now = now_.station.current();
@@ -131,6 +147,25 @@ class CentralizedTeam {
     }
   };
 
+  // Take in what has arrived at a robot, and from it at the station. Return true if none of it was
+  // rejected.
+  bool receive_commands(std::uint32_t tick, std::size_t side) {
+    return receive(down_[side], tick, judges_, robot_ends_[side], link_totals.links[2 + side],
+                   [&](const Command& command) { now_.commands[side] = command; });
+  }
+  bool receive_reports(std::uint32_t tick, std::size_t side) {
+    return receive(up_[side], tick, judges_, station_ends_[side], link_totals.links[side],
+                   [&](const Centralized::Report& report) {
+                     now_.reports[side] = report;
+                     now_.heard[side] = true;
+                   });
+  }
+
+  // Sends a packet of the station to a robot.
+  void command(std::uint32_t tick, std::size_t side, const Stamped<Command>& packet) {
+    radio_.post(down_[side], tick, packet, 2, side, false, link_totals);
+  }
+
   // True if a robot's program runs. A robot that boots keeps driving until it hears from the
   // station.
   bool runs(std::uint32_t tick, std::size_t side) {
@@ -139,13 +174,16 @@ class CentralizedTeam {
       down_[side].drop(tick);
       now_.commands[side] = switched_off(now_.commands[side]);
     }
-    if (state == ProgramState::booting) now_.commands[side] = {Palm::steep, Move::hold};
+    if (state == ProgramState::booting) {
+      now_.commands[side] = {Palm::steep, Move::hold};
+      robot_ends_[side].boot();
+    }
     return state == ProgramState::running || state == ProgramState::booting;
   }
 
   Moment now_;
-  PerSide<Link<Centralized::Report>> up_;
-  PerSide<Link<Command>> down_;
+  PerSide<Link<Stamped<Centralized::Report>>> up_;
+  PerSide<Link<Stamped<Command>>> down_;
   PerSide<Palm> obeyed_{Palm::steep, Palm::steep};
   Radio radio_;
   Faults faults_;
@@ -154,6 +192,9 @@ class CentralizedTeam {
   std::uint32_t travel_;       // of messages: delay [ticks]
   std::uint32_t changed_ = 0;  // the last tick that differed from the one before
   std::uint32_t due_ = 0;      // the tick after the last step
+  bool judges_;
+  PerSide<SessionEnd> robot_ends_;
+  PerSide<SessionEnd> station_ends_;
 };
 
 static_assert(Team<CentralizedTeam>);

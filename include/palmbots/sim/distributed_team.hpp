@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Team of two robots that exchange messages, with one controller each.
+//
+// With sessions, messages are judged when they arrive, and those to be acted upon wait in an inbox
+// until the controller reads them (sim/session_link.hpp). On the bare channel of the paper, and
+// wherever all of them would be accepted, they wait in the link.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +11,8 @@
 
 #include "palmbots/control/distributed.hpp"
 #include "palmbots/sim/faults.hpp"
+#include "palmbots/sim/message_inbox.hpp"
+#include "palmbots/sim/session_link.hpp"
 #include "palmbots/sim/team.hpp"
 
 namespace palmbots {
@@ -25,7 +31,10 @@ class DistributedTeam {
       : controllers_(std::move(controllers)),
         asleep_(controllers_),
         radio_(channel, seed, leader),
-        faults_(faults) {}
+        faults_(faults),
+        judges_(needs_sessions(channel, faults)) {
+    establish(ends_[left], ends_[right]);
+  }
 
   template <class Log>
   const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed,
@@ -36,17 +45,19 @@ class DistributedTeam {
     PerSide<bool> turns{};  // robots that command their palm to turn
     for (const std::size_t side : {left, right}) {
       if (may_fail && !runs(tick, side)) continue;
+      if (judges_) receive(tick, side);
       const Distributed::Input in = input(tick, side, sensed[side]);
       rest[side] = !may_fail && is_quiescent(controllers_[side], in);
       if (rest[side]) continue;
       const auto out = controllers_[side].step(in);
-      if (out.read && in.message != MessageKind::none) inbox_[side].pop();
+      if (out.read && in.message != MessageKind::none) pop(side);
       turns[side] = out.command.palm != commands_[side].palm;
       commands_[side] = out.command;
       messages[side] = out.send;
     }
-    if (messages[left] != MessageKind::none || messages[right] != MessageKind::none)
-      post(tick, messages, log);
+    const PerSide<bool> sends{sends_packet(messages[left], left),
+                              sends_packet(messages[right], right)};
+    if (sends[left] || sends[right]) post(tick, messages, sends, log);
     settled_ = true;
     for (const std::size_t side : {left, right}) {
       if (!rest[side]) {
@@ -73,8 +84,15 @@ class DistributedTeam {
     return monitor_.next_program_state(faults_, tick, side) == ProgramState::booting;
   }
   MessageKind message(std::uint32_t tick, std::size_t side) const {
-    const MessageKind* oldest = is_on(tick, side) ? inbox_[side].oldest(tick) : nullptr;
-    return oldest != nullptr ? *oldest : MessageKind::none;
+    if (!is_on(tick, side)) return MessageKind::none;
+    const MessageKind unread = oldest(tick, side);
+    if (unread != MessageKind::none || !judges_) return unread;
+    SessionEnd end = ends_[side];
+    if (boots(tick, side)) end.boot();
+    for (std::uint32_t i = 0; const Packet* packet = link_[side].arrived(tick, i); ++i) {
+      if (end.accepts(*packet) && !packet->is_hello) return packet->content;
+    }
+    return MessageKind::none;
   }
 
   char name(std::size_t side) const { return controllers_[side].now().name; }
@@ -86,15 +104,41 @@ class DistributedTeam {
   // them fails.
   std::uint32_t next_decision_tick(std::uint32_t tick) const {
     if (!settled_) return tick + 1;
-    return std::min({inbox_[left].next_arrival(tick), inbox_[right].next_arrival(tick),
+    return std::min({link_[left].next_arrival(tick), link_[right].next_arrival(tick),
                      faults_.next_outage(tick)});
   }
 
  private:
+  using Packet = Stamped<MessageKind>;
+
+  // Takes in what has arrived.
+  void receive(std::uint32_t tick, std::size_t side) {
+    LinkCounts& counts = link_totals.links[other(side)];
+    palmbots::receive(link_[side], tick, true, ends_[side], counts, [&](MessageKind message) {
+      if (!inbox_[side].push(message)) ++counts.rejected;
+    });
+  }
+
+  // The oldest message that the controller has not read, or none.
+  MessageKind oldest(std::uint32_t tick, std::size_t side) const {
+    if (judges_) {
+      const MessageKind* message = inbox_[side].oldest();
+      return message != nullptr ? *message : MessageKind::none;
+    }
+    const Packet* packet = link_[side].oldest(tick);
+    return packet != nullptr ? packet->content : MessageKind::none;
+  }
+  void pop(std::size_t side) {
+    if (judges_) {
+      inbox_[side].pop();
+    } else {
+      link_[side].pop();
+    }
+  }
+
   Distributed::Input input(std::uint32_t tick, std::size_t side,
                            const RobotObservation& sensed) const {
-    const MessageKind* message = inbox_[side].oldest(tick);
-    return {sensed.sign, message != nullptr ? *message : MessageKind::none, sensed.palm_at_target};
+    return {sensed.sign, oldest(tick, side), sensed.palm_at_target};
   }
 
   // A controller that does not provide is_quiescent() is never treated as quiescent.
@@ -107,37 +151,52 @@ class DistributedTeam {
   }
 
   template <class Log>
-  void post(std::uint32_t tick, const PerSide<MessageKind>& messages, Log&& log) {
-    const bool both = messages[left] != MessageKind::none && messages[right] != MessageKind::none;
-    const bool collides = both && radio_.collide(tick);
+  void post(std::uint32_t tick, const PerSide<MessageKind>& messages, const PerSide<bool>& sends,
+            Log&& log) {
+    const bool collides = sends[left] && sends[right] && radio_.collide(tick);
     for (const std::size_t side : {left, right}) {
-      if (messages[side] == MessageKind::none) continue;
+      if (!sends[side]) continue;
+      const MessageKind message = messages[side];
+      const bool is_hello = message == MessageKind::none;
       const std::uint32_t received =
-          radio_.post(inbox_[other(side)], tick, messages[side], side, side, collides, link_totals);
+          radio_.post(link_[other(side)], tick, ends_[side].stamp(message, is_hello), side, side,
+                      collides, link_totals);
       log(SentMessage{tick, received, static_cast<std::uint8_t>(side),
-                      static_cast<std::uint8_t>(other(side)), messages[side]});
+                      static_cast<std::uint8_t>(other(side)), message, is_hello});
     }
+  }
+
+  // A robot whose controller has nothing to say sends a hello if it has to answer.
+  bool sends_packet(MessageKind message, std::size_t side) const {
+    return message != MessageKind::none || ends_[side].must_answer();
   }
 
   // True if a robot's program runs. A program that boots starts from its initial state.
   bool runs(std::uint32_t tick, std::size_t side) {
     const ProgramState state = monitor_.program_state(faults_, tick, side);
     if (state == ProgramState::off) {
-      inbox_[side].drop(tick);
+      link_[side].drop(tick);
+      inbox_[side].clear();
       commands_[side] = switched_off(commands_[side]);
     }
-    if (state == ProgramState::booting) controllers_[side] = asleep_[side];
+    if (state == ProgramState::booting) {
+      controllers_[side] = asleep_[side];
+      ends_[side].boot();
+    }
     return state == ProgramState::running || state == ProgramState::booting;
   }
 
   PerSide<Controller> controllers_;
-  PerSide<Controller> asleep_;        // initial state, as after a boot
-  bool settled_ = false;              // both are quiescent with their present input
-  PerSide<Link<MessageKind>> inbox_;  // of each robot
+  PerSide<Controller> asleep_;   // initial state, as after a boot
+  bool settled_ = false;         // both are quiescent with their present input
+  PerSide<Link<Packet>> link_;   // to each robot
+  PerSide<MessageInbox> inbox_;  // of each robot
   PerSide<Command> commands_{{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
   Radio radio_;
   Faults faults_;
   ProgramMonitor monitor_;
+  bool judges_;
+  PerSide<SessionEnd> ends_;
 };
 
 static_assert(Team<DistributedTeam<Distributed>>);

@@ -23,7 +23,17 @@ struct SentMessage {
   std::uint8_t sender;
   std::uint8_t receiver;
   MessageKind kind;
+  bool is_hello = false;  // it only answers a packet that had no session; `kind` is none
 };
+
+// The names that the log uses.
+constexpr const char* name_of(const SentMessage& message) {
+  return message.is_hello ? "Hello" : name_of(message.kind);
+}
+
+// True for the content of a packet that a robot sends to the station.
+template <class Payload>
+inline constexpr bool goes_to_station = std::is_same_v<Payload, Centralized::Report>;
 
 // Counts of messages. Every message that is not lost counts as delivered, and so does each copy,
 // damaged or not.
@@ -32,7 +42,7 @@ struct LinkCounts {
   std::uint32_t lost = 0;
   std::uint32_t duplicated = 0;
   std::uint32_t late = 0;      // received by the resilient algorithm, but too old to count
-  std::uint32_t rejected = 0;  // damaged; in the resilient algorithm also copies and outdated ones
+  std::uint32_t rejected = 0;  // damaged, stale, or without a session
 };
 
 // Counts of messages over all links, and for each link.
@@ -127,11 +137,11 @@ class Radio {
       // rejected, up to one packet in 2⁶⁴.
       return true;
     } else {
-      constexpr bool reports = std::is_same_v<Payload, Centralized::Report>;
-      const std::size_t receiver = reports ? 2 : (sender == 2 ? robot : other(sender));
+      const std::size_t receiver =
+          goes_to_station<Payload> ? 2 : (sender == 2 ? robot : other(sender));
       const wire::PacketHeader header{
           static_cast<wire::Role>(sender), static_cast<wire::Role>(receiver), 0, {1, number}, {}};
-      return damaged(wire::packet_of(payload, header), words) != wire::Verdict::accepted;
+      return damaged(packet_of(payload, header), words) != wire::Verdict::accepted;
     }
   }
 

@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/scalar.hpp"
@@ -52,6 +53,7 @@ struct Channel {
   std::uint64_t duplicate_words = 0;  // of 2³²
   std::uint64_t corrupt_words = 0;    // of 2³²
   bool reorders = false;
+  bool has_sessions = true;  // the ends of a link judge packets as the wire does
   double burst_share = 0;
   double burst_rate = 0;     // 1/((1 − s) m), per tick
   double airtime_ticks = 0;  // two messages of one tick collide if they are closer than this
@@ -83,6 +85,14 @@ struct Channel {
     const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
     return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
            outage_count == 0 && message_fault_count == 0;
+  }
+  // True if no message arrives twice or after one that was sent later.
+  constexpr bool keeps_order() const {
+    if (duplicate_words > 0 || reorders) return false;
+    for (std::size_t i = 0; i < message_fault_count; ++i) {
+      if (message_faults[i].effect == MessageEffect::copied) return false;
+    }
+    return true;
   }
   constexpr bool loses(const Words& words) const { return words[0] < loss_words; }
 
@@ -122,10 +132,33 @@ struct Channel {
 // The longest delay that a link can hold, with one message per tick [ticks].
 inline constexpr std::uint32_t max_delay_ticks = 240;
 
-// One direction of a radio connection: a queue of messages under way, in order of arrival.
+// The state of a link, apart from the messages under way.
+struct LinkState {
+  static constexpr std::uint32_t never = ~0U;
+
+  std::uint32_t head_ = 0;
+  std::uint32_t tail_ = 0;
+  std::uint32_t first_due_ = never;  // when the oldest arrives
+  std::uint32_t last_due_ = 0;
+  std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
+  bool observed_ = false;
+  bool burst_ = false;
+};
+
+// One direction of a radio connection: a queue of messages under way, in order of arrival. Only
+// these are copied with a link, because the queue is much larger than most need.
 template <class Payload>
-class Link {
+class Link : LinkState {
  public:
+  Link() = default;
+  Link(const Link& that) : LinkState(that) { copy_messages(that); }
+  Link& operator=(const Link& that) {
+    if (this == &that) return *this;
+    LinkState::operator=(that);
+    copy_messages(that);
+    return *this;
+  }
+
   // Returns the tick of arrival, or 0 if the message is lost. A full queue loses the message.
   std::uint32_t send(std::uint32_t now, Payload payload, const Channel& channel,
                      const Words& words) {
@@ -166,12 +199,12 @@ class Link {
   // The oldest message that has arrived, or null.
   const Payload* oldest(std::uint32_t now) const {
     if (first_due_ > now || head_ == tail_) return nullptr;
-    return &line_[head_ % capacity].payload;
+    return &at(head_).payload;
   }
 
   void pop() {
     ++head_;
-    first_due_ = head_ == tail_ ? never : line_[head_ % capacity].due;
+    first_due_ = head_ == tail_ ? never : at(head_).due;
   }
 
   // The tick at which the oldest message still under way arrives, or `never`. No other message
@@ -180,25 +213,19 @@ class Link {
     return first_due_ > now ? first_due_ : never;
   }
 
+  // The i-th of the messages that have arrived, from 0, or null.
+  const Payload* arrived(std::uint32_t now, std::uint32_t i) const {
+    if (i >= tail_ - head_) return nullptr;
+    const Waiting& waiting = at(head_ + i);
+    return waiting.due <= now ? &waiting.payload : nullptr;
+  }
+
   // Discards everything that has arrived while the receiver was off.
   void drop(std::uint32_t now) {
     while (oldest(now) != nullptr) pop();
   }
 
-  // For periodic state packets: removes all that have arrived and copies the newest to `state`.
-  // Returns true if there was one.
-  bool newest(std::uint32_t now, Payload& state) {
-    bool any = false;
-    while (const Payload* packet = oldest(now)) {
-      state = *packet;
-      any = true;
-      pop();
-    }
-    return any;
-  }
-
  private:
-  static constexpr std::uint32_t never = ~0U;
   static constexpr std::uint32_t capacity = 256;
   static_assert(capacity > max_delay_ticks);
 
@@ -206,6 +233,19 @@ class Link {
     std::uint32_t due;
     Payload payload;
   };
+  // A place in the queue, not initialized until a message is put there.
+  union Place {
+    Waiting waiting;
+    Place() {}
+  };
+  static_assert(std::is_trivially_copyable_v<Waiting>);
+
+  void copy_messages(const Link& that) {
+    for (std::uint32_t place = head_; place != tail_; ++place) at(place) = that.at(place);
+  }
+
+  const Waiting& at(std::uint32_t place) const { return line_[place % capacity].waiting; }
+  Waiting& at(std::uint32_t place) { return line_[place % capacity].waiting; }
 
   bool in_burst(std::uint32_t now, const Channel& channel, std::uint32_t word) {
     const double share = channel.burst_share;
@@ -221,27 +261,18 @@ class Link {
   std::uint32_t put(std::uint32_t due, const Payload& payload, bool reorders) {
     std::uint32_t place = tail_++;
     if (reorders) {
-      for (; place != head_ && line_[(place - 1) % capacity].due > due; --place) {
-        line_[place % capacity] = line_[(place - 1) % capacity];
+      for (; place != head_ && at(place - 1).due > due; --place) {
+        at(place) = at(place - 1);
       }
     } else {
       last_due_ = due = due > last_due_ ? due : last_due_;
     }
-    Waiting& last = line_[place % capacity];
-    last.due = due;
-    last.payload = payload;
+    at(place) = {due, payload};
     if (place == head_) first_due_ = due;
     return due;
   }
 
-  std::array<Waiting, capacity> line_;  // not cleared: head_ and tail_ delimit the valid part
-  std::uint32_t head_ = 0;
-  std::uint32_t tail_ = 0;
-  std::uint32_t first_due_ = never;  // when the oldest arrives
-  std::uint32_t last_due_ = 0;
-  std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
-  bool observed_ = false;
-  bool burst_ = false;
+  std::array<Place, capacity> line_;  // head_ and tail_ delimit the valid part
 };
 
 }  // namespace palmbots

@@ -35,7 +35,7 @@ struct ProgramInput {
 struct ProgramPacket {
   wire::Role receiver;
   wire::Bytes bytes;
-  MessageKind word = MessageKind::none;  // what a robot says in it to its partner, for the log
+  MessageKind word = MessageKind::none;  // what a robot says in it, for the log; none: a hello
 };
 
 // What a program answers.
@@ -112,7 +112,8 @@ class RemoteTeam {
         const std::uint32_t received =
             radio_.post(inbox_[other(side)], tick, packet.bytes, side, side, collides, link_totals);
         log(SentMessage{tick, received, static_cast<std::uint8_t>(side),
-                        static_cast<std::uint8_t>(other(side)), packet.word});
+                        static_cast<std::uint8_t>(other(side)), packet.word,
+                        packet.word == MessageKind::none});
       }
     }
     return commands_;

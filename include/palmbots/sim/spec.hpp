@@ -103,9 +103,10 @@ struct Spec {
   double loss = 0;
   double duplicate = 0;
   double corruption = 0;
-  std::uint32_t reorders = 0;
-  std::uint32_t brake = 1;  // a robot may stop as a correction (beside reorders: no padding)
-  double burst_share = 0;   // share of the time in which a link is dead
+  std::uint16_t reorders = 0;
+  std::uint16_t sessions = 1;  // packets are judged as on the wire
+  std::uint32_t brake = 1;     // a robot may stop as a correction (beside the two: no padding)
+  double burst_share = 0;      // share of the time in which a link is dead
   double burst_mean = 0.1;
   double airtime = 0;  // 0: no collisions
   double beacon = 0.05;

@@ -87,6 +87,10 @@ class Radio(Section):
     """Longest additional time; random for each packet."""
     reorder: Switch = False
     """Whether jitter lets a packet overtake another on the same link."""
+    sessions: Switch = True
+    """Whether robots and station number their packets and ignore those that are old, copied, or not
+    sent in answer to their present boot, as on the wire. false: the bare channel of the paper, on
+    which `centralized` and `distributed` act on everything that arrives."""
     loss: Fraction = 0.0
     """Probability that a packet is lost, independent for each packet."""
     burst_fraction: Share = 0.0

@@ -68,6 +68,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     spec.duplicate = scene.radio.duplicate
     spec.corruption = scene.radio.corruption
     spec.reorders = scene.radio.reorder
+    spec.sessions = scene.radio.sessions
     spec.burst_share = scene.radio.burst_fraction
     spec.burst_mean = scene.radio.burst_s
     spec.airtime = scene.radio.airtime_s

@@ -74,6 +74,8 @@ class Message:
     sender: Literal["left", "right"]
     receiver: Literal["left", "right"]
     kind: str
+    """A kind of the controller's messages; or `Hello`, which only answers a message without a
+    session: one that was not sent in answer to the present boot of its receiver."""
 
 
 @renamed_fields(late="expired")
@@ -89,7 +91,8 @@ class LinkStatistics:
     expired: int
     """Received by the resilient algorithm, but older than the lease."""
     rejected: int
-    """Arrived damaged; or ignored by the resilient algorithm as a duplicate or out of order."""
+    """Arrived damaged, or ignored: a duplicate, overtaken, or not sent in answer to the receiver's
+    present boot."""
 
 
 @renamed_fields(

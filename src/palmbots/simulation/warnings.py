@@ -39,17 +39,32 @@ def _standing(measured: Any) -> list[str]:
 
 
 def _waiting(measured: Any, scene: Scene) -> list[str]:
-    """Robots that still wait at the end of a carry with lost messages; they would wait forever."""
-    damaged = any(rejected for *_, rejected in measured.links)
-    if measured.messages_lost == 0 and not damaged:
+    """Robots that still wait at the end of a carry in which a message was lost or not accepted;
+    they would wait forever."""
+    reason = _reason(measured, scene)
+    if not reason:
         return []
     longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
     return [
         f"the {side} robot has waited since {since:.1f} s for {_a(kind)} that does not arrive "
-        f"(a message {'was lost' if measured.messages_lost else 'arrived damaged'})"
+        f"(a message {reason})"
         for side, (since, duration, kind) in zip(SIDES, measured.hanging, strict=True)
         if duration > longest
     ]
+
+
+def _reason(measured: Any, scene: Scene) -> str:
+    """Why a message may be missing; empty: none is."""
+    if measured.messages_lost:
+        return "was lost"
+    if not any(rejected for *_, rejected in measured.links):
+        return ""
+    if scene.radio.corruption > 0:
+        return "arrived damaged"
+    boots = scene.faults.random_reboots or any(
+        fault.kind in ("reboot", "freeze") for fault in scene.faults.script
+    )
+    return "had no session after a reboot" if boots else ""  # else it was a copy
 
 
 def _a(kind: str) -> str:

@@ -39,7 +39,7 @@ _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
 _MOST_PER_INCH = 10  # bars; above that, labels and messages would not be legible
 _MARKERS = {
-    "TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D",
+    "TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D", "Hello": ".",
     "Plus": "^", "PlusShallow": 6, "Zero": "o", "Minus": "v", "MinusShallow": 7,
 }  # fmt: skip
 _OTHER = "P"  # marker of kinds that are not in the table

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The radio link: latency to the tick, jitter that never reorders, loss, and the newest packet.
+// The radio link: latency to the tick, jitter that never reorders, loss, and what has arrived.
 #include "palmbots/sim/radio_channel.hpp"
 
 #include <cmath>
@@ -12,6 +12,7 @@
 using palmbots::Channel;
 using palmbots::draw;
 using palmbots::Link;
+using palmbots::MessageEffect;
 using palmbots::Stream;
 using palmbots::Words;
 
@@ -99,19 +100,44 @@ void test_loss() {
   }
 }
 
-void test_newest_packet_counts() {
+// Of messages sent at ticks 0, 1 and 3 with a delay of three ticks; that of tick 2 is lost. A copy of
+// the link, also onto one that has been used, holds the same.
+void test_arrived_messages() {
   Link<int> link;
+  Link<int> used;
   const Channel channel = Channel::of(0.03, 0, 0.5, 0.01);
-  int state = -1;
-  CHECK(!link.newest(0, state) && state == -1);
   link.send(0, 100, channel, sure);
   link.send(1, 101, channel, sure);
   CHECK(link.send(2, 102, channel, {0, 0, 0, 0}) == 0);  // lost
   link.send(3, 103, channel, sure);
-  CHECK(!link.newest(2, state) && state == -1);
-  CHECK(link.newest(4, state) && state == 101);
-  CHECK(!link.newest(5, state) && state == 101);
-  CHECK(link.newest(6, state) && state == 103);
+  for (int i = 0; i < 5; ++i) used.send(0, i, channel, sure);
+  used.pop();
+  used = link;
+  for (Link<int> one : {link, used}) {
+    CHECK(one.arrived(2, 0) == nullptr);
+    CHECK(*one.arrived(5, 0) == 100 && *one.arrived(5, 1) == 101 && one.arrived(5, 2) == nullptr);
+    CHECK(*one.arrived(6, 2) == 103 && one.arrived(6, 3) == nullptr);
+    CHECK(one.next_arrival(0) == 3);
+    one.drop(5);
+    CHECK(*one.arrived(6, 0) == 103 && one.arrived(5, 0) == nullptr && one.next_arrival(5) == 6);
+  }
+  CHECK(*link.oldest(3) == 100);
+}
+
+// Copies, overtaking and scheduled copies change the order; losses, jitter and delays do not.
+void test_order() {
+  Channel channel = Channel::of(0.03, 0.1, 0.5, 0.01);
+  const auto keeps = [&](MessageEffect effect) {
+    Channel changed = channel;
+    changed.message_faults[changed.message_fault_count++] = {0, 1, effect, 5};
+    return changed.keeps_order();
+  };
+  CHECK(channel.keeps_order() && keeps(MessageEffect::lost) && keeps(MessageEffect::late));
+  CHECK(!keeps(MessageEffect::copied));
+  Channel reordering = channel;
+  reordering.reorders = true;
+  channel.duplicate_words = 1;
+  CHECK(!reordering.keeps_order() && !channel.keeps_order());
 }
 
 // One message a tick over the longest delay fits; a full line loses and says so.
@@ -265,7 +291,8 @@ int main() {
   test_jitter_is_uniform();
   test_never_reorders();
   test_loss();
-  test_newest_packet_counts();
+  test_arrived_messages();
+  test_order();
   test_capacity();
   test_bursts();
   test_reordering();

@@ -40,12 +40,20 @@ Faults fault_of(FaultKind kind, std::uint32_t side, double at, double lasts) {
   return Faults::of(spec, 0);
 }
 
+Channel channel_of(double latency, bool has_sessions) {
+  Channel channel = Channel::of(latency, 0, 0, 0.01);
+  channel.has_sessions = has_sessions;
+  return channel;
+}
+
 // Off for ticks 10 to 14: it rests with the palm as commanded, hears nothing of what comes
-// meanwhile, and begins anew in tick 15, with what comes then.
-void test_rebooted_robot_starts_from_its_initial_state() {
-  DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, Channel::of(0.03, 0, 0, 0.01), 0,
+// meanwhile, and begins anew in tick 15, with what comes then. With sessions what comes in tick 15
+// is only answered; the answer is there in tick 18, and what is sent then comes in tick 21.
+void test_rebooted_robot_starts_from_its_initial_state(bool has_sessions) {
+  DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, channel_of(0.03, has_sessions), 0,
                                 right, fault_of(FaultKind::reboot, left, 0.1, 0.05));
-  for (std::uint32_t tick = 0; tick < 20; ++tick) {
+  const std::uint32_t again = has_sessions ? 21 : 15;
+  for (std::uint32_t tick = 0; tick < 28; ++tick) {
     const auto out = team.step(tick, {}, ignore);
     const bool off = tick >= 10 && tick < 15;
     CHECK(out[left].stop == off && !out[right].stop);
@@ -54,9 +62,13 @@ void test_rebooted_robot_starts_from_its_initial_state() {
     if (!off) CHECK(out[left].move == static_cast<Move>(1 + step % 2));
     if (off) CHECK(out[left].move == Move::hold);
     // One message a tick from tick 3 on; those of ticks 10 to 14 came to nobody.
-    const std::uint32_t heard = tick < 10 ? (tick < 3 ? 0 : tick - 2) : (off ? 7 : tick - 14);
+    const std::uint32_t since = tick < again ? 0 : tick + 1 - again;
+    const std::uint32_t heard = tick < 10 ? (tick < 3 ? 0 : tick - 2) : (off ? 7 : since);
     CHECK(team.name(left) == static_cast<char>('0' + heard));
   }
+  // Six messages had no session. Until the first hello comes, there is one for each.
+  CHECK(team.link_totals.links[right].rejected == (has_sessions ? 6 : 0));
+  CHECK(team.link_totals.links[left].sent == (has_sessions ? 6 : 0));
 }
 
 // Frozen for ticks 10 to 13 it continues its last command; then the watchdog makes it rest and
@@ -81,10 +93,12 @@ void test_frozen_robot_keeps_its_command_until_the_watchdog_reboots_it() {
 }
 
 // Case 1: the right palm is up. The right robot, off for ticks 60 to 69, then does nothing until
-// the next command has come; a command that came while it was off is gone.
-void test_reboot_of_a_robot_with_a_station() {
-  CentralizedTeam team(Channel::of(0.05, 0, 0, 0.01), 0, right,
+// the next command has come; a command that came while it was off is gone. With sessions the next
+// command is the answer to its report of tick 70.
+void test_reboot_of_a_robot_with_a_station(bool has_sessions) {
+  CentralizedTeam team(channel_of(0.05, has_sessions), 0, right,
                        fault_of(FaultKind::reboot, right, 0.6, 0.1));
+  const std::uint32_t again = has_sessions ? 80 : 70;
   std::uint32_t before = 0;
   for (std::uint32_t tick = 0; tick < 90; ++tick) {
     const auto out = team.step(tick, {{{Sign::positive, true}, {Sign::zero, true}}}, ignore);
@@ -92,12 +106,14 @@ void test_reboot_of_a_robot_with_a_station() {
     CHECK(out[right].stop == off && !out[left].stop);
     if (tick >= 12 && tick < 70) CHECK(out[right].palm == Palm::shallow);
     if (off) CHECK(out[right].move == Move::hold);
-    // Commands come every tick; that of tick 70 too.
-    if (tick >= 70) CHECK(out[right].palm == Palm::shallow && out[right].move == Move::away);
+    if (tick >= 70 && tick < again) CHECK((out[right] == Command{Palm::steep, Move::hold}));
+    // Commands come every tick; that of this tick too.
+    if (tick >= again) CHECK(out[right].palm == Palm::shallow && out[right].move == Move::away);
     const std::uint32_t reports = team.link_totals.links[right].sent;
     CHECK(reports == before + (off ? 0 : 1));
     before = reports;
   }
+  CHECK(team.link_totals.links[2 + right].rejected == (has_sessions ? 10 : 0));
   // One that hears nothing afterwards drives on, palm steep.
   Channel dead = Channel::of(0.05, 0, 0, 0.01);
   dead.outages[0] = {2, 60, 1000};
@@ -149,9 +165,11 @@ void test_overlapping_messages_collide() {
 }  // namespace
 
 int main() {
-  test_rebooted_robot_starts_from_its_initial_state();
+  for (const bool has_sessions : {true, false}) {
+    test_rebooted_robot_starts_from_its_initial_state(has_sessions);
+    test_reboot_of_a_robot_with_a_station(has_sessions);
+  }
   test_frozen_robot_keeps_its_command_until_the_watchdog_reboots_it();
-  test_reboot_of_a_robot_with_a_station();
   test_station_that_is_down_receives_nothing();
   test_overlapping_messages_collide();
 }

@@ -107,7 +107,8 @@ Seen test_every_team_goes_as_it_does_alone(bool with_reboots, std::uint64_t tick
         // Of every delay some, and some that hang for a long time.
         const std::uint32_t delay = 1 + chance[2] % BitslicedDelay::longest;
         alone.loss = chance[3] % 3 == 0 ? 0.2 : 0;
-        const Channel channel = Channel::of(delay * 0.01, 0, alone.loss, 0.01);
+        Channel channel = Channel::of(delay * 0.01, 0, alone.loss, 0.01);
+        channel.has_sessions = (chance[2] >> 16) % 4 != 0;
         if (with_reboots) alone.faults = some_reboots(chance[3], static_cast<std::uint32_t>(tick));
         alone.team = std::make_unique<Team>(make(channel, alone.faults, chance[0]));
         alone.metrics = std::make_unique<Metrics>();
