@@ -30,18 +30,6 @@ void bind_mode_machine(nb::module_& m) {
       },
       "The mode machine of a robot as it runs: per row the modes in which it starts, what happens, "
       "the next mode, what becomes of the fault code (keep, set, refusal), and the code.");
-  m.def(
-      "modes_with_controller",
-      [] {
-        std::vector<std::string> modes;
-        for (unsigned i = 0; i < wire::robot_modes; ++i) {
-          if (runtime::mode_table.outputs[i].runs) {
-            modes.emplace_back(name_of(static_cast<wire::RobotMode>(i)));
-          }
-        }
-        return modes;
-      },
-      "The modes in which the controller runs and the wheels may turn.");
 }
 
 }  // namespace palmbots::bindings

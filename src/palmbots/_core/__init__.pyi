@@ -880,9 +880,6 @@ def mode_table() -> list[tuple[list[str], str, str, str, str]]:
     The mode machine of a robot as it runs: per row the modes in which it starts, what happens, the next mode, what becomes of the fault code (keep, set, refusal), and the code.
     """
 
-def modes_with_controller() -> list[str]:
-    """The modes in which the controller runs and the wheels may turn."""
-
 contact_kinds: tuple = ('', 'vertex', 'flush', 'tip')
 
 contact_tolerance: float = 1e-05
