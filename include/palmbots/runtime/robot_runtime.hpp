@@ -200,16 +200,19 @@ class RobotRuntime {
       send(out, wire::Role::station, said.kind, wire::payload_of(said.report, stop));
       return;
     }
-    const bool is_due = settings_.state_period > 0 && since_said_ >= settings_.state_period;
+    // A change of the mode is news for the partner: it is sent at once.
+    const bool has_changed = out.mode.mode != said_mode_;
+    const bool is_due =
+        settings_.state_period > 0 && (has_changed || since_said_ >= settings_.state_period);
     const bool may_add = !runs_ || Program::answers_with_hello;
     const bool is_asked = unanswered_[index(partner())];
     if (!said.speaks && !(may_add && (is_due || is_asked))) return;
     since_said_ = 0;
-    if (!said.speaks && (is_asked || extras_++ % hello_every == 0)) {
+    if (!said.speaks && (is_asked || (!has_changed && extras_++ % hello_every == 0))) {
       send(out, partner(), wire::PacketKind::hello, wire::payload_of(hello()));
       return;
     }
-    said.state.mode = out.mode.mode;
+    said.state.mode = said_mode_ = out.mode.mode;
     said.state.stop = stop;
     if (!runs_) said.state.at_rest = true;
     send(out, partner(), wire::PacketKind::state, wire::payload_of(said.state));
@@ -281,8 +284,9 @@ class RobotRuntime {
   std::uint32_t station_tick_ = never;  // in which the station's newest packet arrived
   ReceivedCounts received_;
   std::uint32_t sent_ = 0;
-  std::uint32_t extras_ = 0;  // packets to the partner without a word
-  std::uint32_t turn_ = 0;    // of the numbers in the status
+  wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent
+  std::uint32_t extras_ = 0;                          // packets to the partner without a word
+  std::uint32_t turn_ = 0;                            // of the numbers in the status
   int since_said_ = 0;
   int since_status_ = 0;
 };

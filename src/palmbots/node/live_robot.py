@@ -59,19 +59,23 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
         with contextlib.closing(driver):
             clock = ControlClock(period_s / rate)
             goal_m = scene.task.distance_m
+            start_m = 0.0
             stopping = round(pair.settings.limits.stopping_s / period_s)
             while True:
                 elapsed = clock.wait()
                 seen = driver.read()
                 if seen is None:
                     return state.epoch
+                if not robot.wheels:
+                    start_m = seen.distance_m
+                covered_m = seen.distance_m - start_m
                 reading = _core.runtime.Reading(
                     seen.sign,
                     seen.palm_at_target,
                     storage_ok=storage.works,
-                    covered=seen.distance_m >= goal_m,
+                    covered=covered_m >= goal_m,
                     overruns=min(clock.recent_overruns, 0xFFFF),
-                    progress=round(65535 * min(1.0, seen.distance_m / goal_m)),
+                    progress=round(65535 * min(1.0, covered_m / goal_m)),
                     stopping=stopping,
                 )
                 palm, move, stop, packets, *_, assists = robot.step(
