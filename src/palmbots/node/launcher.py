@@ -16,9 +16,11 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
+from palmbots.node.impairment import Impairment, Proxy
 from palmbots.node.lockstep_robot import REBOOTED
-from palmbots.node.pair_file import init_pair
+from palmbots.node.pair_file import ENDS, init_pair
 from palmbots.scene.scene import Scene
+from palmbots.wire import Role
 
 _Running: TypeAlias = dict[str, "subprocess.Popen[bytes]"]
 _Commands: TypeAlias = Mapping[str, Sequence[str]]
@@ -71,6 +73,7 @@ def run_live(
     world_options: Sequence[str],
     *,
     rate: float,
+    impairment: Impairment,
     quiet: bool,
     on_line: Callable[[str], None],
 ) -> int:
@@ -81,6 +84,7 @@ def run_live(
         controller: the controller of both robots.
         world_options: further options of ``palmbots world``.
         rate: how many times faster than real time.
+        impairment: what happens to the packets.
         quiet: only the world prints its result.
         on_line: called with a line about each program that was killed and starts again.
 
@@ -90,23 +94,23 @@ def run_live(
     Raises:
         PalmbotsError: a process cannot be started, or a program fails.
     """
-    left, right, station = _free_ports(3)
+    own: dict[Role, str] = dict(zip(ENDS, _free_ports(len(ENDS)), strict=True))
+    proxy = Proxy(own, impairment)
     values = {
-        "link.left": left,
-        "link.right": right,
-        "link.station": station,
+        **{f"link.{end}": address for end, address in proxy.addresses.items()},
         "limits.after_reboot": "rejoin",
         "limits.partner_lost": "controller",
         "limits.time_limit_s": scene.timeout_s,
     }
     speed = ["--rate", str(rate)]
-    with _pair(scene, controller, values) as (file, address), _processes() as running:
+    with proxy, _pair(scene, controller, values) as (file, address), _processes() as running:
+        files = {end: _own_file(file, end, address) for end, address in own.items()}
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
         running["world"] = _started([*world, *world_options])
-        robots = {side: ["robot", str(file), "--side", side, *speed] for side in SIDES}
+        robots = {side: ["robot", str(files[side]), "--side", side, *speed] for side in SIDES}
         for side, command in robots.items():
             running[side] = _started(command)
-        commands = robots | {"station": ["station", str(file), "--auto"]}
+        commands = robots | {"station": ["station", str(files["station"]), "--auto"]}
         running["station"] = _started(commands["station"], quiet=quiet)
         _supervise(running, commands, on_line)
         for side in SIDES:
@@ -171,6 +175,15 @@ def _pair(
             values=values,
         )
         yield file, address
+
+
+def _own_file(file: Path, end: Role, address: str) -> Path:
+    """The pair file for one end: it receives at its own address, and sends through the proxy."""
+    lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+    own = [f'{end} = "{address}"\n' if line.startswith(f"{end} = ") else line for line in lines]
+    copy = file.with_name(f"{file.stem}-{end}.toml")
+    write_whole(copy, "".join(own))
+    return copy
 
 
 def _free_ports(count: int) -> list[str]:

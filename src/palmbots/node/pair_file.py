@@ -118,7 +118,7 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        table = self.settings.model_dump(exclude={"driver": True})
+        table = self.settings.model_dump(exclude={"driver": True, "link": True})
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 

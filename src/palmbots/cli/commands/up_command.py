@@ -31,6 +31,12 @@ def up(
     rate: Annotated[
         float, typer.Option("--rate", help="How many times faster than real time.")
     ] = 1.0,
+    link: Annotated[
+        str,
+        typer.Option(
+            "--link", metavar="TEXT", help='A bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".'
+        ),
+    ] = "",
     world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
@@ -46,6 +52,7 @@ def up(
     """
     from palmbots._util.arguments import seed_of
     from palmbots.control.registry import check
+    from palmbots.node.impairment import Impairment
     from palmbots.node.launcher import check_rate, run_live, run_lockstep
     from palmbots.node.lockstep_world import remote
     from palmbots.simulation.worlds import check_precision, check_scene, world_entry
@@ -62,7 +69,15 @@ def up(
     if lockstep:
         options += ["--precision", precision, "--called", scene]
         return run_lockstep(chosen, controller, options)
-    return run_live(chosen, controller, options, rate=check_rate(rate), quiet=as_json, on_line=warn)
+    return run_live(
+        chosen,
+        controller,
+        options,
+        rate=check_rate(rate),
+        impairment=Impairment.parse(link),
+        quiet=as_json,
+        on_line=warn,
+    )
 
 
 COMMAND = up
