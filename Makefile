@@ -15,9 +15,11 @@ CXX_FILES = $(shell find include src tests benchmarks verify -name '*.hpp' -o -n
 PY_FILES = src tests examples benchmarks scripts verify
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
-# (incrementally) in build/extension. $(1): warnings as errors, ON or OFF. $(2): ON builds all, OFF
+# (incrementally) in build/extension. The stamps get the time at which the build began, so that a
+# source changed meanwhile is built the next time. $(1): warnings as errors, ON or OFF. $(2): ON builds all, OFF
 # only what a single carry needs, with -O1: a quarter of the compilation. $(3): ON for `make quick`.
 define install
+	@touch $(VENV)/started
 	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about a minute))"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
 		--config-settings=build-dir=build/extension \
@@ -27,7 +29,7 @@ define install
 endef
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
 
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
@@ -35,6 +37,9 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python tests/support/cxx.py
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
+
+test-robot: $(VENV)/strict.done  ## world and robots as processes: the same carries as inside one program
+	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
@@ -94,17 +99,17 @@ WERROR = $(if $(wildcard $(VENV)/strict.done),ON,OFF)
 
 $(VENV)/extension.done: $(EXTENSION) $(VENV)/carry.done
 	$(call install,$(WERROR),$(if $(wildcard $(VENV)/build.done),ON,OFF))
-	@touch $(wildcard $(VENV)/build.done $(VENV)/strict.done) $@
+	@touch -r $(VENV)/started $(wildcard $(VENV)/build.done $(VENV)/strict.done) $@
 
 $(VENV)/build.done: $(EXTENSION) $(VENV)/carry.done
 	$(call install,$(WERROR),ON)
-	@touch $(wildcard $(VENV)/strict.done) $(VENV)/extension.done $@
+	@touch -r $(VENV)/started $(wildcard $(VENV)/strict.done) $(VENV)/extension.done $@
 
 $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 	$(call install,ON,ON)
-	@touch $(VENV)/extension.done $(VENV)/build.done $@
+	@touch -r $(VENV)/started $(VENV)/extension.done $(VENV)/build.done $@
 
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs help carry build quick test verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean

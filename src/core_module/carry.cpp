@@ -11,6 +11,7 @@
 #include "machines.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/sim/team_registry.hpp"
+#include "remote.hpp"
 
 namespace palmbots::bindings {
 
@@ -64,6 +65,11 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     OptimalTeam team(optimal.policy, spec, optimal.may_stop);
     return single ? run_team<float>(spec, seed, record, team)
                   : run_team<double>(spec, seed, record, team);
+  }
+  if (nb::isinstance<RemoteControllers>(controller)) {
+    auto team = remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed);
+    return single ? run_team<float>(spec, seed, record, std::move(team))
+                  : run_team<double>(spec, seed, record, std::move(team));
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));
@@ -228,8 +234,9 @@ void bind_carry(nb::module_& m) {
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
         nb::arg("record"),
-        "One carry. controller: a name, Machines, an OptimalController, or a pair of Python step "
-        "functions.");
+        "One carry. controller: a name, Machines, an OptimalController, RemoteControllers, or a "
+        "pair of "
+        "Python step functions.");
 }
 
 }  // namespace palmbots::bindings

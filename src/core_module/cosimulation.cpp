@@ -12,6 +12,7 @@
 #include "carry.hpp"
 #include "machines.hpp"
 #include "palmbots/sim/team_registry.hpp"
+#include "remote.hpp"
 
 namespace palmbots::bindings {
 
@@ -66,6 +67,9 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
   }
   if (nb::isinstance<Machines>(controller)) {
     return make(machine_team(nb::cast<const Machines&>(controller), spec, seed));
+  }
+  if (nb::isinstance<RemoteControllers>(controller)) {
+    return make(remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed));
   }
   return make(DistributedTeam<PythonController>(python_controllers(controller, spec),
                                                 channel_of(spec), seed, leader_of(spec),

@@ -35,9 +35,17 @@ void give(PerSide<ExternalCommand>& commands, const Do& l, const Do& r) {
     if (palm < 0 || palm > 1 || move < 0 || move > 2 || send < 0 || send > 3) {
       throw std::out_of_range("palm is 0 or 1; move is 0 to 2; message is 0 to 3");
     }
-    commands[side] = {
-        {static_cast<Palm>(palm), static_cast<Move>(move)}, static_cast<MessageKind>(send), true};
+    const bool stop = commands[side].command.stop;
+    commands[side] = {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
+                      static_cast<MessageKind>(send),
+                      true};
   }
+}
+
+// From the next command on, a robot stops travelling, or travels.
+void set_stops(PerSide<ExternalCommand>& commands, bool l, bool r) {
+  commands[left].command.stop = l;
+  commands[right].command.stop = r;
 }
 
 void go_on(PerSide<ExternalCommand>& commands) {
@@ -131,6 +139,8 @@ class Episode {
                  {p[left], p[right]}};
     });
   }
+
+  void stop(bool l, bool r) { set_stops(commands_, l, r); }
 
   std::pair<Seen, Seen> seen() {
     return visit([&](auto& begun) { return seen_of(begun.carry); });
@@ -242,6 +252,8 @@ void bind_episode(nb::module_& m) {
            "read is read in the first of them, in which messages go out too. Returns (outcome, "
            "ticks "
            "and messages so far, midpoint [m], contacts [m]).")
+      .def("stop", &Episode::stop, nb::arg("left"), nb::arg("right"),
+           "Whether each robot rests, from the next step on, until it is called again.")
       .def("run", &Episode::run, "What became of it; takes the trace with it.");
 
   nb::class_<ExternalCoSimulation>(m, "ExternalCoSimulation",
@@ -260,6 +272,10 @@ void bind_episode(nb::module_& m) {
           [](ExternalCoSimulation& c, const Do& l, const Do& r) { give(c.commands(), l, r); },
           nb::arg("left"), nb::arg("right"),
           "(palm, move, message to send) of each robot, from the next command on.")
+      .def(
+          "stop", [](ExternalCoSimulation& c, bool l, bool r) { set_stops(c.commands(), l, r); },
+          nb::arg("left"), nb::arg("right"),
+          "Whether each robot rests, from the next command on, until it is called again.")
       .def(
           "step_controllers",
           [](ExternalCoSimulation& c) {

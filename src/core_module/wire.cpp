@@ -179,7 +179,7 @@ void bind_wire(nb::module_& core) {
   m.attr("languages") = names_to(wire::Language::signs);
   m.attr("words") = names_to(MessageKind::minus_shallow);
   m.attr("robot_modes") = names_to(wire::RobotMode::fault);
-  m.attr("fault_codes") = names_to(wire::FaultCode::stopping);
+  m.attr("fault_codes") = names_to(wire::FaultCode::stop);
   m.attr("operations") = names_to(wire::Operation::release);
   m.attr("status_numbers") = nb::make_tuple("progress", "battery", "overruns", "sent");
   m.attr("cases") = std::string(wire::case_names, sizeof wire::case_names);

@@ -9,6 +9,8 @@
 import importlib as _importlib
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from palmbots._util.offers import offer_entry as _offer_entry
+from palmbots._util.offers import offer_module as _offer_module
 from palmbots._util.renamed_names import renamed_in_module as _renamed_in_module
 from palmbots._version import __version__ as __version__
 
@@ -127,6 +129,15 @@ _LAZY = {
     "wire": "palmbots.wire",
     "write_log": "palmbots.logs.mcap_writer:write_log",
 }
+
+# What higher rooms add to the registries of lower ones; imported on first use.
+_OPTIMAL = "palmbots.optimum.optimal_controllers"
+_offer_entry("world", "mujoco", "palmbots.mujoco.carry_runner:WORLD")
+_offer_entry("controller file", ".toml", "palmbots.derivation.policy_controller:load_policy")
+_offer_entry("reference controller", "optimal", f"{_OPTIMAL}:OPTIMAL")
+_offer_entry("reference controller", "optimal-stopping", f"{_OPTIMAL}:OPTIMAL_STOPPING")
+_offer_module("figure", "palmbots.viz")
+_offer_module("writer", "palmbots.viz")
 
 # Former names, and where they are now.
 _RENAMED = {

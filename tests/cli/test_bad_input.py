@@ -95,7 +95,19 @@ BAD += [
     (["carry", *BLIND, "--world", "moon"], ["palmbots: --world: "]),
     (["carry", *BLIND, "--precision", "half"], ["palmbots: --precision: "]),
     (["carry", *BLIND, "--seed", "-1"], ["palmbots: --seed: "]),
-    (["carry", "/dev/null", "--seed", "-1"], ["palmbots: --seed: "]),  # nothing is set
+    *(
+        (arguments, ["palmbots: --seed: "])
+        for arguments in (  # nothing is set in /dev/null
+            ["carry", "/dev/null", "--seed", "-1"],
+            ["compare", "/dev/null", "--seed", "-1"],
+            ["design", "/dev/null", "--seed", "-1"],
+            ["drop-rate", "/dev/null", "--seed", "-1"],
+            ["noise-limit", "/dev/null", "--seed", "-1"],
+        )
+    ),
+    (["modes", "/dev/null", "--p-left-m", "1"], ["palmbots: --p-left-m: "]),
+    (["validate", "/dev/null", "-c", "magic"], ["palmbots: --controller: "]),
+    (["study", "/dev/null", "--threads", "0"], ["palmbots: --threads: "]),
     (["study", "/dev/null", "--plot"], ["palmbots: --plot needs a study that varies"]),
 ]
 

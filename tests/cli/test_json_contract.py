@@ -134,11 +134,13 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ),
     ("keys", (), 0, {"keys[].name", "keys[].meaning", "keys[].default", "keys[].unit"}),
     ("init", ("scene", "SCENE"), 0, {"file", "scene"}),
+    ("init", ("pair", "PAIR"), 0, {"files"}),
 ]  # fmt: skip
 
 
-# These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits).
-ELSEWHERE = {"validate", "speed-limits"}
+# These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
+# other processes (tests/robot).
+ELSEWHERE = {"validate", "speed-limits", "up", "world", "robot", "station"}
 
 
 def has(table: Any, key: str) -> bool:
@@ -156,7 +158,7 @@ def files(here: Run, tmp_path: Path) -> dict[str, str]:
     """Files that commands read and write, by the word in the contract."""
     names = {
         "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
-        "MJCF": "scene.xml", "SCENE": "scene.toml",
+        "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml",
     }  # fmt: skip
     return {word: str(tmp_path / name) for word, name in names.items()}
 

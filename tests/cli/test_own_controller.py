@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from commands import Run, assert_refused
+from shell import palmbots
 
 SHORT = ("--set", "task.distance_m=0.1")
 SOURCE = '''
@@ -152,3 +153,55 @@ def test_place_that_is_no_file_is_refused(
     ):
         assert_refused(here("carry", "-c", f"{place}:Level"), place, words)
     assert_refused(here("carry", "-c", "sys:exit"), "exit() failed: SystemExit")
+
+
+# Failures that no caller can catch, in a process of its own because it replaces Python's hooks.
+UNCAUGHT = """
+import atexit, threading
+
+class C(Level):
+    def __init__(self):
+        thread = threading.Thread(target=self.work, name="listener")
+        thread.start()
+        thread.join()
+
+    def work(self): raise OSError("in a thread")
+
+    def __del__(self): raise OSError("at the end")
+
+def goodbye(): raise OSError("at exit")
+
+atexit.register(goodbye)
+"""
+
+
+def test_failure_in_a_thread_or_in_del_is_one_warning(tmp_path: Path) -> None:
+    """The carry goes on, as Python does; three robots are made, and each failure is reported
+    once."""
+    lines = (SOURCE + UNCAUGHT).splitlines()
+    (tmp_path / "own.py").write_text("\n".join(lines))
+
+    def place(text: str) -> str:
+        return f"(own.py, line {next(k for k, line in enumerate(lines, 1) if text in line)})"
+
+    result = palmbots("carry", "-c", "own.py:C", *SHORT, cwd=tmp_path)
+    assert result.returncode == 0
+    assert result.stdout.startswith("DELIVERED")
+    assert sorted(result.stderr.splitlines()) == [
+        f"palmbots: warning: C.__del__ failed: OSError: at the end {place('at the end')}",
+        f"palmbots: warning: goodbye failed: OSError: at exit {place('at exit')}",
+        f"palmbots: warning: thread listener failed: OSError: in a thread {place('in a thread')}",
+    ]
+
+
+@pytest.mark.parametrize("deed", ["sys.stdout.close()", "sys.stdout = None"])
+def test_controller_that_closes_stdout_is_refused(deed: str, tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(f"{SOURCE}import sys\n{deed}\n")
+    result = palmbots("carry", "-c", "own.py:Level", *SHORT, cwd=tmp_path)
+    assert_refused(result, "palmbots: the output cannot be written", "closed stdout")
+
+
+def test_policy_that_is_a_pipe_is_refused(here: Run, tmp_path: Path) -> None:
+    """It would wait for somebody who writes to it twice."""
+    os.mkfifo(tmp_path / "pipe.toml")
+    assert_refused(here("carry", "-c", str(tmp_path / "pipe.toml")), "is not a regular file")

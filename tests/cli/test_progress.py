@@ -10,6 +10,7 @@ import pytest
 
 from commands import Run
 from palmbots.cli._progress import LineProgress, progress, staged_progress
+from palmbots.cli._warnings import hold_warnings, warn
 from palmbots.errors import PalmbotsError
 
 
@@ -80,3 +81,36 @@ def test_study_prints_a_line_about_each_lost_worker(
         "palmbots: warning: the worker tcp://10.0.0.2:1 was lost",
         "palmbots: stop here",
     ]
+
+
+def test_warnings_are_held_until_the_work_begins(capsys: pytest.CaptureFixture[str]) -> None:
+    line = "palmbots: warning: the palms overlap\n"
+    with hold_warnings(), staged_progress() as report:
+        warn("the palms overlap")
+        report("checking scenes", 1.0)
+        assert capsys.readouterr().err == ""
+        report("carrying", 0.0)
+        assert capsys.readouterr().err == line
+        warn("the palms overlap")
+        assert capsys.readouterr().err == line  # at once
+    assert capsys.readouterr().err == ""
+
+
+def test_warnings_of_refused_input_are_not_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(PalmbotsError), hold_warnings():
+        warn("the palms overlap")
+        raise PalmbotsError("seed: value is -1")
+    assert capsys.readouterr().err == ""
+    with hold_warnings():  # and none of them is printed later
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_warnings_are_printed_before_the_output(here: Run, tmp_path: Path) -> None:
+    for command in (("modes",), ("modes", "--json"), ("export", "--mjcf", str(tmp_path / "m.xml"))):
+        result = here(command[0], "/dev/null", *command[1:])
+        assert result.returncode == 0
+        assert (
+            result.stderr
+            == "palmbots: warning: /dev/null: nothing is set; this is the scene paper\n"
+        )

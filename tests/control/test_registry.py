@@ -154,7 +154,8 @@ def test_folder_of_a_relative_file_may_be_given(
     assert resolve("mine.py:Silent", folder=str(tmp_path)).name == "Silent"
 
 
-def test_module_reference_is_imported(file: Path) -> None:
+def test_module_reference_is_imported(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "mine", raising=False)  # of another test in this process
     assert resolve("palmbots.control:DistributedController").name == "DistributedController"
     entry = resolve("mine:Silent")
     assert entry.source is not None

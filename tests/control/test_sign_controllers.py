@@ -39,9 +39,13 @@ def test_times_in_the_default_scene() -> None:
     """A turn with its notice is as long as a palm turns, 10° at 50°/s; the notice is as long as a
     message takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end
     of a palm, 75 mm at 3 cm/s, of which the other times are parts or multiples; the lease leaves
-    room for four lost beacons."""
+    room for four lost beacons. At the start the follower crosses the zero zone of 10 mm at 6 cm/s,
+    0.06 s late because it accelerates at 0.5 m/s²."""
     alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.25, "back": 0.75}
-    assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {"wait": 2.0}
+    assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {
+        "wait": 2.0,
+        "start": pytest.approx(0.23),
+    }
     table = table_of("shared-sign", to_spec(Scene()))
     assert table["limits_s"] == alone | {
         "turn": 0.14,
@@ -68,14 +72,14 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
     spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"
     limits = {"turn": 14, "notice": 6, "push": 25, "rest": 4, "patience": 3, "back": 8}
-    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20, "watch": 20}
+    limits |= {"wait": 100, "watch": 20} if shares else {"wait": 20, "watch": 23}
     seen = set()
     for seed in range(20):
         chance = random.Random(f"{controller} {leads} {brake} {seed}")
         shipped = _core.table_robot(controller, spec, leads)
         clock = Clock(beacon=5, lease=42, **limits)
         rules = SignRobot(clock, leads, brake, shares, by_touch=by_touch)
-        sign, news_sign, deaf = 0, 0, False
+        sign, news_sign, deaf = 0, 0, seed % 2 == 0
         for tick in range(3000):
             if chance.random() < 0.01:
                 sign = chance.choice((-1, 0, 1))
@@ -98,7 +102,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
     alone = "alone_" if shares else ""
     if not (brake and leads):
         states -= {alone + name for name in ("inward_leader", "inward_stop", "inward_back")}
-        states -= {"alone_watch"} if leads or not by_touch else set()
+        states -= {"alone_watch"} if not by_touch else set()
         states -= {"alone_wait"} if not (by_touch and leads) else set()
     if not (brake and not leads):
         states -= {alone + name for name in ("outward_follower", "outward_stop")}

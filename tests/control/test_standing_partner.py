@@ -105,6 +105,33 @@ def test_where_the_leader_feels_nothing_both_robots_stand() -> None:
     assert max(carry.contact_peak_m.values()) < 0.05
 
 
+def test_start_by_touch_drops_hardly_more_than_a_start_together() -> None:
+    """Also with the centre of mass at the follower, whose contact then does not come back."""
+    keys: dict[str, Any] = {
+        "control.start": "touch", "object.com_m": (0.095, 0.04), "robot.noise_m_s": 0.02,
+    }  # fmt: skip
+    assert share("silent", 2, **keys) < 0.08
+    assert share("silent", 1, **keys) > 0.92
+
+
+def test_follower_starts_also_with_its_contact_outward() -> None:
+    """It pushes until the leader must have started, and corrects afterwards."""
+    keys: dict[str, Any] = {
+        "control.start": "touch", "start.left_m": 0.02, "robot.noise_m_s": 0.01,
+    }  # fmt: skip
+    assert share("silent", 1, **keys) == 1.0
+
+
+def test_follower_is_steep_at_the_start_until_the_leader_must_have_felt_it() -> None:
+    """It crosses the zone of 10 mm at 6 cm/s, 0.06 s late because it accelerates."""
+    keys = {"robot.noise_m_s": 0.0, "control.start": "touch", "palm.rate_deg_s": 1000.0}
+    trace = pb.carry("paper", "silent", overrides=keys).trace
+    assert trace is not None
+    palm = np.degrees(trace["palm"].sel(side="left").to_numpy())
+    first = int(np.argmax(palm < 14.0))
+    assert float(trace["time"][first]) == pytest.approx(0.23, abs=0.02)
+
+
 def share(controller: str, outcome: int, count: int = 400, **keys: Any) -> float:
     scene = load_scene("paper", {key.replace("__", "."): value for key, value in keys.items()})
     return float((run_seeds(to_spec(scene), controller, 0, count)["outcome"] == outcome).mean())
@@ -121,6 +148,11 @@ RANDOM = {
 def test_most_stops_at_random_times_are_noticed(controller: str, most: float) -> None:
     assert share(controller, 2, **RANDOM) < most
     assert share(controller, 2, **RANDOM | {"control.brake": False}) > 0.85
+
+
+def test_leader_that_tries_again_notices_that_its_partner_still_stands() -> None:
+    """A stop of 30 s outlasts its wait; without a steep palm it would lose twice as many."""
+    assert share("shared-sign", 2, 1000, **RANDOM | {"faults.reboot_s": 30.0}) < 0.2
 
 
 def test_follower_that_stops_is_noticed_and_leader_is_not_without_noise() -> None:

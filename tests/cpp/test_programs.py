@@ -18,11 +18,13 @@ def test_there_are_core_tests() -> None:
     assert PROGRAMS
 
 
-# What a program with random cases is given for many more of them than it does by itself.
+# What a program with random cases, or a search, is given for many more of them than it does by
+# itself.
 MANY = {
     "batch/bitslice_test": "200000",
     "batch/lockstep_test": "60",
     "control/resilient_world_test": "20000",
+    "runtime/mode_search_test": "1",
     "sim/carry_test": "20",
     "world/slip_switch_test": "600000",
 }

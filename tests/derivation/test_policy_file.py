@@ -131,7 +131,7 @@ REFUSED = [
     ("+0", "steep shallow", "closer hold", "row (+, 0)", "away from 0"),
     ("+0", "shallow steep", "away hold", "row (+, 0)", "away from 0"),
     ("0-", "shallow steep", "closer hold", "row (0, −)", "away from 0"),
-    ("00", "steep steep", "away hold", "row (0, 0)", "never comes to rest"),
+    ("00", "steep steep", "away hold", "row (0, 0)", "the corrections never end"),
     ("+-", "steep shallow", "away hold", "row (+, −)", None),
     ("+-", "shallow shallow", "closer closer", "row (+, −)", "away from 0"),
 ]

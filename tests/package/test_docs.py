@@ -4,6 +4,7 @@
 import importlib
 import itertools
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -78,7 +79,7 @@ def transcript(command: str) -> list[str]:
 
 def fewer(command: str) -> list[str]:
     """Options that shorten a command that would take long; none: it does not."""
-    words = command.split()[1:]
+    words = shlex.split(command)[1:]
     films = words[0] == "carry" and "--out" in words
     return FEW["carry --out" if films else words[0]] if films or words[0] in FEW else []
 
@@ -92,7 +93,7 @@ def test_commands_run(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    words = command.split()[1:]
+    words = shlex.split(command)[1:]
     is_pattern = "|" in words or re.search(r"\b[A-Z]{3,}\b", command) is not None
     if words in NAMED or is_pattern or (words[-1].endswith(".toml") and words[0] != "init"):
         return
@@ -114,7 +115,7 @@ def test_transcripts_of_long_commands_are_their_output(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    assert cli.run(command.split()[1:]) == cli.DONE
+    assert cli.run(shlex.split(command)[1:]) == cli.DONE
     assert set(transcript(command)) <= set(capsys.readouterr().out.splitlines())
 
 

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Imports go downwards only: layers.toml against the C++ includes and every Python import.
 
-Imports inside functions and under TYPE_CHECKING count. Docstrings of the rooms are not compared.
+Imports inside functions and under TYPE_CHECKING count, and so do modules that a text names, such as
+``"palmbots.viz.animation:save"``. Docstrings may name every room.
 """
 
 import ast
 import re
 import tomllib
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 from cxx import ROOT, build
@@ -57,20 +59,52 @@ def imported_modules(path: Path) -> set[str]:
     return {m for m in modules if m.split(".")[0] == "palmbots"}
 
 
-def upward_python_imports() -> dict[str, set[str]]:
+def named_modules(source: str) -> set[str]:
+    """The modules of the package that the texts in a source name, docstrings excepted."""
+    nodes = list(ast.walk(ast.parse(source)))
+    docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    texts = [
+        node.value
+        for node in nodes
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, str)
+        and id(node) not in docstrings
+    ]
+    names = {name for text in texts for name in re.findall(r"\bpalmbots(?:\.\w+)+", text)}
+    return {name for name in names if python_room(name) in PYTHON}
+
+
+def upward(modules_of: Callable[[Path], set[str]]) -> dict[str, set[str]]:
+    """The modules of higher rooms that `modules_of` finds in each file."""
     table: dict[str, set[str]] = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         relative = path.relative_to(PACKAGE)
         room = relative.parts[0].removesuffix(".py").replace("__init__", "palmbots")
         legal = PYTHON[room] | {room}
-        bad = {m for m in imported_modules(path) if python_room(m) not in legal}
+        bad = {m for m in modules_of(path) if python_room(m) not in legal}
         if bad:
             table[relative.as_posix()] = bad
     return table
 
 
 def test_python_imports_go_downwards() -> None:
-    assert upward_python_imports() == UPWARD
+    assert upward(imported_modules) == UPWARD
+
+
+def test_texts_name_no_higher_room() -> None:
+    """A name in a text is an import that is done later."""
+    assert upward(lambda path: named_modules(path.read_text(encoding="utf-8"))) == {}
+
+
+def test_modules_in_texts_are_found() -> None:
+    source = (
+        '"""See `palmbots.cli`."""\n'
+        'load("palmbots.viz.animation:save", f"palmbots.studies.{name}")\n'
+        'class A:\n    b = "palmbots.cli.main"\n    """As in `palmbots.learn`."""\n'
+        'print("palmbots derive", "palmbots.mcap", "palmbots.object_names", "my.palmbots_viz")\n'
+    )
+    found = {"palmbots.viz.animation", "palmbots.studies", "palmbots.cli.main"}
+    assert named_modules(source) == found
 
 
 def test_every_python_room_is_listed() -> None:

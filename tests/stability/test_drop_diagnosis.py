@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""After a drop: one line if the scene lacks a property that the algorithms need, else none."""
+"""After a drop, or a start by touch that failed: one line if the scene lacks a property that the
+robots need, else none."""
 
 import json
 import re
@@ -21,7 +22,7 @@ def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DRO
     status = cli.run(["carry", *words])
     output = capsys.readouterr().out
     assert f"\n{outcome} " in f"\n{output}", output
-    assert status == (1 if outcome == "DROPPED" else 0)
+    assert status == (0 if outcome == "DELIVERED" else 1)
     lines = output.splitlines()
     assert all(len(line) <= 80 for line in lines if not line.startswith("  run: "))
     return [
@@ -119,3 +120,41 @@ def test_scene_file_with_blanks_is_quoted(
     path.write_text("[object]\ncom_m = [0.05, 0.04]\n")
     (line,) = carried(capsys, str(path))
     assert shlex.quote(str(path)) in line
+
+
+@pytest.mark.parametrize(
+    ("words", "leader"),
+    [
+        (("object.com_m=[0.155,0.04]",), "right"),
+        (("object.com_m=[0.095,0.04]", 'task.direction="backward"'), "left"),
+        (("palm.left.friction=0.2", "palm.right.friction=0.4"), "right"),
+    ],
+)
+def test_failed_start_by_touch_prints_why_the_leader_feels_nothing(
+    words: tuple[str, ...], leader: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The printed command reports that property 1 fails with the leader's palm shallow."""
+    keys = [word for key in words for word in ("--set", key)]
+    start = ("-c", "silent", "--set", "control.start=touch")
+    (line,) = carried(capsys, *start, *keys, outcome="STALLED")
+    assert f"property 1 does not hold with the {leader} palm shallow" in line
+    command = shlex.split(line.split("; run: ")[1])
+    assert command[:2] == ["palmbots", "analyze"]
+    assert cli.run([*command[1:], "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["properties"]["1"]
+    assert not found[leader]["holds"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("-c", "silent", "--set", "control.start=touch", "--set", "task.timeout_s=5.0"),
+        ("-c", "silent", "--set", OFF_CENTRE, "--set", "task.timeout_s=1.0"),
+        ("--set", "control.start=touch", "--set", OFF_CENTRE, "--set", "task.timeout_s=1.0"),
+    ],
+)
+def test_stall_for_another_reason_prints_no_hint(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The leader feels the start; both start together; the controller has no start by touch."""
+    assert carried(capsys, *words, outcome="STALLED") == []

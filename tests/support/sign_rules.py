@@ -82,7 +82,8 @@ class SignRobot:
         phase = self._next_phase(sign)
         if phase != self.phase:
             self.phase, self.phase_began = phase, self.now
-        self.palm = "steep" if sign > 0 or phase == "watch" else "shallow"
+        corrects = sign > 0 and phase != "centred"
+        self.palm = "steep" if corrects or phase == "watch" else "shallow"
         if phase in ("push", "patience in", "back"):
             move = "closer"
         else:
@@ -93,6 +94,8 @@ class SignRobot:
         """What the robot does from now on: as before, until the sign or the time ends it."""
         was, clock = self.phase, self.clock
         lasted = self.now - self.phase_began
+        if was == "watch" and not self.shares and sign >= 0:
+            return "watch" if lasted < clock.watch else "centred"
         if sign > 0:
             if not self.brake or self.leads:
                 return "out"
@@ -104,6 +107,8 @@ class SignRobot:
                 return "watch"
             if was == "wait" and (lasted < clock.wait or not self.shares):
                 return "wait"
+            if was == "wait":
+                return "watch"
             if was == "back" and self.shares:
                 return "wait"
             return "watch" if was is None and self.leads and self.brake else "centred"
@@ -117,7 +122,7 @@ class SignRobot:
         if was in ends:
             limit, then = ends[was]
             return was if lasted < limit else then
-        if was == "wait" and self.shares:
+        if was == "wait" and self.shares and self.brake:
             return "stop in"
         return "patience in" if self.leads and self.brake else "push"
 

@@ -55,7 +55,8 @@ WORDS = {
 WORD_NUMBERS = {word: n for n, word in enumerate(["", *WORDS["beacons"], *WORDS["signs"]])}
 MODES = ["off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"]
 FAULTS = ["none", "driver", "contact", "palm", "battery", "partner_lost", "station_lost",
-          "time_limit", "overrun", "storage", "settings", "stopping"]  # fmt: skip
+          "time_limit", "overrun", "storage", "settings", "stopping", "partner",
+          "stop"]  # fmt: skip
 OPERATIONS = ["arm", "disarm", "start", "stop", "e_stop", "release"]
 PALMS = {"steep": 0, "shallow": 1}
 MOVES = {"hold": 0, "away": 1, "closer": 2}
@@ -161,7 +162,7 @@ def is_allowed(kind: int, sender: int, receiver: int, b: bytes) -> bool:
             said = b[0] % 16 in range(first, first + count)
             return said and b[1] < 9 and b[2:4] == bytes(2) and b[4] < 8
         case 2:
-            sides = b[0] % 16 < 9 and b[0] // 16 < 12 and b[1] % 4 != 3 and b[1] // 16 < 13
+            sides = b[0] % 16 < 9 and b[0] // 16 < 14 and b[1] % 4 != 3 and b[1] // 16 < 13
             return sides and b[4] // 8 < 14
         case 3:
             return short and b[0] < 6

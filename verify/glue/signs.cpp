@@ -43,7 +43,10 @@ typename TableRobot<Table>::Times times_of() {
             {turn_limit, notice_limit, push_limit, rest_limit, part_of_push(1), part_of_push(3),
              part_of_push(8), part_of_push(40)}};
   } else {
-    return {1, fresh, {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3)}};
+    return {1,
+            fresh,
+            {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3),
+             part_of_push(1)}};
   }
 }
 

@@ -24,7 +24,7 @@ class BitslicedTableTeam {
   using State = typename Table::State;
   static constexpr std::size_t bits = std::bit_width(static_cast<unsigned>(Words::count - 1));
   using Messages = BitslicedMessage<bits>;
-  using Time = BitslicedCount<10>;
+  using Time = BitslicedCount<12>;
 
  public:
   static constexpr bool can_stop = true;

@@ -57,7 +57,9 @@ inline constexpr std::uint16_t unknown_age = 0xFFFF;
 class BeaconReceiver {
  public:
   // `epoch` counts the boots of this robot from 1. It must be stored where it survives a reboot.
-  constexpr explicit BeaconReceiver(std::uint32_t epoch) : now_{epoch, 0} {}
+  // `tick` is the time since the boot [ticks].
+  constexpr explicit BeaconReceiver(std::uint32_t epoch, std::uint32_t tick = 0)
+      : now_{epoch, tick} {}
 
   constexpr void tick(std::uint16_t elapsed) { now_.tick += elapsed; }
 

@@ -15,6 +15,7 @@
 //           the next news, the above again. The partner may just have stopped. So the leader's palm
 //           is steep at first, because then its own contact slides and shows that. A leader that
 //           has stopped waits longer than in `silent`, because the partner may still be heard.
+//           Then it tries again in the same way, with its palm steep at first.
 //
 // TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its word names its
 // palm, and the follower takes the opposite. So the robots need no common clock, and a turn begins
@@ -69,8 +70,8 @@ struct SharedSign {
   };
   static constexpr int states = 30;
   static constexpr State initial = State::alone_centred;
-  static constexpr State started_by_touch(bool leads) {
-    return leads ? State::alone_wait : State::alone_watch;
+  static constexpr State started_by_touch(bool is_leader) {
+    return is_leader ? State::alone_wait : State::alone_watch;
   }
 
   enum class Limit : std::uint8_t {
@@ -172,7 +173,7 @@ struct SharedSign {
   static constexpr TableRow<State> rows[] = {
       // in state                 contact      hears            if             go to
       // the partner is silent: the rows of `silent`
-      {S::alone_wait,             P::zero,     silence,         If::timed_out,     S::alone_centred},
+      {S::alone_wait,             P::zero,     silence,         If::timed_out,     S::alone_watch},
       {S::alone_watch,            P::zero,     silence,         If::timed_out,     S::alone_centred},
       {backed,                    P::zero,     silence,         {},                S::alone_wait},
       {together,                  P::zero,     silence,         leads_and_stops,   S::alone_watch},
@@ -180,7 +181,7 @@ struct SharedSign {
       {S::alone_outward_follower, P::positive, silence,         If::timed_out,     S::alone_outward_stop},
       {any - alone_out,           P::positive, silence,         follows_and_stops, S::alone_outward_follower},
       {any - alone_out,           P::positive, silence,         {},                S::alone_outward},
-      {S::alone_wait,             P::negative, silence,         {},                S::alone_inward_stop},
+      {S::alone_wait,             P::negative, silence,         leads_and_stops,   S::alone_inward_stop},
       {S::alone_inward_leader,    P::negative, silence,         If::timed_out,     S::alone_inward_stop},
       {S::alone_inward_stop,      P::negative, silence,         If::timed_out,     S::alone_inward_back},
       {S::alone_inward_back,      P::negative, silence,         If::timed_out,     S::alone_inward_leader},

@@ -29,7 +29,10 @@
 // would lose objects. These rows need a robot that may stop (If::may_stop).
 //
 // START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
-// then slides outward on the shallow palm and makes it start.
+// then slides outward on the shallow palm and makes it start. The follower's palm is steep only for
+// as long as that takes. When the leader then moves away, a steep palm would draw the follower's own
+// contact inward, and it would not come back where closing cannot move it. The follower pushes also
+// while its own contact is outward, because that contact does not slide on the steep palm.
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
@@ -53,8 +56,8 @@ struct Silent {
   };
   static constexpr int states = 11;
   static constexpr State initial = State::centred;
-  static constexpr State started_by_touch(bool leads) {
-    return leads ? State::start_wait : State::start_push;
+  static constexpr State started_by_touch(bool is_leader) {
+    return is_leader ? State::start_wait : State::start_push;
   }
 
   enum class Limit : std::uint8_t {
@@ -63,17 +66,19 @@ struct Silent {
     patience,  // how long a contact may stay off centre before a robot stops
     wait,      // how long the leader stops
     back,      // how long it then backs towards its partner
+    start,     // how long the follower's palm is steep at the start
   };
-  static constexpr std::size_t limits = 5;
+  static constexpr std::size_t limits = 6;
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
     switch (limit) {
       case Limit::push: return timing.reach;
       case Limit::rest: return timing.reach / 8;
       case Limit::patience: return timing.reach / 10;
       case Limit::wait: return timing.reach * 4 / 5;
-      case Limit::back: break;
+      case Limit::back: return timing.reach * 3 / 10;
+      case Limit::start: break;
     }
-    return timing.reach * 3 / 10;
+    return timing.crossing < timing.reach ? timing.crossing : timing.reach;  // some zones never end
   }
 
   static constexpr bool talks = false;
@@ -82,6 +87,7 @@ struct Silent {
   static constexpr int patience = static_cast<int>(Limit::patience);
   static constexpr int wait = static_cast<int>(Limit::wait);
   static constexpr int back = static_cast<int>(Limit::back);
+  static constexpr int start = static_cast<int>(Limit::start);
 
   static constexpr bool stop = true;
   static constexpr TableOutput outputs[states] = {
@@ -95,7 +101,7 @@ struct Silent {
       /* inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, MessageKind::none, wait},
       /* inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, MessageKind::none, back},
       /* start_wait       */ {' ', {Palm::shallow, Move::hold, stop}, MessageKind::none},
-      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, wait},
+      /* start_push       */ {' ', {Palm::steep, Move::hold}, MessageKind::none, start},
   };
 
   using P = ContactCondition;
@@ -110,21 +116,21 @@ struct Silent {
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
-      // in state           contact      heard     if                 go to
-      {S::start_wait,       P::zero,     any_word, {},                S::start_wait},
-      {S::start_push,       P::zero,     any_word, waited,            S::centred},
-      {S::start_push,       P::zero,     any_word, {},                S::start_push},
-      {any,                 P::zero,     any_word, {},                S::centred},
-      {S::outward_follower, P::positive, any_word, waited,            S::outward_stop},
-      {any - out,           P::positive, any_word, follows_and_stops, S::outward_follower},
-      {any - out,           P::positive, any_word, {},                S::outward},
-      {S::inward_leader,    P::negative, any_word, waited,            S::inward_stop},
-      {S::inward_stop,      P::negative, any_word, waited,            S::inward_back},
-      {S::inward_back,      P::negative, any_word, waited,            S::inward_leader},
-      {S::inward,           P::negative, any_word, waited,            S::pause},
-      {S::pause,            P::negative, any_word, waited,            S::inward},
-      {any - in,            P::negative, any_word, leads_and_stops,   S::inward_leader},
-      {any - in,            P::negative, any_word, {},                S::inward},
+      // in state            contact         heard     if                 go to
+      {S::start_wait,        P::zero,         any_word, {},                S::start_wait},
+      {S::start_push,        P::not_negative, any_word, waited,            S::centred},
+      {S::start_push,        P::not_negative, any_word, {},                S::start_push},
+      {any,                  P::zero,         any_word, {},                S::centred},
+      {S::outward_follower,  P::positive,     any_word, waited,            S::outward_stop},
+      {any - out,            P::positive,     any_word, follows_and_stops, S::outward_follower},
+      {any - out,            P::positive,     any_word, {},                S::outward},
+      {S::inward_leader,     P::negative,     any_word, waited,            S::inward_stop},
+      {S::inward_stop,       P::negative,     any_word, waited,            S::inward_back},
+      {S::inward_back,       P::negative,     any_word, waited,            S::inward_leader},
+      {S::inward,            P::negative,     any_word, waited,            S::pause},
+      {S::pause,             P::negative,     any_word, waited,            S::inward},
+      {any - in,             P::negative,     any_word, leads_and_stops,   S::inward_leader},
+      {any - in,             P::negative,     any_word, {},                S::inward},
   };
   // clang-format on
 };
@@ -138,7 +144,7 @@ constexpr const char* name_of(Silent::State state) {
 }
 
 constexpr const char* name_of(Silent::Limit limit) {
-  constexpr const char* names[] = {"push", "rest", "patience", "wait", "back"};
+  constexpr const char* names[] = {"push", "rest", "patience", "wait", "back", "start"};
   return names[static_cast<int>(limit)];
 }
 

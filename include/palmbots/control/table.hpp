@@ -15,7 +15,7 @@
 //   Limit, limits, name_of(Limit)   the time limits to which its states refer, numbered from 0
 //   seconds(Limit, TableTiming)     how long each one is
 //   talks                           whether the words are sent to the partner
-//   started_by_touch(leads)         optional: the state at the start if only the follower starts by
+//   started_by_touch(is_leader)     optional: the state at the start if only the follower starts by
 //                                   itself, and the leader when it feels that
 //
 // WORDS. A robot has one word in each state: its message. If the table talks, a word is sent at once
@@ -118,6 +118,7 @@ struct TableTiming {
   double turn;   // the longest time in which a palm turns
   double delay;  // the longest time from the step that says a word to the step that hears it
   double reach;  // the longest time in which a correction moves a contact from a palm's end to zero
+  double crossing;  // the longest time in which a robot that starts crosses the zero zone
 };
 
 // The values of the conditions `If` of a row.

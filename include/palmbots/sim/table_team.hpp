@@ -37,12 +37,20 @@ class TableTeam : public BeaconTeam<TableRobot<Table>> {
 
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
-  TableTiming timing{0, spec.latency + spec.jitter + spec.period, 0};
+  TableTiming timing{0, spec.latency + spec.jitter + spec.period, 0, 0};
+  const auto zone = TactileSensor<double>(spec.zones, spec.zone_count, 0).stretch(0.0);
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
     timing.turn = larger(timing.turn, std::abs(palm.steep - palm.shallow) / palm.rate);
-    const double correction = spec.robots[side].correction;
-    if (correction > 0) timing.reach = larger(timing.reach, 0.5 * palm.length / correction);
+    const RobotSpec& robot = spec.robots[side];
+    if (robot.correction > 0) {
+      timing.reach = larger(timing.reach, 0.5 * palm.length / robot.correction);
+    }
+    // At constant acceleration a robot is half as long late as the acceleration lasts.
+    if (robot.speed > 0) {
+      timing.crossing = larger(timing.crossing, (zone.until - zone.from) / robot.speed +
+                                                    0.5 * robot.speed / robot.acceleration);
+    }
   }
   return timing;
 }

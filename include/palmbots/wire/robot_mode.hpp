@@ -15,9 +15,9 @@ enum class RobotMode : std::uint8_t {
   ready,     // will carry as soon as its partner is ready, too
   carrying,  // the controller decides about palm and wheels
   holding,   // as carrying, while the controller does not travel
-  done,      // the distance is covered
-  stopped,   // after a stop; has to be released and armed again
-  fault,     // something does not work (FaultCode); has to be armed again
+  done,      // this robot or its partner has covered the distance; has to be armed again
+  stopped,   // a stop is in force; has to be released and armed again
+  fault,     // the carry cannot go on (FaultCode); has to be armed again
 };
 inline constexpr unsigned robot_modes = 9;
 
@@ -34,20 +34,22 @@ enum class FaultCode : std::uint8_t {
   contact,       // no contact is sensed on the palm
   palm,          // the palm does not reach its angle in time
   battery,       // the voltage is too low
-  partner_lost,  // the partner has not been heard within the limit
+  partner_lost,  // the partner has not been heard within the lease
   station_lost,  // the station has not been heard within the limit
   time_limit,    // the carry takes too long
   overrun,       // the control loop is late too often
   storage,       // the boot counter cannot be stored
   settings,      // the partner runs with other settings
   stopping,      // braking takes longer than the watchdog allows
+  partner,       // the partner has been heard, but it does not carry
+  stop,          // a stop is in force at the partner
 };
-inline constexpr unsigned fault_codes = 12;
+inline constexpr unsigned fault_codes = 14;
 
 constexpr const char* name_of(FaultCode code) {
-  constexpr const char* names[] = {"none",    "driver",       "contact",      "palm",
-                                   "battery", "partner_lost", "station_lost", "time_limit",
-                                   "overrun", "storage",      "settings",     "stopping"};
+  constexpr const char* names[] = {
+      "none",       "driver",  "contact", "palm",     "battery",  "partner_lost", "station_lost",
+      "time_limit", "overrun", "storage", "settings", "stopping", "partner",      "stop"};
   return names[static_cast<int>(code)];
 }
 

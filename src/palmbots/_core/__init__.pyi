@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
-from palmbots._core import wire as wire
+from palmbots._core import runtime as runtime, wire as wire
 
 
 def tangent(angle: float) -> float:
@@ -720,7 +720,7 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """
-    One carry. controller: a name, Machines, an OptimalController, or a pair of Python step functions.
+    One carry. controller: a name, Machines, an OptimalController, RemoteControllers, or a pair of Python step functions.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
@@ -832,6 +832,11 @@ class Episode:
         So many ticks with (palm, move, message to send) of each robot. What is there to be read is read in the first of them, in which messages go out too. Returns (outcome, ticks and messages so far, midpoint [m], contacts [m]).
         """
 
+    def stop(self, left: bool, right: bool) -> None:
+        """
+        Whether each robot rests, from the next step on, until it is called again.
+        """
+
     def run(self) -> Run:
         """What became of it; takes the trace with it."""
 
@@ -857,6 +862,11 @@ class ExternalCoSimulation:
     def set_commands(self, left: tuple[int, int, int], right: tuple[int, int, int]) -> None:
         """(palm, move, message to send) of each robot, from the next command on."""
 
+    def stop(self, left: bool, right: bool) -> None:
+        """
+        Whether each robot rests, from the next command on, until it is called again.
+        """
+
     def step_controllers(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """(Speeds [m/s] towards +x, palm angles [rad] at the end of the tick.)"""
 
@@ -864,6 +874,11 @@ class ExternalCoSimulation:
 
     def run(self) -> Run:
         """What became of it; takes the trace with it."""
+
+def mode_table() -> list[tuple[list[str], str, str, str, str]]:
+    """
+    The mode machine of a robot as it runs: per row the modes in which it starts, what happens, the next mode, what becomes of the fault code (keep, set, refusal), and the code.
+    """
 
 contact_kinds: tuple = ('', 'vertex', 'flush', 'tip')
 

@@ -2,13 +2,15 @@
 """A registry: entries by name, some of them loaded on first use.
 
 An entry is an object, or the text ``"module:attribute"``, which is imported when the entry is asked
-for. With such a text a low room can offer what a higher room provides, without importing it.
+for. A registry also has the entries that `palmbots._util.offers` holds for its kind: with them, a
+low room provides what a higher room defines, and does not name it.
 """
 
 import importlib
 from typing import Any, Generic, TypeVar
 
 from palmbots._util.arguments import one_of, show
+from palmbots._util.offers import offered_entries, offered_modules
 from palmbots.errors import PalmbotsError
 
 __all__ = ["Registry"]
@@ -19,20 +21,19 @@ Entry = TypeVar("Entry")
 class Registry(Generic[Entry]):
     """Entries by name, in the order in which they were registered."""
 
-    def __init__(self, kind: str, home: str | None = None) -> None:
+    def __init__(self, kind: str, **entries: "Entry | str") -> None:
         """A registry of entries of this kind; messages name the kind, such as ``controller``.
 
-        `home` is a module that registers entries when it is imported. It is imported when the
-        registry is first read.
+        It begins with `entries`, followed by those that are offered for this kind. Modules that
+        are offered are imported when the registry is first read.
         """
         self._kind = kind
-        self._home = home
-        self._entries: dict[str, Any] = {}
+        self._entries: dict[str, Any] = {**entries, **offered_entries(kind)}
+        self._modules = offered_modules(kind)
 
-    def _load_home(self) -> None:
-        home, self._home = self._home, None
-        if home is not None:
-            importlib.import_module(home)
+    def _load_modules(self) -> None:
+        while self._modules:
+            importlib.import_module(self._modules.pop())
 
     def register(self, name: str, entry: "Entry | str") -> None:
         """Add an entry.
@@ -52,11 +53,11 @@ class Registry(Generic[Entry]):
 
     def names(self) -> tuple[str, ...]:
         """The names of all entries."""
-        self._load_home()
+        self._load_modules()
         return tuple(self._entries)
 
     def __contains__(self, name: object) -> bool:
-        self._load_home()
+        self._load_modules()
         return name in self._entries
 
     def get(self, name: str, called: str | None = None) -> Entry:

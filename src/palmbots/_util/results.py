@@ -12,10 +12,10 @@ from palmbots.errors import PalmbotsError
 
 __all__ = ["FIGURES", "WRITERS", "Result"]
 
-FIGURES: Registry[Callable[..., Any]] = Registry("figure", home="palmbots.viz")
+FIGURES: Registry[Callable[..., Any]] = Registry("figure")
 """Functions that draw a result, by the name of the figure: result → `matplotlib.figure.Figure`."""
 
-WRITERS: Registry[Callable[..., None]] = Registry("writer", home="palmbots.viz")
+WRITERS: Registry[Callable[..., None]] = Registry("writer")
 """Functions that write files, by what they write. ``figure``: path, figure → None."""
 
 _MOST_LINES = 10

@@ -3,7 +3,7 @@
 
 from typing import Any
 
-__all__ = ["format_number", "millimetres", "plural"]
+__all__ = ["data_size", "duration", "format_number", "millimetres", "plural"]
 
 
 def plural(n: int, noun: str) -> str:
@@ -22,3 +22,19 @@ def format_number(value: Any) -> str:
 def millimetres(metres: float) -> str:
     """A length as text: 12.3 mm."""
     return f"{round(1e3 * metres, 1) + 0.0:.1f} mm"  # + 0.0: no "-0.0"
+
+
+def duration(seconds: float) -> str:
+    """A time as text, in the largest unit of which it has one and a half: 90.0 s, 2.5 h."""
+    for factor, unit in ((86400, "days"), (3600, "h"), (60, "min")):
+        if seconds >= 1.5 * factor:
+            return f"{seconds / factor:.1f} {unit}"
+    return f"{seconds:.1f} s"
+
+
+def data_size(n: int) -> str:
+    """A number of bytes as text: 12 kB, 3.4 MB."""
+    for factor, unit in ((1e9, "GB"), (1e6, "MB")):
+        if n >= factor:
+            return f"{n / factor:.1f} {unit}"
+    return f"{n / 1e3:.0f} kB"

@@ -8,9 +8,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
+from palmbots.cli._warnings import print_held_warnings
+
 __all__ = ["LineProgress", "progress", "staged_progress"]
 
 _LINE_INTERVAL_S = 60.0
+_CHECKS = ("checking the policy", "checking scenes", "forecasting the drift")
+"""Stages after which the input may still be refused."""
 
 StageReport = Callable[..., None]
 """Called with the name of the present stage, the fraction of it that is complete, and optionally a
@@ -54,8 +58,22 @@ def _duration(seconds: float) -> str:
 def staged_progress(quiet: bool = False) -> Iterator[StageReport]:
     """Show the progress of work in stages; yields the function to call with stage and fraction.
 
-    `quiet` suppresses the bar, not the lines of a batch job.
+    `quiet` suppresses the bar, not the lines of a batch job. Warnings that are held are printed
+    when a stage begins that does more than check the input.
     """
+    with _display(quiet) as show:
+
+        def report(stage: str, fraction: float, note: str = "") -> None:
+            if stage not in _CHECKS:
+                print_held_warnings()
+            show(stage, fraction, note)
+
+        yield report
+
+
+@contextmanager
+def _display(quiet: bool) -> Iterator[StageReport]:
+    """A bar in a terminal, lines elsewhere."""
     terminal = sys.stderr is not None and sys.stderr.isatty()
     if sys.stderr is not None and not terminal:
         yield LineProgress(sys.stderr).report

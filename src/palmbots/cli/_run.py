@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots.cli._streams import say
+from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ __all__ = [
     "print_json",
     "print_list",
     "set_aside_certificate",
-    "warn",
 ]
 
 
@@ -68,16 +68,13 @@ def interruption_line(line: str) -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
-def load(
-    source: str, changes: list[str] | None, on_warning: Callable[[str], None] | None = None
-) -> "Scene":
-    """The scene of a command, with the overrides of ``--set``; its warnings are printed if
-    `on_warning` is None."""
+def load(source: str, changes: list[str] | None) -> "Scene":
+    """The scene of a command, with the overrides of ``--set``; prints its warnings."""
     from palmbots.scene.overrides import parse_overrides
     from palmbots.scene.scene import load_scene
 
     overrides = parse_overrides(changes or [])
-    return load_scene(source, overrides, called="--set", on_warning=on_warning or warn)
+    return load_scene(source, overrides, called="--set", on_warning=warn)
 
 
 def controller_of(
@@ -115,7 +112,7 @@ def check_output(out: Path | None) -> None:
     """Check, before the work, that figures can be drawn and written to the folder `out`.
 
     Raises:
-        PalmbotsError: `out` cannot be a folder, or matplotlib rejects ``MPLBACKEND``.
+        PalmbotsError: `out` cannot be a folder, or matplotlib rejects its settings.
     """
     if out is None:
         return
@@ -125,8 +122,10 @@ def check_output(out: Path | None) -> None:
     check_folder(out)
     try:
         import matplotlib as _  # noqa: F401
-    except ValueError:
+    except ValueError as error:
         backend = os.environ.get("MPLBACKEND")
+        if isinstance(error, UnicodeError) or backend is None:
+            raise PalmbotsError(f"matplotlibrc: matplotlib rejects this file: {error}") from None
         raise PalmbotsError(
             f"MPLBACKEND: value is {show(backend)}; allowed: agg, or leave it unset"
         ) from None
@@ -165,6 +164,7 @@ def present(
 
 def print_json(table: Mapping[str, Any]) -> None:
     """Print one JSON object on stdout."""
+    print_held_warnings()
     print(json.dumps(table, allow_nan=False))
 
 
@@ -177,11 +177,6 @@ def print_list(kind: str, meanings: Mapping[str, str], *, as_json: bool) -> None
         from palmbots.cli.reports.lists_report import names_report
 
         names_report(meanings)
-
-
-def warn(text: str) -> None:
-    """Print a warning on stderr."""
-    say(f"palmbots: warning: {text}")
 
 
 def number_list(option: str, text: str) -> list[float]:

@@ -26,8 +26,9 @@ def open_closed_streams() -> None:
 
 def say(line: str) -> None:
     """Print a line on stderr; nothing happens where stderr is full or closed."""
-    with contextlib.suppress(OSError):
-        print(line, file=sys.stderr, flush=True)
+    if sys.stderr is not None:  # print would take None for stdout
+        with contextlib.suppress(OSError, ValueError):  # ValueError: closed by the user's code
+            print(line, file=sys.stderr, flush=True)
 
 
 def discard_unwritable(*names: str) -> None:
@@ -39,8 +40,8 @@ def discard_unwritable(*names: str) -> None:
         stream = getattr(sys, name)
         try:
             stream.flush()
-        except (OSError, ValueError):
-            with contextlib.suppress(OSError, ValueError):
+        except (AttributeError, OSError, ValueError):  # AttributeError: the stream is None
+            with contextlib.suppress(AttributeError, OSError, ValueError):
                 null = os.open(os.devnull, os.O_WRONLY)
                 os.dup2(null, stream.fileno())
                 os.close(null)

@@ -13,6 +13,7 @@ with one line, 130 after Ctrl-C, and 141 where the pipe on stdout is closed (``p
 
 import importlib
 import io
+import os
 import pkgutil
 import signal
 import sys
@@ -24,8 +25,11 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
 from palmbots.cli import INTERRUPTION_LINE, commands
+from palmbots.cli._environment import environment_fault
+from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
+from palmbots.cli._warnings import hold_warnings
 from palmbots.cli.old_names import renamed_command, renamed_option
 from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, FAILED, INTERRUPTED
 from palmbots.errors import PalmbotsError, one_line
@@ -43,6 +47,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # an encoding without ° prints ? instead
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    install_exception_hooks()
     try:
         status = run(sys.argv[1:])
         if status == INTERRUPTED:  # a second Ctrl-C must not disturb the exit
@@ -52,14 +57,22 @@ def main() -> None:
         status = CLOSED_PIPE
     except OSError as error:
         status = _unwritable(error)
+    except (AttributeError, ValueError):
+        if sys.stdout is not None and not sys.stdout.closed:
+            raise
+        status = _refuse("the output cannot be written: the controller has closed stdout")
     discard_unwritable("stdout", "stderr")
     sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:
     """Run one command; returns the exit status."""
+    fault = environment_fault(os.environ)
+    if fault is not None:
+        return _refuse(fault)
     try:
-        status = build_app()(args=arguments, prog_name="palmbots", standalone_mode=False)
+        with hold_warnings():
+            status = build_app()(args=arguments, prog_name="palmbots", standalone_mode=False)
         if status == INTERRUPTED:  # Typer's answer to a KeyboardInterrupt; commands never return it
             return _interrupted()
         return status if isinstance(status, int) else DONE

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import warn
+from palmbots.cli._warnings import warn
 from palmbots.errors import SceneError
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from itertools import pairwise
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.control.table_timing import deafness
+from palmbots.control.table_timing import short_lease_warning
 from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.robot_section import RobotParameters
 from palmbots.scene.scene import Scene
@@ -107,8 +107,8 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
             f"{_mm(overrun)}: corrections may not end (widen tactile.zero_half_width_m or lower "
             f"robot.correction_m_s{keys}"
         )
-    if (deaf := deafness(entry, scene)) is not None:
-        lines.append(deaf)
+    if (lease := short_lease_warning(entry, scene)) is not None:
+        lines.append(lease)
     if entry.team != "none" and not entry.is_reference:
         lines += [line for side in SIDES if (line := _blind(scene, side))]
     if scene.object.is_upside_down:

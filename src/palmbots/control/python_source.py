@@ -20,7 +20,7 @@ from palmbots._util.arguments import show
 from palmbots.control.own_code import own_code
 from palmbots.errors import PalmbotsError
 
-__all__ = ["ControllerSource", "hash_of_reference", "load_class", "source_of"]
+__all__ = ["ControllerSource", "hash_of_reference", "load_class", "refuse_pipe", "source_of"]
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,7 @@ def _path(place: str, folder: str | None) -> Path:
 def _load_file(place: str, called: str, folder: str | None) -> Any:
     path = _path(place, folder)
     try:
-        if path.exists() and not path.is_file() and not path.is_dir():
-            raise PalmbotsError(f"{called}: {place} is not a regular file")  # it is read twice
+        refuse_pipe(path, called)
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
         reason = error.strerror or str(error)
@@ -89,6 +88,12 @@ def _load_file(place: str, called: str, folder: str | None) -> Any:
         sys.modules.pop(name, None)
         raise
     return module
+
+
+def refuse_pipe(path: Path, called: str) -> None:
+    """Raise `PalmbotsError` for a pipe or a device: the file of a controller is read twice."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise PalmbotsError(f"{called}: {path} is not a regular file")
 
 
 def _load_module(place: str, called: str) -> Any:

@@ -137,13 +137,10 @@ for _row in _rows:
 
 _SHIPPED = _CONTROLLERS.names()
 
-# What makes a controller from a file. The derivation is a higher room, so it is loaded by name.
+# Higher rooms provide what makes a controller from a file, by the suffix of the file, and the
+# references, which no robot can run.
 _LOADERS: Registry[Callable[..., ControllerEntry]] = Registry("controller file")
-_LOADERS.register(".toml", "palmbots.derivation.policy_controller:load_policy")
-# What no robot can run. A higher room makes them, on first use.
-_REFERENCES: Registry[ControllerEntry] = Registry("controller")
-_REFERENCES.register("optimal", "palmbots.optimum.optimal_controllers:OPTIMAL")
-_REFERENCES.register("optimal-stopping", "palmbots.optimum.optimal_controllers:OPTIMAL_STOPPING")
+_REFERENCES: Registry[ControllerEntry] = Registry("reference controller")
 
 
 def shipped_names() -> tuple[str, ...]:

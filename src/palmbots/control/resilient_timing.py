@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import palmbots._core as _core
+from palmbots._util.results import Result
+from palmbots._util.text import millimetres
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -16,8 +18,8 @@ from palmbots.scene.spec import to_spec
 __all__ = ["Bounds", "bounds_of"]
 
 
-@dataclass(frozen=True, slots=True)
-class Bounds:
+@dataclass(frozen=True, slots=True, repr=False)
+class Bounds(Result):
     """The times and distances on which the resilient algorithm relies, in seconds and metres."""
 
     beacon_s: float
@@ -47,6 +49,22 @@ class Bounds:
     """The distance from the zero zone to the end of the palm."""
     is_noisy: bool
     """Whether the noise leaves no room for any lease; the shortest one is used then."""
+
+    def headline(self) -> str:
+        """One line with the lease and the leases that are possible."""
+        low, high = self.shortest_lease_s, self.longest_lease_s
+        return f"lease {self.lease_s:g} s (possible: {low:g} to {high:g} s)"
+
+    def facts(self) -> dict[str, str]:
+        """The other times, and how far a contact can shift."""
+        return {
+            "beacons": f"every {self.beacon_s:g} s; {self.losses} in a row may be lost",
+            "radio delay": f"at most {self.delay_s:g} s",
+            "palm stays up": f"{self.hold_s:g} s without a beacon",
+            "robot travels alone": f"at most {self.alone_s:g} s",
+            "shift": f"{millimetres(self.skew_m)}, noise {millimetres(self.noise_m)}",
+            "room": f"{millimetres(self.room_m)} to the end of the palm",
+        }
 
     @property
     def warnings(self) -> tuple[str, ...]:

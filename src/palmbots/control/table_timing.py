@@ -2,7 +2,7 @@
 """The times of controllers that are tables (`silent`, `shared-sign`) in a scene.
 
 The core computes them (`sim/table_team.hpp`); this module states in one line what to change in a
-scene whose lease is too short for robots to hear each other.
+scene whose lease is too short for the round trip of two beacons.
 """
 
 from typing import Any
@@ -12,7 +12,7 @@ from palmbots.control.registry import ControllerEntry
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["deafness", "transition_table"]
+__all__ = ["short_lease_warning", "transition_table"]
 
 
 def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | None:
@@ -22,8 +22,12 @@ def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | N
     return _core.transition_table(entry.name, to_spec(scene, unrolled=True))
 
 
-def deafness(entry: ControllerEntry, scene: Scene) -> str | None:
-    """The warning, in one line, for a lease within which no beacon can be answered."""
+def short_lease_warning(entry: ControllerEntry, scene: Scene) -> str | None:
+    """The warning, in one line, for a lease within which a beacon may not be answered in time.
+
+    Below twice the latency of the radio no beacon is answered in time: the controller carries as
+    `silent` does. From there up to the lease named in the warning, some answers arrive in time.
+    """
     table = transition_table(entry, scene)
     if table is None or not table["talks"]:
         return None
@@ -31,7 +35,8 @@ def deafness(entry: ControllerEntry, scene: Scene) -> str | None:
     if lease > shortest - 1e-9:
         return None
     return (
-        f"radio.lease_s: {lease:g} s is shorter than a round trip of the radio, {shortest:g} s, so "
-        f"the robots never hear each other and {entry.name} works like silent (raise it, or lower "
-        "radio.latency_s or radio.beacon_s)"
+        f"radio.lease_s: {lease:g} s is shorter than the round trip of two beacons, "
+        f"{shortest:g} s: a robot takes its partner for silent although no message is lost, and "
+        f"{entry.name} works like silent meanwhile (raise it, or lower radio.latency_s or "
+        "radio.beacon_s)"
     )

@@ -83,7 +83,7 @@ class Machine:
 
     @property
     def idle(self) -> int:
-        """The number of the state in which the robot corrects nothing and serves nobody."""
+        """The number of the state in which the robot neither corrects nor serves its partner."""
         return next(k for k, state in enumerate(self.states) if state.name == "idle")
 
     def for_core(self) -> CoreTable:
@@ -100,7 +100,7 @@ def refusals(table: PolicyTable, derivation: Derivation) -> list[str]:
     """Why no distributed algorithm follows from a policy; empty: one does."""
     reasons = list(derivation.findings)
     if (direction := table.rows[0, 0].direction) is not None:
-        reasons.insert(0, f"row (0, 0) moves {direction}: the pair never comes to rest")
+        reasons.insert(0, f"row (0, 0) moves {direction}: the corrections never end")
     for rule in derivation.rules.values():
         if rule.signs[0] and not rule.drives and set(rule.assist) != set(SIGNS):
             silent = [s for s in SIGNS if s not in rule.assist]

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from palmbots.control.python_source import ControllerSource
+from palmbots.control.python_source import ControllerSource, refuse_pipe
 from palmbots.control.registry import ControllerEntry
 from palmbots.derivation.distributed_algorithm import Machine, machines_of
 from palmbots.derivation.global_policy import Angles
@@ -55,6 +55,7 @@ def load_policy(
         PalmbotsError: the file cannot be read or is no policy, or no algorithm follows from it.
     """
     place = Path(folder or ".") / path
+    refuse_pipe(place, called)
     table = read_policy(place)
     machines = machines_of(table, called=f"{called}: {path}")
     data = tuple(machine.for_core() for machine in machines)

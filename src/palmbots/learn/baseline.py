@@ -4,7 +4,8 @@
 The policies use nothing but the observations. `Baseline` is the paper's distributed algorithm, the
 shipped controller of Table 2 (`palmbots.control.DistributedController`), with an inbox of its own:
 the environment delivers a message once, while Table 2 leaves a message that it cannot use yet in
-the inbox. `SilentBaseline` is the shipped controller `silent`, which needs no messages.
+the inbox. `SilentBaseline` is the shipped controller `silent` with ``control.brake = false``: it
+needs no messages and never stops.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 
 from palmbots._util.renamed_names import renamed_in_module
+from palmbots._util.results import Result
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.control.silent_controller import SilentController
 from palmbots.errors import PalmbotsError
@@ -84,8 +86,8 @@ class SilentBaseline:
         return action(output.palm, output.move, messages=self._messages)
 
 
-@dataclass(frozen=True)
-class EpisodeResult:
+@dataclass(frozen=True, repr=False)
+class EpisodeResult(Result):
     """The result of one episode."""
 
     outcome: str
@@ -93,6 +95,14 @@ class EpisodeResult:
     steps: int
     returned: float
     """Sum of the rewards, without discount."""
+
+    def headline(self) -> str:
+        """One line that states the outcome."""
+        return f"{self.outcome} after {self.steps} steps"
+
+    def facts(self) -> dict[str, str]:
+        """The sum of the rewards."""
+        return {"return": f"{self.returned:.4g}"}
 
 
 PolicyLike: TypeAlias = "Callable[[], Policy] | Mapping[str, Policy]"

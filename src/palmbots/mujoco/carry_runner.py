@@ -128,6 +128,10 @@ class MujocoEpisode:
         self._recorder = MujocoRecorder(self.world) if record else None
         self.seen = self._crew.observations
 
+    def stop(self, left: bool, right: bool) -> None:
+        """Let each robot rest, or travel, from now on."""
+        self._crew.stop(left, right)
+
     def step(self, left: Any, right: Any, ticks: int) -> tuple[Any, ...]:
         """Apply the actions for some ticks.
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.renamed_names import PROGRESS, renamed_arguments
+from palmbots._util.results import Result
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import SceneError
@@ -46,8 +47,8 @@ _BETAS = np.linspace(0.0, 1.0, 5)  # fractions of the largest misalignment of th
 _OFFSETS = np.linspace(-1.0, 1.0, 5)  # fractions of half the palm's width
 
 
-@dataclass(frozen=True)
-class Budget:
+@dataclass(frozen=True, repr=False)
+class Budget(Result):
     """The allowed and the expected lateral drift of an object on a path [m]."""
 
     budget_m: float
@@ -72,6 +73,25 @@ class Budget:
         if self.mean_m > self.budget_m:
             return "beyond"
         return "near" if self.most_m > _NEAR * self.budget_m else "kept"
+
+    def headline(self) -> str:
+        """One line that states the verdict."""
+        verdicts = {
+            "kept": "is within the budget",
+            "near": "comes near the budget for some seeds",
+            "beyond": "exceeds the budget",
+        }
+        return f"the forecast lateral drift {verdicts[self.verdict]}"
+
+    def facts(self) -> dict[str, str]:
+        """Drift, budget and misalignment."""
+        limit = "allowed by the lips" if self.lips else "at which the object tips"
+        return {
+            "mean": f"{_mm(self.mean_m)} over {self.seeds} seeds",
+            "worst seed": _mm(self.most_m),
+            "budget": f"{_mm(self.budget_m)}, {limit}",
+            "misalignment": f"up to {self.askew_deg:.1f}° between the palms",
+        }
 
     def summary(self) -> dict[str, Any]:
         """What ``--json`` prints."""

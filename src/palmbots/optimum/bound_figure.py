@@ -4,9 +4,8 @@
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
-from palmbots.viz.style import INK, QUIET, SERIES, axis_label, styled
+from palmbots.viz.style import INK, SERIES, axis_label, footnote, plain_numbers, styled
 
 if TYPE_CHECKING:
     from palmbots.optimum.drop_bound import Bound
@@ -33,11 +32,6 @@ def draw(result: "Bound") -> Figure:
             ylabel=axis_label("least drop rate", "%"),
             title=f"Least drop rate at {100 * result.sigma_star_m_s:.3g} cm/s ({result.speeds})",
         )
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        figure.supxlabel(
-            "no controller drops the object less often in carries of this duration",
-            fontsize=7,
-            color=QUIET,
-        )
+        plain_numbers(axes.yaxis)
+        footnote(figure, "no controller drops the object less often in carries of this duration")
         return figure

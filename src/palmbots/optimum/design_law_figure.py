@@ -4,9 +4,9 @@
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
-from palmbots.viz.style import INK, QUIET, SERIES, axis_label, styled
+from palmbots.viz.style import INK, SERIES, axis_label, footnote, plain_numbers, styled
 
 if TYPE_CHECKING:
     from palmbots.optimum.design_law import DesignLaw
@@ -48,14 +48,8 @@ def draw(result: "DesignLaw") -> Figure:
         ticks = sorted({point.factor for point in result.points})
         for axes in (above, below):
             axes.set_xticks(ticks)
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.xaxis.set_minor_locator(NullLocator())
-            axes.xaxis.set_minor_formatter(NullFormatter())
-        above.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        above.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        figure.supxlabel(
-            "marks: optimum with corrections only (value iteration); dashed: the law",
-            fontsize=7,
-            color=QUIET,
-        )
+            plain_numbers(axes.xaxis)
+        plain_numbers(above.yaxis)
+        footnote(figure, "marks: optimum with corrections only (value iteration); dashed: the law")
         return figure

@@ -9,7 +9,7 @@ init scene`` and the key table of the docs use these lists.
 import ast
 import inspect
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -22,7 +22,14 @@ from palmbots._util.toml_writer import toml_value
 from palmbots.scene.fields import Range
 from palmbots.scene.scene import Scene
 
-__all__ = ["SceneKey", "built_in_meanings", "default_scene_toml", "scene_keys"]
+__all__ = [
+    "SceneKey",
+    "built_in_meanings",
+    "commented_toml",
+    "default_scene_toml",
+    "scene_keys",
+    "section_keys",
+]
 
 _LINE_WIDTH = 78
 _LICENCE = "# SPDX-License-Identifier: Apache-2.0"
@@ -53,11 +60,12 @@ def scene_keys() -> tuple[SceneKey, ...]:
     return tuple(
         key
         for section in Scene.model_fields
-        for key in _section_keys(type(getattr(scene, section)), section)
+        for key in section_keys(type(getattr(scene, section)), section)
     )
 
 
-def _section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
+def section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
+    """The keys of a table and of the tables in it; `section` is its name."""
     meanings = field_meanings(model)
     for name, field in model.model_fields.items():
         # palm.left.… and robot.left.… have the keys of palm.… and robot.….
@@ -65,7 +73,7 @@ def _section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
             continue
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
-            yield from _section_keys(type(default), f"{section}.{name}")
+            yield from section_keys(type(default), f"{section}.{name}")
         else:
             unit = _unit(field.metadata) or _unit(getattr(field.annotation, "__args__", ()))
             yield SceneKey(f"{section}.{name}", default, unit, meanings.get(name, ""))
@@ -121,13 +129,19 @@ def _first_sentence(text: str) -> str:
 
 def default_scene_toml() -> str:
     """The default scene as TOML, with the meaning and unit of each key as a comment."""
-    lines = [
+    head = [
         "# A scene for palmbots with the default of every key. A key that you remove",
         "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
         "# robot.right.KEY override one side. Run it: palmbots carry FILE",
     ]
+    return commented_toml(head, scene_keys())
+
+
+def commented_toml(head: Iterable[str], keys: Iterable[SceneKey]) -> str:
+    """Keys with their defaults as TOML, below `head`, with meaning and unit as comments."""
+    lines = [*head]
     section = ""
-    for key in scene_keys():
+    for key in keys:
         table, _, name = key.name.rpartition(".")
         if table != section:
             section = table

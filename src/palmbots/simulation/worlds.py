@@ -2,7 +2,7 @@
 """The worlds: what moves the robots and the object in a carry, and what each world supports.
 
 A world is a `WorldEntry` in the registry. A higher room, or a program, registers one by name; the
-text ``"module:attribute"`` is loaded on first use, so this room imports no other world.
+text ``"module:attribute"`` is loaded on first use, so this room names no other world.
 """
 
 from __future__ import annotations
@@ -73,9 +73,9 @@ class WorldEntry:
     """The optional dependency that it needs, as in ``palmbots[mujoco]``."""
 
 
-_WORLDS: Registry[WorldEntry] = Registry("world")
-_WORLDS.register("quasistatic", "palmbots.simulation.quasistatic:WORLD")
-_WORLDS.register("mujoco", "palmbots.mujoco.carry_runner:WORLD")
+_WORLDS: Registry[WorldEntry] = Registry(
+    "world", quasistatic="palmbots.simulation.quasistatic:WORLD"
+)
 
 
 def register_world(name: str, entry: WorldEntry | str) -> None:

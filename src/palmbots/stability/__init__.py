@@ -9,7 +9,11 @@ from palmbots.stability.certificates.obligations import CLAIMS
 from palmbots.stability.certificates.prover import Certificate
 from palmbots.stability.clearance import Clearance, ClosestState, outline_clearance
 from palmbots.stability.design_result import Design, OwnAngles
-from palmbots.stability.drop_diagnosis import analyze_hint, missing_properties
+from palmbots.stability.drop_diagnosis import (
+    analyze_hint,
+    missing_properties,
+    touch_start_hint,
+)
 from palmbots.stability.first_contact import FirstTouch, first_touch
 from palmbots.stability.lateral_tipping import Sideways
 from palmbots.stability.margins import Wedging
@@ -46,6 +50,7 @@ __all__ = [
     "reaction",
     "self_check",
     "stability_problem",
+    "touch_start_hint",
     "with_angles",
 ]
 

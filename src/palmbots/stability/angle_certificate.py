@@ -3,7 +3,9 @@
 
 Near the largest tolerance a condition becomes an equality, and a prover that bisects boxes cannot
 decide it. The certificate therefore claims a little less than the tolerance: first by the error of
-its bisection, then by more, until the prover can decide.
+its bisection, then by more, until the prover can decide. The angles are designed for robots of
+which only one turns its palm at a time. The claims for palms that turn at the same time are added
+where they hold.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ from palmbots._types import SIDES, Interval
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.stability.angle_grid import Quantity, Uncertainty
 from palmbots.stability.certificates.box_from_scene import box_of
+from palmbots.stability.certificates.obligations import BOTH_TURN, ONE_TURNS
+from palmbots.stability.certificates.parameter_box import Box
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.problem import StabilityProblem
 
@@ -63,13 +67,26 @@ def certify_tolerance(
         intervals = _intervals(problem, quantity, claimed, angles_deg, uncertainty)
         box = box_of(turned, beyond_m=problem.beyond, **intervals)
         is_whole = reduction == _REDUCTIONS[0]
-        return prove(box, scene=turned, max_boxes=max_boxes), tolerance if is_whole else claimed
+        certificate = prove(box, ONE_TURNS, scene=turned, max_boxes=max_boxes)
+        if certificate.verdict == "holds":
+            certificate = _with_further_claims(box, turned, max_boxes)
+        return certificate, tolerance if is_whole else claimed
 
     for reduction in _REDUCTIONS[:-1]:
         certificate, proved = attempt(reduction, _FEW_BOXES)
         if certificate.verdict != "undecided":
             return certificate, proved
     return attempt(_REDUCTIONS[-1], _MANY_BOXES)
+
+
+def _with_further_claims(box: Box, scene: Scene, max_boxes: int) -> Certificate:
+    """The certificate of a box in which the first claims hold, with the others that hold in it."""
+
+    def holds(claim: str) -> bool:
+        return prove(box, (claim,), scene=scene, max_boxes=max_boxes).verdict == "holds"
+
+    claims = (*ONE_TURNS, *filter(holds, BOTH_TURN))
+    return prove(box, claims, scene=scene, max_boxes=len(claims) * max_boxes)
 
 
 def _intervals(

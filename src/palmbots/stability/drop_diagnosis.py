@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis after a drop: the properties that fail even under the best conditions of a scene.
+"""Diagnosis after a drop or a failed start: properties that fail even under the best conditions.
 
 The best conditions are the nominal angles, friction and COM, with contacts that never leave the
 zero zone of the sensor. A property that fails there also fails on the whole palm, so
@@ -12,11 +12,12 @@ from collections.abc import Sequence
 from palmbots._types import SIDES
 from palmbots.control.dead_band import zero_zone_edges_m
 from palmbots.control.registry import describe
+from palmbots.control.table_timing import transition_table
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.stability.problem import Pair, permitted, stability_problem
 
-__all__ = ["analyze_hint", "missing_properties"]
+__all__ = ["analyze_hint", "missing_properties", "touch_start_hint"]
 
 
 def missing_properties(scene: Scene, controller: str) -> tuple[int, ...]:
@@ -57,13 +58,6 @@ def analyze_hint(
     missing = missing_properties(scene, controller)
     if not missing:
         return None
-    words = ["palmbots", "analyze", source]
-    try:
-        stability_problem(scene)
-    except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
-        words += ["--region-m", *map(str, _zero_zone(scene))]
-    for change in changes or ():
-        words += ["--set", change]
     if describe(controller).team == "none":
         fault = "two steep palms do not hold the object"
     elif len(missing) == 1:
@@ -71,7 +65,44 @@ def analyze_hint(
     else:
         listed = " and ".join([", ".join(map(str, missing[:-1])), str(missing[-1])])
         fault = f"properties {listed} do not hold"
-    return f"{fault}, even with contacts inside the zero zone; run: {shlex.join(words)}"
+    command = _command(scene, source, changes)
+    return f"{fault}, even with contacts inside the zero zone; run: {command}"
+
+
+def touch_start_hint(
+    scene: Scene, controller: str, source: str, changes: Sequence[str] | None
+) -> str | None:
+    """One line on why the leader does not feel that the follower starts; None: it can feel that.
+
+    The follower starts with its palm steep and closes in on the leader. Only where property 1 holds
+    with the leader's palm shallow does the leader's contact slide. Arguments as in `analyze_hint`.
+    """
+    if scene.control.start != "touch" or transition_table(describe(controller), scene) is None:
+        return None
+    leader = "right" if scene.task.direction == "forward" else "left"
+    try:
+        problem = stability_problem(scene, _zero_zone(scene))
+    except PalmbotsError:
+        return None
+    low, high = permitted(problem.envelope(), 1, leader, problem.angles)
+    if low <= problem.com[0] <= high:
+        return None
+    return (
+        f"start by touch: property 1 does not hold with the {leader} palm shallow, so the leader "
+        f"does not feel the follower; run: {_command(scene, source, changes)}"
+    )
+
+
+def _command(scene: Scene, source: str, changes: Sequence[str] | None) -> str:
+    """The command that analyzes the scene."""
+    words = ["palmbots", "analyze", source]
+    try:
+        stability_problem(scene)
+    except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
+        words += ["--region-m", *map(str, _zero_zone(scene))]
+    for change in changes or ():
+        words += ["--set", change]
+    return shlex.join(words)
 
 
 def _zero_zone(scene: Scene) -> Pair:

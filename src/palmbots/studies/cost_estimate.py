@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from palmbots._util.results import Result
+from palmbots._util.text import data_size, duration, plural
 from palmbots.scene.spec import to_spec
 from palmbots.studies.chunk_task import ChunkTask, build_id, carry_chunk
 from palmbots.studies.chunking import ChunkGrid
@@ -27,8 +29,8 @@ _MARK_BYTES = 900  # per cell and chunk
 _WORKING_BYTES = 110  # per carry while its chunk runs: the columns of the core, and two blocks
 
 
-@dataclass(frozen=True)
-class Cost:
+@dataclass(frozen=True, repr=False)
+class Cost(Result):
     """The cost of a study in which no cell stops early."""
 
     points: int
@@ -45,6 +47,24 @@ class Cost:
     disk_bytes: int
     memory_bytes: int
     """For results; it does not grow with the number of seeds."""
+
+    def headline(self) -> str:
+        """One line with the number of carries and the time."""
+        on = plural(self.threads, "thread")
+        return f"{self.carries:,} carries, about {duration(self.seconds)} on {on}"
+
+    def facts(self) -> dict[str, str]:
+        """How the carries are divided, and the disk and memory they need."""
+        return {
+            "points": f"{self.points:,}",
+            "cells": f"{self.cells:,}",
+            "chunks": f"{self.chunks:,} of at most {self.carries_a_chunk:,} carries",
+            "time per carry": ", ".join(
+                f"{name} {ms:.2g} ms" for name, ms in self.by_controller.items()
+            ),
+            "disk": f"about {data_size(self.disk_bytes)}",
+            "memory": f"about {data_size(self.memory_bytes)}",
+        }
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots study --estimate-cost --json`` prints, besides the scene."""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from palmbots.viz.style import (
     BACKGROUND,
@@ -15,6 +14,8 @@ from palmbots.viz.style import (
     axis_label,
     controller_looks,
     controller_title,
+    footnote,
+    plain_numbers,
     styled,
 )
 from palmbots.viz.sweep_figure import few_ticks
@@ -62,13 +63,11 @@ def draw(result: "NoiseLimit") -> Figure:
             f"σ* = {100 * limit:.3g} cm/s",
         )
         axes.xaxis.set_major_locator(few_ticks())
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
-        figure.supxlabel(
+        plain_numbers(axes.yaxis, minor=False)
+        footnote(
+            figure,
             f"band: 95 % interval of σ*, {low:.3f} to {high:.3f} cm/s, from {result.carries:,} "
             "carries\ngrey: pilot run (arrows: none dropped); dashed: the fit, extrapolated",
-            fontsize=7,
-            color=QUIET,
         )
         return figure
 

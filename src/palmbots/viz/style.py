@@ -45,7 +45,9 @@ __all__ = [
     "axis_label",
     "controller_looks",
     "controller_title",
+    "footnote",
     "key_label",
+    "plain_numbers",
     "styled",
 ]
 
@@ -139,6 +141,18 @@ def axis_label(quantity: str, unit: str | None) -> str:
 def key_label(key: str) -> str:
     """The label of the axis of a scene key: `radio.latency_s` → "radio latency [s]"."""
     return axis_label(name_of(key), unit_of(key))
+
+
+def plain_numbers(axis: Any, *, minor: bool = True) -> None:
+    """Label the ticks of a logarithmic `axis` (``axes.xaxis``) 0.5, 2, 10 rather than as powers;
+    without `minor`, the ticks between powers of ten have no label."""
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter("{x:g}" if minor else "")
+
+
+def footnote(figure: Any, text: str) -> None:
+    """Write what a reader needs to know below the axes of a figure."""
+    figure.supxlabel(text, fontsize=7, color=QUIET)
 
 
 _SETTINGS: Any = {

@@ -61,6 +61,8 @@ FaultCode = Literal[
     "storage",
     "settings",
     "stopping",
+    "partner",
+    "stop",
 ]
 """Why a robot does not carry."""
 Operation = Literal["arm", "disarm", "start", "stop", "e_stop", "release"]

@@ -23,8 +23,9 @@ TableTeam<Table> team_over(const Channel& channel, const Faults& faults, std::ui
     return static_cast<std::uint16_t>(1 + (std::rotr(chance, bit) & 0xFF) * most / 256);
   };
   typename TableRobot<Table>::Times times{of(1, 12), of(9, 254), {}};
+  const std::uint32_t longest = (chance >> 8 & 1) != 0 ? 4095 : 500;
   for (std::size_t k = 0; k < Table::limits; ++k) {
-    times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? 1023 : 40);
+    times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? longest : 40);
   }
   const bool by_touch = (chance >> 7 & 1) != 0;
   return {times, (chance >> 5 & 3) != 0, {}, channel, 0, chance % 2, faults, by_touch};
@@ -53,7 +54,7 @@ template <class Table>
 void test_supported_teams() {
   using Team = TableTeam<Table>;
   typename TableRobot<Table>::Times times{5, 50, {}};
-  times.limits.fill(1023);
+  times.limits.fill(4095);
   const auto goes = [&](const auto& t, double drift, const Channel& channel, const Faults& faults) {
     return BitslicedTeam<Team>::supports(Team(t, true, {drift, 0}, channel, 0, left, faults));
   };
@@ -69,7 +70,7 @@ void test_supported_teams() {
     CHECK(goes(times, 0, steady, Faults::of(failing, 0)) == (kind == FaultKind::reboot));
   }
   auto longer = times;
-  longer.limits[0] = 1024;
+  longer.limits[0] = 4096;
   CHECK(!goes(longer, 0, steady, {}));
   longer = times;
   longer.lease = 255;

@@ -2,6 +2,7 @@
 // What a robot and a station run, as firmware would call it: functions without a system below.
 // Compiled by tests/cpp/test_programs.py, never run.
 #include "palmbots/control.hpp"
+#include "palmbots/runtime/mode_machine.hpp"
 #include "palmbots/wire.hpp"
 
 palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
@@ -76,4 +77,12 @@ bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decode
 
 bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decoded& received) {
   return palmbots::wire::hear(receiver, received);
+}
+
+palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
+                                         const palmbots::runtime::ModeInputs& in);
+
+palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
+                                         const palmbots::runtime::ModeInputs& in) {
+  return robot.step(in);
 }

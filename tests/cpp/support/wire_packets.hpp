@@ -32,7 +32,7 @@ inline bool can_be_said(unsigned kind, unsigned sender, unsigned receiver, const
              b[4] <= 7;
     }
     case 2:
-      return to_station && b[0] % 16 <= 8 && b[0] / 16 <= 11 && b[1] % 4 <= 2 && b[1] / 16 <= 12 &&
+      return to_station && b[0] % 16 <= 8 && b[0] / 16 <= 13 && b[1] % 4 <= 2 && b[1] / 16 <= 12 &&
              b[4] / 8 <= 13;
     case 3: return from_station && is_short && b[0] <= 5;
     case 4: return to_station && is_short && b[0] <= 15 && b[0] % 4 <= 2;

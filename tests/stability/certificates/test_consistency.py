@@ -181,11 +181,11 @@ def test_scene_outside_its_own_box_is_reported(tmp_path: Path) -> None:
 def test_older_format_is_refused_with_both_versions(
     certificate: Data, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = write(certificate | {"format": "palmbots certificate 2"}, tmp_path)
+    path = write(certificate | {"format": "palmbots certificate 3"}, tmp_path)
     assert run(["check", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "has certificate format 2" in line
-    assert "reads format 3" in line
+    assert "has certificate format 3" in line
+    assert "reads format 4" in line
 
 
 def test_simple_polygons_are_those_of_the_scene_reader() -> None:

@@ -16,6 +16,7 @@ from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.cli.main import run
 from palmbots.scene.spec import to_spec
+from palmbots.stability.certificates.obligations import CLAIMS
 from palmbots.stability.certificates.parameter_box import exact, text
 from palmbots.stability.certificates.prover import Certificate, certify
 from palmbots.stability.problem import stability_problem
@@ -46,7 +47,7 @@ def test_boxes_that_hold_are_certified(uncertainty: dict[str, Any], tmp_path: Pa
     assert certificate.verdict == "holds"
     found = check_function(saved(certificate, tmp_path))
     assert (found.valid, found.reason) == (True, "")
-    assert found.claim == "holds: property 1, property 2, property 0, clearance"
+    assert found.claim == f"holds: {', '.join(CLAIMS)}"
 
 
 def ends(pair: list[str]) -> tuple[float, float]:
@@ -295,7 +296,7 @@ def test_failing_certificate_claims_at_least_one_failure(tmp_path: Path) -> None
     failing = certify("paper", length_m=(0.14, 0.17))
     assert failing.verdict == "fails"
     assert check_function(saved(failing, tmp_path)).claim == (
-        "fails: at least one of property 1, property 2, property 0, clearance"
+        f"fails: at least one of {', '.join(CLAIMS)}"
     )
     alone = certify("paper", length_m=(0.14, 0.17), claims=("clearance",))
     assert check_function(saved(alone, tmp_path)).claim == "fails: clearance"

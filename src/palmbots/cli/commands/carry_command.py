@@ -8,7 +8,8 @@ import typer
 
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, controller_of, load, print_json, warn
+from palmbots.cli._run import check_output, controller_of, load, print_json
+from palmbots.cli._warnings import warn
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -79,11 +80,10 @@ def carry(
     from palmbots.stability.scene_limits import self_check
 
     _check_options(animation, video, view, world, out)
-    unset: list[str] = []
-    chosen = load(scene, changes, unset.append)
+    chosen = load(scene, changes)
     check_output(out)
     entry = controller_of(controller, unproved=unproved, quiet=as_json)
-    prepared = prepare(chosen, entry, world)  # all refusals come before the warnings
+    prepared = prepare(chosen, entry, world)
     check_precision(prepared.world, precision)
     seed_of(seed)
     video_file = mujoco_outputs.video_file(out) if video and out is not None else None
@@ -95,7 +95,7 @@ def carry(
         budget = mujoco_outputs.drift_budget(
             chosen, entry, quiet=as_json, accept_excess=accept_excess
         )
-    for text in (*unset, *early_warnings, *limits):
+    for text in (*early_warnings, *limits):
         warn(text)
     expected_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
     with mujoco_outputs.viewer(view) as show, progress("carrying", as_json, expected_s) as report:
@@ -124,10 +124,10 @@ def carry(
         warnings = [*early_warnings, *limits, *late_warnings]
         print_json(result.summary() | {"warnings": warnings, "drift_forecast": forecast})
     else:
-        from palmbots.stability.drop_diagnosis import analyze_hint
+        from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
 
-        dropped = result.outcome == "dropped"
-        hint = analyze_hint(chosen, entry.name, scene, changes) if dropped else None
+        explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
+        hint = explain(chosen, entry.name, scene, changes) if explain else None
         carry_report(result, scene, late_warnings, written, removed, hint)
     return DONE if result.outcome == "delivered" else FAILED
 

@@ -61,6 +61,25 @@ def certify(
     region_m: Annotated[
         Interval, interval_option("--region-m", "Contact coordinates, within the palms")
     ] = None,
+    beyond_m: Annotated[
+        float,
+        typer.Option(
+            "--beyond-m",
+            metavar="M",
+            help="How far past p = 0 corrections continue [default: 0].",
+            show_default=False,
+        ),
+    ] = 0.0,
+    claims: Annotated[
+        str | None,
+        typer.Option(
+            "--claims",
+            metavar="NAME,…",
+            help="Prove these claims: property 1, property 2, property 0, clearance, property 0 "
+            "turning, clearance turning, no jam [default: all].",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         output_option("Write the certificate to this file.", "--out", "-o", metavar="FILE"),
@@ -80,6 +99,7 @@ def certify(
         check_file(out)
     result = run_proof(
         load(scene, changes),
+        claims=None if claims is None else tuple(name.strip() for name in claims.split(",")),
         com_x_m=com_x_m,
         com_y_m=com_y_m,
         friction=friction,
@@ -92,6 +112,7 @@ def certify(
         offset_m=offset_m,
         slope_deg=slope_deg,
         region_m=region_m,
+        beyond_m=beyond_m,
     )
     written: list[Path] = []
     if out is not None and result.verdict != "undecided":

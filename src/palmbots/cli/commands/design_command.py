@@ -7,7 +7,8 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, print_json, set_aside_certificate, warn
+from palmbots.cli._run import check_output, load, print_json, set_aside_certificate
+from palmbots.cli._warnings import warn
 from palmbots.cli.options import (
     DONE,
     FAILED,

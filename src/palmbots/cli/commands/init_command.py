@@ -17,11 +17,6 @@ EXAMPLE = "palmbots init scene my.toml"
 COMMAND = typer.Typer(help="Write a file to start from.")
 
 
-@COMMAND.callback()
-def _group() -> None:
-    """Makes `scene` a subcommand although it is the only one."""
-
-
 @COMMAND.command("scene", epilog=f"Example: {EXAMPLE}")
 def init_scene(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
@@ -43,4 +38,24 @@ def init_scene(
         print_json({"file": str(path), "scene": Scene().model_dump()})
     else:
         print_written_files(report_console(), [path])
+    return DONE
+
+
+@COMMAND.command("pair", epilog="Example: palmbots init pair pair.toml")
+def init_pair(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
+    as_json: JsonOption = False,
+) -> int:
+    """Write the settings of a pair of robots, a random key and boot counters.
+
+    Existing files are never overwritten.
+    """
+    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.node import pair_file
+
+    written = pair_file.init_pair(path)
+    if as_json:
+        print_json({"files": [str(file) for file in written]})
+    else:
+        print_written_files(report_console(), written)
     return DONE

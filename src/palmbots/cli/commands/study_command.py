@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palmbots.cli._progress import staged_progress
-from palmbots.cli._run import check_output, interruption_line, print_json, warn
+from palmbots.cli._run import check_output, interruption_line, print_json
+from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.cli.options import DONE, JsonOption, output_option
 from palmbots.errors import PalmbotsError
 
@@ -66,14 +67,11 @@ def study(
     from palmbots.studies.study_file import load_plan
     from palmbots.studies.study_runner import run_study
 
-    unset: list[str] = []
-    plan = load_plan(source, carries, on_warning=unset.append)
+    plan = load_plan(source, carries, on_warning=warn)
     if scheduler is not None and local_cluster is not None:
         raise PalmbotsError("--scheduler and --local-cluster exclude each other; give one of them")
     if plot and not plan.keys:
         raise PalmbotsError("--plot needs a study that varies at least one key")
-    for text in unset:
-        warn(text)
     if estimate_cost:
         return _print_cost(plan, threads, chunk_size, as_json)
     root = out if out is not None else Path(f"{plan.name}.study")
@@ -86,7 +84,7 @@ def study(
     with interruption_line(line), _quiet_asyncio(), staged_progress(as_json) as report:
         result = run_study(
             plan, root, threads=threads, chunk_size=chunk_size, scheduler=scheduler,
-            local_cluster=local_cluster, report=report, notify=warn,
+            local_cluster=local_cluster, report=report, notify=_notify,
         )  # fmt: skip
     written: list[Path] = []
     if plot:
@@ -99,6 +97,12 @@ def study(
     else:
         study_report(result, written)
     return DONE
+
+
+def _notify(text: str) -> None:
+    """Print a warning about a study that runs already."""
+    print_held_warnings()
+    warn(text)
 
 
 @contextmanager

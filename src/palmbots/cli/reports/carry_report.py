@@ -65,17 +65,17 @@ def carry_report(
     console.print(head)
     if carry.reason is not None:
         console.print(indented(f"{carry.reason}: {_REASONS[carry.reason]}"))
-        if hint is not None:
-            sentence, _, command = hint.partition("; run: ")
-            console.print(indented(sentence))
-            if command:  # whole, so that it can be copied
-                console.print(f"  run: {command}", soft_wrap=True)
     elif carry.outcome == "stalled":
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""
         console.print(
             indented(f"time limit reached: task.timeout_s is {carry.scene.timeout_s:g} s{usual}")
         )
+    if hint is not None:
+        sentence, _, command = hint.partition("; run: ")
+        console.print(indented(sentence))
+        if command:  # whole, so that it can be copied
+            console.print(f"  run: {command}", soft_wrap=True)
     angle = carry.scene.object.rest_angle_deg
     if abs(angle) >= 0.05:
         console.print(f"object: outline turned by {angle:.1f}° to rest on its contacts")

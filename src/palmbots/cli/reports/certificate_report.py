@@ -60,6 +60,10 @@ def _witness(console: Console, witness: dict[str, Any]) -> None:
             f"the {name.split()[1]} palm touches edge {witness['edge']} of the outline "
             "(counted counter-clockwise from the left contact, which is 0)"
         )
+    elif name.startswith("jam"):
+        console.print(f"{name}: both contacts are wedged, and neither slides")
+    elif name == "0 turning":
+        console.print(f"both palms turning: {_any_palm(text_of(0, witness['fails']))}")
     else:
         number, side = int(name[0]), name.split()[1]
         console.print(f"{PROPERTIES[number]}, {side}: {text_of(number, witness['fails'])}")
@@ -79,6 +83,11 @@ def _witness(console: Console, witness: dict[str, Any]) -> None:
         x, y = witness["com_m"]
         table.add_row("  COM", f"x {x} m", f"y {y} m")
     console.print(table)
+
+
+def _any_palm(reason: str) -> str:
+    """A reason in which the left palm is called the shallow one, since either may be it."""
+    return reason.replace("shallow", "left").replace("steep", "right")
 
 
 def check_report(result: "CheckResult", path: Path) -> None:
@@ -102,6 +111,7 @@ def design_report(
 ) -> None:
     """Print the angles, what they tolerate beside the scene's own, and how to use them."""
     from palmbots.stability.angle_grid import NOISE, QUANTITIES
+    from palmbots.stability.certificates.obligations import BOTH_TURN
 
     console = report_console()
     name = QUANTITIES[design.quantity][-1]
@@ -123,7 +133,12 @@ def design_report(
     console.print(table)
     verdict = design.certificate.verdict
     if verdict == "holds":
-        console.print("certified: properties 0, 1 and 2 and clearance, under these conditions")
+        claims = design.certificate.data["claims"]
+        console.print(f"certified under these conditions: {', '.join(claims)}")
+        if missing := [claim for claim in BOTH_TURN if claim not in claims]:
+            console.print(
+                f"not certified for palms that turn at the same time: {', '.join(missing)}"
+            )
     else:
         console.print(
             Text(f"certificate: {verdict} ({design.certificate.undecided})", "bold yellow")

@@ -12,6 +12,9 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from palmbots._util.text import data_size
+from palmbots.cli._warnings import print_held_warnings
+
 __all__ = [
     "BAD",
     "GOOD",
@@ -43,12 +46,13 @@ class _TrimmedStream:
 
 
 def report_console() -> Console:
-    """A console on stdout.
+    """A console on stdout; warnings that are held are printed before it.
 
     It is 80 columns wide in a pipe and as wide as the window in a terminal, but not narrower than
     80 columns: a terminal may break lines, but no table shortens numbers to fit. Markup is off,
     because units are written in brackets.
     """
+    print_held_warnings()
     console = Console(
         highlight=False, markup=False, file=cast("TextIO", _TrimmedStream(sys.stdout))
     )
@@ -88,12 +92,8 @@ def indented(text: str | Text, columns: int = 2) -> Padding:
 def print_written_files(console: Console, written: Sequence[Path]) -> None:
     """Print the files that a command wrote, with their sizes."""
     for path in written:
-        size = _size(path.stat().st_size)
+        size = data_size(path.stat().st_size)
         console.print(f"wrote {path}  {size}", soft_wrap=True)
-
-
-def _size(n: int) -> str:
-    return f"{n / 1e6:.1f} MB" if n >= 1e6 else f"{n / 1e3:.0f} kB"
 
 
 def signed(value: float) -> str:

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palmbots._util.confidence_intervals import wilson
-from palmbots._util.text import format_number, plural
+from palmbots._util.text import data_size, duration, format_number, plural
 from palmbots.cli.reports.console import (
     QUIET,
     plain_table,
@@ -216,10 +216,10 @@ def cost_report(points: Points, cost: Cost) -> None:
         ("cells", f"{cost.cells} ({', '.join(plan.controller_names)})"),
         ("carries", f"{most}{cost.carries:,}, {plan.study.seeds.count:,} per cell"),
         ("chunks", f"{cost.chunks:,} of at most {cost.carries_a_chunk:,} carries"),
-        ("time", f"{most}about {_duration(cost.seconds)} on {plural(cost.threads, 'thread')}"),
+        ("time", f"{most}about {duration(cost.seconds)} on {plural(cost.threads, 'thread')}"),
         *(("", f"{name}: {ms:.2g} ms per carry") for name, ms in cost.by_controller.items()),
-        ("disk", f"{most}about {_bytes(cost.disk_bytes)}"),
-        ("memory", f"about {_bytes(cost.memory_bytes)} in addition to Python's own"),
+        ("disk", f"{most}about {data_size(cost.disk_bytes)}"),
+        ("memory", f"about {data_size(cost.memory_bytes)} in addition to Python's own"),
     ]
     if points.rejected_cells:
         rows.append(("refused", plural(len(points.rejected_cells), "cell")))
@@ -234,17 +234,3 @@ def _of_points(points: Points) -> str:
         sizes = zip(points.plan.keys, points.shape, strict=False)
         return " × ".join(f"{n} {key}" for key, n in sizes) or "nothing varies"
     return f"{points.plan.study.design.kind} over {plural(len(points.plan.keys), 'key')}"
-
-
-def _duration(seconds: float) -> str:
-    for size, unit in ((86400, "days"), (3600, "h"), (60, "min")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.1f} {unit}"
-    return f"{seconds:.1f} s"
-
-
-def _bytes(n: int) -> str:
-    for size, unit in ((1e9, "GB"), (1e6, "MB")):
-        if n >= size:
-            return f"{n / size:.1f} {unit}"
-    return f"{n / 1e3:.0f} kB"

@@ -7,6 +7,8 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
@@ -42,6 +44,7 @@ RENAMED_ARGUMENTS = {
 
 _SLOPE_DIGITS = 12
 _STEEPEST_DEG = 45.0
+_MOST_M = 10.0
 
 _ROUNDING = 10**9
 """The outline is rounded to this part of the width, since the frame contains a square root."""
@@ -85,6 +88,13 @@ def _ends(name: str, interval: Any, default: Any, least: float, most: float) -> 
     return exact(low), exact(high)
 
 
+def _distance(name: str, value: Any) -> Fraction:
+    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not (is_number and 0 <= value <= _MOST_M):
+        raise PalmbotsError(f"{name}: value is {show(value)}; allowed: 0 to {_MOST_M:g}")
+    return exact(value)
+
+
 def box_of(
     scene: Scene,
     *,
@@ -102,7 +112,7 @@ def box_of(
     slope_deg: Any = None,
     slope: Any = None,
     region_m: Any = None,
-    beyond_m: float = 0.0,
+    beyond_m: Any = 0.0,
 ) -> Box:
     """A scene with intervals of uncertainty; quantities without an interval are as in the scene.
 
@@ -161,7 +171,7 @@ def box_of(
         shallow_deg=shallow,
         steep_deg=steep,
         contacts=contacts,
-        beyond=exact(beyond_m),
+        beyond=_distance("beyond_m", beyond_m),
         half_length=halves,
         offset=(offset[0], offset[1]),
         slope=slopes,

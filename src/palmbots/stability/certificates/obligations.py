@@ -5,6 +5,11 @@ An *obligation* is a condition that has to hold for all palm angles, frictions, 
 of a part of the box. Properties 1 and 2 have one with either palm as the shallow one. Property 0
 and the clearance of each palm have one in every pose: both palms steep, both shallow, and either
 one turning from shallow to steep with the contacts of property 1 or 2.
+
+The claims "property 0 turning", "clearance turning" and "no jam" are about palms that turn at the
+same time: each palm has any angle from shallow to steep. The contacts are anywhere, but for the
+clearance both are outward, or both are inward: both p ≥ −beyond, or both p ≤ beyond. "no jam" has
+one obligation for closing and one for opening.
 """
 
 import math
@@ -15,9 +20,22 @@ from fractions import Fraction
 from palmbots._types import SIDES
 from palmbots.stability.certificates.parameter_box import Box, Ends
 
-__all__ = ["CLAIMS", "Obligation", "Subbox", "bisect", "exact", "obligations"]
+__all__ = [
+    "BOTH_TURN",
+    "CLAIMS",
+    "ONE_TURNS",
+    "Obligation",
+    "Subbox",
+    "bisect",
+    "exact",
+    "obligations",
+]
 
-CLAIMS = ("property 1", "property 2", "property 0", "clearance")
+ONE_TURNS = ("property 1", "property 2", "property 0", "clearance")
+"""What robots need of which only one turns its palm at a time."""
+BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")
+"""What robots need besides that turn their palms at the same time."""
+CLAIMS = (*ONE_TURNS, *BOTH_TURN)
 """What a certificate can prove."""
 
 _LEAST = 1e-7  # intervals smaller than this are not bisected
@@ -40,9 +58,9 @@ class Obligation:
     name: str
     claim: str
     number: int
-    """Of the property; 0 for clearance."""
+    """Of the property; 0 for clearance; 1 for a jam on closing, 2 on opening."""
     side: int
-    """The shallow palm; for clearance the palm that must not be touched."""
+    """The shallow palm; for clearance the palm that must not be touched; otherwise 0."""
     part: Subbox
 
 
@@ -91,6 +109,33 @@ def obligations(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
             yield Obligation(f"0 {pose}", "property 0", 0, turning, part)
         for side, word in enumerate(SIDES) if "clearance" in claims else ():
             yield Obligation(f"clear {word} {pose}", "clearance", 0, side, part)
+    yield from _both_turning(box, claims)
+
+
+def _both_turning(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
+    """The obligations while both palms turn."""
+    left, right = ((box.shallow_deg[i][0], box.steep_deg[i][1]) for i in (0, 1))
+    anywhere = Subbox((left, right), box.friction, box.width, box.contacts)
+    if "property 0 turning" in claims:
+        yield Obligation("0 turning", "property 0 turning", 0, 0, anywhere)
+    if "clearance turning" in claims:
+        for name, contacts in (("outward", _outward(box)), ("inward", _inward(box))):
+            part = replace(anywhere, contacts=contacts)
+            for side, word in enumerate(SIDES):
+                yield Obligation(f"clear {word} turning {name}", "clearance turning", 0, side, part)
+    if "no jam" in claims:
+        yield Obligation("jam closing", "no jam", 1, 0, anywhere)
+        yield Obligation("jam opening", "no jam", 2, 0, anywhere)
+
+
+def _outward(box: Box) -> tuple[Ends, Ends]:
+    left, right = ((max(low, -box.beyond), high) for low, high in box.contacts)
+    return left, right
+
+
+def _inward(box: Box) -> tuple[Ends, Ends]:
+    left, right = ((low, min(high, box.beyond)) for low, high in box.contacts)
+    return left, right
 
 
 def _extent(ends: Ends) -> float:

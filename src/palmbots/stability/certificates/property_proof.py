@@ -7,7 +7,7 @@ the part, with the object's tangent enclosed over the part.
 Source: docs/theory/stability.md, "Why corners suffice".
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -18,11 +18,11 @@ from palmbots.stability.certificates.obligations import Obligation, Subbox, exac
 from palmbots.stability.certificates.parameter_box import Box, Ends, text
 from palmbots.stability.linear_conditions import NEEDS, SLIDING_EDGES
 
-__all__ = ["proved", "refuted"]
+__all__ = ["Corner", "corners", "points", "proved", "refuted", "witness"]
 
 
 @dataclass(frozen=True)
-class _Corner:
+class Corner:
     """One corner of a part: tangents t and frictions per palm, COM, tan ϑ, w and s; as balls."""
 
     t: tuple[Any, Any]
@@ -33,10 +33,12 @@ class _Corner:
     slope: Any
 
     def edge(self, side: int, slide: int) -> tuple[Any, Any]:
+        """(lateral, vertical) of the edge that slides up (1) or down (-1)."""
         t, mu = self.t[side], self.mu[side]
         return (t + mu, 1 - mu * t) if slide > 0 else (t - mu, 1 + mu * t)
 
     def bounds(self, side: int, slide: int) -> Any:
+        """> 0 where this edge bounds the squeeze, < 0 where it is wedged."""
         lateral, vertical = self.edge(side, slide)
         return vertical - lateral * self.turn if side == 0 else vertical + lateral * self.turn
 
@@ -51,6 +53,7 @@ class _Corner:
         return (a + b) * line - self.width * meet
 
     def lift(self, side: int) -> Any:
+        """> 0 where the object presses on this palm."""
         x, y = self.com
         s, turn = self.slope, self.turn
         if side == 0:
@@ -59,7 +62,8 @@ class _Corner:
         return x - s * y - turn * (y + s * x)
 
 
-def _corners(box: Box, part: Subbox) -> list[_Corner] | None:
+def corners(box: Box, part: Subbox) -> list[Corner] | None:
+    """The corners of a part; None: the object cannot span its contacts."""
     turns = object_tangents(box, part)
     if turns is None:
         return None
@@ -70,7 +74,7 @@ def _corners(box: Box, part: Subbox) -> list[_Corner] | None:
     t = [[radians(end).tan() for end in dict.fromkeys(angle)] for angle in part.angles]
     coms = [(ball(x), ball(y)) for x, y in box.com]
     return [
-        _Corner((t_left, t_right), (mu_left, mu_right), com, turn, w, s)
+        Corner((t_left, t_right), (mu_left, mu_right), com, turn, w, s)
         for t_left, t_right, mu_left, mu_right, com, turn, w, s in product(
             t[0],
             t[1],
@@ -84,10 +88,10 @@ def _corners(box: Box, part: Subbox) -> list[_Corner] | None:
     ]
 
 
-def _conditions(number: int, shallow: int) -> dict[str, Callable[[_Corner], Any]]:
+def _conditions(number: int, shallow: int) -> dict[str, Callable[[Corner], Any]]:
     """The conditions that have to be positive, by name."""
     steep = 1 - shallow
-    forms: dict[str, Callable[[_Corner], Any]] = {
+    forms: dict[str, Callable[[Corner], Any]] = {
         "lift_left": lambda c: c.lift(0),
         "lift_right": lambda c: c.lift(1),
     }
@@ -101,7 +105,7 @@ def _conditions(number: int, shallow: int) -> dict[str, Callable[[_Corner], Any]
     return forms
 
 
-def _comparison(slides: tuple[int, int], left_less: bool) -> Callable[[_Corner], Any]:
+def _comparison(slides: tuple[int, int], left_less: bool) -> Callable[[Corner], Any]:
     return lambda c: c.compare(*slides) if left_less else -c.compare(*slides)
 
 
@@ -112,17 +116,17 @@ def _slides(number: int, shallow: int, name: str) -> tuple[int, int]:
 
 def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
     """Whether the corners of a part prove a property for all of it."""
-    corners = _corners(box, part)
-    if corners is None:
+    at = corners(box, part)
+    if at is None:
         return False
     number, shallow = obligation.number, obligation.side
     for name, form in _conditions(number, shallow).items():
-        if all(form(corner) > 0 for corner in corners):
+        if all(form(corner) > 0 for corner in at):
             continue
         if name not in ("first", "second"):
             return False
         slides = _slides(number, shallow, name)
-        if not any(all(c.bounds(i, slides[i]) < 0 for c in corners) for i in (0, 1)):
+        if not any(all(c.bounds(i, slides[i]) < 0 for c in at) for i in (0, 1)):
             return False
     return True
 
@@ -131,6 +135,24 @@ def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | 
     """A corner of the box at which a condition certainly fails: the worst one."""
     worst: tuple[float, dict[str, Any]] | None = None
     forms = _conditions(obligation.number, obligation.side)
+    for point, exactly in points(box, part):
+        at = corners(exactly, point)
+        for name, form in forms.items() if at else ():
+            values = [form(corner) for corner in at or ()]
+            if not all(value < 0 for value in values):
+                continue
+            if name in ("first", "second"):
+                slides = _slides(obligation.number, obligation.side, name)
+                if not all(c.bounds(i, slides[i]) > 0 for c in at or () for i in (0, 1)):
+                    continue
+            size = float(values[0].mid())
+            if worst is None or size < worst[0]:
+                worst = size, witness(obligation, name, point, exactly)
+    return worst[1] if worst else None
+
+
+def points(box: Box, part: Subbox) -> Iterator[tuple[Subbox, Box]]:
+    """Every corner of a part, as a part of one point and a box of one COM, slope and offset."""
     frictions = list(product(*(dict.fromkeys(f) for f in part.friction)))
     if box.common:
         frictions = [(mu, mu) for mu in dict.fromkeys(part.friction[0])]
@@ -156,29 +178,24 @@ def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | 
         exactly = replace(
             box, com=(com,), slope=exact(s), offset=(exact(offset[0]), exact(offset[1]))
         )
-        corners = _corners(exactly, point)
-        for name, form in forms.items() if corners else ():
-            values = [form(corner) for corner in corners or ()]
-            if not all(value < 0 for value in values):
-                continue
-            if name in ("first", "second"):
-                slides = _slides(obligation.number, obligation.side, name)
-                if not all(c.bounds(i, slides[i]) > 0 for c in corners or () for i in (0, 1)):
-                    continue
-            size = float(values[0].mid())
-            if worst is None or size < worst[0]:
-                worst = (
-                    size,
-                    {
-                        "claim": obligation.name,
-                        "fails": name,
-                        "angle_deg": dict(zip(SIDES, map(text, angles), strict=True)),
-                        "friction": dict(zip(SIDES, map(text, mu), strict=True)),
-                        "contacts_m": dict(zip(SIDES, map(text, contacts), strict=True)),
-                        "offset_m": dict(zip(SIDES, map(text, offset), strict=True)),
-                        "com_m": [text(com[0]), text(com[1])],
-                        "width_m": text(w),
-                        "slope": text(s),
-                    },
-                )
-    return worst[1] if worst else None
+        yield point, exactly
+
+
+def witness(obligation: Obligation, fails: str, point: Subbox, exactly: Box) -> dict[str, Any]:
+    """A point at which a condition fails, as a certificate contains it."""
+
+    def sides(pair: tuple[Ends, Ends]) -> dict[str, str]:
+        return {side: text(ends[0]) for side, ends in zip(SIDES, pair, strict=True)}
+
+    (com,) = exactly.com
+    return {
+        "claim": obligation.name,
+        "fails": fails,
+        "angle_deg": sides(point.angles),
+        "friction": sides(point.friction),
+        "contacts_m": sides(point.contacts),
+        "offset_m": sides(exactly.offset),
+        "com_m": [text(com[0]), text(com[1])],
+        "width_m": text(point.width[0]),
+        "slope": text(exactly.slope[0]),
+    }

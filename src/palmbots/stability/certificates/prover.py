@@ -3,11 +3,12 @@
 
 The prover uses ball arithmetic (Arb, through python-flint), which includes rounding and
 trigonometry. The claims consist of obligations (`obligations`). Each is proved at the corners of
-its part of the box: properties 0, 1 and 2 in `property_proof`, and the clearance of the outline
-from palms of finite length in `clearance_proof`. Where the corners do not suffice, the part is
-bisected along the quantity with the largest effect, and each half is proved. The file contains the
-scene, the box, the claims and the bisections, and nothing else. `palmbots.check` verifies it with
-exact rational numbers and separate code. Source: docs/theory/stability.md.
+its part of the box: properties 0, 1 and 2 in `property_proof`, that no motion jams in `jam_proof`,
+and the clearance of the outline from palms of finite length in `clearance_proof`. Where the corners
+do not suffice, the part is bisected along the quantity with the largest effect, and each half is
+proved. The file contains the scene, the box, the claims and the bisections, and nothing else.
+`palmbots.check` verifies it with exact rational numbers and separate code.
+Source: docs/theory/stability.md.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from palmbots.stability.certificates.parameter_box import Box, text
 
 __all__ = ["Certificate", "certify", "prove"]
 
-_FORMAT = "palmbots certificate 3"
+_FORMAT = "palmbots certificate 4"
 _MAX_BOXES = 20_000
 _BITS = 128
 
@@ -108,13 +109,19 @@ def prove(
 
 def _method(obligation: Obligation) -> Any:
     """The module that proves an obligation."""
-    from palmbots.stability.certificates import clearance_proof, property_proof
+    from palmbots.stability.certificates import clearance_proof, jam_proof, property_proof
 
-    return clearance_proof if obligation.claim == "clearance" else property_proof
+    if obligation.claim == "no jam":
+        return jam_proof
+    return clearance_proof if _is_clearance(obligation) else property_proof
+
+
+def _is_clearance(obligation: Obligation) -> bool:
+    return obligation.claim.startswith("clearance")
 
 
 def _halves(box: Box, obligation: Obligation, part: Subbox) -> Any:
-    if obligation.claim != "clearance":
+    if not _is_clearance(obligation):
         return bisect(box, part)
     # Where palms of any length are clear, the contact coordinate does not matter.
     contacts = not _method(obligation).endless(box, obligation, part)
@@ -151,7 +158,7 @@ def _prove(box: Box, claims: tuple[str, ...], scene: Scene, max_boxes: int) -> C
             halves = _halves(box, obligation, part)
             is_last = halves is None or parts > max_boxes
             # The witness may lie inside the box, and a palm may touch between its corners.
-            if is_last or obligation.claim == "clearance":
+            if is_last or _is_clearance(obligation):
                 witness = _method(obligation).refuted(box, obligation, part)
                 if witness is not None:
                     return fails(witness, parts)
@@ -174,6 +181,7 @@ def certify(
     claims: Claims = None,
     max_boxes: int = _MAX_BOXES,
     common_friction: bool = False,
+    beyond_m: float = 0.0,
     overrides: Overrides = None,
     **intervals: Any,
 ) -> Certificate:
@@ -185,6 +193,8 @@ def certify(
         max_boxes: number of boxes after which the claims count as undecided.
         common_friction: True: both palms have the same coefficient, which may be any of the
             interval; False: each palm has its own.
+        beyond_m: how far past p = 0 a correction may continue. Contacts up to there count as not
+            yet corrected. 0: as in the paper.
         overrides: scene keys to set.
         intervals: (low, high) of ``com_x_m``, ``com_y_m``, ``friction``, ``friction_right`` (where
             it differs), ``shallow_deg``, ``steep_deg``, ``width_m``, ``length_m``, ``offset_m``,
@@ -200,5 +210,5 @@ def certify(
         one_of("certify", name, INTERVALS)
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
-    box = box_of(chosen, common_friction=common_friction, **intervals)
+    box = box_of(chosen, common_friction=common_friction, beyond_m=beyond_m, **intervals)
     return prove(box, claims, scene=chosen, max_boxes=max_boxes)

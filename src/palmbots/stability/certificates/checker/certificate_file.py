@@ -16,7 +16,7 @@ from palmbots.stability.certificates.checker.property_conditions import CheckFai
 __all__ = ["FORMAT", "Entry", "read_certificate"]
 
 _FORMAT_NAME = "palmbots certificate"
-_FORMAT_NUMBER = 3
+_FORMAT_NUMBER = 4
 FORMAT = f"{_FORMAT_NAME} {_FORMAT_NUMBER}"
 
 _MOST_BYTES = 50_000_000

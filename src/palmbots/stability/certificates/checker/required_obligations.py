@@ -11,7 +11,15 @@ from palmbots.stability.certificates.checker.property_conditions import LEFT, RI
 
 __all__ = ["CLAIMS", "Obligation", "required_obligations"]
 
-CLAIMS = {"property 0", "property 1", "property 2", "clearance"}
+CLAIMS = {
+    "property 0",
+    "property 1",
+    "property 2",
+    "clearance",
+    "property 0 turning",
+    "clearance turning",
+    "no jam",
+}
 """All that a certificate may claim."""
 _NAMES = ("left", "right")
 
@@ -22,11 +30,16 @@ class Obligation:
 
     claim: str
     number: int
-    """Of the property; 0 for clearance."""
+    """Of the property; 0 for clearance; 1 for a jam on closing, 2 on opening."""
     side: int
-    """The shallow palm; for clearance the palm that must not be touched."""
+    """The shallow palm; for clearance the palm that must not be touched; otherwise the left one."""
     angles: tuple[Ends, Ends]
     contacts: tuple[Ends, Ends]
+
+    @property
+    def is_clearance(self) -> bool:
+        """Whether it is about the outline and not about forces."""
+        return self.claim.startswith("clearance")
 
 
 def required_obligations(box: ClaimedBox, claims: Sequence[str]) -> dict[str, Obligation]:
@@ -55,7 +68,38 @@ def required_obligations(box: ClaimedBox, claims: Sequence[str]) -> dict[str, Ob
         for side in (LEFT, RIGHT) if "clearance" in claims else ():
             name = f"clear {_NAMES[side]} {pose}"
             obligations[name] = Obligation("clearance", 0, side, angles, region)
-    return obligations
+    return obligations | _while_both_turn(box, claims)
+
+
+def _while_both_turn(box: ClaimedBox, claims: Sequence[str]) -> dict[str, Obligation]:
+    """The obligations for palms that have any angle from shallow to steep, each its own."""
+    angles = (
+        (box.shallow_deg[LEFT][0], box.steep_deg[LEFT][1]),
+        (box.shallow_deg[RIGHT][0], box.steep_deg[RIGHT][1]),
+    )
+    found: dict[str, Obligation] = {}
+    if "property 0 turning" in claims:
+        found["0 turning"] = Obligation("property 0 turning", 0, LEFT, angles, box.contacts)
+    if "clearance turning" in claims:
+        (left_in, left_out), (right_in, right_out) = box.contacts
+        regions = {
+            "outward": (
+                (max(left_in, -box.beyond), left_out),
+                (max(right_in, -box.beyond), right_out),
+            ),
+            "inward": (
+                (left_in, min(left_out, box.beyond)),
+                (right_in, min(right_out, box.beyond)),
+            ),
+        }
+        for direction, region in regions.items():
+            for side in (LEFT, RIGHT):
+                name = f"clear {_NAMES[side]} turning {direction}"
+                found[name] = Obligation("clearance turning", 0, side, angles, region)
+    if "no jam" in claims:
+        found["jam closing"] = Obligation("no jam", 1, LEFT, angles, box.contacts)
+        found["jam opening"] = Obligation("no jam", 2, LEFT, angles, box.contacts)
+    return found
 
 
 def _clip(

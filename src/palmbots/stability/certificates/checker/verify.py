@@ -2,10 +2,11 @@
 """Verification of certificates with exact rational numbers, independent of the prover.
 
 The conditions that have to hold at the corners of a box, and why the corners suffice, are in
-`property_conditions` for the properties and in `clearance_conditions` for the clearance. Where the
-corners of the whole box do not suffice, the certificate states at which value of which quantity to
-bisect it. The checker follows these bisections and trusts nothing else in the file: it reads the
-box again, compares it with the scene that the certificate states, and lists the obligations itself.
+`property_conditions` for the properties, in `jam_conditions` for motions that jam, and in
+`clearance_conditions` for the clearance. Where the corners of the whole box do not suffice, the
+certificate states at which value of which quantity to bisect it. The checker follows these
+bisections and trusts nothing else in the file: it reads the box again, compares it with the scene
+that the certificate states, and lists the obligations itself.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from palmbots.stability.certificates.checker.clearance_conditions import (
     prove_touching,
 )
 from palmbots.stability.certificates.checker.enclosures import Ends
+from palmbots.stability.certificates.checker.jam_conditions import prove_no_jam, refute_no_jam
 from palmbots.stability.certificates.checker.property_conditions import (
     Box,
     CheckFailed,
@@ -185,10 +187,13 @@ def _check_holds(box: ClaimedBox, certificate: Entry) -> None:
         )
 
         def prove(part: Box, obligation: Obligation = obligation) -> None:
-            if obligation.claim == "clearance":
+            if obligation.is_clearance:
                 prove_clear(obligation.side, part, box.params, box.outline)
+                return
+            at = list(corners(part, box.params))
+            if obligation.claim == "no jam":
+                prove_no_jam(obligation.number, at)
             else:
-                at = list(corners(part, box.params))
                 prove_property(obligation.number, obligation.side, at)
 
         proof = proofs[name]
@@ -214,7 +219,7 @@ def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
     contacts = both("contacts_m", obligation.contacts)
     offset = both("offset_m", box.params.offset)
     w = _inside(witness["width_m"].number(), box.width)
-    if obligation.claim == "clearance":
+    if obligation.is_clearance:
         unused = (Fraction(0), Fraction(0))
         point = Box(angles, (unused, unused), w, contacts, False)
         half_length = both("half_length_m", box.outline.half_length)
@@ -235,12 +240,11 @@ def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
     slope = _inside(witness["slope"].number(), box.params.slope)
     params = ObjectParams(((x, y),), slope, offset)
     point = Box(angles, mu, w, contacts, False)
-    refute_property(
-        obligation.number,
-        obligation.side,
-        witness["fails"].text(),
-        list(corners(point, params)),
-    )
+    at, what = list(corners(point, params)), witness["fails"].text()
+    if obligation.claim == "no jam":
+        refute_no_jam(obligation.number, what, at)
+    else:
+        refute_property(obligation.number, obligation.side, what, at)
 
 
 def _inside(value: Fraction, ends: Ends) -> Ends:

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that a robot decides, as one object without I/O: packets in, packets and a drive out.
+//
+// The caller moves bytes. Once per control tick it passes what the robot reads and the packets that
+// have arrived, and carries out what comes back. The node of a robot, a simulated robot, a browser
+// and a microcontroller call the same step.
+//
+// The mode machine (runtime/mode_machine.hpp) decides whether the controller runs. While it does,
+// palm and wheels do what it commands. Otherwise the wheels rest and the palm keeps its angle.
+//
+// TO THE PARTNER go the words of the controller. While the controller does not run, or says nothing,
+// a state without a word is sent now and then, and a hello with the number of the settings. Robots
+// whose controllers send beacons send each other nothing else while these run.
+// TO THE STATION goes the status, in which a few numbers take turns.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "palmbots/runtime/mode_machine.hpp"
+#include "palmbots/runtime/robot_program.hpp"
+#include "palmbots/wire/endpoint.hpp"
+
+namespace palmbots::runtime {
+
+struct RuntimeSettings {
+  ModeSettings mode;
+  std::uint16_t state_period = 0;   // longest silence towards the partner [ticks]; 0: as it comes
+  std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
+  std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
+};
+
+// What a robot reads in a tick.
+struct Reading {
+  Observation seen;
+  bool contact = true;                // the object is on the palm
+  bool battery_ok = true;             //
+  bool driver_ok = true;              // the motor board answers
+  bool storage_ok = true;             // what has to survive a boot can be stored
+  bool covered = false;               // the distance, by odometry
+  bool stop = false;                  // by hand
+  std::uint16_t overruns = 0;         // late ticks within the time that the node counts
+  std::uint16_t battery_mv = 0xFFFF;  // 0xFFFF: not measured
+  std::uint16_t progress = 0;         // covered part of the distance, times 65535
+  std::uint32_t stopping = 0;         // measured time in which the wheels stop [ticks]
+};
+
+// A packet to send.
+struct Outgoing {
+  wire::Role receiver;
+  wire::Bytes bytes;
+};
+
+// What one tick brings out.
+struct Outputs {
+  Decision decision;  // of the controller, or rest
+  ModeOutputs mode;
+  std::array<Outgoing, wire::role_count> packets{};
+  std::size_t packet_count = 0;
+};
+
+// Counts of packets from the partner, for the report of a run.
+struct ReceivedCounts {
+  std::uint32_t rejected = 0;  // copies, overtaken packets, packets without a session
+  std::uint32_t late = 0;      // older than the lease
+};
+
+// One robot.
+template <class Program>
+class RobotRuntime {
+ public:
+  // `fresh` begins a carry, `rebooted` goes on with one after a boot. With `carries` the program
+  // runs from the first step, as `fresh` if this is the robot's first boot.
+  RobotRuntime(const wire::Identity& identity, std::uint32_t epoch, Program fresh, Program rebooted,
+               const RuntimeSettings& settings, const StoredMode& stored, bool carries)
+      : settings_(settings),
+        endpoint_(identity, epoch),
+        fresh_(std::move(fresh)),
+        rebooted_(std::move(rebooted)),
+        program_(epoch == 1 ? fresh_ : rebooted_),
+        machine_(settings.mode, stored, first(carries), mode_table),
+        runs_(carries) {}
+
+  // Writes a hello to the partner, to establish a session before a carry in lockstep. Returns false
+  // if the program sends its partner nothing but what its controller says.
+  bool greet(wire::Bytes& bytes) {
+    if constexpr (Program::answers_with_hello) {
+      return endpoint_.send(partner(), wire::PacketKind::hello, wire::payload_of(hello()), bytes);
+    }
+    return false;
+  }
+
+  // Begins a tick: `elapsed` ticks of this robot's clock have passed since the last one.
+  void begin(std::uint16_t elapsed) {
+    tick_ += elapsed;
+    elapsed_ = elapsed;
+    if (runs_) program_.pass(elapsed);
+    arrived_ = {};
+    unanswered_ = {};
+  }
+
+  // A packet has arrived.
+  wire::Verdict receive(std::span<const std::uint8_t> bytes) {
+    const wire::Decoded got = endpoint_.receive(bytes);
+    if (got.verdict == wire::Verdict::no_session) unanswered_[index(got.packet.sender)] = true;
+    if (got.verdict == wire::Verdict::accepted || got.verdict == wire::Verdict::no_session) {
+      note(got.packet, got.verdict == wire::Verdict::accepted);
+    }
+    if (!runs_) return got.verdict;
+    const Taken taken = program_.hear(got);
+    received_.rejected += taken == Taken::rejected ? 1U : 0U;
+    received_.late += taken == Taken::late ? 1U : 0U;
+    return got.verdict;
+  }
+
+  // Decides, and writes the packets of this tick.
+  Outputs step(const Reading& reading) {
+    ModeInputs in = arrived_;
+    in.elapsed = elapsed_;
+    in.stop = in.stop || reading.stop;
+    in.partner = {partner_mode_, age(partner_tick_)};
+    in.station_age = age(station_tick_);
+    in.preflight = {reading.contact, reading.seen.palm_at_target, reading.battery_ok,
+                    settings_.number == 0 || partner_settings_ == settings_.number,
+                    reading.stopping};
+    in.driver_ok = reading.driver_ok;
+    in.storage_ok = reading.storage_ok;
+    in.overruns = reading.overruns;
+    in.covered = reading.covered;
+    in.travels = !command_.stop;
+    Outputs out{{}, machine_.step(in)};
+    if (out.mode.controller != ControllerStart::none) {
+      program_ = out.mode.controller == ControllerStart::fresh ? fresh_ : rebooted_;
+      program_.begin(tick_ - 1);
+      program_.pass(1);
+    }
+    runs_ = out.mode.wheels;
+    out.decision.command = {command_.palm, Move::hold, true};
+    if (runs_) out.decision = program_.step(reading.seen);
+    command_ = out.decision.command;
+    talk_to_partner(out);
+    talk_to_station(out, reading);
+    return out;
+  }
+
+  const wire::Endpoint& endpoint() const { return endpoint_; }
+  const Program& program() const { return program_; }
+  const ReceivedCounts& received() const { return received_; }
+  bool runs() const { return runs_; }
+
+ private:
+  static ModeMemory first(bool carries) {
+    ModeMemory memory;
+    if (carries) memory.mode = wire::RobotMode::carrying;
+    return memory;
+  }
+  static constexpr std::size_t index(wire::Role role) { return static_cast<std::size_t>(role); }
+  // Every so many states without a word a hello is sent.
+  static constexpr std::uint32_t hello_every = 8;
+
+  wire::Role partner() const {
+    return endpoint_.identity().role == wire::Role::left ? wire::Role::right : wire::Role::left;
+  }
+  wire::Hello hello() const {
+    return {settings_.number, machine_.memory().mode == wire::RobotMode::stopped};
+  }
+  // The age of what was sent, or arrived, in that tick; `never` for nothing.
+  std::uint32_t age(std::uint32_t tick) const { return tick == never ? never : tick_ - tick; }
+
+  // What the mode machine has to know of a packet. Without a session only an e-stop counts.
+  void note(const wire::Packet& packet, bool in_session) {
+    const bool stop = in_session && wire::passes_stop(packet.payload);
+    if (packet.sender == wire::Role::station) {
+      if (in_session) station_tick_ = tick_;
+      arrived_.stop = arrived_.stop || stop;
+      if (packet.kind == wire::PacketKind::operate) {
+        arrived_.order(wire::operate_of(packet.payload).operation, in_session);
+      }
+      return;
+    }
+    if (!in_session) return;
+    arrived_.partner_stop = arrived_.partner_stop || stop;
+    if (packet.kind == wire::PacketKind::hello) {
+      partner_settings_ = wire::hello_of(packet.payload).settings;
+    }
+    if (packet.kind != wire::PacketKind::state) return;
+    partner_mode_ = wire::state_of(packet.payload).mode;
+    // It was sent after the packet that it acknowledges, whose number is a tick of this robot.
+    partner_tick_ = packet.heard.sequence < tick_ ? packet.heard.sequence : tick_;
+  }
+
+  void talk_to_partner(Outputs& out) {
+    Decision& said = out.decision;
+    const bool stop = out.mode.stop;
+    since_said_ = since_said_ < 0xFFFF - elapsed_ ? since_said_ + elapsed_ : 0xFFFF;
+    if (said.speaks && said.kind == wire::PacketKind::report) {
+      send(out, wire::Role::station, said.kind, wire::payload_of(said.report, stop));
+      return;
+    }
+    // A change of the mode is news for the partner: it is sent at once.
+    const bool has_changed = out.mode.mode != said_mode_;
+    const bool is_due =
+        settings_.state_period > 0 && (has_changed || since_said_ >= settings_.state_period);
+    const bool may_add = !runs_ || Program::answers_with_hello;
+    const bool is_asked = unanswered_[index(partner())];
+    if (!said.speaks && !(may_add && (is_due || is_asked))) return;
+    since_said_ = 0;
+    if (!said.speaks && (is_asked || (!has_changed && extras_++ % hello_every == 0))) {
+      send(out, partner(), wire::PacketKind::hello, wire::payload_of(hello()));
+      return;
+    }
+    said.state.mode = said_mode_ = out.mode.mode;
+    said.state.stop = stop;
+    if (!runs_) said.state.at_rest = true;
+    send(out, partner(), wire::PacketKind::state, wire::payload_of(said.state));
+  }
+
+  void talk_to_station(Outputs& out, const Reading& reading) {
+    if (settings_.status_period == 0) return;
+    since_status_ = since_status_ < 0xFFFF - elapsed_ ? since_status_ + elapsed_ : 0xFFFF;
+    if (since_status_ < settings_.status_period) return;
+    since_status_ = 0;
+    // Every other status has the progress; the other numbers take turns.
+    const unsigned turn = turn_++;
+    const unsigned item = turn % 2 == 0 ? 0 : 1 + turn / 2 % (wire::status_items - 1);
+    wire::Status status;
+    status.mode = out.mode.mode;
+    status.fault = out.mode.code;
+    status.sign = reading.seen.sign;
+    status.palm = command_.palm;
+    status.palm_at_target = reading.seen.palm_at_target;
+    status.activity = runs_ ? program_.name() : ' ';
+    status.item = static_cast<wire::StatusItem>(item);
+    status.value = value_of(item, reading);
+    status.ready = out.decision.state.ready;
+    status.at_rest = command_.stop;
+    status.stop = out.mode.stop;
+    send(out, wire::Role::station, wire::PacketKind::status, wire::payload_of(status));
+  }
+
+  std::uint16_t value_of(unsigned item, const Reading& reading) const {
+    constexpr auto first = static_cast<unsigned>(wire::StatusItem::received);
+    if (item >= first) {
+      return static_cast<std::uint16_t>(endpoint_.count(static_cast<wire::Verdict>(item - first)));
+    }
+    switch (static_cast<wire::StatusItem>(item)) {
+      case wire::StatusItem::progress: return reading.progress;
+      case wire::StatusItem::battery: return reading.battery_mv;
+      case wire::StatusItem::overruns: return reading.overruns;
+      default: return static_cast<std::uint16_t>(sent_);
+    }
+  }
+
+  void send(Outputs& out, wire::Role receiver, wire::PacketKind kind,
+            const wire::Payload& payload) {
+    Outgoing& packet = out.packets[out.packet_count];
+    // Between robots the sequence is the control tick.
+    if (receiver != wire::Role::station) endpoint_.skip_to(receiver, tick_);
+    if (!endpoint_.send(receiver, kind, payload, packet.bytes)) return;
+    packet.receiver = receiver;
+    ++out.packet_count;
+    ++sent_;
+  }
+
+  RuntimeSettings settings_;
+  wire::Endpoint endpoint_;
+  Program fresh_;
+  Program rebooted_;
+  Program program_;
+  ModeMachine machine_;
+  bool runs_;
+  std::uint32_t tick_ = 0;  // since the boot
+  std::uint16_t elapsed_ = 1;
+  Command command_{Palm::steep, Move::hold, true};
+  // What has arrived in this tick, and the newest news of the others.
+  ModeInputs arrived_;
+  std::array<bool, wire::role_count> unanswered_{};  // senders of packets without a session
+  wire::RobotMode partner_mode_ = wire::RobotMode::off;
+  std::uint32_t partner_tick_ = never;  // before which the partner's newest state was not sent
+  std::uint32_t partner_settings_ = 0;
+  std::uint32_t station_tick_ = never;  // in which the station's newest packet arrived
+  ReceivedCounts received_;
+  std::uint32_t sent_ = 0;
+  wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent
+  std::uint32_t extras_ = 0;                          // packets to the partner without a word
+  std::uint32_t turn_ = 0;                            // of the numbers in the status
+  int since_said_ = 0;
+  int since_status_ = 0;
+};
+
+}  // namespace palmbots::runtime

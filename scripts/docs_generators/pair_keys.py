@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The keys of ``pair.toml``."""
+
+from palmbots.node.pair_file import pair_keys
+
+PAGE = "docs/guide/robots.md"
+
+
+def blocks() -> dict[str, str]:
+    """The generated parts of the page, by the name of their markers."""
+    rows = ["| key | default | meaning |", "|---|---|---|"]
+    rows += [f"| `{key.name}` | `{key.default_text}` | {key.meaning} |" for key in pair_keys()]
+    return {"pair keys": "\n".join(rows)}

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Robots as programs of their own: what each decides, tick by tick, and the team of a carry whose
+// programs run elsewhere.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <optional>
+#include <variant>
+
+#include "carry.hpp"
+#include "machines.hpp"
+#include "palmbots/control/shared_sign.hpp"
+#include "palmbots/control/silent.hpp"
+#include "palmbots/runtime/robot_runtime.hpp"
+#include "palmbots/sim/table_team.hpp"
+#include "remote.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+using runtime::BeaconProgram;
+using runtime::MessageProgram;
+using runtime::RobotRuntime;
+
+template <class Table>
+using TableProgram = BeaconProgram<TableRobot<Table>>;
+
+using AnyRuntime =
+    std::variant<RobotRuntime<BeaconProgram<Resilient>>, RobotRuntime<TableProgram<Silent>>,
+                 RobotRuntime<TableProgram<SharedSign>>, RobotRuntime<MessageProgram<Distributed>>,
+                 RobotRuntime<MessageProgram<MachineRobot>>,
+                 RobotRuntime<MessageProgram<PythonController>>>;
+
+// What a robot knows when its program starts.
+struct Start {
+  wire::Identity identity;
+  std::uint32_t epoch;
+  std::size_t side;
+  bool assists;  // stored: the palm was up for the partner
+  runtime::RuntimeSettings settings;
+  runtime::StoredMode stored;
+  bool carries;  // the carry is under way
+};
+
+template <class Program>
+AnyRuntime runtime_with(const Start& s, Program fresh, Program rebooted) {
+  return RobotRuntime<Program>(s.identity, s.epoch, std::move(fresh), std::move(rebooted),
+                               s.settings, s.stored, s.carries);
+}
+
+template <class Table>
+AnyRuntime table_runtime(const Spec& spec, const Start& start, wire::Language language) {
+  using Robot = TableRobot<Table>;
+  const auto times = table_times_of<Table>(spec);
+  const auto program = [&](bool by_touch) {
+    const typename Robot::Role role{leader_of(spec) == start.side, spec.brake != 0, by_touch};
+    return BeaconProgram(Robot(times, role), language, times.lease, start.epoch);
+  };
+  return runtime_with(start, program(spec.start_by_touch != 0), program(false));
+}
+
+template <class Controller>
+AnyRuntime message_runtime(const Start& start, const Controller& controller) {
+  return runtime_with(start, MessageProgram(controller), MessageProgram(controller));
+}
+
+AnyRuntime resilient_runtime(const Spec& spec, const Start& start) {
+  const Resilient::Times times = resilient_timing_of(spec).times;
+  const bool yields = leader_of(spec) != start.side;
+  const auto program = [&](bool assists) {
+    return BeaconProgram(Resilient(times, yields, assists), wire::Language::beacons, times.lease,
+                         start.epoch);
+  };
+  return runtime_with(start, program(false), program(start.assists));
+}
+
+AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Start& start) {
+  if (nb::isinstance<Machines>(controller)) {
+    return message_runtime(start,
+                           MachineRobot(&nb::cast<const Machines&>(controller).tables[start.side]));
+  }
+  if (!nb::isinstance<nb::str>(controller)) {
+    return message_runtime(start, python_controllers(controller, spec)[start.side]);
+  }
+  const auto name = nb::cast<std::string>(controller);
+  if (name == "resilient") return resilient_runtime(spec, start);
+  if (name == "silent") return table_runtime<Silent>(spec, start, wire::Language::none);
+  if (name == "shared-sign") return table_runtime<SharedSign>(spec, start, wire::Language::signs);
+  if (name == "distributed") return message_runtime(start, Distributed());
+  throw std::invalid_argument("controller: does not run on robots");
+}
+
+wire::Bytes packet_of(const nb::bytes& bytes) {
+  wire::Bytes packet{};
+  if (bytes.size() != packet.size()) throw std::out_of_range("a packet has 32 bytes");
+  std::copy_n(static_cast<const std::uint8_t*>(bytes.data()), packet.size(), packet.begin());
+  return packet;
+}
+
+using PacketTuple = std::tuple<int, nb::bytes, int>;  // receiver, bytes, word
+// Palm, move, stop, packets, case, waits, awaits, rejected, late, assists.
+using Answer = std::tuple<int, int, bool, std::vector<PacketTuple>, int, bool, int, std::uint32_t,
+                          std::uint32_t, bool>;
+
+// The program of one robot.
+class RobotHandle {
+ public:
+  RobotHandle(const Spec& spec, nb::object controller, const Start& start)
+      : controller_(std::move(controller)), runtime_(runtime_of(spec, controller_, start)) {}
+
+  Answer step(std::uint16_t elapsed, const runtime::Reading& reading,
+              const std::vector<nb::bytes>& packets) {
+    return std::visit(
+        [&](auto& robot) -> Answer {
+          const runtime::ReceivedCounts before = robot.received();
+          robot.begin(elapsed);
+          for (const nb::bytes& bytes : packets) {
+            robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+          }
+          const runtime::Outputs out = robot.step(reading);
+          mode_ = out.mode;
+          std::vector<PacketTuple> sent;
+          for (std::size_t i = 0; i < out.packet_count; ++i) {
+            const runtime::Outgoing& p = out.packets[i];
+            sent.emplace_back(static_cast<int>(p.receiver),
+                              nb::bytes(p.bytes.data(), p.bytes.size()),
+                              static_cast<int>(i == 0 ? out.decision.word : MessageKind::none));
+          }
+          const auto& program = robot.program();
+          const Command& command = out.decision.command;
+          return {static_cast<int>(command.palm),
+                  static_cast<int>(command.move),
+                  command.stop,
+                  sent,
+                  program.name(),
+                  program.waits(),
+                  static_cast<int>(program.awaits()),
+                  robot.received().rejected - before.rejected,
+                  robot.received().late - before.late,
+                  out.decision.assists};
+        },
+        runtime_);
+  }
+
+  const runtime::ModeOutputs& mode() const { return mode_; }
+
+  std::optional<nb::bytes> greet() {
+    wire::Bytes bytes{};
+    const bool written = std::visit([&](auto& robot) { return robot.greet(bytes); }, runtime_);
+    if (!written) return std::nullopt;
+    return nb::bytes(bytes.data(), bytes.size());
+  }
+
+  void hear(const nb::bytes& bytes) {
+    std::visit(
+        [&](auto& robot) {
+          robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+        },
+        runtime_);
+  }
+
+  std::uint32_t count(std::size_t verdict) const {
+    return std::visit(
+        [&](const auto& robot) {
+          return robot.endpoint().count(static_cast<wire::Verdict>(verdict));
+        },
+        runtime_);
+  }
+
+ private:
+  runtime::ModeOutputs mode_{};
+  nb::object controller_;  // outlives the runtime, which may point into it
+  AnyRuntime runtime_;
+};
+
+// Calls Python for the programs of a carry.
+nb::object input_of(const std::optional<ProgramInput>& input) {
+  if (!input) return nb::none();
+  nb::list packets;
+  for (const wire::Bytes& bytes : input->packets) {
+    packets.append(nb::bytes(bytes.data(), bytes.size()));
+  }
+  return nb::make_tuple(input->elapsed, static_cast<int>(input->sensed.sign),
+                        input->sensed.palm_at_target, input->boots, packets);
+}
+
+}  // namespace
+
+ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInputs& inputs) const {
+  ProgramOutputs outputs{};
+  const nb::object answers =
+      exchange(tick, input_of(inputs[0]), input_of(inputs[1]), input_of(inputs[2]));
+  for (std::size_t i = 0; i < programs; ++i) {
+    if (!inputs[i]) continue;
+    const auto [palm, move, stop, packets, name, waits, awaits, rejected, late, assists] =
+        nb::cast<Answer>(answers[i]);
+    ProgramOutput& out = outputs[i];
+    out.command = {static_cast<Palm>(palm), static_cast<Move>(move), stop};
+    for (const auto& [receiver, bytes, word] : packets) {
+      out.packets.push_back(
+          {static_cast<wire::Role>(receiver), packet_of(bytes), static_cast<MessageKind>(word)});
+    }
+    out.name = static_cast<char>(name);
+    out.waits = waits;
+    out.awaits = static_cast<MessageKind>(awaits);
+    out.rejected = rejected;
+    out.late = late;
+  }
+  return outputs;
+}
+
+namespace {
+
+void bind_settings(nb::module_& m) {
+  using runtime::Reading;
+  using runtime::RuntimeSettings;
+  nb::class_<RuntimeSettings>(m, "RuntimeSettings", "Times in control ticks.")
+      .def(
+          "__init__",
+          [](RuntimeSettings* self, std::uint32_t lease, std::uint32_t station_limit,
+             std::uint32_t time_limit, std::uint32_t travel, std::uint32_t watchdog,
+             std::uint16_t most_overruns, bool has_radio, bool rejoins, bool stops_without_station,
+             bool stops_without_partner, std::uint16_t state_period, std::uint16_t status_period,
+             std::uint32_t number) {
+            using namespace runtime;
+            new (self) RuntimeSettings{
+                {rejoins ? AfterReboot::rejoin : AfterReboot::disarm,
+                 stops_without_station ? StationLost::stop : StationLost::carry_on,
+                 stops_without_partner ? PartnerLost::stop : PartnerLost::controller, has_radio,
+                 lease, station_limit, time_limit, travel, watchdog, most_overruns},
+                state_period,
+                status_period,
+                number};
+          },
+          nb::arg("lease"), nb::arg("station_limit"), nb::arg("time_limit"), nb::arg("travel"),
+          nb::arg("watchdog"), nb::arg("most_overruns"), nb::arg("has_radio"), nb::arg("rejoins"),
+          nb::arg("stops_without_station"), nb::arg("stops_without_partner"),
+          nb::arg("state_period"), nb::arg("status_period"), nb::arg("number"))
+      .def_static(
+          "lockstep",
+          [] {
+            using namespace runtime;
+            RuntimeSettings settings{};
+            settings.mode.station_lost = StationLost::carry_on;
+            settings.mode.partner_lost = PartnerLost::controller;
+            settings.mode.lease = settings.mode.station_limit = settings.mode.time_limit = never;
+            settings.mode.most_overruns = 0xFFFF;
+            return settings;
+          },
+          "The controller alone decides, and nothing is sent but what it says.");
+  nb::class_<Reading>(m, "Reading", "What a robot reads in a tick.")
+      .def(
+          "__init__",
+          [](Reading* self, int sign, bool palm_at_target, bool contact, bool battery_ok,
+             bool driver_ok, bool storage_ok, bool covered, bool stop, std::uint16_t overruns,
+             std::uint16_t battery_mv, std::uint16_t progress, std::uint32_t stopping) {
+            if (sign < -1 || sign > 1) throw std::out_of_range("sign is -1, 0 or 1");
+            new (self) Reading{{static_cast<Sign>(sign), palm_at_target},
+                               contact,
+                               battery_ok,
+                               driver_ok,
+                               storage_ok,
+                               covered,
+                               stop,
+                               overruns,
+                               battery_mv,
+                               progress,
+                               stopping};
+          },
+          nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("contact") = true,
+          nb::arg("battery_ok") = true, nb::arg("driver_ok") = true, nb::arg("storage_ok") = true,
+          nb::arg("covered") = false, nb::arg("stop") = false, nb::arg("overruns") = 0,
+          nb::arg("battery_mv") = 0xFFFF, nb::arg("progress") = 0, nb::arg("stopping") = 0);
+}
+
+}  // namespace
+
+void bind_runtime(nb::module_& core) {
+  nb::module_ m = core.def_submodule("runtime", "What a robot decides, packets in and out.");
+  bind_settings(m);
+  nb::class_<RobotHandle>(m, "Robot", "The program of one robot.")
+      .def(
+          "__init__",
+          [](RobotHandle* self, const Spec& spec, nb::object controller, std::uint8_t side,
+             const nb::bytes& key, std::uint16_t pair, std::uint32_t epoch, bool assists,
+             const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
+             bool stored_stop) {
+            wire::Identity identity{{}, pair, static_cast<wire::Role>(side)};
+            if (key.size() != identity.key.size()) throw std::out_of_range("a key has 16 bytes");
+            std::copy_n(static_cast<const std::uint8_t*>(key.data()), key.size(),
+                        identity.key.begin());
+            new (self) RobotHandle(
+                spec, std::move(controller),
+                {identity, epoch, side, assists, settings, {stored_carries, stored_stop}, carries});
+          },
+          nb::arg("spec"), nb::arg("controller"), nb::arg("side"), nb::arg("key"), nb::arg("pair"),
+          nb::arg("epoch"), nb::arg("assists"), nb::arg("settings"), nb::arg("carries") = false,
+          nb::arg("stored_carries") = false, nb::arg("stored_stop") = false,
+          "controller: a name, Machines, or a pair of Python step functions. carries: the carry is "
+          "under way, as in lockstep.")
+      .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
+           "One tick; returns palm, move, stop, packets (receiver, bytes, word), case, waits, "
+           "awaits, packets rejected and late in this tick, and whether the palm assists.")
+      .def_prop_ro("mode", [](const RobotHandle& r) { return name_of(r.mode().mode); })
+      .def_prop_ro("fault", [](const RobotHandle& r) { return name_of(r.mode().code); })
+      .def_prop_ro(
+          "wheels", [](const RobotHandle& r) { return r.mode().wheels; },
+          "The wheels may turn; otherwise the driver is to stop them at once.")
+      .def_prop_ro(
+          "to_store",
+          [](const RobotHandle& r) {
+            return std::tuple(r.mode().store.carries, r.mode().store.stop);
+          },
+          "To be stored when it changes: a carry is under way, a stop is in force.")
+      .def("greet", &RobotHandle::greet,
+           "A hello to the partner, before the carry; None if the controller has no use for it.")
+      .def("hear", &RobotHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.")
+      .def("count", &RobotHandle::count, nb::arg("verdict"),
+           "How many received packets had this verdict.");
+  m.def(
+      "uses_clock",
+      [](const nb::object& controller) {
+        return nb::isinstance<nb::str>(controller) &&
+               nb::cast<std::string>(controller) != "distributed";
+      },
+      nb::arg("controller"),
+      "Does it count time, and start at rest? The others act on messages and contacts alone.");
+  nb::class_<RemoteControllers>(m, "RemoteControllers",
+                                "Controllers of a carry that run elsewhere (sim/remote_team.hpp).")
+      .def(
+          "__init__",
+          [](RemoteControllers* self, nb::object exchange, bool has_clocks, bool starts_at_rest) {
+            new (self) RemoteControllers{{std::move(exchange)}, has_clocks, starts_at_rest};
+          },
+          nb::arg("exchange"), nb::arg("has_clocks"), nb::arg("starts_at_rest"),
+          "exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, "
+          "packets) or None, and returns three answers of Robot.step or None.");
+}
+
+}  // namespace palmbots::bindings

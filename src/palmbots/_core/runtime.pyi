@@ -1,0 +1,73 @@
+"""What a robot decides, packets in and out."""
+
+from collections.abc import Sequence
+
+import palmbots._core
+
+
+class RuntimeSettings:
+    """Times in control ticks."""
+
+    def __init__(self, lease: int, station_limit: int, time_limit: int, travel: int, watchdog: int, most_overruns: int, has_radio: bool, rejoins: bool, stops_without_station: bool, stops_without_partner: bool, state_period: int, status_period: int, number: int) -> None: ...
+
+    @staticmethod
+    def lockstep() -> RuntimeSettings:
+        """The controller alone decides, and nothing is sent but what it says."""
+
+class Reading:
+    """What a robot reads in a tick."""
+
+    def __init__(self, sign: int, palm_at_target: bool, contact: bool = True, battery_ok: bool = True, driver_ok: bool = True, storage_ok: bool = True, covered: bool = False, stop: bool = False, overruns: int = 0, battery_mv: int = 65535, progress: int = 0, stopping: int = 0) -> None: ...
+
+class Robot:
+    """The program of one robot."""
+
+    def __init__(self, spec: palmbots._core.Spec, controller: object, side: int, key: bytes, pair: int, epoch: int, assists: bool, settings: RuntimeSettings, carries: bool = False, stored_carries: bool = False, stored_stop: bool = False) -> None:
+        """
+        controller: a name, Machines, or a pair of Python step functions. carries: the carry is under way, as in lockstep.
+        """
+
+    def step(self, elapsed: int, reading: Reading, packets: Sequence[bytes]) -> tuple[int, int, bool, list[tuple[int, bytes, int]], int, bool, int, int, int, bool]:
+        """
+        One tick; returns palm, move, stop, packets (receiver, bytes, word), case, waits, awaits, packets rejected and late in this tick, and whether the palm assists.
+        """
+
+    @property
+    def mode(self) -> str: ...
+
+    @property
+    def fault(self) -> str: ...
+
+    @property
+    def wheels(self) -> bool:
+        """The wheels may turn; otherwise the driver is to stop them at once."""
+
+    @property
+    def to_store(self) -> tuple[bool, bool]:
+        """
+        To be stored when it changes: a carry is under way, a stop is in force.
+        """
+
+    def greet(self) -> bytes | None:
+        """
+        A hello to the partner, before the carry; None if the controller has no use for it.
+        """
+
+    def hear(self, bytes: bytes) -> None:
+        """Takes in a packet before the carry."""
+
+    def count(self, verdict: int) -> int:
+        """How many received packets had this verdict."""
+
+def uses_clock(controller: object) -> bool:
+    """
+    Does it count time, and start at rest? The others act on messages and contacts alone.
+    """
+
+class RemoteControllers:
+    """Controllers of a carry that run elsewhere (sim/remote_team.hpp)."""
+
+    def __init__(self, exchange: object, has_clocks: bool, starts_at_rest: bool) -> None:
+        """
+        exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, packets) or None, and returns three answers of Robot.step or None.
+        """

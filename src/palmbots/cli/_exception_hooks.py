@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exceptions that nothing can catch: in a thread, in ``__del__``, in a function of `atexit`.
+
+They arise in the code of a user, such as a controller in Python. Python prints a traceback for
+each and continues; the command line prints a warning with the place instead, once for each place.
+"""
+
+import sys
+import threading
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from palmbots.cli import INTERRUPTION_LINE
+from palmbots.cli._streams import say
+from palmbots.cli._warnings import warn
+
+__all__ = ["install_exception_hooks"]
+
+
+def install_exception_hooks() -> None:
+    """Print a warning in place of the traceback, until the process ends."""
+    printed: set[str] = set()
+
+    def report(what: str, error: BaseException | None, trace: TracebackType | None) -> None:
+        from palmbots.control.own_code import show_error
+
+        if isinstance(error, KeyboardInterrupt):  # Ctrl-C while Python waits for the last threads
+            say(INTERRUPTION_LINE)
+            return
+        text = "an unknown error" if error is None else show_error(error)
+        fault = text + _place(trace)
+        if fault not in printed:
+            printed.add(fault)
+            warn(f"{what} failed: {fault}")
+
+    def in_thread(args: Any) -> None:
+        if not issubclass(args.exc_type, SystemExit):  # which ends a thread, by convention
+            name = "a thread" if args.thread is None else f"thread {args.thread.name}"
+            report(name, args.exc_value, args.exc_traceback)
+
+    def unraisable(args: Any) -> None:
+        name = getattr(args.object, "__qualname__", type(args.object).__name__)
+        report(name, args.exc_value, args.exc_traceback)
+
+    threading.excepthook = in_thread
+    sys.unraisablehook = unraisable
+
+
+def _place(trace: TracebackType | None) -> str:
+    """The innermost file and line of a traceback, in parentheses."""
+    if trace is None:
+        return ""
+    while trace.tb_next is not None:
+        trace = trace.tb_next
+    return f" ({Path(trace.tb_frame.f_code.co_filename).name}, line {trace.tb_lineno})"

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Warnings on stderr.
+
+A command that refuses its input prints one line and nothing else, although the fault may be found
+after a warning. `run` therefore holds warnings until the work or the output begins.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from palmbots.cli._streams import say
+from palmbots.errors import one_line
+
+__all__ = ["hold_warnings", "print_held_warnings", "warn"]
+
+_held: list[str] | None = None  # None: warnings are printed at once
+
+
+def warn(text: str) -> None:
+    """Print a warning; hold it as long as the input of the command may still be refused."""
+    if _held is None:
+        say(f"palmbots: warning: {one_line(text)}")
+    else:
+        _held.append(text)
+
+
+def print_held_warnings() -> None:
+    """Print what is held, and from now on every warning at once: the input is accepted."""
+    global _held
+    held, _held = _held, None
+    for text in held or ():
+        warn(text)
+
+
+@contextmanager
+def hold_warnings() -> Iterator[None]:
+    """Hold the warnings of the block; an exception discards those that are not printed yet."""
+    global _held
+    _held = []
+    try:
+        yield
+        print_held_warnings()
+    finally:
+        _held = None

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots robot`."""
+
+from functools import partial
+from typing import Annotated, Any
+
+import typer
+
+from palmbots.cli._run import print_json
+from palmbots.cli.options import DONE, JsonOption
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 200
+EXAMPLE = "palmbots robot pair.toml --side left"
+
+
+def robot(
+    pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
+    side: Annotated[str, typer.Option("--side", metavar="SIDE", help="left or right.")],
+    lockstep: Annotated[
+        bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
+    ] = False,
+    rate: Annotated[
+        float, typer.Option("--rate", help="How many times faster than real time.")
+    ] = 1.0,
+    as_json: JsonOption = False,
+) -> int:
+    """Run the program of one robot of a pair.
+
+    The robot is a simulated one: its world is another process (palmbots world).
+    """
+    from palmbots._types import SIDES
+    from palmbots._util.arguments import one_of
+    from palmbots.node.live_robot import run_live_robot
+    from palmbots.node.lockstep_robot import run_robot
+    from palmbots.node.pair_file import load_pair
+
+    one_of("--side", side, SIDES)
+    chosen: Any = side
+    run = run_robot if lockstep else partial(run_live_robot, rate=_checked(rate))
+    epoch = run(load_pair(pair), chosen)
+    if as_json:
+        print_json({"side": side, "boots": epoch})
+    return DONE
+
+
+def _checked(rate: float) -> float:
+    from palmbots.node.launcher import check_rate
+
+    return check_rate(rate)
+
+
+COMMAND = robot

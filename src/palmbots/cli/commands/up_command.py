@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots up`."""
+
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import controller_of, load, warn
+from palmbots.cli.options import (
+    ControllerOption,
+    JsonOption,
+    PrecisionOption,
+    SceneArgument,
+    SeedOption,
+    SetOption,
+    WorldOption,
+)
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 205
+EXAMPLE = "palmbots up paper --controller resilient --lockstep"
+
+
+def up(
+    scene: SceneArgument = "paper",
+    controller: ControllerOption = "resilient",
+    lockstep: Annotated[
+        bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
+    ] = False,
+    rate: Annotated[
+        float, typer.Option("--rate", help="How many times faster than real time.")
+    ] = 1.0,
+    world: WorldOption = "quasistatic",
+    precision: PrecisionOption = "double",
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Run a world, two robots and a station on this machine, each as a process of its own.
+
+    The station arms and starts the robots, and reports what happens. With --lockstep there is no
+    station, and the result is that of palmbots carry with the same scene, controller and seed.
+
+    Exit status 1: the object was not delivered.
+    """
+    from palmbots._util.arguments import seed_of
+    from palmbots.control.registry import check
+    from palmbots.node.launcher import check_rate, run_live, run_lockstep
+    from palmbots.node.lockstep_world import remote
+    from palmbots.simulation.worlds import check_precision, check_scene, world_entry
+
+    chosen = load(scene, changes)
+    entry = controller_of(controller, quiet=as_json)
+    place = world_entry(world)
+    check_scene(place, chosen)
+    check_precision(place, precision)
+    remote(entry, lambda *_: [])
+    check(entry, chosen)
+    options = ["--world", world, "--seed", str(seed_of(seed))]
+    options += ["--json"] if as_json else []
+    if lockstep:
+        options += ["--precision", precision, "--called", scene]
+        return run_lockstep(chosen, controller, options)
+    return run_live(chosen, controller, options, rate=check_rate(rate), quiet=as_json, on_line=warn)
+
+
+COMMAND = up

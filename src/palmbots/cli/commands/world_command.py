@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots world`."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from palmbots.cli._run import controller_of, load, print_json, warn
+from palmbots.cli.options import (
+    DONE,
+    FAILED,
+    ControllerOption,
+    JsonOption,
+    PrecisionOption,
+    SceneArgument,
+    SeedOption,
+    SetOption,
+    WorldOption,
+)
+
+if TYPE_CHECKING:
+    from palmbots.scene.scene import Scene
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 210
+EXAMPLE = "palmbots world paper --serve 127.0.0.1:7400 --lockstep"
+
+
+def world(
+    scene: SceneArgument = "paper",
+    serve: Annotated[
+        str, typer.Option("--serve", metavar="ADDRESS", help="HOST:PORT or unix:PATH.")
+    ] = "127.0.0.1:7400",
+    lockstep: Annotated[
+        bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
+    ] = False,
+    rate: Annotated[
+        float, typer.Option("--rate", help="How many times faster than real time.")
+    ] = 1.0,
+    controller: ControllerOption = "resilient",
+    world: WorldOption = "quasistatic",
+    precision: PrecisionOption = "double",
+    seed: SeedOption = 0,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    called: Annotated[str, typer.Option("--called", hidden=True)] = "",
+) -> int:
+    """Simulate a world for robots that run in other processes.
+
+    Exit status 1: the object was not delivered.
+    """
+    from palmbots.cli.reports.carry_report import carry_report
+    from palmbots.control.dead_band import warnings_before
+    from palmbots.node.frames import listen
+    from palmbots.node.lockstep_world import Robots, remote
+    from palmbots.simulation.single import carry
+    from palmbots.simulation.worlds import check_precision, world_entry
+    from palmbots.stability.scene_limits import self_check
+
+    chosen = load(scene, changes)
+    if not lockstep:
+        return _live(chosen, serve, world, seed, rate, as_json=as_json)
+    entry = controller_of(controller, quiet=as_json)
+    check_precision(world_entry(world), precision)
+    with listen(serve) as door:
+        robots = Robots(door)
+        remote_entry = remote(entry, robots.exchange)
+        try:
+            robots.wait_for({"left", "right"})
+            robots.establish_session()
+            result = carry(
+                chosen, remote_entry, world=world, precision=precision, seed=seed, record=True
+            )
+        finally:
+            robots.close()
+    before = [*warnings_before(chosen, entry), *self_check(chosen)]
+    late = [text for text in result.warnings if text not in before]
+    if as_json:
+        forecast = {"drift_forecast": None}
+        print_json(result.summary() | {"warnings": [*before, *late]} | forecast)
+    else:
+        for text in before:
+            warn(text)
+        carry_report(result, called or scene, late, [], [], None)
+    return DONE if result.outcome == "delivered" else FAILED
+
+
+def _live(scene: "Scene", serve: str, world: str, seed: int, rate: float, *, as_json: bool) -> int:
+    """A world in real time."""
+    from palmbots.node.frames import listen
+    from palmbots.node.launcher import check_rate
+    from palmbots.node.live_world import run_live_world
+
+    with listen(serve) as door:
+        result = run_live_world(scene, door, world=world, seed=seed, rate=check_rate(rate))
+    if as_json:
+        print_json(result.summary())
+    else:
+        print(f"{result.outcome.upper()}  {result.distance_m:.2f} m in {result.time_s:.1f} s")
+    return DONE if result.outcome == "delivered" else FAILED
+
+
+COMMAND = world

@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robots and worlds as processes of their own, which exchange packets over sockets."""
+
+__all__: list[str] = []

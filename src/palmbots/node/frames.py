@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Connections between the processes of one machine: one JSON list or object per line.
+
+An address is ``HOST:PORT``, or ``unix:PATH`` for a socket in the file system.
+"""
+
+import contextlib
+import json
+import socket
+import time
+from typing import Any, Self
+
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+
+_LONGEST_FRAME = 1_000_000  # bytes
+_RETRY_S = 0.02
+_ALLOWED = "HOST:PORT, or unix:PATH"
+
+
+class ConnectionLost(PalmbotsError):
+    """The other process has closed the connection, or does not answer in time."""
+
+
+class Connection:
+    """One end of a connection. `name` is that of the other end, for messages."""
+
+    def __init__(self, stream: socket.socket, name: str) -> None:
+        self._stream = stream
+        self._received = b""
+        self.name = name
+        if stream.family == socket.AF_INET:
+            stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def send(self, frame: Any) -> None:
+        """Send one frame.
+
+        Raises:
+            ConnectionLost: the connection is closed.
+        """
+        try:
+            self._stream.settimeout(None)
+            self._stream.sendall(json.dumps(frame, separators=(",", ":")).encode() + b"\n")
+        except OSError as error:
+            raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+
+    def receive(self, timeout_s: float | None = None) -> Any:
+        """Wait for one frame.
+
+        Raises:
+            ConnectionLost: the connection is closed, there is no frame in time, or what comes is no
+                frame.
+        """
+        self._stream.settimeout(timeout_s)
+        while b"\n" not in self._received:
+            try:
+                more = self._stream.recv(65536)
+            except TimeoutError:
+                raise ConnectionLost(f"{self.name}: no answer within {timeout_s:g} s") from None
+            except OSError as error:
+                raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+            if not more:
+                raise ConnectionLost(f"{self.name}: has closed the connection")
+            self._received += more
+            if len(self._received) > _LONGEST_FRAME:
+                raise ConnectionLost(f"{self.name}: sends frames that are too long")
+        line, self._received = self._received.split(b"\n", 1)
+        try:
+            return json.loads(line)
+        except ValueError:
+            raise ConnectionLost(f"{self.name}: sends no frames") from None
+
+    def poll(self) -> Any:
+        """The next frame, if there is one; else None. Never waits.
+
+        Raises:
+            ConnectionLost: as for `receive`.
+        """
+        if b"\n" not in self._received:
+            self._stream.settimeout(0)
+            try:
+                more = self._stream.recv(65536)
+            except BlockingIOError:
+                return None
+            except OSError as error:
+                raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+            if not more:
+                raise ConnectionLost(f"{self.name}: has closed the connection")
+            self._received += more
+            if b"\n" not in self._received:
+                return None
+        return self.receive()
+
+    def close(self) -> None:
+        """Close the connection."""
+        with contextlib.suppress(OSError):
+            self._stream.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
+    kind, _, rest = address.partition(":")
+    if kind == "unix" and rest:
+        return socket.AF_UNIX, rest
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdecimal() or int(port) > 65535:
+        raise PalmbotsError(f"address: value is {show(address)}; allowed: {_ALLOWED}")
+    return socket.AF_INET, (host, int(port))
+
+
+def listen(address: str) -> socket.socket:
+    """A socket that accepts connections.
+
+    Raises:
+        PalmbotsError: this is no address, or it cannot be used.
+    """
+    family, place = _parsed(address)
+    stream = socket.socket(family)
+    try:
+        if family == socket.AF_INET:
+            stream.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        stream.bind(place)
+        stream.listen()
+    except OSError as error:
+        stream.close()
+        raise PalmbotsError(f"{address}: cannot listen: {error.strerror or error}") from None
+    return stream
+
+
+def connect(address: str, name: str, within_s: float) -> Connection:
+    """Connect to a process that may still be starting.
+
+    Raises:
+        PalmbotsError: this is no address.
+        ConnectionLost: nobody listens there within the time.
+    """
+    family, place = _parsed(address)
+    give_up = time.monotonic() + within_s
+    while True:
+        stream = socket.socket(family)
+        try:
+            stream.connect(place)
+            return Connection(stream, name)
+        except OSError as error:
+            stream.close()
+            if time.monotonic() >= give_up:
+                why = error.strerror or error
+                raise ConnectionLost(f"{name}: nobody listens at {address}: {why}") from None
+        time.sleep(_RETRY_S)

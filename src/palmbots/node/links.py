@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Links: how packets travel between two robots and the station."""
+
+import contextlib
+import socket
+from collections.abc import Mapping
+from typing import Protocol
+
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+from palmbots.wire import Role
+
+_LARGEST = 2048  # bytes; a packet that is too long is rejected by the decoder, not cut
+
+
+class Link(Protocol):
+    """What every link offers. A packet may be lost, repeated, delayed or damaged."""
+
+    def send(self, receiver: Role, data: bytes) -> None:
+        """Send a packet; never waits."""
+        ...
+
+    def receive(self) -> list[bytes]:
+        """All packets that have arrived, in order; never waits."""
+        ...
+
+    def close(self) -> None:
+        """Close the link."""
+        ...
+
+
+class UdpLink:
+    """One UDP datagram for each packet.
+
+    Args:
+        role: this end.
+        addresses: ``HOST:PORT`` of each end.
+
+    Raises:
+        PalmbotsError: an address is wrong, or is used by another program.
+    """
+
+    def __init__(self, role: Role, addresses: Mapping[Role, str]) -> None:
+        self._places = {end: _place(address) for end, address in addresses.items()}
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            self._socket.bind(self._places[role])
+        except OSError as error:
+            self._socket.close()
+            why = error.strerror or error
+            raise PalmbotsError(f"link.{role}: cannot use {addresses[role]}: {why}") from None
+
+    def send(self, receiver: Role, data: bytes) -> None:
+        """Send a packet. One that the network does not take is lost."""
+        with contextlib.suppress(OSError):
+            self._socket.sendto(data, self._places[receiver])
+
+    def receive(self) -> list[bytes]:
+        """All packets that have arrived."""
+        arrived = []
+        while True:
+            try:
+                arrived.append(self._socket.recv(_LARGEST))
+            except BlockingIOError:
+                return arrived
+            except OSError:  # a receiver of an earlier packet is gone
+                continue
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+def _place(address: str) -> tuple[str, int]:
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise PalmbotsError(f"link: address is {show(address)}; allowed: HOST:PORT")
+    return host, int(port)

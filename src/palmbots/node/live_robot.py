@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot's program in real time: reads its driver, exchanges packets, and writes its driver.
+
+What it decides is decided by the compiled core (`_core.runtime.Robot`). This loop only moves bytes:
+once every control period it passes readings and packets to the core, and carries out the answer.
+"""
+
+import contextlib
+import queue
+import threading
+from typing import Any
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots.control.registry import ControllerEntry, check, resolve
+from palmbots.errors import PalmbotsError
+from palmbots.node.control_clock import ControlClock
+from palmbots.node.drivers import SimulatedDriver
+from palmbots.node.links import UdpLink
+from palmbots.node.pair_file import Pair
+from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.wire import Role
+
+_RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
+_STATE_PERIOD_S = 0.05
+_STATUS_PERIOD_S = 0.05
+_LEASE_S = 0.5
+"""For controllers without a lease of their own: how long the partner's news counts."""
+_MOST_OVERRUNS = 50
+"""The control loop is too slow if more of the last 100 ticks were missed."""
+
+
+def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
+    """Boot the program of one robot, and run it until its driver is gone.
+
+    Args:
+        pair: the pair.
+        side: which of its robots.
+        rate: how many times faster than real time a simulated robot runs.
+
+    Returns:
+        How often the robot has booted.
+
+    Raises:
+        PalmbotsError: a file is missing or damaged, or an address cannot be used.
+    """
+    file = pair.state_file(side)
+    before = read_state(file)
+    state = before.booted()
+    write_state(file, state)
+    scene = load_scene(pair.scene())
+    robot = live_program(pair, side, state, scene)
+    period_s = scene.control.period_s
+    link = UdpLink(side, pair.settings.link.addresses())
+    with contextlib.closing(link), _Storage(file, state) as storage:
+        driver = SimulatedDriver(pair.settings.driver.address, side, state.epoch)
+        with contextlib.closing(driver):
+            clock = ControlClock(period_s / rate)
+            goal_m = scene.task.distance_m
+            start_m = 0.0
+            stopping = round(pair.settings.limits.stopping_s / period_s)
+            while True:
+                elapsed = clock.wait()
+                seen = driver.read()
+                if seen is None:
+                    return state.epoch
+                if not robot.wheels:
+                    start_m = seen.distance_m
+                covered_m = seen.distance_m - start_m
+                reading = _core.runtime.Reading(
+                    seen.sign,
+                    seen.palm_at_target,
+                    storage_ok=storage.works,
+                    covered=covered_m >= goal_m,
+                    overruns=min(clock.recent_overruns, 0xFFFF),
+                    progress=round(65535 * min(1.0, covered_m / goal_m)),
+                    stopping=stopping,
+                )
+                palm, move, stop, packets, *_, assists = robot.step(
+                    min(elapsed, 0xFFFF), reading, link.receive()
+                )
+                storage.keep(StoredState(state.epoch, assists, *robot.to_store))
+                driver.write(palm, move, stop, robot.wheels)
+                for receiver, data, _ in packets:
+                    # What the partner relies on after a boot is stored before it is said.
+                    if receiver == 2 or storage.is_done:
+                        link.send(_RECEIVERS[receiver], data)
+
+
+def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:
+    """The program of one robot of a pair, as it starts after a boot."""
+    spec = to_spec(scene)
+    entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
+    return _core.runtime.Robot(
+        spec,
+        entry.for_core(spec),
+        SIDES.index(side),
+        pair.key,
+        pair.settings.pair.number,
+        epoch=state.epoch,
+        assists=state.assists,
+        settings=_settings(pair, scene, entry),
+        stored_carries=state.carries,
+        stored_stop=state.stop,
+    )
+
+
+def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
+    """The settings of the core, in control ticks."""
+    limits = pair.settings.limits
+    bounds = check(entry, scene)
+    lease_s = _LEASE_S if bounds is None else bounds.lease_s
+    period_s = scene.control.period_s
+
+    def ticks(seconds: float) -> int:
+        return max(1, round(seconds / period_s))
+
+    return _core.runtime.RuntimeSettings(
+        lease=ticks(lease_s),
+        station_limit=ticks(limits.station_limit_s),
+        time_limit=ticks(limits.time_limit_s),
+        travel=0,  # the driver measures the distance
+        watchdog=ticks(scene.control.watchdog_s),
+        most_overruns=_MOST_OVERRUNS,
+        has_radio=entry.uses_radio,
+        rejoins=limits.after_reboot == "rejoin",
+        stops_without_station=limits.station_lost == "stop",
+        stops_without_partner=limits.partner_lost == "stop",
+        state_period=ticks(_STATE_PERIOD_S),
+        status_period=ticks(_STATUS_PERIOD_S),
+        number=pair.fingerprint(scene),
+    )
+
+
+class _Storage:
+    """Writes the state of a robot off the control thread: a memory card may take 0.1 s."""
+
+    def __init__(self, file: Any, state: StoredState) -> None:
+        self._file = file
+        self._wanted = self._stored = state
+        self._queue: queue.Queue[StoredState | None] = queue.Queue()
+        self._thread = threading.Thread(target=self._write, daemon=True)
+        self.works = True
+        """Everything could be written so far."""
+
+    @property
+    def is_done(self) -> bool:
+        """The newest state is on the disk."""
+        return self._stored == self._wanted
+
+    def keep(self, state: StoredState) -> None:
+        """Write the state, if it has changed; returns at once."""
+        if state != self._wanted:
+            self._wanted = state
+            self._queue.put(state)
+
+    def _write(self) -> None:
+        while (state := self._queue.get()) is not None:
+            try:
+                write_state(self._file, state)
+            except PalmbotsError:
+                self.works = False
+            else:
+                self._stored = state
+
+    def __enter__(self) -> "_Storage":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._queue.put(None)
+        self._thread.join()

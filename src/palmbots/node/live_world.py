@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated world in real time: the motor boards and sensors of two robots.
+
+The programs of the robots connect as drivers (`palmbots.node.drivers`). In every tick the world
+sends each its reading, takes the newest command of each, and moves. A robot whose program has
+written nothing for ``control.watchdog_s`` rests, as its motor board would make it.
+"""
+
+import contextlib
+import time
+from dataclasses import asdict, dataclass
+from socket import socket
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots.errors import PalmbotsError
+from palmbots.node.control_clock import ControlClock
+from palmbots.node.frames import Connection, ConnectionLost
+from palmbots.node.greeting import greeted
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.worlds import world_entry
+
+_START_WITHIN_S = 30.0
+_ALONE_S = 3.0
+_REST = (0, 0, True)
+_DELIVERED_SHARE = 0.95
+# The world goes on until the robots stop: neither distance nor time ends it.
+_ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
+
+
+@dataclass(frozen=True)
+class LiveCarry:
+    """What became of the object."""
+
+    outcome: str
+    """``delivered``: carried over at least 95 % of the distance; ``dropped``, or ``stopped``."""
+    distance_m: float
+    """Distance that the midpoint of the robots has covered."""
+    time_s: float
+    """Simulated time."""
+    overruns: int
+    """Ticks that the world was too late for."""
+
+    def summary(self) -> dict[str, Any]:
+        """The same as a table."""
+        return asdict(self)
+
+
+class _Board:
+    """The motor board of one robot."""
+
+    def __init__(self, watchdog_ticks: int) -> None:
+        self._watchdog_ticks = watchdog_ticks
+        self.driver: Connection | None = None
+        self.command: tuple[int, int, bool] = _REST
+        self._silent = 0
+
+    def take(self) -> None:
+        """Take in the newest command; rest the wheels after a silence."""
+        self._silent += 1
+        try:
+            while self.driver is not None and (frame := self.driver.poll()) is not None:
+                palm, move, stop = frame
+                self.command, self._silent = (palm, move, stop), 0
+        except ConnectionLost:
+            self.unplug()
+        if self._silent > self._watchdog_ticks:
+            self.command = (self.command[0], *_REST[1:])
+
+    def send(self, reading: Any) -> None:
+        """Send a reading to the program."""
+        if self.driver is not None:
+            try:
+                self.driver.send(reading)
+            except ConnectionLost:
+                self.unplug()
+
+    def unplug(self) -> None:
+        """The program is gone."""
+        if self.driver is not None:
+            self.driver.close()
+        self.driver = None
+
+
+def run_live_world(
+    scene: Scene, door: socket, *, world: str = "quasistatic", seed: int = 0, rate: float = 1.0
+) -> LiveCarry:
+    """Run a world until the programs of both robots have gone, or the object is dropped.
+
+    Args:
+        scene: the scene; its radio and the faults of its robots are not simulated here.
+        door: where the programs connect.
+        world: name of the world.
+        seed: of the noise.
+        rate: how many times faster than real time.
+
+    Raises:
+        PalmbotsError: a program does not come, or two claim one side.
+    """
+    episode: Any = world_entry(world).episode
+    if episode is None:
+        raise PalmbotsError(f"world: {world} cannot be stepped from outside")
+    carry = episode(load_scene(scene, _ENDLESS), seed, record=False)
+    observations = carry.seen
+    period_s = scene.control.period_s
+    boards = {side: _Board(round(scene.control.watchdog_s / period_s)) for side in SIDES}
+    door.settimeout(_START_WITHIN_S)
+    while any(board.driver is None for board in boards.values()):
+        _admit(door, boards)
+    door.settimeout(0)
+    clock = ControlClock(period_s / rate)
+    midpoint = 0.0
+    alone_since = None
+    while carry.outcome == "running":
+        clock.wait()
+        _admit(door, boards)
+        for board, (sign, palm_at_target, *_) in zip(boards.values(), observations(), strict=True):
+            board.take()
+            board.send([sign, palm_at_target, abs(midpoint)])
+        left, right = (board.command for board in boards.values())
+        carry.stop(left[2], right[2])
+        _, _, _, midpoint, _ = carry.step((*left[:2], 0), (*right[:2], 0), 1)
+        if all(board.driver is None for board in boards.values()):
+            now = time.monotonic()
+            alone_since = alone_since or now
+            if now - alone_since > _ALONE_S / rate:
+                break
+        else:
+            alone_since = None
+    for board in boards.values():
+        board.send("end")
+        board.unplug()
+    distance_m = abs(midpoint)
+    outcome = "dropped" if carry.outcome == "dropped" else "stopped"
+    if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
+        outcome = "delivered"
+    return LiveCarry(outcome, distance_m, carry.ticks * period_s, clock.overruns)
+
+
+def _admit(door: socket, boards: dict[str, _Board]) -> None:
+    """Let a program connect, if one wants to."""
+    try:
+        stream, _ = door.accept()
+    except BlockingIOError:
+        return
+    except TimeoutError:
+        missing = " and ".join(side for side, board in boards.items() if board.driver is None)
+        raise PalmbotsError(
+            f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
+        ) from None
+    program = Connection(stream, "a program")
+    side, _ = greeted(program)
+    if boards[side].driver is not None:
+        with contextlib.suppress(ConnectionLost):
+            program.send("taken")
+        program.close()
+        return
+    program.name = f"{side} robot"
+    boards[side].driver = program

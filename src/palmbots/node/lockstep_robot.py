@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot's program in lockstep with a world: both wait for each other tick by tick.
+
+Frames (`palmbots.node.frames`), one JSON line each:
+
+- robot → world: ``["left", epoch]`` once, when the program has booted.
+- world → robot: ``"greet"``, answered by a hello to the partner or null, and ``["hear", packet]``,
+  before the carry.
+- world → robot: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the program
+  runs, or ``"reboot"``, or ``"end"``. Packets are hexadecimal.
+- robot → world: the answer of `_core.runtime.Robot.step`, with the packets in hexadecimal.
+"""
+
+import os
+from dataclasses import replace
+from typing import Any
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots.control.registry import resolve
+from palmbots.node.frames import connect
+from palmbots.node.pair_file import Pair
+from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+
+REBOOTED = 3
+"""The exit status of a program that its world has rebooted."""
+_WORLD_STARTS_WITHIN_S = 20.0
+
+
+def run_robot(pair: Pair, side: Side) -> int:
+    """Boot the program of one robot, and run it until the world ends the carry.
+
+    Returns:
+        How often the robot has booted.
+
+    Raises:
+        PalmbotsError: a file is missing or damaged, or the world is lost.
+    """
+    file = pair.state_file(side)
+    state = read_state(file).booted()
+    write_state(file, state)
+    robot = _program(pair, side, state)
+    address = pair.settings.driver.address
+    with connect(address, "world", _WORLD_STARTS_WITHIN_S) as world:
+        world.send([side, state.epoch])
+        while True:
+            frame = world.receive()
+            if frame == "end":
+                return state.epoch
+            if frame == "reboot":
+                os._exit(REBOOTED)  # as a power failure: nothing is tidied up
+            if frame == "greet":
+                hello = robot.greet()
+                world.send(None if hello is None else hello.hex())
+                continue
+            if frame[0] == "hear":
+                robot.hear(bytes.fromhex(frame[1]))
+                continue
+            elapsed, sign, palm_at_target, packets = frame
+            reading = _core.runtime.Reading(sign, palm_at_target)
+            answer = robot.step(elapsed, reading, [*map(bytes.fromhex, packets)])
+            *_, assists = answer
+            if assists != state.assists:  # before the packet that grants
+                state = replace(state, assists=assists)
+                write_state(file, state)
+            world.send(_in_hexadecimal(answer))
+
+
+def _program(pair: Pair, side: Side, state: StoredState) -> Any:
+    scene = load_scene(pair.scene())
+    spec = to_spec(scene)
+    entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
+    return _core.runtime.Robot(
+        spec,
+        entry.for_core(spec),
+        SIDES.index(side),
+        pair.key,
+        pair.settings.pair.number,
+        epoch=state.epoch,
+        assists=state.assists,
+        settings=_core.runtime.RuntimeSettings.lockstep(),
+        carries=True,
+    )
+
+
+def _in_hexadecimal(answer: Any) -> list[Any]:
+    palm, move, stop, packets, *rest = answer
+    sent = [(receiver, data.hex(), word) for receiver, data, word in packets]
+    return [palm, move, stop, sent, *rest]

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The file ``pair.toml``: which two robots belong together, and how each reaches its hardware.
+
+Both robots and the station read the same file. Paths in it are relative to its folder.
+"""
+
+import json
+import os
+import secrets
+import stat
+import tomllib
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, ValidationError
+
+from palmbots._types import SIDES
+from palmbots._util.arguments import show
+from palmbots._util.atomic_files import folder, write_whole
+from palmbots.errors import PalmbotsError
+from palmbots.node.stored_state import StoredState, write_state
+from palmbots.scene.error_messages import validation_message
+from palmbots.scene.fields import Range, whole
+from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys
+from palmbots.scene.scene import Scene
+from palmbots.scene.section import Section
+from palmbots.wire import KEY_SIZE, Role
+
+PairNumber = Annotated[int, BeforeValidator(whole(0, 0xFFFF))]
+
+
+class PairTable(Section):
+    """[pair] Who belongs together, and what they do."""
+
+    number: PairNumber = 0
+    """Number of the pair on the air, 0 to 65535. Pairs within radio range of each other need
+    different ones."""
+    key_file: str = "pair.key"
+    """File with the key, 32 hexadecimal digits. Copy it to both robots and the station, and to
+    nobody else."""
+    state_folder: str = "pair-state"
+    """Folder in which each robot stores what it must remember over a reboot. Never copy or restore
+    it: its boot counter protects against replayed packets."""
+    scene: str = "paper"
+    """Name of a built-in scene, or a TOML file."""
+    controller: str = "resilient"
+    """Name of a controller, module:Class, FILE.py:Class, or a policy FILE.toml."""
+
+
+class DriverTable(Section):
+    """[driver] How a robot reaches its hardware."""
+
+    kind: Literal["simulated"] = "simulated"
+    """simulated: a world in another process (palmbots world)."""
+    address: str = "127.0.0.1:7400"
+    """Where the world listens: HOST:PORT, or unix:PATH."""
+
+
+class LinkTable(Section):
+    """[link] Where the packets of the robots and the station go: UDP addresses, HOST:PORT."""
+
+    left: str = "127.0.0.1:7411"
+    """The left robot."""
+    right: str = "127.0.0.1:7412"
+    """The right robot."""
+    station: str = "127.0.0.1:7413"
+    """The operator's station."""
+
+    def addresses(self) -> dict[Role, str]:
+        """The address of each end."""
+        return {"left": self.left, "right": self.right, "station": self.station}
+
+
+Limit = Annotated[float, BeforeValidator(Range("s", least=0.01, most=100_000))]
+
+
+class LimitsTable(Section):
+    """[limits] What ends a carry, in real time."""
+
+    after_reboot: Literal["disarm", "rejoin"] = "disarm"
+    """After a reboot in a carry: disarm, or rejoin by the controller's own rules."""
+    station_lost: Literal["stop", "carry-on"] = "stop"
+    """What happens if the station falls silent."""
+    partner_lost: Literal["stop", "controller"] = "stop"
+    """What happens if the partner falls silent: stop, or what the controller does then."""
+    station_limit_s: Limit = 1.0
+    """Silence of the station after which it counts as lost."""
+    time_limit_s: Limit = 600.0
+    """Longest duration of a carry."""
+    stopping_s: Limit = 0.1
+    """Measured time in which the wheels come to rest. It must not exceed control.watchdog_s of the
+    scene."""
+
+
+class PairFile(Section):
+    """The whole file."""
+
+    pair: PairTable = PairTable()
+    link: LinkTable = LinkTable()
+    driver: DriverTable = DriverTable()
+    limits: LimitsTable = LimitsTable()
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A pair of robots, as its file describes it."""
+
+    file: Path
+    settings: PairFile
+    key: bytes
+
+    def state_file(self, end: Role) -> Path:
+        """The file in which a robot or the station stores what it must remember over a reboot."""
+        return self.file.parent / self.settings.pair.state_folder / f"{end}.json"
+
+    def fingerprint(self, scene: Scene) -> int:
+        """A number that is equal for both robots if they have the same scene and settings."""
+        table = self.settings.model_dump(exclude={"driver": True})
+        text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
+        return max(1, zlib.crc32(text.encode()))
+
+    def scene(self) -> str:
+        """The scene, as `load_scene` takes it."""
+        name = self.settings.pair.scene
+        return str(self.file.parent / name) if name.endswith(".toml") else name
+
+
+def load_pair(file: str | os.PathLike[str]) -> Pair:
+    """Read a ``pair.toml`` and the key that it names.
+
+    Raises:
+        PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
+    """
+    path = Path(file)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise PalmbotsError(f"{path}: is not valid TOML: {error}") from None
+    try:
+        settings = PairFile.model_validate(table)
+    except ValidationError as error:
+        raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
+    return Pair(path, settings, _key_in(path.parent / settings.pair.key_file))
+
+
+def _key_in(path: Path) -> bytes:
+    """The key in a file that only its owner can read."""
+    try:
+        with path.open("rb") as stream:
+            mode = stat.S_IMODE(os.fstat(stream.fileno()).st_mode)
+            text = stream.read(100)
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
+    if mode & 0o077:
+        raise PalmbotsError(
+            f"{path}: others can read the key (mode {mode:o}); run: chmod 600 {path}"
+        )
+    try:
+        key = bytes.fromhex(text.decode("ascii"))
+    except ValueError:
+        key = b""
+    if len(key) != KEY_SIZE:
+        raise PalmbotsError(f"{path}: is no key; allowed: {2 * KEY_SIZE} hexadecimal digits")
+    return key
+
+
+ENDS: tuple[Role, ...] = (*SIDES, "station")
+_HEAD = (
+    "# A pair of robots for palmbots. Both robots and the station use this file and the",
+    "# same key. Paths are relative to the folder of this file.",
+)
+
+
+def pair_keys() -> tuple[SceneKey, ...]:
+    """All keys of the file, in order."""
+    file = PairFile()
+    tables = ((name, type(getattr(file, name))) for name in PairFile.model_fields)
+    return tuple(key for name, model in tables for key in section_keys(model, name))
+
+
+def init_pair(
+    file: str | os.PathLike[str],
+    *,
+    scene: str = "paper",
+    controller: str = "resilient",
+    address: str = "127.0.0.1:7400",
+    values: Mapping[str, object] | None = None,
+) -> list[Path]:
+    """Write a new ``pair.toml``, a random key and the boot counters of both robots and the station.
+
+    Existing files are never overwritten. `values` are further keys, as in ``{"link.left": …}``.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        PalmbotsError: a file exists or cannot be written.
+    """
+    path = Path(file)
+    if not path.name.endswith(".toml"):
+        raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
+    names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
+    chosen = {
+        "pair.number": secrets.randbelow(2**16),
+        "pair.scene": scene,
+        "pair.controller": controller,
+        "driver.address": address,
+    } | {f"pair.{name}": value for name, value in names.items()}
+    chosen |= values or {}
+    keys = (replace(key, default=chosen.get(key.name, key.default)) for key in pair_keys())
+    text = commented_toml(_HEAD, keys)
+    key, state = path.parent / names["key_file"], path.parent / names["state_folder"]
+    for taken in (path, key, *(state / f"{end}.json" for end in ENDS)):
+        if os.path.lexists(taken):
+            raise PalmbotsError(f"{taken}: exists already and is never overwritten")
+    write_whole(path, text, new=True)
+    previous = os.umask(0o077)
+    try:
+        write_whole(key, secrets.token_hex(KEY_SIZE) + "\n", new=True)
+    finally:
+        os.umask(previous)
+    written = [path, key]
+    for end in ENDS:
+        written.append(folder(state) / f"{end}.json")
+        write_state(written[-1], StoredState(), new=True)
+    return written

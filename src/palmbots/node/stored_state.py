@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a robot must remember over a reboot: how often it has booted, and whether its palm assists.
+
+The boot counter makes every stamp on the wire unique (docs/reference/wire.md), so it must never go
+back. A file that is missing or damaged is therefore refused, and never replaced by a new one. The
+file is written completely or not at all, and flushed to the disk before the first packet of a boot.
+"""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Self
+
+from palmbots._util.atomic_files import write_whole
+from palmbots.errors import PalmbotsError
+from palmbots.wire import MAX_EPOCH
+
+
+@dataclass(frozen=True)
+class StoredState:
+    """The content of the file."""
+
+    epoch: int = 0
+    """Number of boots so far."""
+    assists: bool = False
+    """The palm was up for the partner."""
+    carries: bool = False
+    """A carry was under way."""
+    stop: bool = False
+    """A stop was in force."""
+
+    def booted(self) -> Self:
+        """The state to store at a boot.
+
+        Raises:
+            PalmbotsError: the epochs are used up.
+        """
+        if self.epoch >= MAX_EPOCH:
+            raise PalmbotsError(
+                f"boot counter: all {MAX_EPOCH} boots are used up; the pair needs a new key"
+            )
+        return replace(self, epoch=self.epoch + 1)
+
+
+def _check(content: dict[str, object]) -> str:
+    text = json.dumps(content, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def write_state(path: Path, state: StoredState, *, new: bool = False) -> None:
+    """Write the file; with `new` only if there is none.
+
+    Raises:
+        PalmbotsError: it cannot be written.
+    """
+    content = asdict(state)
+    write_whole(path, json.dumps(content | {"check": _check(content)}) + "\n", new=new)
+
+
+def read_state(path: Path) -> StoredState:
+    """Read the file.
+
+    Raises:
+        PalmbotsError: it is missing or damaged; the message says what to do.
+    """
+    remedy = "with a new key, palmbots init pair begins a new count"
+    try:
+        content = json.loads(path.read_bytes())
+        check = content.pop("check")
+    except FileNotFoundError:
+        raise PalmbotsError(f"{path}: the boot counter is missing; {remedy}") from None
+    except OSError as error:
+        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (ValueError, KeyError, AttributeError, TypeError):
+        raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}") from None
+    if check != _check(content) or set(content) != {"epoch", "assists", "carries", "stop"}:
+        raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}")
+    return StoredState(**content)

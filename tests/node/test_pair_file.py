@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``pair.toml`` and the key: what is written is read, and every fault is one line."""
+
+import stat
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from palmbots.node.pair_file import init_pair, load_pair, pair_keys
+from palmbots.node.stored_state import read_state
+
+
+def test_a_new_pair_has_a_protected_random_key_and_counters_at_zero(tmp_path: Path) -> None:
+    files = init_pair(tmp_path / "pair.toml", scene="rough", controller="silent")
+    assert [file.name for file in files] == [
+        "pair.toml", "pair.key", "left.json", "right.json", "station.json"
+    ]  # fmt: skip
+    pair = load_pair(files[0])
+    assert (pair.scene(), pair.settings.pair.controller) == ("rough", "silent")
+    assert stat.S_IMODE(files[1].stat().st_mode) == 0o600
+    for side in ("left", "right"):
+        assert read_state(pair.state_file(side)).epoch == 0
+    other = load_pair(init_pair(tmp_path / "other.toml")[0])
+    assert len(pair.key) == 16
+    assert pair.key != other.key
+
+
+def test_the_file_explains_every_key(tmp_path: Path) -> None:
+    text = init_pair(tmp_path / "pair.toml")[0].read_text(encoding="utf-8")
+    for key in pair_keys():
+        assert key.meaning
+        assert f"\n{key.name.split('.')[1]} = " in text
+
+
+@pytest.mark.parametrize("name", ["pair.toml", "pair.key", "pair-state/left.json"])
+def test_existing_files_are_never_overwritten(name: str, tmp_path: Path) -> None:
+    taken = tmp_path / name
+    taken.parent.mkdir(exist_ok=True)
+    taken.write_text("mine")
+    with pytest.raises(pb.PalmbotsError, match=r"exists already and is never overwritten$"):
+        init_pair(tmp_path / "pair.toml")
+    assert [*tmp_path.rglob("*.*")] == [taken]
+    assert taken.read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("number = ", "numbr = 1 #", "did you mean pair.number? allowed in pair: number, key_file"),
+        ('kind = "simulated"', 'kind = "mind"', 'driver.kind: "mind" is not known; allowed: '),
+        ("[driver]", "[driver", "is not valid TOML: "),
+        ('"pair.key"', '"lost.key"', "lost.key: cannot be read: No such file or directory"),
+        ('"pair.key"', "5", "pair.key_file: 5 is not a string; allowed: a string"),
+    ],
+)
+def test_faults_of_the_file_are_one_line(old: str, new: str, message: str, tmp_path: Path) -> None:
+    file = init_pair(tmp_path / "pair.toml")[0]
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(pb.PalmbotsError) as error:
+        load_pair(file)
+    assert message in str(error.value)
+    assert str(tmp_path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("key", ["", "00" * 15, "00" * 17, "no key", "\xff"])
+def test_a_file_without_a_key_is_refused(key: str, tmp_path: Path) -> None:
+    file, key_file, *_ = init_pair(tmp_path / "pair.toml")
+    key_file.write_text(key, encoding="latin-1")
+    with pytest.raises(pb.PalmbotsError, match=r"is no key; allowed: 32 hexadecimal digits$"):
+        load_pair(file)
+
+
+def test_a_key_that_others_can_read_is_refused(tmp_path: Path) -> None:
+    file, key_file, *_ = init_pair(tmp_path / "pair.toml")
+    key_file.chmod(0o640)
+    with pytest.raises(pb.PalmbotsError, match=r"others can read the key \(mode 640\); run: chmod"):
+        load_pair(file)

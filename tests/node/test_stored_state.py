@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The boot counter: never used twice, and refused where it is missing or damaged."""
+
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.wire import MAX_EPOCH
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "left.json"
+    for state in (StoredState(), StoredState(7, True), StoredState(MAX_EPOCH)):
+        write_state(file, state)
+        assert read_state(file) == state
+
+
+def test_a_boot_counts_one_further_and_keeps_the_rest() -> None:
+    assert StoredState(7, True).booted() == StoredState(8, True)
+    with pytest.raises(pb.PalmbotsError, match=r"^boot counter: all 16777215 boots are used up; "):
+        StoredState(MAX_EPOCH).booted()
+
+
+def test_a_missing_counter_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(pb.PalmbotsError, match=r"left.json: the boot counter is missing; "):
+        read_state(tmp_path / "left.json")
+
+
+def test_every_truncation_and_every_changed_byte_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "left.json"
+    write_state(file, StoredState(123, True))
+    whole = file.read_bytes()
+    for size in range(len(whole) - 1):  # the last byte is the end of the line
+        file.write_bytes(whole[:size])
+        with pytest.raises(pb.PalmbotsError, match=r"the boot counter is damaged; "):
+            read_state(file)
+    for place in range(len(whole) - 1):
+        for flip in (1, 2, 16):
+            file.write_bytes(whole[:place] + bytes([whole[place] ^ flip]) + whole[place + 1 :])
+            with pytest.raises(pb.PalmbotsError, match=r"the boot counter is damaged; "):
+                read_state(file)
+
+
+def test_a_counter_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
+    file = tmp_path / "state" / "left.json"
+    with pytest.raises(pb.PalmbotsError, match=r"cannot be written: "):
+        write_state(file, StoredState(1))
