@@ -6,3 +6,4 @@
 #include "palmbots/runtime/mode_machine.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/runtime/robot_runtime.hpp"
+#include "palmbots/runtime/station_runtime.hpp"

@@ -67,9 +67,11 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
                   : run_team<double>(spec, seed, record, team);
   }
   if (nb::isinstance<RemoteControllers>(controller)) {
-    auto team = remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed);
-    return single ? run_team<float>(spec, seed, record, std::move(team))
-                  : run_team<double>(spec, seed, record, std::move(team));
+    return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed,
+                            [&](auto team) {
+                              return single ? run_team<float>(spec, seed, record, std::move(team))
+                                            : run_team<double>(spec, seed, record, std::move(team));
+                            });
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));

@@ -69,7 +69,7 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
     return make(machine_team(nb::cast<const Machines&>(controller), spec, seed));
   }
   if (nb::isinstance<RemoteControllers>(controller)) {
-    return make(remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed));
+    return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, make);
   }
   return make(DistributedTeam<PythonController>(python_controllers(controller, spec),
                                                 channel_of(spec), seed, leader_of(spec),

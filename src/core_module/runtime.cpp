@@ -33,7 +33,8 @@ using AnyRuntime =
     std::variant<RobotRuntime<BeaconProgram<Resilient>>, RobotRuntime<TableProgram<Silent>>,
                  RobotRuntime<TableProgram<SharedSign>>, RobotRuntime<MessageProgram<Distributed>>,
                  RobotRuntime<MessageProgram<MachineRobot>>,
-                 RobotRuntime<MessageProgram<PythonController>>>;
+                 RobotRuntime<MessageProgram<PythonController>>,
+                 RobotRuntime<runtime::ReportProgram>>;
 
 // What a robot knows when its program starts.
 struct Start {
@@ -91,20 +92,11 @@ AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Star
   if (name == "silent") return table_runtime<Silent>(spec, start, wire::Language::none);
   if (name == "shared-sign") return table_runtime<SharedSign>(spec, start, wire::Language::signs);
   if (name == "distributed") return message_runtime(start, Distributed());
+  if (name == "centralized") {
+    return runtime_with(start, runtime::ReportProgram(), runtime::ReportProgram());
+  }
   throw std::invalid_argument("controller: does not run on robots");
 }
-
-wire::Bytes packet_of(const nb::bytes& bytes) {
-  wire::Bytes packet{};
-  if (bytes.size() != packet.size()) throw std::out_of_range("a packet has 32 bytes");
-  std::copy_n(static_cast<const std::uint8_t*>(bytes.data()), packet.size(), packet.begin());
-  return packet;
-}
-
-using PacketTuple = std::tuple<int, nb::bytes, int>;  // receiver, bytes, word
-// Palm, move, stop, packets, case, waits, awaits, rejected, late, assists.
-using Answer = std::tuple<int, int, bool, std::vector<PacketTuple>, int, bool, int, std::uint32_t,
-                          std::uint32_t, bool>;
 
 // The program of one robot.
 class RobotHandle {
@@ -176,44 +168,6 @@ class RobotHandle {
   nb::object controller_;  // outlives the runtime, which may point into it
   AnyRuntime runtime_;
 };
-
-// Calls Python for the programs of a carry.
-nb::object input_of(const std::optional<ProgramInput>& input) {
-  if (!input) return nb::none();
-  nb::list packets;
-  for (const wire::Bytes& bytes : input->packets) {
-    packets.append(nb::bytes(bytes.data(), bytes.size()));
-  }
-  return nb::make_tuple(input->elapsed, static_cast<int>(input->sensed.sign),
-                        input->sensed.palm_at_target, input->boots, packets);
-}
-
-}  // namespace
-
-ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInputs& inputs) const {
-  ProgramOutputs outputs{};
-  const nb::object answers =
-      exchange(tick, input_of(inputs[0]), input_of(inputs[1]), input_of(inputs[2]));
-  for (std::size_t i = 0; i < programs; ++i) {
-    if (!inputs[i]) continue;
-    const auto [palm, move, stop, packets, name, waits, awaits, rejected, late, assists] =
-        nb::cast<Answer>(answers[i]);
-    ProgramOutput& out = outputs[i];
-    out.command = {static_cast<Palm>(palm), static_cast<Move>(move), stop};
-    for (const auto& [receiver, bytes, word] : packets) {
-      out.packets.push_back(
-          {static_cast<wire::Role>(receiver), packet_of(bytes), static_cast<MessageKind>(word)});
-    }
-    out.name = static_cast<char>(name);
-    out.waits = waits;
-    out.awaits = static_cast<MessageKind>(awaits);
-    out.rejected = rejected;
-    out.late = late;
-  }
-  return outputs;
-}
-
-namespace {
 
 void bind_settings(nb::module_& m) {
   using runtime::Reading;
@@ -289,10 +243,7 @@ void bind_runtime(nb::module_& core) {
              const nb::bytes& key, std::uint16_t pair, std::uint32_t epoch, bool assists,
              const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
              bool stored_stop) {
-            wire::Identity identity{{}, pair, static_cast<wire::Role>(side)};
-            if (key.size() != identity.key.size()) throw std::out_of_range("a key has 16 bytes");
-            std::copy_n(static_cast<const std::uint8_t*>(key.data()), key.size(),
-                        identity.key.begin());
+            const wire::Identity identity{key_of(key), pair, static_cast<wire::Role>(side)};
             new (self) RobotHandle(
                 spec, std::move(controller),
                 {identity, epoch, side, assists, settings, {stored_carries, stored_stop}, carries});
@@ -325,20 +276,12 @@ void bind_runtime(nb::module_& core) {
       "uses_clock",
       [](const nb::object& controller) {
         return nb::isinstance<nb::str>(controller) &&
-               nb::cast<std::string>(controller) != "distributed";
+               nb::cast<std::string>(controller) != "distributed" &&
+               nb::cast<std::string>(controller) != "centralized";
       },
       nb::arg("controller"),
       "Does it count time, and start at rest? The others act on messages and contacts alone.");
-  nb::class_<RemoteControllers>(m, "RemoteControllers",
-                                "Controllers of a carry that run elsewhere (sim/remote_team.hpp).")
-      .def(
-          "__init__",
-          [](RemoteControllers* self, nb::object exchange, bool has_clocks, bool starts_at_rest) {
-            new (self) RemoteControllers{{std::move(exchange)}, has_clocks, starts_at_rest};
-          },
-          nb::arg("exchange"), nb::arg("has_clocks"), nb::arg("starts_at_rest"),
-          "exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, "
-          "packets) or None, and returns three answers of Robot.step or None.");
+  bind_remote(m);
 }
 
 }  // namespace palmbots::bindings

@@ -8,9 +8,10 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from palmbots.control.registry import resolve
-from palmbots.node.lockstep_world import establish_session, remote
+from palmbots.node.lockstep_world import ends_of, establish_sessions, remote
 from palmbots.scene.spec import to_spec
 
+SIDES = ("left", "right")
 KEY = bytes(range(16))
 PAIR = 7
 HARD_RADIO = {
@@ -24,6 +25,7 @@ REBOOTS = {
         {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
     ]
 }
+STATION_LOST = {"faults.script": [{"kind": "station-down", "at_s": 5.0, "duration_s": 1.0}]}
 DRIFT = {"robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0}
 
 
@@ -34,7 +36,16 @@ class Programs:
         self.spec, self.entry = to_spec(scene), resolve(controller)
         self.epoch, self.assists = [0, 0], [False, False]
         self.robots = [self.booted(side) for side in (0, 1)]
-        establish_session(*self.robots)
+        self.station = _core.runtime.Station(KEY, PAIR, 1)
+        establish_sessions(ends_of(self.entry), self.greet, self.hear)
+
+    def greet(self, end: str, other: str) -> bytes | None:
+        if end == "station":
+            return self.station.greet(SIDES.index(other))
+        return self.robots[SIDES.index(end)].greet()
+
+    def hear(self, end: str, data: bytes) -> None:
+        (self.station if end == "station" else self.robots[SIDES.index(end)]).hear(data)
 
     def booted(self, side: int) -> Any:
         self.epoch[side] += 1
@@ -45,7 +56,6 @@ class Programs:
         )  # fmt: skip
 
     def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
-        assert station is None
         answers: list[Any] = []
         for side, given in enumerate((left, right)):
             if given is None:
@@ -59,7 +69,7 @@ class Programs:
             )
             self.assists[side] = answer[-1]
             answers.append(answer)
-        return [*answers, None]
+        return [*answers, None if station is None else self.station.step(station[4])]
 
 
 def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[Any, Any]:
@@ -73,12 +83,27 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(
     "overrides",
-    [{}, {"radio.loss": 0.1}, HARD_RADIO, REBOOTS, DRIFT, HARD_RADIO | REBOOTS | DRIFT],
-    ids=["plain", "loss", "hard-radio", "reboots", "drift", "everything"],
+    [
+        {},
+        {"radio.loss": 0.1},
+        HARD_RADIO,
+        REBOOTS,
+        STATION_LOST,
+        DRIFT,
+        HARD_RADIO | REBOOTS | DRIFT,
+    ],
+    ids=["plain", "loss", "hard-radio", "reboots", "station-lost", "drift", "everything"],
 )
 @pytest.mark.parametrize(
     "controller",
-    ["resilient", "shared-sign", "silent", "distributed", "examples/policies/table-1.toml"],
+    [
+        "resilient",
+        "shared-sign",
+        "silent",
+        "distributed",
+        "centralized",
+        "examples/policies/table-1.toml",
+    ],
 )
 def test_programs_carry_as_inside_one_program(
     controller: str, overrides: dict[str, Any], seed: int

@@ -8,7 +8,9 @@
 //   hear(decoded)      a packet that arrived, with its verdict; returns how it was taken
 //   step(observation)  → Decision: one tick
 //   name(), awaits(), waits()   the case, and what it waits for, for logs
-//   answers_with_hello whether a packet without a session is answered by a hello
+//   answers_with_hello whether a packet of the partner without a session is answered by a hello
+//   greets             whether a hello opens a session before a carry in lockstep, and with_station
+//                      whether that is with the station
 #pragma once
 
 #include <array>
@@ -59,6 +61,8 @@ template <class Robot>
 class BeaconProgram {
  public:
   static constexpr bool answers_with_hello = false;  // robots send each other only beacons
+  static constexpr bool greets = false;
+  static constexpr bool with_station = false;
 
   // `lease` is the greatest age at which a beacon counts [ticks], `epoch` the number of this boot.
   constexpr BeaconProgram(const Robot& robot, wire::Language language, std::uint16_t lease,
@@ -118,6 +122,8 @@ template <class Controller>
 class MessageProgram {
  public:
   static constexpr bool answers_with_hello = true;
+  static constexpr bool greets = true;
+  static constexpr bool with_station = false;
 
   explicit MessageProgram(Controller controller) : controller_(std::move(controller)) {}
 
@@ -165,6 +171,8 @@ class MessageProgram {
 class ReportProgram {
  public:
   static constexpr bool answers_with_hello = false;  // reports answer
+  static constexpr bool greets = true;
+  static constexpr bool with_station = true;
 
   constexpr void begin(std::uint32_t) {}
   constexpr void pass(std::uint16_t) {}

@@ -84,11 +84,12 @@ class RobotRuntime {
         machine_(settings.mode, stored, first(carries), mode_table),
         runs_(carries) {}
 
-  // Writes a hello to the partner, to establish a session before a carry in lockstep. Returns false
-  // if the program sends its partner nothing but what its controller says.
+  // Writes a hello to the partner, or to the station that decides, to establish a session before a
+  // carry in lockstep. Returns false if the program sends nothing but what its controller says.
   bool greet(wire::Bytes& bytes) {
-    if constexpr (Program::answers_with_hello) {
-      return endpoint_.send(partner(), wire::PacketKind::hello, wire::payload_of(hello()), bytes);
+    if constexpr (Program::greets) {
+      const wire::Role other = Program::with_station ? wire::Role::station : partner();
+      return endpoint_.send(other, wire::PacketKind::hello, wire::payload_of(hello()), bytes);
     }
     return false;
   }

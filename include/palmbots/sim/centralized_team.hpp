@@ -20,6 +20,26 @@
 
 namespace palmbots {
 
+// What the pair does in a case of Table 1 (0: none). The left robot stands for both.
+inline CorrectionActivity activity_of_case(int number, std::size_t side) {
+  if (side != left || number == 0) return {};
+  constexpr auto nobody = CorrectionActivity::nobody;
+  constexpr auto both = CorrectionActivity::both;
+  struct Part {
+    std::int8_t robot;
+    std::int8_t assistant;
+    PerSide<std::int8_t> sense;
+  };
+  constexpr Part parts[8] = {
+      {0, 1, {1, 0}},          {1, 0, {0, 1}},            // cases 1, 2
+      {0, nobody, {-1, 0}},    {1, nobody, {0, -1}},      // 3, 4
+      {both, nobody, {1, 1}},  {both, nobody, {-1, -1}},  // 5, 6
+      {both, nobody, {1, -1}}, {both, nobody, {-1, 1}},   // 7, 8
+  };
+  const Part& part = parts[number - 1];
+  return {static_cast<char>('0' + number), part.robot, part.assistant, part.sense};
+}
+
 // Station, robots and the links between them.
 class CentralizedTeam {
  public:
@@ -111,23 +131,7 @@ class CentralizedTeam {
   MessageKind awaits(std::size_t) const { return MessageKind::none; }
 
   CorrectionActivity activity(std::size_t side) const {
-    const int now = now_.station.current();
-    if (side != left || now == 0) return {};
-    constexpr auto nobody = CorrectionActivity::nobody;
-    constexpr auto both = CorrectionActivity::both;
-    struct Part {
-      std::int8_t robot;
-      std::int8_t assistant;
-      PerSide<std::int8_t> sense;
-    };
-    constexpr Part parts[8] = {
-        {0, 1, {1, 0}},          {1, 0, {0, 1}},            // cases 1, 2
-        {0, nobody, {-1, 0}},    {1, nobody, {0, -1}},      // 3, 4
-        {both, nobody, {1, 1}},  {both, nobody, {-1, -1}},  // 5, 6
-        {both, nobody, {1, -1}}, {both, nobody, {-1, 1}},   // 7, 8
-    };
-    const Part& part = parts[now - 1];
-    return {static_cast<char>('0' + now), part.robot, part.assistant, part.sense};
+    return activity_of_case(now_.station.current(), side);
   }
 
  private:

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/team.hpp"
 #include "palmbots/wire/packet.hpp"
@@ -48,17 +49,20 @@ struct ProgramOutput {
   std::uint32_t rejected = 0;  // packets since the last step that were copies, overtaken, or
                                // without a session
   std::uint32_t late = 0;      // packets since the last step that were older than the lease
+  PerSide<std::uint32_t> rejected_from{};  // by the station, of each robot
 };
 
 using ProgramInputs = std::array<std::optional<ProgramInput>, programs>;
 using ProgramOutputs = std::array<ProgramOutput, programs>;
 
+// With a station, robots send to it and hear it alone; else they send to each other.
+//
 // Exchange is called as exchange(tick, ProgramInputs) → ProgramOutputs. An input is absent for a
 // program that does not run in this tick; its output is ignored.
-template <class Exchange>
+template <class Exchange, bool has_station = false>
 class RemoteTeam {
  public:
-  static constexpr bool half_moves = false;
+  static constexpr bool half_moves = has_station;  // as in CentralizedTeam
   static constexpr bool expects_turns = false;
   LinkTotals link_totals{};
 
@@ -94,14 +98,17 @@ class RemoteTeam {
       }
       inputs[side] = std::move(input);
     }
+    if constexpr (has_station) inputs[2] = station_input(tick);
     const ProgramOutputs outputs = exchange_(tick, inputs);
+    if (inputs[2]) command(tick, outputs[2]);
     PerSide<bool> sends{};
     for (const std::size_t side : {left, right}) {
       if (!inputs[side]) continue;
       shown_[side] = outputs[side];
       commands_[side] = outputs[side].command;
       sends[side] = !outputs[side].packets.empty();
-      LinkCounts& counts = link_totals.links[other(side)];
+      // What it hears comes from the partner, or from the station.
+      LinkCounts& counts = link_totals.links[has_station ? 2 + side : other(side)];
       counts.rejected += outputs[side].rejected;
       counts.late += outputs[side].late;
     }
@@ -109,8 +116,10 @@ class RemoteTeam {
     for (const std::size_t side : {left, right}) {
       if (!inputs[side]) continue;
       for (const ProgramPacket& packet : outputs[side].packets) {
+        Link<wire::Bytes>& link = has_station ? station_inbox_[side] : inbox_[other(side)];
         const std::uint32_t received =
-            radio_.post(inbox_[other(side)], tick, packet.bytes, side, side, collides, link_totals);
+            radio_.post(link, tick, packet.bytes, side, side, collides, link_totals);
+        if constexpr (has_station) continue;
         log(SentMessage{tick, received, static_cast<std::uint8_t>(side),
                         static_cast<std::uint8_t>(other(side)), packet.word,
                         packet.word == MessageKind::none});
@@ -123,17 +132,50 @@ class RemoteTeam {
   void close(std::uint32_t) {}
   std::uint32_t next_decision_tick(std::uint32_t tick) const { return tick + 1; }
 
-  char name(std::size_t side) const { return shown_[side].name; }
+  char name(std::size_t side) const { return has_station ? station_.name : shown_[side].name; }
   bool waits(std::size_t side) const { return shown_[side].waits; }
   MessageKind awaits(std::size_t side) const { return shown_[side].awaits; }
-  CorrectionActivity activity(std::size_t side) const { return activity_of(name(side), side); }
+  CorrectionActivity activity(std::size_t side) const {
+    if constexpr (has_station)
+      return activity_of_case(name(side) == ' ' ? 0 : name(side) - '0', side);
+    return activity_of(name(side), side);
+  }
 
  private:
+  // What the station's program gets; nothing while the station is lost.
+  std::optional<ProgramInput> station_input(std::uint32_t tick) {
+    if (faults_.station_lost(tick)) {
+      for (Link<wire::Bytes>& link : station_inbox_) link.drop(tick);
+      return std::nullopt;
+    }
+    ProgramInput input;
+    for (Link<wire::Bytes>& link : station_inbox_) {
+      for (; const wire::Bytes* bytes = link.oldest(tick); link.pop()) {
+        input.packets.push_back(*bytes);
+      }
+    }
+    return input;
+  }
+
+  // Sends what the station's program answers, in a time slot of its own.
+  void command(std::uint32_t tick, const ProgramOutput& output) {
+    station_ = output;
+    for (const ProgramPacket& packet : output.packets) {
+      const auto side = static_cast<std::size_t>(packet.receiver);
+      radio_.post(inbox_[side], tick, packet.bytes, 2, side, false, link_totals);
+    }
+    for (const std::size_t side : {left, right}) {
+      link_totals.links[side].rejected += output.rejected_from[side];
+    }
+  }
+
   Exchange exchange_;
-  PerSide<double> rate_;     // of the robots' clocks
-  PerSide<double> clock_{};  // ticks of these clocks not yet stepped
-  PerSide<Link<wire::Bytes>> inbox_;
+  PerSide<double> rate_;                      // of the robots' clocks
+  PerSide<double> clock_{};                   // ticks of these clocks not yet stepped
+  PerSide<Link<wire::Bytes>> inbox_;          // of each robot
+  PerSide<Link<wire::Bytes>> station_inbox_;  // of the station, by sender
   PerSide<ProgramOutput> shown_{};
+  ProgramOutput station_{};
   PerSide<Command> commands_;
   Radio radio_;
   Faults faults_;

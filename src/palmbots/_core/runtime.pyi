@@ -64,10 +64,26 @@ def uses_clock(controller: object) -> bool:
     Does it count time, and start at rest? The others act on messages and contacts alone.
     """
 
+class Station:
+    """The station that decides for both robots."""
+
+    def __init__(self, key: bytes, pair: int, epoch: int) -> None: ...
+
+    def step(self, packets: Sequence[bytes]) -> tuple[list[tuple[int, bytes, int]], int, int, int]:
+        """
+        One tick; returns packets (receiver, bytes, word), case, and packets rejected of the left and of the right robot.
+        """
+
+    def greet(self, robot: int) -> bytes:
+        """A hello to a robot."""
+
+    def hear(self, bytes: bytes) -> None:
+        """Takes in a packet before the carry."""
+
 class RemoteControllers:
     """Controllers of a carry that run elsewhere (sim/remote_team.hpp)."""
 
-    def __init__(self, exchange: object, has_clocks: bool, starts_at_rest: bool) -> None:
+    def __init__(self, exchange: object, has_clocks: bool, has_station: bool) -> None:
         """
         exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, packets) or None, and returns three answers of Robot.step or None.
         """

@@ -8,17 +8,17 @@ from palmbots.node.frames import Connection
 _WITHIN_S = 30.0
 
 
-def greeted(program: Connection) -> tuple[str, int]:
-    """Side and epoch of a program that has connected.
+def greeted(program: Connection, ends: tuple[str, ...] = SIDES) -> tuple[str, int]:
+    """End and epoch of a program that has connected.
 
     Raises:
         PalmbotsError: it is no robot's program.
     """
     try:
-        side, epoch = program.receive(_WITHIN_S)
+        end, epoch = program.receive(_WITHIN_S)
     except (TypeError, ValueError):
-        side, epoch = "", 0
-    if side not in SIDES or not isinstance(epoch, int):
+        end, epoch = "", 0
+    if end not in ends or not isinstance(epoch, int):
         program.close()
         raise PalmbotsError("robots: a program connected that is no robot")
-    return side, epoch
+    return end, epoch

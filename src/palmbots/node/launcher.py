@@ -40,13 +40,16 @@ def check_rate(rate: float) -> float:
     return rate
 
 
-def run_lockstep(scene: Scene, controller: str, world_options: Sequence[str]) -> int:
+def run_lockstep(
+    scene: Scene, controller: str, world_options: Sequence[str], *, has_station: bool
+) -> int:
     """Run a carry as a world and two robots, each in a process of its own, in lockstep.
 
     Args:
         scene: the scene.
         controller: the controller of both robots, as ``palmbots carry --controller`` takes it.
         world_options: further options of ``palmbots world``.
+        has_station: whether a station decides for the robots; it is a process, too.
 
     Returns:
         The exit status of the world: 0 if the object was delivered.
@@ -60,6 +63,8 @@ def run_lockstep(scene: Scene, controller: str, world_options: Sequence[str]) ->
         robots = {side: ["robot", str(file), "--side", side, "--lockstep"] for side in SIDES}
         for side, command in robots.items():
             running[side] = _started(command)
+        if has_station:
+            running["station"] = _started(["station", str(file), "--lockstep"])
         _wait_for("world", running, robots)
         for side in SIDES:
             with contextlib.suppress(subprocess.TimeoutExpired):

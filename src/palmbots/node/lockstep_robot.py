@@ -4,8 +4,8 @@
 Frames (`palmbots.node.frames`), one JSON line each:
 
 - robot → world: ``["left", epoch]`` once, when the program has booted.
-- world → robot: ``"greet"``, answered by a hello to the partner or null, and ``["hear", packet]``,
-  before the carry.
+- world → robot: ``["greet", end]``, answered by a hello to that end or null, and
+  ``["hear", packet]``, before the carry.
 - world → robot: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the program
   runs, or ``"reboot"``, or ``"end"``. Packets are hexadecimal.
 - robot → world: the answer of `_core.runtime.Robot.step`, with the packets in hexadecimal.
@@ -51,7 +51,7 @@ def run_robot(pair: Pair, side: Side) -> int:
                 return state.epoch
             if frame == "reboot":
                 os._exit(REBOOTED)  # as a power failure: nothing is tidied up
-            if frame == "greet":
+            if frame[0] == "greet":
                 hello = robot.greet()
                 world.send(None if hello is None else hello.hex())
                 continue

@@ -8,7 +8,7 @@ as bytes. So a carry has the same trace as one inside a single program.
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from socket import socket
-from typing import Any, Protocol
+from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
@@ -19,57 +19,41 @@ from palmbots.node.greeting import greeted
 
 _START_WITHIN_S = 30.0
 _ANSWER_WITHIN_S = 30.0
-_Input = tuple[int, int, bool, bool, list[bytes]] | None
+ENDS = (*SIDES, "station")
 
 
-class Robots:
-    """The connections to the programs of both robots, and the exchange of one tick."""
+class Programs:
+    """The connections to the programs of robots and station, and the exchange of one tick.
 
-    def __init__(self, door: socket, on_boot: Callable[[str, int], None] | None = None) -> None:
-        self._door = door
-        self._on_boot = on_boot
+    Args:
+        door: where the programs connect.
+        ends: whose programs there are.
+    """
+
+    def __init__(self, door: socket, ends: tuple[str, ...]) -> None:
+        self._door, self._ends = door, ends
         self._programs: dict[str, Connection] = {}
 
-    def wait_for(self, sides: set[str]) -> None:
-        """Wait until the programs of these robots have connected.
+    def wait(self) -> None:
+        """Wait until all programs have connected, and let them greet each other.
 
         Raises:
             PalmbotsError: a program does not come, or two claim one side.
         """
-        while sides - set(self._programs):
-            missing = " and ".join(sorted(sides - set(self._programs)))
-            self._door.settimeout(_START_WITHIN_S)
-            try:
-                stream, _ = self._door.accept()
-            except TimeoutError:
-                raise PalmbotsError(
-                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
-                ) from None
-            program = Connection(stream, "a program")
-            side, epoch = greeted(program)
-            if side in self._programs:
-                program.close()
-                raise PalmbotsError(f"robots: two programs claim to be the {side} robot")
-            program.name = f"{side} robot"
-            self._programs[side] = program
-            if self._on_boot is not None:
-                self._on_boot(side, epoch)
+        self._wait_for(set(self._ends))
+        establish_sessions(self._ends, self._greet, self._hear)
 
-    def establish_session(self) -> None:
-        """Let both robots greet each other beside the radio, as after arming."""
-        establish_session(*(_Greeter(self._programs[side]) for side in SIDES))
-
-    def exchange(self, tick: int, left: _Input, right: _Input, station: _Input) -> list[Any]:
-        """Give each program its input of a tick, and return the answers of both and None."""
-        inputs = dict(zip(SIDES, (left, right), strict=True))
-        for side, given in inputs.items():
-            if given is not None:
-                elapsed, sign, palm_at_target, boots, packets = given
+    def exchange(self, tick: int, *inputs: Any) -> list[Any]:
+        """Give each program its input of a tick, and return the answers."""
+        given = dict(zip(ENDS, inputs, strict=True))
+        for end, value in given.items():
+            if value is not None:
+                elapsed, sign, palm_at_target, boots, packets = value
                 if boots:
-                    self._reboot(side)
+                    self._reboot(end)
                 frame = [elapsed, sign, palm_at_target, [data.hex() for data in packets]]
-                self._programs[side].send(frame)
-        return [*(None if inputs[s] is None else self._answer(s) for s in SIDES), None]
+                self._programs[end].send(frame)
+        return [None if value is None else self._answer(end) for end, value in given.items()]
 
     def close(self) -> None:
         """End all programs."""
@@ -82,50 +66,71 @@ class Robots:
                 program.close()
         self._programs = {}
 
-    def _reboot(self, side: str) -> None:
-        program = self._programs.pop(side)
-        program.send("reboot")
-        program.close()
-        self.wait_for({side})
+    def _wait_for(self, ends: set[str]) -> None:
+        while ends - set(self._programs):
+            missing = " and ".join(sorted(ends - set(self._programs)))
+            self._door.settimeout(_START_WITHIN_S)
+            try:
+                stream, _ = self._door.accept()
+            except TimeoutError:
+                raise PalmbotsError(
+                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
+                ) from None
+            program = Connection(stream, "a program")
+            end, _ = greeted(program, self._ends)
+            if end in self._programs:
+                program.close()
+                raise PalmbotsError(f"robots: two programs claim to be the {end} robot")
+            program.name = end if end == "station" else f"{end} robot"
+            self._programs[end] = program
 
-    def _answer(self, side: str) -> Any:
-        palm, move, stop, packets, *rest = self._programs[side].receive(_ANSWER_WITHIN_S)
-        sent = [(receiver, bytes.fromhex(data), word) for receiver, data, word in packets]
-        return (palm, move, stop, sent, *rest)
-
-
-class Greeter(Protocol):
-    """What can open a session before a carry: a robot's program, or a connection to it."""
-
-    def greet(self) -> bytes | None:
-        """A hello to the partner; None if the controller has no use for it."""
-        ...
-
-    def hear(self, data: bytes, /) -> None:
-        """Take in the partner's hello."""
-        ...
-
-
-def establish_session(left: Greeter, right: Greeter) -> None:
-    """Pass the three hellos after which both robots accept each other's packets."""
-    for sender, receiver in ((left, right), (right, left), (left, right)):
-        hello = sender.greet()
-        if hello is None:
-            return
-        receiver.hear(hello)
-
-
-class _Greeter:
-    def __init__(self, program: Connection) -> None:
-        self._program = program
-
-    def greet(self) -> bytes | None:
-        self._program.send("greet")
-        hello = self._program.receive(_ANSWER_WITHIN_S)
+    def _greet(self, end: str, other: str) -> bytes | None:
+        self._programs[end].send(["greet", other])
+        hello = self._programs[end].receive(_ANSWER_WITHIN_S)
         return None if hello is None else bytes.fromhex(hello)
 
-    def hear(self, data: bytes, /) -> None:
-        self._program.send(["hear", data.hex()])
+    def _hear(self, end: str, data: bytes) -> None:
+        self._programs[end].send(["hear", data.hex()])
+
+    def _reboot(self, end: str) -> None:
+        program = self._programs.pop(end)
+        program.send("reboot")
+        program.close()
+        self._wait_for({end})
+
+    def _answer(self, end: str) -> Any:
+        answer = self._programs[end].receive(_ANSWER_WITHIN_S)
+        at = 0 if end == "station" else 3  # where the packets stand
+        sent = [(receiver, bytes.fromhex(data), word) for receiver, data, word in answer[at]]
+        return (*answer[:at], sent, *answer[at + 1 :])
+
+
+def establish_sessions(
+    ends: tuple[str, ...],
+    greet: Callable[[str, str], bytes | None],
+    hear: Callable[[str, bytes], None],
+) -> None:
+    """Pass the hellos after which all ends accept each other's packets, beside the radio.
+
+    Args:
+        ends: ``left``, ``right``, and perhaps ``station``, which then speaks with both.
+        greet: makes the hello of one end to another; None if its controller has no use for it.
+        hear: passes a hello to an end.
+    """
+    if "station" in ends:
+        talk = [pair for side in SIDES for pair in ((side, "station"), ("station", side))]
+    else:
+        talk = [SIDES, SIDES[::-1], SIDES]
+    for sender, receiver in talk:
+        hello = greet(sender, receiver)
+        if hello is None:
+            return
+        hear(receiver, hello)
+
+
+def ends_of(entry: ControllerEntry) -> tuple[str, ...]:
+    """Whose programs a controller needs."""
+    return ENDS if entry.team == "station" else SIDES
 
 
 @dataclass(frozen=True)
@@ -137,7 +142,7 @@ class RemoteEntry(ControllerEntry):
     def for_core(self, spec: _core.Spec) -> Any:
         """The argument that the compiled core takes."""
         uses_clock = _core.runtime.uses_clock(super().for_core(spec))
-        return _core.runtime.RemoteControllers(self.exchange, uses_clock, uses_clock)
+        return _core.runtime.RemoteControllers(self.exchange, uses_clock, self.team == "station")
 
 
 def remote(entry: ControllerEntry, exchange: Callable[..., list[Any]]) -> ControllerEntry:
@@ -146,10 +151,8 @@ def remote(entry: ControllerEntry, exchange: Callable[..., list[Any]]) -> Contro
     Raises:
         PalmbotsError: no robot runs this controller.
     """
-    if entry.is_reference or entry.team != "robots":
-        why = {"none": "has no programs", "station": "needs a station"}.get(
-            entry.team, "reads the state of the world"
-        )
+    if entry.is_reference or entry.team == "none":
+        why = "reads the state of the world" if entry.is_reference else "has no programs"
         raise PalmbotsError(f"controller: {entry.name} {why}; allowed: a controller of robots")
     values = {field.name: getattr(entry, field.name) for field in fields(ControllerEntry)}
     return RemoteEntry(**values, exchange=exchange)

@@ -22,6 +22,10 @@ def station(
     auto: Annotated[
         bool, typer.Option("--auto", help="Arm, start, wait until both robots are done, and end.")
     ] = False,
+    lockstep: Annotated[
+        bool,
+        typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Operate two robots: arm, start, stop, e-stop, release, disarm.
@@ -37,6 +41,11 @@ def station(
     from palmbots.node.station import PERIOD_S, Station, carry_once
 
     chosen = load_pair(pair)
+    if lockstep:
+        from palmbots.node.lockstep_station import run_lockstep_station
+
+        run_lockstep_station(chosen)
+        return DONE
     lines: list[str] = []
 
     def show(line: str) -> None:

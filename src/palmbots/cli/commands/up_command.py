@@ -15,6 +15,7 @@ from palmbots.cli.options import (
     SetOption,
     WorldOption,
 )
+from palmbots.errors import PalmbotsError
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -68,7 +69,11 @@ def up(
     options += ["--json"] if as_json else []
     if lockstep:
         options += ["--precision", precision, "--called", scene]
-        return run_lockstep(chosen, controller, options)
+        return run_lockstep(chosen, controller, options, has_station=entry.team == "station")
+    if entry.team == "station":
+        raise PalmbotsError(
+            f"--controller: {entry.name} needs a station that decides; allowed: with --lockstep"
+        )
     return run_live(
         chosen,
         controller,

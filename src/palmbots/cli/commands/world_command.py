@@ -53,7 +53,7 @@ def world(
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
     from palmbots.node.frames import listen
-    from palmbots.node.lockstep_world import Robots, remote
+    from palmbots.node.lockstep_world import Programs, ends_of, remote
     from palmbots.simulation.single import carry
     from palmbots.simulation.worlds import check_precision, world_entry
     from palmbots.stability.scene_limits import self_check
@@ -64,16 +64,15 @@ def world(
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve) as door:
-        robots = Robots(door)
-        remote_entry = remote(entry, robots.exchange)
+        programs = Programs(door, ends_of(entry))
+        remote_entry = remote(entry, programs.exchange)
         try:
-            robots.wait_for({"left", "right"})
-            robots.establish_session()
+            programs.wait()
             result = carry(
                 chosen, remote_entry, world=world, precision=precision, seed=seed, record=True
             )
         finally:
-            robots.close()
+            programs.close()
     before = [*warnings_before(chosen, entry), *self_check(chosen)]
     late = [text for text in result.warnings if text not in before]
     if as_json:

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The station of the centralized algorithm in lockstep with a world.
+
+Its frames are those of a robot (`palmbots.node.lockstep_robot`); of an input it uses the packets,
+and its answer is that of `_core.runtime.Station.step`.
+"""
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots.node.frames import connect
+from palmbots.node.pair_file import Pair
+from palmbots.node.stored_state import read_state, write_state
+
+_WORLD_STARTS_WITHIN_S = 20.0
+
+
+def run_lockstep_station(pair: Pair) -> None:
+    """Boot the station, and run it until the world ends the carry.
+
+    Raises:
+        PalmbotsError: a file is missing or damaged, or the world is lost.
+    """
+    file = pair.state_file("station")
+    state = read_state(file).booted()
+    write_state(file, state)
+    station = _core.runtime.Station(pair.key, pair.settings.pair.number, state.epoch)
+    with connect(pair.settings.driver.address, "world", _WORLD_STARTS_WITHIN_S) as world:
+        world.send(["station", state.epoch])
+        while (frame := world.receive()) != "end":
+            if frame[0] == "greet":
+                world.send(station.greet(SIDES.index(frame[1])).hex())
+            elif frame[0] == "hear":
+                station.hear(bytes.fromhex(frame[1]))
+            else:
+                packets, *rest = station.step([*map(bytes.fromhex, frame[3])])
+                sent = [(receiver, data.hex(), word) for receiver, data, word in packets]
+                world.send([sent, *rest])
