@@ -328,7 +328,7 @@ void bind_runtime(nb::module_& core) {
                nb::cast<std::string>(controller) != "distributed";
       },
       nb::arg("controller"),
-      "Does it count time, and start at rest? The others act on messages and contacts alone.");
+      "True if it counts time and starts at rest. The others act on messages and contacts alone.");
   nb::class_<RemoteControllers>(m, "RemoteControllers",
                                 "Controllers of a carry that run elsewhere (sim/remote_team.hpp).")
       .def(

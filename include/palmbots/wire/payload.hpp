@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What packets say: the kinds of packets, and the five payload bytes of each.
 //
-// Bit 0 of the last byte is the same in every kind: the sender knows that a stop is in force. So
+// Bit 0 of the last byte means the same in every kind: the sender knows that a stop is in force. So
 // each packet passes a stop on, whatever else it says. Bits and values without a meaning are 0;
 // `means` rejects all others.
 #pragma once

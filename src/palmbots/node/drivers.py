@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drivers: how a robot's program reaches its sensors and motors.
 
-The simulated driver talks to a world in another process. The world is the motor board: it rests the
-wheels when nothing has been written for the time of the watchdog.
+The simulated driver talks to a world in another process. The world is the motor board: it stops the
+wheels when no command has been written for the time of the watchdog.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Sensed:
     palm_at_target: bool
     """The palm has reached the angle last commanded."""
     distance_m: float
-    """Distance covered since the driver started, by odometry."""
+    """Distance covered so far, by odometry; its value at the start of a carry may exceed 0."""
 
 
 class SimulatedDriver:
@@ -56,7 +56,7 @@ class SimulatedDriver:
         return self._newest
 
     def write(self, palm: int, move: int, stop: bool, wheels: bool) -> None:
-        """Command palm and wheels; without `wheels` they rest."""
+        """Command palm and wheels; if `wheels` is false, the wheels stop."""
         try:
             self._world.send([palm, move if wheels else 0, stop or not wheels])
         except ConnectionLost:

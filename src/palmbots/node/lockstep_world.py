@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A world whose robots are other processes, in lockstep: nobody moves before all have answered.
+"""A world whose robots are other processes, in lockstep: no robot moves before both have answered.
 
-The world owns every random number: noise, faults and the radio, through which it passes the packets
-as bytes. So a carry has the same trace as one inside a single program.
+The world draws every random number, for noise, faults and the radio, through which it passes the
+packets as bytes. So a carry has the same trace as one inside a single program.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ class Robots:
         """Wait until the programs of these robots have connected.
 
         Raises:
-            PalmbotsError: a program does not come, or two claim one side.
+            PalmbotsError: a program does not connect in time, or two claim one side.
         """
         while sides - set(self._programs):
             missing = " and ".join(sorted(sides - set(self._programs)))
@@ -56,7 +56,7 @@ class Robots:
                 self._on_boot(side, epoch)
 
     def establish_session(self) -> None:
-        """Let both robots greet each other beside the radio, as after arming."""
+        """Let both robots exchange hellos before the carry, without the radio, as after arming."""
         establish_session(*(_Greeter(self._programs[side]) for side in SIDES))
 
     def exchange(self, tick: int, left: _Input, right: _Input, station: _Input) -> list[Any]:

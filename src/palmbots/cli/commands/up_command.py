@@ -28,13 +28,13 @@ def up(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
-    rate: Annotated[
-        float, typer.Option("--rate", help="How many times faster than real time.")
-    ] = 1.0,
+    rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
     link: Annotated[
         str,
         typer.Option(
-            "--link", metavar="TEXT", help='A bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".'
+            "--link",
+            metavar="TEXT",
+            help='Simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".',
         ),
     ] = "",
     world: WorldOption = "quasistatic",
