@@ -65,7 +65,7 @@ def test_row_aggregates_single_carries() -> None:
     assert row.corrections == pytest.approx(np.mean([len(c.corrections) for c in carries]))
     sent, way = sum(c.messages for c in carries), sum(c.distance_m for c in carries)
     assert row.messages_per_m == pytest.approx(sent / way)
-    assert row.bytes_per_s == pytest.approx(28 * sent / sum(c.time_s for c in carries))
+    assert row.bytes_per_s == pytest.approx(32 * sent / sum(c.time_s for c in carries))
 
 
 def test_all_rows_use_the_same_seeds() -> None:

@@ -42,7 +42,7 @@ struct LinkCounts {
   std::uint32_t lost = 0;
   std::uint32_t duplicated = 0;
   std::uint32_t late = 0;      // received by the resilient algorithm, but too old to count
-  std::uint32_t rejected = 0;  // damaged, stale, or without a session
+  std::uint32_t rejected = 0;  // damaged, stale, or (but for beacons) without a session
 };
 
 // Counts of messages over all links, and for each link.

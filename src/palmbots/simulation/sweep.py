@@ -59,7 +59,7 @@ class Row:
     """Messages sent by all robots and the station."""
     messages_interval_per_m: Interval
     bytes_per_s: float
-    """The same as packets of 28 bytes; the data rate of a radio limits it."""
+    """The same as packets of 32 bytes; the data rate of a radio limits it."""
     corrections: float
     """Mean number of corrections per carry."""
 

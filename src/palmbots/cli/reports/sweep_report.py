@@ -53,8 +53,10 @@ def compare_report(comparison: "Comparison", written: Sequence[Path]) -> None:
         console.print(f"{plural(stalled, 'carry')} stalled: neither delivered nor dropped in time")
     busiest = max(row.bytes_per_s for row in rows)
     if busiest > 0:
+        from palmbots.wire import PACKET_SIZE
+
         console.print(
-            f"B/s: bytes on the air in packets of 28 bytes; at most "
+            f"B/s: bytes on the air in packets of {PACKET_SIZE} bytes; at most "
             f"{8e2 * busiest / _RADIO_BITS_S:.1f} % of a {_RADIO_BITS_S // 1000} kbit/s radio",
             style=QUIET,
         )
