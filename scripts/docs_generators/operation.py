@@ -25,7 +25,7 @@ MEANING = {
     "partner_done": "the partner is heard to be done",
     "partner_ended": "the partner is heard to be disarmed, armed or in a fault",
     "partner_lost": "the partner is silent for longer than the lease, and `partner_lost` is `stop`",
-    "time_up": "the carry has taken the time limit",
+    "time_up": "the carry has reached the time limit",
     "partner_starts": "the partner is heard, within the lease, to be ready or to carry",
     "rests": "the controller does not travel",
     "travels": "the controller travels",

@@ -93,7 +93,7 @@ AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Star
   if (name == "shared-sign") return table_runtime<SharedSign>(spec, start, wire::Language::signs);
   if (name == "distributed") return message_runtime(start, Distributed());
   if (name == "centralized") {
-    return runtime_with(start, runtime::ReportProgram(), runtime::ReportProgram());
+    return runtime_with(start, runtime::ReportProgram(), runtime::ReportProgram(start.assists));
   }
   throw std::invalid_argument("controller: does not run on robots");
 }
@@ -280,7 +280,7 @@ void bind_runtime(nb::module_& core) {
                nb::cast<std::string>(controller) != "centralized";
       },
       nb::arg("controller"),
-      "Does it count time, and start at rest? The others act on messages and contacts alone.");
+      "True if it counts time and starts at rest. The others act on messages and contacts alone.");
   bind_remote(m);
 }
 

@@ -231,8 +231,8 @@ class BitslicedCentralized {
     RobotMask is_known{};
   };
 
-  // What the sessions (sim/session_link.hpp) of robots that may boot come to if every packet keeps
-  // its place.
+  // The sessions (sim/session_link.hpp) of robots that may boot, for radios on which packets are
+  // neither repeated nor overtaken.
   struct Sessions {
     RobotMask judged{};         // robots of carries in which packets are judged
     RobotMask robot_heard{};    // robots that have heard the station since their boot
@@ -263,7 +263,8 @@ class BitslicedCentralized {
     RobotMask unanswered(const Row& arrived) const {
       return arrived.reported & ~arrived.answers & judged;
     }
-    // Takes in what has come to the stations, and to these robots. Return whose is acted upon.
+    // Take in what has arrived at the stations, and at these robots. Return the robots whose packets
+    // are acted upon.
     RobotMask reports(const Row& arrived) {
       station_knows |= arrived.reported & arrived.is_present;
       return arrived.reported & (arrived.answers | ~judged);

@@ -78,7 +78,7 @@ struct Silent {
       case Limit::back: return timing.reach * 3 / 10;
       case Limit::start: break;
     }
-    return timing.crossing < timing.reach ? timing.crossing : timing.reach;  // some zones never end
+    return timing.crossing < timing.reach ? timing.crossing : timing.reach;  // zones may be endless
   }
 
   static constexpr bool talks = false;

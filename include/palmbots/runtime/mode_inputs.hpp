@@ -24,7 +24,7 @@ enum class AfterReboot : std::uint8_t {
 enum class StationLost : std::uint8_t { stop, carry_on };
 enum class PartnerLost : std::uint8_t {
   stop,        // silence for longer than the lease ends the carry
-  controller,  // the controller decides, as it was proved
+  controller,  // the controller decides, by its rules for silence
 };
 
 struct ModeSettings {
@@ -35,7 +35,7 @@ struct ModeSettings {
   std::uint32_t lease;          // greatest age at which the partner's news counts
   std::uint32_t station_limit;  // greatest age of the station's newest packet
   std::uint32_t time_limit;     // of a carry
-  std::uint32_t travel = 0;     // time in mode carrying that covers the distance; 0: ask odometry
+  std::uint32_t travel = 0;     // time in mode carrying that covers the distance; 0: use odometry
   std::uint32_t watchdog;       // W: the wheels stop when the driver has not been written for W
   std::uint16_t most_overruns;  // greatest number of late ticks
 };

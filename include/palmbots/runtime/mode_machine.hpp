@@ -9,11 +9,11 @@
 // STARTING TOGETHER. A robot starts when its operator has started it and it has heard, within the
 // lease, that its partner is ready or carries. Without a radio it starts when its operator says so.
 // ENDING TOGETHER. A robot that has covered the distance is done and says so. The partner is done
-// when it hears that. It ends with a fault when it hears that the other does not carry.
-// STOPS. A stop is latched at each robot that is given or hears one. It needs a release and has to
-// be armed again. A disarmed robot hears its partner's stop but does not latch it, and cannot be
-// armed meanwhile. Otherwise two robots that are released one after the other would stop each other
-// again for ever.
+// when it hears that. If a robot hears that its partner does not carry for another reason, it ends
+// with a fault.
+// STOPS. A stop is latched at each robot that receives one. The robot has to be released and armed
+// again. A disarmed robot does not latch the stop of its partner, and cannot be armed meanwhile.
+// Otherwise two robots that are released one after the other would stop each other again for ever.
 #pragma once
 
 #include <array>
@@ -42,14 +42,14 @@ enum class ModeEvent : std::uint8_t {
   driver_failed,   // the motor board does not answer
   overrun,         // too many late ticks
   station_lost,    // not heard within the limit, and the settings say stop
-  covered,         // the distance
+  covered,         // the distance is covered
   partner_done,    // the partner is done
   partner_ended,   // the partner does not carry, for another reason
   partner_lost,    // not heard within the lease, and the settings say stop
   time_up,         // the carry has taken the time limit
   partner_starts,  // the partner is ready or carries, heard within the lease; or there is no radio
   rests,           // the controller does not travel
-  travels,
+  travels,         // it travels
 };
 inline constexpr unsigned mode_events = 22;
 

@@ -174,6 +174,10 @@ class ReportProgram {
   static constexpr bool greets = true;
   static constexpr bool with_station = true;
 
+  // After a boot: whether the palm had been commanded up, as it was stored.
+  constexpr explicit ReportProgram(bool palm_up = false)
+      : obeyed_(palm_up ? Palm::shallow : Palm::steep) {}
+
   constexpr void begin(std::uint32_t) {}
   constexpr void pass(std::uint16_t) {}
 
@@ -189,6 +193,7 @@ class ReportProgram {
     // `palm_at_target` refers to the command that was in force until this tick.
     decision.report = {seen.sign, obeyed_, seen.palm_at_target};
     obeyed_ = command_.palm;
+    decision.assists = obeyed_ == Palm::shallow;
     return decision;
   }
 
@@ -198,7 +203,7 @@ class ReportProgram {
 
  private:
   Command command_{Palm::steep, Move::hold};
-  Palm obeyed_ = Palm::steep;
+  Palm obeyed_;
 };
 
 }  // namespace palmbots::runtime

@@ -8,10 +8,11 @@
 // The mode machine (runtime/mode_machine.hpp) decides whether the controller runs. While it does,
 // palm and wheels do what it commands. Otherwise the wheels rest and the palm keeps its angle.
 //
-// TO THE PARTNER go the words of the controller. While the controller does not run, or says nothing,
-// a state without a word is sent now and then, and a hello with the number of the settings. Robots
-// whose controllers send beacons send each other nothing else while these run.
-// TO THE STATION goes the status, in which a few numbers take turns.
+// TO THE PARTNER a robot sends the words of the controller. While the controller does not run, or
+// says nothing, it sends a state without a word at intervals, and sometimes a hello with the number
+// of the settings. Robots whose controllers send beacons send each other nothing else while these
+// controllers run.
+// TO THE STATION a robot sends its status, in which a few numbers take turns.
 #pragma once
 
 #include <array>
@@ -28,7 +29,7 @@ namespace palmbots::runtime {
 
 struct RuntimeSettings {
   ModeSettings mode;
-  std::uint16_t state_period = 0;   // longest silence towards the partner [ticks]; 0: as it comes
+  std::uint16_t state_period = 0;   // longest silence to the partner [ticks]; 0: no limit
   std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
   std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
 };
@@ -37,11 +38,11 @@ struct RuntimeSettings {
 struct Reading {
   Observation seen;
   bool contact = true;                // the object is on the palm
-  bool battery_ok = true;             //
+  bool battery_ok = true;             // the voltage suffices
   bool driver_ok = true;              // the motor board answers
   bool storage_ok = true;             // what has to survive a boot can be stored
   bool covered = false;               // the distance, by odometry
-  bool stop = false;                  // by hand
+  bool stop = false;                  // a stop is given by hand
   std::uint16_t overruns = 0;         // late ticks within the time that the node counts
   std::uint16_t battery_mv = 0xFFFF;  // 0xFFFF: not measured
   std::uint16_t progress = 0;         // covered part of the distance, times 65535
@@ -54,7 +55,7 @@ struct Outgoing {
   wire::Bytes bytes;
 };
 
-// What one tick brings out.
+// The outputs of one tick.
 struct Outputs {
   Decision decision;  // of the controller, or rest
   ModeOutputs mode;
@@ -159,7 +160,7 @@ class RobotRuntime {
     return memory;
   }
   static constexpr std::size_t index(wire::Role role) { return static_cast<std::size_t>(role); }
-  // Every so many states without a word a hello is sent.
+  // One in so many packets without a word is a hello.
   static constexpr std::uint32_t hello_every = 8;
 
   wire::Role partner() const {

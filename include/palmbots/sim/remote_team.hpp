@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Team of robots whose programs run elsewhere, such as in processes of their own: the simulation
-// owns world, radio and faults, and the programs see only what robots would see.
+// Team of robots whose programs run elsewhere, for example in processes of their own. The
+// simulation has the world, the radio and the faults. The programs get only what real robots would
+// get.
 //
 // In a tick every program that runs gets the readings of its robot, the ticks that passed on its
 // clock and the packets that have arrived, as bytes. It answers with its command and its packets.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions over the simulated radio: the ends of a link stamp what they send and judge what arrives,
-// by the class that the endpoints of robots use (wire/session.hpp).
+// with the class that the endpoints of robots use (wire/session.hpp).
 //
 // A packet is judged when it arrives, not when a controller reads it. Copies and packets that were
 // overtaken are stale. What a robot says before one round trip after its boot has no session. Such
@@ -20,7 +20,7 @@ namespace palmbots {
 template <class Content>
 struct Stamped {
   Content content;
-  bool is_hello = false;  // it only answers; its content means nothing
+  bool is_hello = false;  // only an answer; its content is not used
   wire::SequenceNumber sent{};
   wire::SequenceNumber heard{};
 };

@@ -46,7 +46,7 @@ inline TableTiming table_timing_of(const Spec& spec) {
     if (robot.correction > 0) {
       timing.reach = larger(timing.reach, 0.5 * palm.length / robot.correction);
     }
-    // At constant acceleration a robot is half as long late as the acceleration lasts.
+    // At constant acceleration, a robot is late by half the time that it needs to reach its speed.
     if (robot.speed > 0) {
       timing.crossing = larger(timing.crossing, (zone.until - zone.from) / robot.speed +
                                                     0.5 * robot.speed / robot.acceleration);

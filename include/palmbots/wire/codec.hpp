@@ -76,8 +76,8 @@ constexpr Beacon beacon_in(const Packet& packet) {
 // (`BeaconReceiver::age`), so the partner is treated as silent until it answers. If it were
 // ignored, the beacon before it would still count as the newest, although this robot's packets
 // acknowledge the new one and the partner therefore regards the old one as forgotten. For the same
-// reason robots that run the resilient algorithm send each other only beacons, and robots that share
-// signs only signs.
+// reason robots that run the resilient algorithm send each other only beacons during a carry, and
+// robots that share signs only signs.
 constexpr bool hear(BeaconReceiver& receiver, const Decoded& received,
                     Language language = Language::beacons) {
   const bool counts =

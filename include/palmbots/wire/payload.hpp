@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What packets say: the kinds of packets, and the five payload bytes of each.
 //
-// Bit 0 of the last byte is the same in every kind: the sender knows that a stop is in force. So
+// Bit 0 of the last byte means the same in every kind: the sender knows that a stop is in force. So
 // each packet passes a stop on, whatever else it says. Bits and values without a meaning are 0;
 // `means` rejects all others.
 #pragma once
@@ -122,7 +122,7 @@ constexpr State state_of(const Payload& b) {
 enum class StatusItem : std::uint8_t {
   progress,  // covered part of the distance, 65535: all
   battery,   // [mV]; 65535: not measured
-  overruns,  // count of control ticks that came too late
+  overruns,  // control ticks that came too late, among the last 100
   sent,      // count of packets
   received,  // count of packets with the first verdict; the other verdicts follow
 };

@@ -12,7 +12,7 @@ enum class RobotMode : std::uint8_t {
   off,       // its program has just started, and nothing has been checked
   disarmed,  // nothing moves
   armed,     // the preflight has passed; the palm is at its angle
-  ready,     // will carry as soon as its partner is ready, too
+  ready,     // carries as soon as its partner is ready, too
   carrying,  // the controller decides about palm and wheels
   holding,   // as carrying, while the controller does not travel
   done,      // this robot or its partner has covered the distance; has to be armed again
@@ -27,18 +27,18 @@ constexpr const char* name_of(RobotMode mode) {
   return names[static_cast<int>(mode)];
 }
 
-// Why a robot is in mode fault or stopped, or why it refused to arm.
+// Why a robot is in mode fault, or why it could not be armed.
 enum class FaultCode : std::uint8_t {
   none,
   driver,        // the motor board does not answer
   contact,       // no contact is sensed on the palm
-  palm,          // the palm does not reach its angle in time
+  palm,          // the palm does not answer, or is not at its angle
   battery,       // the voltage is too low
   partner_lost,  // the partner has not been heard within the lease
   station_lost,  // the station has not been heard within the limit
   time_limit,    // the carry takes too long
   overrun,       // the control loop is late too often
-  storage,       // the boot counter cannot be stored
+  storage,       // the boot counter or the mode cannot be stored
   settings,      // the partner runs with other settings
   stopping,      // braking takes longer than the watchdog allows
   partner,       // the partner has been heard, but it does not carry

@@ -61,7 +61,7 @@ class Robot:
 
 def uses_clock(controller: object) -> bool:
     """
-    Does it count time, and start at rest? The others act on messages and contacts alone.
+    True if it counts time and starts at rest. The others act on messages and contacts alone.
     """
 
 class Station:

@@ -29,7 +29,7 @@ class ControlClock:
 
     @property
     def recent_overruns(self) -> int:
-        """Ticks that were missed among the last 100."""
+        """Ticks that were missed in the last 100 calls of `wait`."""
         return sum(self._recent)
 
     def wait(self) -> int:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drivers: how a robot's program reaches its sensors and motors.
 
-The simulated driver talks to a world in another process. The world is the motor board: it rests the
-wheels when nothing has been written for the time of the watchdog.
+The simulated driver talks to a world in another process. The world is the motor board: it stops the
+wheels when no command has been written for the time of the watchdog.
 """
 
 from dataclasses import dataclass
 
 from palmbots._types import Side
+from palmbots.errors import PalmbotsError
 from palmbots.node.frames import ConnectionLost, connect
 
 _WORLD_STARTS_WITHIN_S = 20.0
@@ -22,7 +23,7 @@ class Sensed:
     palm_at_target: bool
     """The palm has reached the angle last commanded."""
     distance_m: float
-    """Distance covered since the driver started, by odometry."""
+    """Distance covered so far, by odometry; its value at the start of a carry may exceed 0."""
 
 
 class SimulatedDriver:
@@ -40,6 +41,7 @@ class SimulatedDriver:
     def __init__(self, address: str, side: Side, epoch: int) -> None:
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
         self._world.send([side, epoch])
+        self._side = side
         self._newest: Sensed | None = None
 
     def read(self) -> Sensed | None:
@@ -50,13 +52,15 @@ class SimulatedDriver:
                     frame = self._world.receive(_WORLD_STARTS_WITHIN_S)
                 if frame == "end":
                     return None
+                if frame == "taken":
+                    raise PalmbotsError(f"{self._side} robot: another program has this side")
                 self._newest = Sensed(*frame)
         except ConnectionLost:
             return None
         return self._newest
 
     def write(self, palm: int, move: int, stop: bool, wheels: bool) -> None:
-        """Command palm and wheels; without `wheels` they rest."""
+        """Command palm and wheels; if `wheels` is false, the wheels stop."""
         try:
             self._world.send([palm, move if wheels else 0, stop or not wheels])
         except ConnectionLost:

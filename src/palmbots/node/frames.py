@@ -48,8 +48,8 @@ class Connection:
         """Wait for one frame.
 
         Raises:
-            ConnectionLost: the connection is closed, there is no frame in time, or what comes is no
-                frame.
+            ConnectionLost: the connection is closed, no frame arrives in time, or what arrives is
+                not a frame.
         """
         self._stream.settimeout(timeout_s)
         while b"\n" not in self._received:
@@ -117,7 +117,7 @@ def listen(address: str) -> socket.socket:
     """A socket that accepts connections.
 
     Raises:
-        PalmbotsError: this is no address, or it cannot be used.
+        PalmbotsError: the address is not valid, or cannot be used.
     """
     family, place = _parsed(address)
     stream = socket.socket(family)
@@ -136,8 +136,8 @@ def connect(address: str, name: str, within_s: float) -> Connection:
     """Connect to a process that may still be starting.
 
     Raises:
-        PalmbotsError: this is no address.
-        ConnectionLost: nobody listens there within the time.
+        PalmbotsError: the address is not valid.
+        ConnectionLost: no process listens there within the time.
     """
     family, place = _parsed(address)
     give_up = time.monotonic() + within_s

@@ -12,7 +12,7 @@ def greeted(program: Connection, ends: tuple[str, ...] = SIDES) -> tuple[str, in
     """End and epoch of a program that has connected.
 
     Raises:
-        PalmbotsError: it is no robot's program.
+        PalmbotsError: it is not the program of a robot.
     """
     try:
         end, epoch = program.receive(_WITHIN_S)
@@ -20,5 +20,5 @@ def greeted(program: Connection, ends: tuple[str, ...] = SIDES) -> tuple[str, in
         end, epoch = "", 0
     if end not in ends or not isinstance(epoch, int):
         program.close()
-        raise PalmbotsError("robots: a program connected that is no robot")
+        raise PalmbotsError("robots: a program that is not a robot has connected")
     return end, epoch

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bad radio between real sockets: a proxy that loses, delays, reorders and repeats datagrams.
 
-It needs no rights and no special kernel. Its random numbers are seeded, so the same packets in the
-same order have the same fates; when they come depends on the machine.
+It needs no special rights and no special kernel. Its random numbers are seeded: if the same packets
+arrive in the same order, the same ones are lost. The times of arrival depend on the machine.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ class Impairment:
     loss: float = 0.0
     """Probability that it is lost."""
     delay_ms: float = 0.0
-    """Delay."""
+    """Mean delay."""
     jitter_ms: float = 0.0
     """Half the width of the interval around the delay from which each delay is drawn. Packets may
     overtake each other."""
@@ -70,7 +70,7 @@ class Impairment:
         if not 0 <= self.jitter_ms <= self.delay_ms <= 10_000:
             raise PalmbotsError(
                 f"link: delay_ms is {self.delay_ms:g} and jitter_ms is {self.jitter_ms:g}; "
-                "allowed: delay_ms from 0 to 10000, and jitter_ms at most that"
+                "allowed: delay_ms from 0 to 10000, and jitter_ms from 0 to delay_ms"
             )
 
     def delays_s(self, chance: random.Random) -> list[float]:
@@ -105,7 +105,7 @@ class Proxy:
 
     @property
     def addresses(self) -> dict[Role, str]:
-        """Where the others send what is meant for each end."""
+        """The address to which the other ends send their packets for each end."""
         return {end: "{}:{}".format(*one.getsockname()) for end, one in self._sockets.items()}
 
     def __enter__(self) -> Self:

@@ -88,7 +88,7 @@ def run_live(
         scene: the scene.
         controller: the controller of both robots.
         world_options: further options of ``palmbots world``.
-        rate: how many times faster than real time.
+        rate: multiple of real time.
         impairment: what happens to the packets.
         quiet: only the world prints its result.
         on_line: called with a line about each program that was killed and starts again.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A robot's program in real time: reads its driver, exchanges packets, and writes its driver.
 
-What it decides is decided by the compiled core (`_core.runtime.Robot`). This loop only moves bytes:
-once every control period it passes readings and packets to the core, and carries out the answer.
+The compiled core makes all decisions (`_core.runtime.Robot`). This loop only moves bytes: once per
+control period it passes readings and packets to the core, and carries out the answer.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
     Args:
         pair: the pair.
         side: which of its robots.
-        rate: how many times faster than real time a simulated robot runs.
+        rate: multiple of real time at which a simulated robot runs.
 
     Returns:
         How often the robot has booted.

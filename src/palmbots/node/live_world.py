@@ -2,8 +2,8 @@
 """A simulated world in real time: the motor boards and sensors of two robots.
 
 The programs of the robots connect as drivers (`palmbots.node.drivers`). In every tick the world
-sends each its reading, takes the newest command of each, and moves. A robot whose program has
-written nothing for ``control.watchdog_s`` rests, as its motor board would make it.
+sends a reading to each, takes the newest command of each, and moves the robots. If a program has
+written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ _ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
 
 @dataclass(frozen=True)
 class LiveCarry:
-    """What became of the object."""
+    """The result of a carry in real time."""
 
     outcome: str
     """``delivered``: carried over at least 95 % of the distance; ``dropped``, or ``stopped``."""
@@ -39,7 +39,7 @@ class LiveCarry:
     time_s: float
     """Simulated time."""
     overruns: int
-    """Ticks that the world was too late for."""
+    """Ticks that the world missed."""
 
     def summary(self) -> dict[str, Any]:
         """The same as a table."""
@@ -56,7 +56,7 @@ class _Board:
         self._silent = 0
 
     def take(self) -> None:
-        """Take in the newest command; rest the wheels after a silence."""
+        """Take in the newest command; stop the wheels if there was none for too long."""
         self._silent += 1
         try:
             while self.driver is not None and (frame := self.driver.poll()) is not None:
@@ -92,10 +92,10 @@ def run_live_world(
         door: where the programs connect.
         world: name of the world.
         seed: of the noise.
-        rate: how many times faster than real time.
+        rate: multiple of real time.
 
     Raises:
-        PalmbotsError: a program does not come, or two claim one side.
+        PalmbotsError: a program does not connect in time, or is not a robot.
     """
     episode: Any = world_entry(world).episode
     if episode is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot's program in lockstep with a world: both wait for each other tick by tick.
+"""A robot's program in lockstep with a world: both wait for each other in every tick.
 
 Frames (`palmbots.node.frames`), one JSON line each:
 
@@ -50,7 +50,7 @@ def run_robot(pair: Pair, side: Side) -> int:
             if frame == "end":
                 return state.epoch
             if frame == "reboot":
-                os._exit(REBOOTED)  # as a power failure: nothing is tidied up
+                os._exit(REBOOTED)  # as after a power failure: nothing is cleaned up
             if frame[0] == "greet":
                 hello = robot.greet()
                 world.send(None if hello is None else hello.hex())
@@ -62,7 +62,7 @@ def run_robot(pair: Pair, side: Side) -> int:
             reading = _core.runtime.Reading(sign, palm_at_target)
             answer = robot.step(elapsed, reading, [*map(bytes.fromhex, packets)])
             *_, assists = answer
-            if assists != state.assists:  # before the packet that grants
+            if assists != state.assists:  # before the packet that grants is sent
                 state = replace(state, assists=assists)
                 write_state(file, state)
             world.send(_in_hexadecimal(answer))

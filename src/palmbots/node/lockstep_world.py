@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A world whose robots are other processes, in lockstep: nobody moves before all have answered.
+"""A world whose robots are other processes, in lockstep: no robot moves before both have answered.
 
-The world owns every random number: noise, faults and the radio, through which it passes the packets
-as bytes. So a carry has the same trace as one inside a single program.
+The world draws every random number, for noise, faults and the radio, through which it passes the
+packets as bytes. So a carry has the same trace as one inside a single program.
 """
 
 from collections.abc import Callable
@@ -38,7 +38,7 @@ class Programs:
         """Wait until all programs have connected, and let them greet each other.
 
         Raises:
-            PalmbotsError: a program does not come, or two claim one side.
+            PalmbotsError: a program does not connect in time, or two claim one side.
         """
         self._wait_for(set(self._ends))
         establish_sessions(self._ends, self._greet, self._hear)

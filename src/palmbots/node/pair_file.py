@@ -83,7 +83,7 @@ class LimitsTable(Section):
     after_reboot: Literal["disarm", "rejoin"] = "disarm"
     """After a reboot in a carry: disarm, or rejoin by the controller's own rules."""
     station_lost: Literal["stop", "carry-on"] = "stop"
-    """What happens if the station falls silent."""
+    """What happens if the station falls silent: stop, or carry-on."""
     partner_lost: Literal["stop", "controller"] = "stop"
     """What happens if the partner falls silent: stop, or what the controller does then."""
     station_limit_s: Limit = 1.0

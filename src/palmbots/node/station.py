@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The operator's station: hears the status of both robots, and says what the operator wants.
+"""The operator's station: receives the status of both robots, and sends what the operator wants.
 
 A wish is repeated in every period until the status of the robot shows that it has been carried out.
 """
@@ -30,7 +30,7 @@ _REACHED: dict[Operation, tuple[RobotMode, ...]] = {
 
 
 class Station:
-    """One end of the wire, with what it knows of both robots.
+    """The station's end of the wire, with what it knows of both robots.
 
     Args:
         pair: the pair.
@@ -63,7 +63,7 @@ class Station:
         self._end = Endpoint(self._pair.key, number, "station", state.epoch)
 
     def wish(self, operation: Operation) -> None:
-        """Want something of both robots, from now on."""
+        """Set the wish of the operator, for both robots."""
         self._wish = operation
         self._say(f"operator: {operation}")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot must remember over a reboot: how often it has booted, and whether its palm assists.
+"""What a robot must remember over a reboot (`StoredState`), in a file.
 
 The boot counter makes every stamp on the wire unique (docs/reference/wire.md), so it must never go
 back. A file that is missing or damaged is therefore refused, and never replaced by a new one. The

@@ -116,5 +116,5 @@ class Radio(Section):
     lease_s: Lasting | None = None
     """Controllers resilient and shared-sign: longest age at which a beacon is valid. Not set:
     resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less
-    room; shared-sign a round trip and four beacons. For shared-sign with control.brake it is proved
-    up to 0.3 only (in the default scene) that no contact leaves its palm."""
+    room; shared-sign a round trip and four beacons. With control.brake, it is proved for
+    shared-sign only up to 0.3 (in the default scene) that no contact leaves its palm."""

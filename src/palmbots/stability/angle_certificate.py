@@ -4,8 +4,8 @@
 Near the largest tolerance a condition becomes an equality, and a prover that bisects boxes cannot
 decide it. The certificate therefore claims a little less than the tolerance: first by the error of
 its bisection, then by more, until the prover can decide. The angles are designed for robots of
-which only one turns its palm at a time. The claims for palms that turn at the same time are added
-where they hold.
+which only one turns its palm at a time. Those claims for palms that turn at the same time that also
+hold are added.
 """
 
 from __future__ import annotations

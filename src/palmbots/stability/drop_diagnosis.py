@@ -74,8 +74,8 @@ def touch_start_hint(
 ) -> str | None:
     """One line on why the leader does not feel that the follower starts; None: it can feel that.
 
-    The follower starts with its palm steep and closes in on the leader. Only where property 1 holds
-    with the leader's palm shallow does the leader's contact slide. Arguments as in `analyze_hint`.
+    The follower starts with its palm steep and closes in on the leader. The leader's contact slides
+    only if property 1 holds with the leader's palm shallow. Arguments as in `analyze_hint`.
     """
     if scene.control.start != "touch" or transition_table(describe(controller), scene) is None:
         return None

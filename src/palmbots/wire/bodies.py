@@ -69,8 +69,9 @@ Operation = Literal["arm", "disarm", "start", "stop", "e_stop", "release"]
 """What the operator wants."""
 StatusItem = Literal["progress", "battery", "overruns", "sent"] | Verdict
 """A number that takes its turn in the status: `progress` is the covered part of the distance times
-65535, `battery` is in mV (65535: not measured), all others are counts modulo 65536: ticks that came
-too late, packets sent, and packets received with each verdict."""
+65535, `battery` is in mV (65535: not measured), and `overruns` is how many of the last 100 ticks
+came too late. All others are counts modulo 65536: packets sent, and packets received with each
+verdict."""
 
 # In the order of the core's numbers.
 _LANGUAGES: tuple[Language, ...] = _core.wire.languages

@@ -2,7 +2,7 @@
 // What a robot and a station run, as firmware would call it: functions without a system below.
 // Compiled by tests/cpp/test_programs.py, never run.
 #include "palmbots/control.hpp"
-#include "palmbots/runtime/mode_machine.hpp"
+#include "palmbots/runtime.hpp"
 #include "palmbots/wire.hpp"
 
 palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
@@ -85,4 +85,17 @@ palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
 palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
                                          const palmbots::runtime::ModeInputs& in) {
   return robot.step(in);
+}
+
+using ResilientRuntime =
+    palmbots::runtime::RobotRuntime<palmbots::runtime::BeaconProgram<palmbots::Resilient>>;
+
+palmbots::runtime::Outputs robot_step(ResilientRuntime& robot, const std::uint8_t* bytes,
+                                      std::size_t size);
+
+palmbots::runtime::Outputs robot_step(ResilientRuntime& robot, const std::uint8_t* bytes,
+                                      std::size_t size) {
+  robot.begin(1);
+  robot.receive({bytes, size});
+  return robot.step({});
 }

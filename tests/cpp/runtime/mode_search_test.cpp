@@ -25,7 +25,8 @@ ModeWorld world_of(AfterReboot after_reboot, StationLost station_lost, PartnerLo
   world.settings.most_overruns = 0;
   return world;
 }
-// What `palmbots init` and `palmbots up` choose.
+// What `palmbots init` chooses, and what `palmbots up` chooses, but without a limit of the station's
+// silence.
 ModeWorld careful() { return world_of(AfterReboot::disarm, StationLost::stop, PartnerLost::stop); }
 ModeWorld persistent() {
   return world_of(AfterReboot::rejoin, StationLost::carry_on, PartnerLost::controller);

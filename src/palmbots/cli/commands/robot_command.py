@@ -21,9 +21,7 @@ def robot(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
-    rate: Annotated[
-        float, typer.Option("--rate", help="How many times faster than real time.")
-    ] = 1.0,
+    rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
     as_json: JsonOption = False,
 ) -> int:
     """Run the program of one robot of a pair.

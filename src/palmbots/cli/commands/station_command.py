@@ -89,7 +89,7 @@ def _obey_line(end: object) -> bool:
     if word in operations:
         station.wish(word)
     elif word:
-        say(f"palmbots: {line.strip()}: is no order; allowed: {', '.join(operations)}, quit")
+        say(f"palmbots: {line.strip()}: is unknown; allowed: {', '.join(operations)}, quit")
     return True
 
 

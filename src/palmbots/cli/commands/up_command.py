@@ -29,13 +29,13 @@ def up(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
-    rate: Annotated[
-        float, typer.Option("--rate", help="How many times faster than real time.")
-    ] = 1.0,
+    rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
     link: Annotated[
         str,
         typer.Option(
-            "--link", metavar="TEXT", help='A bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".'
+            "--link",
+            metavar="TEXT",
+            help='Simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".',
         ),
     ] = "",
     world: WorldOption = "quasistatic",
@@ -67,6 +67,8 @@ def up(
     check(entry, chosen)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
+    if lockstep and (link or rate != 1.0):
+        raise PalmbotsError("up: --lockstep has no --link and no --rate; the scene sets the radio")
     if lockstep:
         options += ["--precision", precision, "--called", scene]
         return run_lockstep(chosen, controller, options, has_station=entry.team == "station")

@@ -7,8 +7,8 @@ and the clearance of each palm have one in every pose: both palms steep, both sh
 one turning from shallow to steep with the contacts of property 1 or 2.
 
 The claims "property 0 turning", "clearance turning" and "no jam" are about palms that turn at the
-same time: each palm has any angle from shallow to steep. The contacts are anywhere, but for the
-clearance both are outward, or both are inward: both p ≥ −beyond, or both p ≤ beyond. "no jam" has
+same time: each palm has any angle from shallow to steep. The contacts are anywhere, except for
+"clearance turning": both are outward, p ≥ −beyond, or both are inward, p ≤ beyond. "no jam" has
 one obligation for closing and one for opening.
 """
 
@@ -32,9 +32,9 @@ __all__ = [
 ]
 
 ONE_TURNS = ("property 1", "property 2", "property 0", "clearance")
-"""What robots need of which only one turns its palm at a time."""
+"""What robots need if only one of them turns its palm at a time."""
 BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")
-"""What robots need besides that turn their palms at the same time."""
+"""What robots need in addition if they turn their palms at the same time."""
 CLAIMS = (*ONE_TURNS, *BOTH_TURN)
 """What a certificate can prove."""
 
