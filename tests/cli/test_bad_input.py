@@ -84,7 +84,14 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["init", "scene", "none/x.toml"], ["palmbots: none/x.toml: cannot be written: none does not"]),
     (["init", "scene", "/dev/null/x.toml"], ["palmbots: /dev/null/x.toml:", "is not a folder"]),
     (["init", "scene", "/dev/full"], ["FILE: value is /dev/full", "ends in .toml"]),
-    (["init", "pair", "x.toml"], ["pair", "--help"]),
+    (["init", "trio", "x.toml"], ["trio", "--help"]),
+    (["init", "pair", "x.txt"], ["x.txt", ".toml"]),
+    (["robot", "no.toml", "--side", "left"], ["no.toml", "cannot be read"]),
+    (["robot", "no.toml", "--side", "top"], ["--side", "top", "left"]),
+    (["station", "no.toml"], ["no.toml", "cannot be read"]),
+    (["world", "--serve", "here"], ["here", "HOST:PORT"]),
+    (["up", "--link", "lost=1"], ["--link", "lost=1", "delay_ms"]),
+    (["up", "--rate", "0"], ["--rate", "0.01 to 100"]),
     (["init"], ["init", "--help"]),
 ]  # fmt: skip
 

@@ -41,6 +41,10 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "objects": ("palmbots.scene.key_reference", "built_in_meanings", []),
     "keys": ("palmbots.scene.key_reference", "scene_keys", []),
     "controllers": ("palmbots.control.registry", "controller_names", []),
+    "up": ("palmbots.node.launcher", "run_live", []),
+    "world": ("palmbots.node.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
+    "robot": ("palmbots.node.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
+    "station": ("palmbots.node.pair_file", "load_pair", ["pair.toml"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

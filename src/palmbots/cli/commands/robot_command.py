@@ -11,7 +11,7 @@ from palmbots.cli.options import DONE, JsonOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
-ORDER = 200
+ORDER = 205
 EXAMPLE = "palmbots robot pair.toml --side left"
 
 

@@ -28,9 +28,9 @@ def station(
     ] = False,
     as_json: JsonOption = False,
 ) -> int:
-    """Operate two robots: arm, start, stop, e-stop, release, disarm.
+    """Operate two robots: arm, start, stop, release.
 
-    Type one of these words, or quit. The station is no safety device.
+    Type arm, start, stop, e-stop, release, disarm or quit. The station is no safety device.
 
     Exit status 1: with --auto, if the robots did not carry to the end.
     """

@@ -19,7 +19,7 @@ from palmbots.errors import PalmbotsError
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
-ORDER = 205
+ORDER = 200
 EXAMPLE = "palmbots up paper --controller resilient --lockstep"
 
 
@@ -44,7 +44,7 @@ def up(
     changes: SetOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Run a world, two robots and a station on this machine, each as a process of its own.
+    """Run a world, robots and a station, each as a process.
 
     The station arms and starts the robots, and reports what happens. With --lockstep there is no
     station, and the result is that of palmbots carry with the same scene, controller and seed.
