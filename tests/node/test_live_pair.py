@@ -72,6 +72,20 @@ def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Pa
     pair.wish("arm", "armed")
 
 
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed"])
+def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path: Path) -> None:
+    """Also one whose controller seldom says anything: its partner may wait for it, or rely on it."""
+    pair = LivePair(tmp_path, controller, Air(), UP)
+    pair.start()
+    for _ in range(20):
+        before = [robot.count(0) for robot in pair.robots.values()]  # accepted packets
+        pair.run(20)
+        assert all(
+            robot.count(0) > count + 1
+            for robot, count in zip(pair.robots.values(), before, strict=True)
+        )
+
+
 def test_an_e_stop_is_obeyed_without_a_session(tmp_path: Path) -> None:
     """A station that has just started, and hears nobody, stops the robots; nothing else works."""
     pair = LivePair(tmp_path, "resilient", Air(delay=2), UP | {"limits.station_lost": "carry-on"})

@@ -22,10 +22,12 @@ ENDS = ("left", "right", "station")
 
 @dataclass
 class Air:
-    """A radio between the three ends: delay [ticks] and loss."""
+    """A radio between the three ends: delay and jitter [ticks], loss and copies."""
 
     delay: int = 1
     loss: float = 0.0
+    jitter: int = 0
+    duplicate: float = 0.0
     seed: int = 0
     now: int = 0
     under_way: list[tuple[int, str, str, bytes]] = field(default_factory=list)
@@ -35,11 +37,15 @@ class Air:
         self.cut: set[tuple[str, str]] = set()
 
     def send(self, sender: str, receiver: str, data: bytes) -> None:
-        if self.chance.random() >= self.loss and (sender, receiver) not in self.cut:
-            self.under_way.append((self.now + self.delay, sender, receiver, data))
+        if self.chance.random() < self.loss or (sender, receiver) in self.cut:
+            return
+        for _ in range(2 if self.chance.random() < self.duplicate else 1):
+            due = self.now + self.delay + self.chance.randint(-self.jitter, self.jitter)
+            self.under_way.append((max(due, self.now + 1), sender, receiver, data))
 
     def receive(self, receiver: str) -> list[bytes]:
         arrived = [p for p in self.under_way if p[2] == receiver and p[0] <= self.now]
+        arrived.sort(key=lambda packet: packet[0])
         self.under_way = [p for p in self.under_way if p not in arrived]
         return [data for *_, data in arrived]
 
@@ -71,12 +77,16 @@ class LivePair:
             folder / "pair.toml", scene="scene.toml", controller=controller, values=values
         )[0]
         self.pair, self.scene, self.air = load_pair(file), scene, air
+        self.watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
         endless = pb.load_scene(scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0})
         self.world = QuasistaticEpisode(endless, 0, record=False)
         self.stored = {side: StoredState() for side in ("left", "right")}
         self.robots: dict[str, Any] = {}
         self.commands: dict[str, tuple[int, int, bool]] = {}
         self.by_hand: set[str] = set()
+        self.frozen: dict[str, int] = {}  # the ticks for which each robot has not been stepped
+        self.clock_rate = {"left": 1.0, "right": 1.0}
+        self.clock = {"left": 0.0, "right": 0.0}
         for side in self.stored:
             self.boot(side)
         self.lines: list[str] = []
@@ -103,10 +113,20 @@ class LivePair:
             if robot is None:
                 continue
             covered = self.world.midpoint >= self.scene.task.distance_m
+            self.clock[side] += self.clock_rate[side]
+            if side in self.frozen:
+                self.frozen[side] += 1
+                if self.frozen[side] > self.watchdog_ticks:  # the motor board rests the wheels
+                    self.commands[side] = (self.commands[side][0], 0, True)
+                continue
+            elapsed = int(self.clock[side])
+            if elapsed == 0:
+                continue
+            self.clock[side] -= elapsed
             reading = _core.runtime.Reading(
                 seen[0], seen[1], covered=covered, stop=side in self.by_hand
             )
-            answer = robot.step(1, reading, self.air.receive(side))
+            answer = robot.step(elapsed, reading, self.air.receive(side))
             palm, move, stop, packets, *_, assists = answer
             wheels = robot.wheels
             self.commands[side] = (palm, move if wheels else 0, stop or not wheels)

@@ -149,8 +149,10 @@ class MessageProgram {
       --waiting_;
     }
     Decision decision{out.command, out.send != MessageKind::none};
-    decision.state.language = wire::Language::messages;
-    decision.state.word = decision.word = out.send;
+    if (decision.speaks) {
+      decision.state.language = wire::Language::messages;
+      decision.state.word = decision.word = out.send;
+    }
     return decision;
   }
 
