@@ -106,7 +106,7 @@ def test_a_socket_that_was_left_behind_is_replaced_and_a_file_is_not(tmp_path: P
 def test_an_offer_never_waits_and_no_frame_is_cut(ends: tuple[Connection, Connection]) -> None:
     near, far = ends
     for number in range(20_000):
-        near.offer([number, "x" * 100])
+        near.offer([number, "x" * 1000])
     got = [far.receive(10)]
     while (frame := far.poll()) is not None:
         got.append(frame)

@@ -83,14 +83,14 @@ def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:
     [
         (["--controller", "none"], "--controller: none has no programs; allowed: "),
         (["--controller", "optimal"], "--controller: optimal reads the state of the world; "),
-        ([], "up: needs --lockstep; "),
+        (["--rate", "2"], "--rate has no effect with --lockstep; allowed: without it"),
+        (["--link", "loss=0.1"], "--link has no effect with --lockstep; allowed: without it"),
         (["--world", "moon"], '--world: value is "moon"; '),
         (["--set", "radio.lose=1"], "--set radio.lose: 1 is the value of an unknown key; "),
     ],
 )
 def test_refused_before_any_process_starts(arguments: list[str], line: str) -> None:
-    options = ["--lockstep"] if arguments else []
-    status, printed, errors = palmbots(["up", *arguments, *options], ROOT)
+    status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
     assert (status, printed) == (2, "")
     assert errors.startswith(f"palmbots: {line}")
     assert errors.count("\n") == 1
