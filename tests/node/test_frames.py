@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Connections between processes, over real sockets."""
 
+import socket
 import threading
 from pathlib import Path
 
@@ -60,11 +61,63 @@ def test_what_is_no_frame_is_refused(ends: tuple[Connection, Connection]) -> Non
     far.close()
 
 
-@pytest.mark.parametrize("address", ["", "7400", "host:", ":7400", "host:port", "h:99999", "unix:"])
+@pytest.mark.parametrize(
+    "address",
+    [
+        "",
+        "7400",
+        "host:",
+        ":7400",
+        "host:port",
+        "h:99999",
+        "unix:",
+        "unix:a\0b",
+        "h:" + "9" * 5000,
+        "a\0b:80",
+        "a..b:80",
+    ],
+)
 def test_addresses_are_checked(address: str) -> None:
     for use in (listen, lambda a: connect(a, "world", 0)):
         with pytest.raises(pb.PalmbotsError, match=r"^address: value is .*; allowed: HOST:PORT, "):
             use(address)
+
+
+def test_the_socket_of_a_file_goes_with_the_door(tmp_path: Path) -> None:
+    address = f"unix:{tmp_path / 's'}"
+    door = listen(address)
+    with pytest.raises(pb.PalmbotsError, match=r"cannot listen: Address already in use$"):
+        listen(address)
+    door.close()
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_socket_that_was_left_behind_is_replaced_and_a_file_is_not(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as killed:
+        killed.bind(str(tmp_path / "s"))
+    with listen(f"unix:{tmp_path / 's'}"):
+        pass
+    (tmp_path / "f").write_text("mine")
+    with pytest.raises(pb.PalmbotsError, match=r"cannot listen: Address already in use$"):
+        listen(f"unix:{tmp_path / 'f'}")
+    assert (tmp_path / "f").read_text() == "mine"
+
+
+def test_an_offer_never_waits_and_no_frame_is_cut(ends: tuple[Connection, Connection]) -> None:
+    near, far = ends
+    for number in range(20_000):
+        near.offer([number, "x" * 1000])
+    got = [far.receive(10)]
+    while (frame := far.poll()) is not None:
+        got.append(frame)
+    near.offer(["late", ""])  # first the rest of the frame that was cut
+    while (frame := far.poll()) is not None:
+        got.append(frame)
+    numbers = [frame[0] for frame in got if frame[0] != "late"]
+    assert numbers == sorted(set(numbers))
+    assert 10 < len(numbers) < 20_000
+    near.close()
+    far.close()
 
 
 def test_nobody_listens(tmp_path: Path) -> None:

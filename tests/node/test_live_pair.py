@@ -6,7 +6,13 @@ from typing import Any
 
 import pytest
 
+import palmbots as pb
 from live_pair import Air, LivePair
+from palmbots.node import live_robot
+from palmbots.node.drivers import Sensed
+from palmbots.node.pair_file import init_pair, load_pair
+from palmbots.node.station import carry_once
+from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
 CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
@@ -180,3 +186,96 @@ def test_a_station_with_a_lower_count_takes_the_next_epoch(tmp_path: Path) -> No
 def _new(folder: Path) -> Path:
     (folder / "new").mkdir()
     return folder / "new"
+
+
+def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(delay=2), UP)
+    pair.start()
+    pair.wish("stop", "stopped")
+    pair.wish("release", "disarmed")
+    pair.run(100)
+    pair.by_hand = {"left"}
+    pair.run(1)
+    pair.by_hand = set()
+    pair.run(300)
+    assert pair.robots["left"].mode == "stopped"
+    pair.station.wish("release")
+    pair.run(50)
+    assert pair.modes() == ("disarmed", "disarmed")
+
+
+@pytest.mark.parametrize("end", ["silence", "reboots"])
+def test_the_station_ends_when_nobody_carries_any_more(end: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
+    steps = 0
+    for done in carry_once(pair.station, 600):
+        steps += 1
+        if done is not None:
+            break
+        pair.run(5)
+        if steps == 60 and end == "silence":
+            pair.robots.clear()
+        elif steps == 60:
+            pair.boot("left")
+            pair.boot("right")
+    assert done is False
+    assert steps < 60 + 20 * 21
+
+
+def test_a_stop_is_passed_on_although_nothing_can_be_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk fills up in operation: the partner must hear the stop all the same."""
+    pair = load_pair(init_pair(tmp_path / "pair.toml")[0])
+    number = pair.settings.pair.number
+    station = Endpoint(pair.key, number, "station", 1)
+    sent: list[Any] = []
+
+    class Driver:
+        works = True
+
+        def __init__(self, *_: Any) -> None:
+            self.left = 40
+
+        def read(self) -> Any:
+            self.left -= 1
+            return Sensed(0, True, 0.0) if self.left else None
+
+        def write(self, *_: Any) -> None:
+            pass
+
+        def close(self) -> None:
+            pass
+
+    class Link(Driver):
+        def receive(self) -> list[bytes]:
+            return [station.send("left", Operate("e_stop", stop=True))]
+
+        def send(self, receiver: str, data: bytes) -> None:
+            if receiver == "right":
+                sent.append(decode(data, pair.key, number, "right").packet.body)  # type: ignore[union-attr]
+
+    def full(*_: Any) -> None:
+        raise pb.PalmbotsError("No space left on device")
+
+    monkeypatch.setattr(live_robot, "SimulatedDriver", Driver)
+    monkeypatch.setattr(live_robot, "UdpLink", Link)
+    monkeypatch.setattr(live_robot, "write_state", full)
+    live_robot.run_live_robot(pair, "left", rate=10)
+    assert any(isinstance(body, State) and body.stop for body in sent)
+
+
+@pytest.mark.parametrize(
+    ("controller", "line"),
+    [
+        ("centralized", "controller: centralized needs a station that decides; "),
+        ("none", "controller: none has no programs; "),
+        ("optimal", "controller: optimal reads the state of the world; "),
+    ],
+)
+def test_a_controller_that_no_robot_runs_is_refused(
+    controller: str, line: str, tmp_path: Path
+) -> None:
+    pair = load_pair(init_pair(tmp_path / "pair.toml", controller=controller)[0])
+    with pytest.raises(pb.PalmbotsError, match=f"^{line}"):
+        live_robot.run_live_robot(pair, "left")

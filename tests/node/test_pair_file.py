@@ -51,6 +51,9 @@ def test_existing_files_are_never_overwritten(name: str, tmp_path: Path) -> None
         ('kind = "simulated"', 'kind = "mind"', 'driver.kind: "mind" is not known; allowed: '),
         ("[driver]", "[driver", "is not valid TOML: "),
         ('"pair.key"', '"lost.key"', "lost.key: cannot be read: No such file or directory"),
+        ('"pair.key"', '"a\\u0000b"', "cannot be read: embedded null byte"),
+        ("number = ", "number = " + "9" * 5000 + " #", "is not valid TOML: "),
+        ("number = ", "number = " + "[" * 100_000, "is not valid TOML: lists nested too deeply"),
         ('"pair.key"', "5", "pair.key_file: 5 is not a string; allowed: a string"),
     ],
 )
@@ -79,3 +82,15 @@ def test_a_key_that_others_can_read_is_refused(tmp_path: Path) -> None:
     key_file.chmod(0o640)
     with pytest.raises(pb.PalmbotsError, match=r"others can read the key \(mode 640\); run: chmod"):
         load_pair(file)
+
+
+def test_a_pair_that_cannot_be_written_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise pb.PalmbotsError("left.json: cannot be written: No space left on device")
+
+    monkeypatch.setattr("palmbots.node.pair_file.write_state", full)
+    with pytest.raises(pb.PalmbotsError, match="No space left"):
+        init_pair(tmp_path / "pair.toml")
+    assert [*tmp_path.iterdir()] == []

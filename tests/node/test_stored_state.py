@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
-from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.node.stored_state import StoredState, booted, held, read_state, write_state
 from palmbots.wire import MAX_EPOCH
 
 
@@ -47,3 +47,22 @@ def test_a_counter_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> 
     file = tmp_path / "state" / "left.json"
     with pytest.raises(pb.PalmbotsError, match=r"cannot be written: "):
         write_state(file, StoredState(1))
+
+
+def test_a_second_program_of_the_same_end_is_refused_and_counts_no_boot(tmp_path: Path) -> None:
+    """Otherwise the first one would set the counter back when it stores its own state."""
+    file = tmp_path / "left.json"
+    write_state(file, StoredState())
+    with booted(file) as state:
+        for use in (booted, held):
+            with pytest.raises(pb.PalmbotsError, match=r"another program uses this boot counter; "):
+                use(file).__enter__()
+        assert read_state(file) == state == StoredState(1)
+    with booted(file) as state:
+        assert state == StoredState(2)
+
+
+def test_a_counter_that_is_nested_too_deeply_is_damaged(tmp_path: Path) -> None:
+    (tmp_path / "left.json").write_text("[" * 200_000)
+    with pytest.raises(pb.PalmbotsError, match=r"the boot counter is damaged; "):
+        read_state(tmp_path / "left.json")

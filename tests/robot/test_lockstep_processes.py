@@ -83,8 +83,8 @@ def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:
     [
         (["--controller", "none"], "--controller: none has no programs; allowed: "),
         (["--controller", "optimal"], "--controller: optimal reads the state of the world; "),
-        (["--rate", "2"], "up: --lockstep has no --link and no --rate; "),
-        (["--link", "loss=0.1"], "up: --lockstep has no --link and no --rate; "),
+        (["--rate", "2"], "--rate has no effect with --lockstep; allowed: without it"),
+        (["--link", "loss=0.1"], "--link has no effect with --lockstep; allowed: without it"),
         (["--world", "moon"], '--world: value is "moon"; '),
         (["--set", "radio.lose=1"], "--set radio.lose: 1 is the value of an unknown key; "),
     ],

@@ -5,13 +5,18 @@ The simulated driver talks to a world in another process. The world is the motor
 wheels when no command has been written for the time of the watchdog.
 """
 
+import contextlib
+import time
 from dataclasses import dataclass
+from typing import Any
 
 from palmbots._types import Side
 from palmbots.errors import PalmbotsError
 from palmbots.node.frames import ConnectionLost, connect
 
 _WORLD_STARTS_WITHIN_S = 20.0
+_PARTNER_STARTS_WITHIN_S = 40.0  # the world gives up earlier
+_SILENCE_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -33,38 +38,52 @@ class SimulatedDriver:
         address: of the world.
         side: of the robot.
         epoch: number of the robot's boots.
+        period_s: time between two readings.
 
     Raises:
         ConnectionLost: there is no world.
     """
 
-    def __init__(self, address: str, side: Side, epoch: int) -> None:
+    def __init__(self, address: str, side: Side, epoch: int, period_s: float = 0.01) -> None:
+        self._side = side
+        self._silence_s = max(_SILENCE_S, 20 * period_s)
+        self._heard_s = 0.0
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
         self._world.send([side, epoch])
         self._side = side
         self._newest: Sensed | None = None
 
     def read(self) -> Sensed | None:
-        """The newest reading; None: the world has ended."""
-        try:
-            while (frame := self._world.poll()) is not None or self._newest is None:
-                if frame is None:
-                    frame = self._world.receive(_WORLD_STARTS_WITHIN_S)
-                if frame == "end":
-                    return None
-                if frame == "taken":
-                    raise PalmbotsError(f"{self._side} robot: another program has this side")
-                self._newest = Sensed(*frame)
-        except ConnectionLost:
-            return None
+        """The newest reading; None: the world has ended. Waits only for the first one.
+
+        Raises:
+            PalmbotsError: the world is lost, or gives no readings to this robot.
+        """
+        while (frame := self._world.poll()) is not None or self._newest is None:
+            if frame is None:
+                frame = self._world.receive(_PARTNER_STARTS_WITHIN_S)
+            if frame == "end":
+                return None
+            self._newest = self._reading_in(frame)
+            self._heard_s = time.monotonic()
         return self._newest
+
+    @property
+    def works(self) -> bool:
+        """Readings still come."""
+        return time.monotonic() - self._heard_s <= self._silence_s
+
+    def _reading_in(self, frame: Any) -> Sensed:
+        if frame == "taken":
+            raise PalmbotsError(f"world: another program is the {self._side} robot")
+        if not isinstance(frame, list) or len(frame) != 3:
+            raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
+        return Sensed(*frame)
 
     def write(self, palm: int, move: int, stop: bool, wheels: bool) -> None:
         """Command palm and wheels; if `wheels` is false, the wheels stop."""
-        try:
-            self._world.send([palm, move if wheels else 0, stop or not wheels])
-        except ConnectionLost:
-            self._newest = None
+        with contextlib.suppress(ConnectionLost):  # `read` reports it, or the world's end
+            self._world.offer([palm, move if wheels else 0, stop or not wheels])
 
     def close(self) -> None:
         """Close the connection."""

@@ -5,8 +5,11 @@ An address is ``HOST:PORT``, or ``unix:PATH`` for a socket in the file system.
 """
 
 import contextlib
+import errno
 import json
+import os
 import socket
+import stat
 import time
 from typing import Any, Self
 
@@ -28,6 +31,7 @@ class Connection:
     def __init__(self, stream: socket.socket, name: str) -> None:
         self._stream = stream
         self._received = b""
+        self._unsent = b""
         self.name = name
         if stream.family == socket.AF_INET:
             stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -41,6 +45,24 @@ class Connection:
         try:
             self._stream.settimeout(None)
             self._stream.sendall(json.dumps(frame, separators=(",", ":")).encode() + b"\n")
+        except OSError as error:
+            raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+
+    def offer(self, frame: Any) -> None:
+        """Send one frame without waiting. An end that does not read misses it.
+
+        Raises:
+            ConnectionLost: the connection is closed.
+        """
+        try:
+            self._stream.settimeout(0)
+            if self._unsent:  # the rest of an earlier frame
+                self._unsent = self._unsent[self._stream.send(self._unsent) :]
+            if not self._unsent:
+                data = json.dumps(frame, separators=(",", ":")).encode() + b"\n"
+                self._unsent = data[self._stream.send(data) :]
+        except BlockingIOError:
+            return
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
 
@@ -67,7 +89,7 @@ class Connection:
         line, self._received = self._received.split(b"\n", 1)
         try:
             return json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             raise ConnectionLost(f"{self.name}: sends no frames") from None
 
     def poll(self) -> Any:
@@ -88,6 +110,8 @@ class Connection:
                 raise ConnectionLost(f"{self.name}: has closed the connection")
             self._received += more
             if b"\n" not in self._received:
+                if len(self._received) > _LONGEST_FRAME:
+                    raise ConnectionLost(f"{self.name}: sends frames that are too long")
                 return None
         return self.receive()
 
@@ -105,12 +129,43 @@ class Connection:
 
 def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
     kind, _, rest = address.partition(":")
-    if kind == "unix" and rest:
+    if kind == "unix" and rest and "\0" not in rest:
         return socket.AF_UNIX, rest
     host, _, port = address.rpartition(":")
-    if not host or not port.isdecimal() or int(port) > 65535:
+    is_port = port.isdecimal() and len(port) <= 5 and int(port) <= 65535
+    try:
+        host.encode("idna")
+    except UnicodeError:
+        host = ""
+    if not host or "\0" in host or not is_port:
         raise PalmbotsError(f"address: value is {show(address)}; allowed: {_ALLOWED}")
     return socket.AF_INET, (host, int(port))
+
+
+class _Door(socket.socket):
+    """A listening socket. One in the file system takes its file with it when it closes."""
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self.family == socket.AF_UNIX and self.fileno() != -1 and (path := self.getsockname()):
+            with contextlib.suppress(OSError):
+                os.unlink(path)
+        super().close()
+
+
+def _is_left_behind(path: str) -> bool:
+    """Whether this is a socket on which nobody listens: its program was killed."""
+    try:
+        if not stat.S_ISSOCK(os.stat(path).st_mode):
+            return False
+        with socket.socket(socket.AF_UNIX) as caller:
+            caller.settimeout(1.0)
+            caller.connect(path)
+    except ConnectionRefusedError:
+        return True
+    except OSError:
+        return False
+    return False
 
 
 def listen(address: str) -> socket.socket:
@@ -120,11 +175,19 @@ def listen(address: str) -> socket.socket:
         PalmbotsError: the address is not valid, or cannot be used.
     """
     family, place = _parsed(address)
-    stream = socket.socket(family)
+    stream = _Door(family)
     try:
         if family == socket.AF_INET:
             stream.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        stream.bind(place)
+        try:
+            stream.bind(place)
+        except OSError as error:
+            if family != socket.AF_UNIX or error.errno != errno.EADDRINUSE:
+                raise
+            if not _is_left_behind(place):
+                raise
+            os.unlink(place)
+            stream.bind(place)
         stream.listen()
     except OSError as error:
         stream.close()

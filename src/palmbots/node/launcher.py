@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -27,6 +28,7 @@ _Commands: TypeAlias = Mapping[str, Sequence[str]]
 _BAD_INPUT = 2
 _POLL_S = 0.02
 _END_WITHIN_S = 5.0
+_WORLD_ENDS_WITHIN_S = 600.0  # at a low rate it waits for long
 
 
 def check_rate(rate: float) -> float:
@@ -99,8 +101,9 @@ def run_live(
     Raises:
         PalmbotsError: a process cannot be started, or a program fails.
     """
-    own: dict[Role, str] = dict(zip(ENDS, _free_ports(len(ENDS)), strict=True))
-    proxy = Proxy(own, impairment)
+    with _free_ports(len(ENDS)) as ports:  # the proxy gets others
+        own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
+        proxy = Proxy(own, impairment)
     values = {
         **{f"link.{end}": address for end, address in proxy.addresses.items()},
         "limits.after_reboot": "rejoin",
@@ -120,7 +123,15 @@ def run_live(
         _supervise(running, commands, on_line)
         for side in SIDES:
             running[side].send_signal(signal.SIGTERM)
-        return running["world"].wait()
+        return _status_of(running["world"])
+
+
+def _status_of(world: "subprocess.Popen[bytes]") -> int:
+    """The exit status of the world, which ends soon after the robots."""
+    try:
+        return world.wait(_WORLD_ENDS_WITHIN_S)
+    except subprocess.TimeoutExpired:
+        raise PalmbotsError("world: does not end, although the robots have been ended") from None
 
 
 def _wait_for(name: str, running: _Running, robots: _Commands) -> None:
@@ -191,13 +202,14 @@ def _own_file(file: Path, end: Role, address: str) -> Path:
     return copy
 
 
-def _free_ports(count: int) -> list[str]:
+@contextlib.contextmanager
+def _free_ports(count: int) -> Iterator[list[str]]:
     """Addresses of this machine that no program uses."""
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(count)]
         for one in sockets:
             one.bind(("127.0.0.1", 0))
-        return ["{}:{}".format(*one.getsockname()) for one in sockets]
+        yield ["{}:{}".format(*one.getsockname()) for one in sockets]
 
 
 def _absolute(controller: str) -> str:
@@ -220,9 +232,13 @@ def _started(arguments: Sequence[str], *, quiet: bool = False) -> "subprocess.Po
 def _processes() -> Iterator[dict[str, "subprocess.Popen[bytes]"]]:
     """Processes by name; all that still run at the end are ended."""
     running: dict[str, subprocess.Popen[bytes]] = {}
+    in_main = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGTERM, _end) if in_main else None
     try:
         yield running
     finally:
+        if in_main:
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)
         for process in running.values():
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)
@@ -232,3 +248,10 @@ def _processes() -> Iterator[dict[str, "subprocess.Popen[bytes]"]]:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        if in_main:
+            signal.signal(signal.SIGTERM, before)
+
+
+def _end(number: int, _: object) -> None:
+    """Leave on a signal that would otherwise leave the processes behind."""
+    raise SystemExit(128 + number)

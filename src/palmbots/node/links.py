@@ -10,6 +10,7 @@ from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.wire import Role
 
+_MOST_AT_ONCE = 256  # packets; a flood must not hold up the control loop
 _LARGEST = 2048  # bytes; a packet that is too long is rejected by the decoder, not cut
 
 
@@ -41,7 +42,7 @@ class UdpLink:
     """
 
     def __init__(self, role: Role, addresses: Mapping[Role, str]) -> None:
-        self._places = {end: _place(address) for end, address in addresses.items()}
+        self._places = {end: _place(end, address) for end, address in addresses.items()}
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         try:
@@ -57,23 +58,32 @@ class UdpLink:
             self._socket.sendto(data, self._places[receiver])
 
     def receive(self) -> list[bytes]:
-        """All packets that have arrived."""
+        """The packets that have arrived. After a flood the rest waits for the next call."""
         arrived = []
-        while True:
+        for _ in range(_MOST_AT_ONCE):
             try:
                 arrived.append(self._socket.recv(_LARGEST))
             except BlockingIOError:
-                return arrived
+                break
             except OSError:  # a receiver of an earlier packet is gone
                 continue
+        return arrived
 
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
 
 
-def _place(address: str) -> tuple[str, int]:
+def _place(end: Role, address: str) -> tuple[str, int]:
+    """The number of an address: to look up a name takes time, which a control loop has not."""
     host, _, port = address.rpartition(":")
-    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise PalmbotsError(f"link: address is {show(address)}; allowed: HOST:PORT")
-    return host, int(port)
+    is_port = port.isdecimal() and len(port) <= 5 and 0 < int(port) < 65536
+    if not host or not is_port:
+        raise PalmbotsError(f"link.{end}: address is {show(address)}; allowed: HOST:PORT")
+    try:
+        found = socket.getaddrinfo(host, int(port), socket.AF_INET, socket.SOCK_DGRAM)
+    except (OSError, ValueError) as error:  # ValueError: no name at all
+        why = getattr(error, "strerror", None) or error
+        raise PalmbotsError(f"link.{end}: cannot use {address}: {why}") from None
+    number, place = found[0][4][:2]
+    return str(number), int(place)

@@ -17,8 +17,9 @@ from palmbots.errors import PalmbotsError
 from palmbots.node.control_clock import ControlClock
 from palmbots.node.drivers import SimulatedDriver
 from palmbots.node.links import UdpLink
+from palmbots.node.lockstep_world import check_on_robots
 from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.node.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.wire import Role
@@ -47,16 +48,22 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
         PalmbotsError: a file is missing or damaged, or an address cannot be used.
     """
     file = pair.state_file(side)
-    before = read_state(file)
-    state = before.booted()
-    write_state(file, state)
+    with booted(file) as state:
+        _run(pair, side, state, rate)
+        return state.epoch
+
+
+def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
+    file = pair.state_file(side)
     scene = load_scene(pair.scene())
     robot = live_program(pair, side, state, scene)
     period_s = scene.control.period_s
     link = UdpLink(side, pair.settings.link.addresses())
     with contextlib.closing(link), _Storage(file, state) as storage:
-        driver = SimulatedDriver(pair.settings.driver.address, side, state.epoch)
+        address = pair.settings.driver.address
+        driver = SimulatedDriver(address, side, state.epoch, period_s / rate)
         with contextlib.closing(driver):
+            driver.read()  # waits until the world starts: no tick counts before
             clock = ControlClock(period_s / rate)
             goal_m = scene.task.distance_m
             start_m = 0.0
@@ -65,13 +72,14 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
                 elapsed = clock.wait()
                 seen = driver.read()
                 if seen is None:
-                    return state.epoch
+                    return
                 if not robot.wheels:
                     start_m = seen.distance_m
                 covered_m = seen.distance_m - start_m
                 reading = _core.runtime.Reading(
                     seen.sign,
                     seen.palm_at_target,
+                    driver_ok=driver.works,
                     storage_ok=storage.works,
                     covered=covered_m >= goal_m,
                     overruns=min(clock.recent_overruns, 0xFFFF),
@@ -84,8 +92,9 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
                 storage.keep(StoredState(state.epoch, assists, *robot.to_store))
                 driver.write(palm, move, stop, robot.wheels)
                 for receiver, data, _ in packets:
-                    # What the partner relies on after a boot is stored before it is said.
-                    if receiver == 2 or storage.is_done:
+                    # What the partner relies on after a boot is stored before it is said. A robot
+                    # that does not carry promises nothing, and must pass on a stop at once.
+                    if receiver == 2 or storage.is_done or not robot.wheels:
                         link.send(_RECEIVERS[receiver], data)
 
 
@@ -93,6 +102,11 @@ def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> An
     """The program of one robot of a pair, as it starts after a boot."""
     spec = to_spec(scene)
     entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
+    check_on_robots(entry)
+    if entry.team == "station":
+        raise PalmbotsError(
+            f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
+        )
     return _core.runtime.Robot(
         spec,
         entry.for_core(spec),

@@ -16,12 +16,13 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.node.control_clock import ControlClock
 from palmbots.node.frames import Connection, ConnectionLost
-from palmbots.node.greeting import greeted
+from palmbots.node.greeting import greeting_in
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.worlds import world_entry
 
 _START_WITHIN_S = 30.0
 _ALONE_S = 3.0
+_POLL_S = 0.01
 _REST = (0, 0, True)
 _DELIVERED_SHARE = 0.95
 # The world goes on until the robots stop: neither distance nor time ends it.
@@ -60,18 +61,17 @@ class _Board:
         self._silent += 1
         try:
             while self.driver is not None and (frame := self.driver.poll()) is not None:
-                palm, move, stop = frame
-                self.command, self._silent = (palm, move, stop), 0
+                self.command, self._silent = _command_in(frame), 0
         except ConnectionLost:
             self.unplug()
         if self._silent > self._watchdog_ticks:
             self.command = (self.command[0], *_REST[1:])
 
     def send(self, reading: Any) -> None:
-        """Send a reading to the program."""
+        """Send a reading to the program; one that is frozen misses it."""
         if self.driver is not None:
             try:
-                self.driver.send(reading)
+                self.driver.offer(reading)
             except ConnectionLost:
                 self.unplug()
 
@@ -104,16 +104,14 @@ def run_live_world(
     observations = carry.seen
     period_s = scene.control.period_s
     boards = {side: _Board(round(scene.control.watchdog_s / period_s)) for side in SIDES}
-    door.settimeout(_START_WITHIN_S)
-    while any(board.driver is None for board in boards.values()):
-        _admit(door, boards)
-    door.settimeout(0)
+    entrance = _Entrance(door, boards)
+    entrance.wait()
     clock = ControlClock(period_s / rate)
     midpoint = 0.0
     alone_since = None
     while carry.outcome == "running":
         clock.wait()
-        _admit(door, boards)
+        entrance.admit()
         for board, (sign, palm_at_target, *_) in zip(boards.values(), observations(), strict=True):
             board.take()
             board.send([sign, palm_at_target, abs(midpoint)])
@@ -137,23 +135,73 @@ def run_live_world(
     return LiveCarry(outcome, distance_m, carry.ticks * period_s, clock.overruns)
 
 
-def _admit(door: socket, boards: dict[str, _Board]) -> None:
-    """Let a program connect, if one wants to."""
-    try:
-        stream, _ = door.accept()
-    except BlockingIOError:
-        return
-    except TimeoutError:
-        missing = " and ".join(side for side, board in boards.items() if board.driver is None)
-        raise PalmbotsError(
-            f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
-        ) from None
-    program = Connection(stream, "a program")
-    side, _ = greeted(program)
-    if boards[side].driver is not None:
-        with contextlib.suppress(ConnectionLost):
-            program.send("taken")
-        program.close()
-        return
-    program.name = f"{side} robot"
-    boards[side].driver = program
+def _command_in(frame: Any) -> tuple[int, int, bool]:
+    """Palm, move and stop.
+
+    Raises:
+        ConnectionLost: it is no command.
+    """
+    if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool]:
+        palm, move, stop = frame
+        if palm in (0, 1) and move in (0, 1, 2):
+            return palm, move, stop
+    raise ConnectionLost("a program: sends no commands")
+
+
+class _Entrance:
+    """Lets programs connect. It never waits, and strangers do not disturb the world."""
+
+    def __init__(self, door: socket, boards: dict[str, _Board]) -> None:
+        self._door, self._boards = door, boards
+        self._unknown: list[tuple[float, Connection]] = []
+        door.settimeout(0)
+
+    def wait(self) -> None:
+        """Wait until both programs have connected.
+
+        Raises:
+            PalmbotsError: one does not come.
+        """
+        give_up = time.monotonic() + _START_WITHIN_S
+        here: set[str] = set()
+        while len(here) < len(self._boards):
+            self.admit()
+            for board in self._boards.values():
+                board.take()  # notices a program that is gone
+            now = {side for side, board in self._boards.items() if board.driver is not None}
+            if now - here:
+                give_up = time.monotonic() + _START_WITHIN_S
+            here = now
+            if time.monotonic() > give_up:
+                missing = " and ".join(side for side in self._boards if side not in here)
+                raise PalmbotsError(
+                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
+                )
+            time.sleep(_POLL_S)
+
+    def admit(self) -> None:
+        """Let the programs in that have connected and said who they are."""
+        with contextlib.suppress(BlockingIOError, ConnectionAbortedError):
+            stream, _ = self._door.accept()
+            self._unknown.append((time.monotonic(), Connection(stream, "a program")))
+        for entry in [*self._unknown]:
+            since, program = entry
+            try:
+                frame = program.poll()
+                if frame is None and time.monotonic() - since < _START_WITHIN_S:
+                    continue
+                side, _ = greeting_in(frame)
+            except PalmbotsError:
+                program.close()
+            else:
+                self._plug(side, program)
+            self._unknown.remove(entry)
+
+    def _plug(self, side: str, program: Connection) -> None:
+        if self._boards[side].driver is not None:
+            with contextlib.suppress(ConnectionLost):
+                program.send("taken")
+            program.close()
+            return
+        program.name = f"{side} robot"
+        self._boards[side].driver = program

@@ -13,14 +13,17 @@ Frames (`palmbots.node.frames`), one JSON line each:
 
 import os
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.control.registry import resolve
+from palmbots.errors import PalmbotsError
 from palmbots.node.frames import connect
+from palmbots.node.lockstep_world import check_on_robots
 from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.node.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 
@@ -39,8 +42,11 @@ def run_robot(pair: Pair, side: Side) -> int:
         PalmbotsError: a file is missing or damaged, or the world is lost.
     """
     file = pair.state_file(side)
-    state = read_state(file).booted()
-    write_state(file, state)
+    with booted(file) as state:
+        return _run(pair, side, state, file)
+
+
+def _run(pair: Pair, side: Side, state: StoredState, file: Path) -> int:
     robot = _program(pair, side, state)
     address = pair.settings.driver.address
     with connect(address, "world", _WORLD_STARTS_WITHIN_S) as world:
@@ -58,6 +64,8 @@ def run_robot(pair: Pair, side: Side) -> int:
             if frame[0] == "hear":
                 robot.hear(bytes.fromhex(frame[1]))
                 continue
+            if len(frame) != 4:
+                raise PalmbotsError("world: does not run in lockstep; allowed: one with --lockstep")
             elapsed, sign, palm_at_target, packets = frame
             reading = _core.runtime.Reading(sign, palm_at_target)
             answer = robot.step(elapsed, reading, [*map(bytes.fromhex, packets)])
@@ -72,6 +80,7 @@ def _program(pair: Pair, side: Side, state: StoredState) -> Any:
     scene = load_scene(pair.scene())
     spec = to_spec(scene)
     entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
+    check_on_robots(entry)
     return _core.runtime.Robot(
         spec,
         entry.for_core(spec),

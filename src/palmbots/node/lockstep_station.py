@@ -9,7 +9,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.node.frames import connect
 from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import read_state, write_state
+from palmbots.node.stored_state import booted
 
 _WORLD_STARTS_WITHIN_S = 20.0
 
@@ -20,11 +20,12 @@ def run_lockstep_station(pair: Pair) -> None:
     Raises:
         PalmbotsError: a file is missing or damaged, or the world is lost.
     """
-    file = pair.state_file("station")
-    state = read_state(file).booted()
-    write_state(file, state)
-    station = _core.runtime.Station(pair.key, pair.settings.pair.number, state.epoch)
-    with connect(pair.settings.driver.address, "world", _WORLD_STARTS_WITHIN_S) as world:
+    address = pair.settings.driver.address
+    with (
+        booted(pair.state_file("station")) as state,
+        connect(address, "world", _WORLD_STARTS_WITHIN_S) as world,
+    ):
+        station = _core.runtime.Station(pair.key, pair.settings.pair.number, state.epoch)
         world.send(["station", state.epoch])
         while (frame := world.receive()) != "end":
             if frame[0] == "greet":

@@ -77,7 +77,10 @@ class Programs:
                     f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
                 ) from None
             program = Connection(stream, "a program")
-            end, _ = greeted(program, self._ends)
+            try:
+                end, _ = greeted(program, self._ends)
+            except PalmbotsError:  # a stranger
+                continue
             if end in self._programs:
                 program.close()
                 raise PalmbotsError(f"robots: two programs claim to be the {end} robot")
@@ -133,6 +136,13 @@ def ends_of(entry: ControllerEntry) -> tuple[str, ...]:
     return ENDS if entry.team == "station" else SIDES
 
 
+def check_on_robots(entry: ControllerEntry) -> None:
+    """Raise `PalmbotsError` for a controller that no robot runs."""
+    if entry.is_reference or entry.team == "none":
+        why = "reads the state of the world" if entry.is_reference else "has no programs"
+        raise PalmbotsError(f"controller: {entry.name} {why}; allowed: a controller of robots")
+
+
 @dataclass(frozen=True)
 class RemoteEntry(ControllerEntry):
     """A controller that runs in other processes."""
@@ -151,8 +161,6 @@ def remote(entry: ControllerEntry, exchange: Callable[..., list[Any]]) -> Contro
     Raises:
         PalmbotsError: no robot runs this controller.
     """
-    if entry.is_reference or entry.team == "none":
-        why = "reads the state of the world" if entry.is_reference else "has no programs"
-        raise PalmbotsError(f"controller: {entry.name} {why}; allowed: a controller of robots")
+    check_on_robots(entry)
     values = {field.name: getattr(entry, field.name) for field in fields(ControllerEntry)}
     return RemoteEntry(**values, exchange=exchange)

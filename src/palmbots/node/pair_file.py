@@ -4,6 +4,7 @@
 Both robots and the station read the same file. Paths in it are relative to its folder.
 """
 
+import contextlib
 import json
 import os
 import secrets
@@ -139,8 +140,10 @@ def load_pair(file: str | os.PathLike[str]) -> Pair:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:  # also not UTF-8, and a number too long for Python
         raise PalmbotsError(f"{path}: is not valid TOML: {error}") from None
+    except RecursionError:
+        raise PalmbotsError(f"{path}: is not valid TOML: lists nested too deeply") from None
     try:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
@@ -154,8 +157,9 @@ def _key_in(path: Path) -> bytes:
         with path.open("rb") as stream:
             mode = stat.S_IMODE(os.fstat(stream.fileno()).st_mode)
             text = stream.read(100)
-    except OSError as error:
-        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        why = getattr(error, "strerror", None) or error
+        raise PalmbotsError(f"{path}: cannot be read: {why}") from None
     if mode & 0o077:
         raise PalmbotsError(
             f"{path}: others can read the key (mode {mode:o}); run: chmod 600 {path}"
@@ -218,14 +222,24 @@ def init_pair(
     for taken in (path, key, *(state / f"{end}.json" for end in ENDS)):
         if os.path.lexists(taken):
             raise PalmbotsError(f"{taken}: exists already and is never overwritten")
-    write_whole(path, text, new=True)
-    previous = os.umask(0o077)
+    written: list[Path] = []
     try:
-        write_whole(key, secrets.token_hex(KEY_SIZE) + "\n", new=True)
-    finally:
-        os.umask(previous)
-    written = [path, key]
-    for end in ENDS:
-        written.append(folder(state) / f"{end}.json")
-        write_state(written[-1], StoredState(), new=True)
+        folder(state)
+        write_whole(path, text, new=True)
+        written.append(path)
+        previous = os.umask(0o077)
+        try:
+            write_whole(key, secrets.token_hex(KEY_SIZE) + "\n", new=True)
+        finally:
+            os.umask(previous)
+        written.append(key)
+        for end in ENDS:
+            write_state(state / f"{end}.json", StoredState(), new=True)
+            written.append(state / f"{end}.json")
+    except PalmbotsError:  # half a pair would be in the way of the next attempt
+        for file in written:
+            file.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            state.rmdir()
+        raise
     return written

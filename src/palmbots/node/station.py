@@ -16,6 +16,7 @@ from palmbots.wire import Endpoint, Hello, Operate, Operation, RobotMode, Status
 
 PERIOD_S = 0.05
 _LOST_AFTER_S = 1.0
+_GONE_AFTER_S = 10.0
 _SETTLE_STEPS = 10  # the robots hear each other meanwhile
 _UNDER_WAY: tuple[RobotMode, ...] = ("ready", "carrying", "holding")
 # The modes in which a wish has been carried out.
@@ -50,6 +51,7 @@ class Station:
         self._file = pair.state_file("station")
         self._boot(read_state(self._file))
         self._wish: Operation | None = None
+        self._released: set[Side] = set()
         self._heard_s: dict[Side, float] = {}
         self._start_s = clock()
         self.status: dict[Side, Status] = {}
@@ -59,12 +61,16 @@ class Station:
         state = before.booted()
         write_state(self._file, state)
         self._epoch = state.epoch
+        self._sent = dict.fromkeys(SIDES, 0)  # packets in this epoch
+        self._wished_at = dict.fromkeys(SIDES, 0)
         number = self._pair.settings.pair.number
         self._end = Endpoint(self._pair.key, number, "station", state.epoch)
 
     def wish(self, operation: Operation) -> None:
         """Set the wish of the operator, for both robots."""
         self._wish = operation
+        self._released = set()
+        self._wished_at = {**self._sent}
         self._say(f"operator: {operation}")
 
     def modes(self) -> dict[Side, RobotMode]:
@@ -91,6 +97,7 @@ class Station:
             if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
                 continue
             self._take(packet.sender, packet.body)
+            self._note_release(packet.sender, packet.acknowledged, packet.body)
         for side in SIDES:
             if self._end.claimed_epoch(side) > self._epoch:
                 self._say("another station has been in use: this one takes the next epoch")
@@ -99,11 +106,14 @@ class Station:
             self._say(f"{side}: not heard for {_LOST_AFTER_S:g} s")
         for side in SIDES:
             self._link.send(side, self._end.send(side, self._due(side)))
+            self._sent[side] += 1
 
     def _due(self, side: Side) -> Operate | Hello:
         wish = self._wish
         stops = wish in ("stop", "e_stop")
         if wish is None:
+            return Hello()
+        if wish == "release" and side in self._released:
             return Hello()
         if side in self.status and self.status[side].mode in _REACHED[wish]:
             return Hello(stop=stops)
@@ -120,6 +130,14 @@ class Station:
         if status.case != " " and (old is None or old.case != status.case):
             self._say(f"{side}: correction ({status.case})")
 
+    def _note_release(self, side: Side, heard: tuple[int, int], status: Status) -> None:
+        """A release ends the stop that was in force, and no later one: it is not repeated once
+        the robot has heard it."""
+        epoch, number = heard
+        has_heard = epoch == self._epoch and number > self._wished_at[side]
+        if self._wish == "release" and has_heard and status.mode != "stopped":
+            self._released.add(side)
+
     def _say(self, text: str) -> None:
         self._on_line(f"{self.clock() - self._start_s:7.2f} s  {text}")
 
@@ -128,7 +146,7 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
     """Arm and start both robots, and wait until both are done.
 
     Yields None after every step of the station, and at last whether both robots are done. A robot
-    that stops or has a fault stops both.
+    that stops, has a fault or no longer carries stops both.
     """
     give_up = station.clock() + within_s
     settled_steps = 0
@@ -142,13 +160,20 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
                 yield False
                 return
             yield None
+    heard_s = station.clock()
     while True:
         modes = station.modes()
+        heard_s = station.clock() if modes else heard_s
+        if station.clock() - heard_s > _GONE_AFTER_S:
+            yield False
+            return
         if len(modes) == len(SIDES) and set(modes.values()) == {"done"}:
             yield True
             return
-        if {"stopped", "fault"} & set(modes.values()):
+        is_over = len(modes) == len(SIDES) and not set(_UNDER_WAY) & set(modes.values())
+        if is_over or {"stopped", "fault"} & set(modes.values()):
             station.wish("stop")
+            give_up = station.clock() + _GONE_AFTER_S
             while not station.is_done() and station.clock() < give_up:
                 yield None
             yield False

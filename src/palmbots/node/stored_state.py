@@ -6,8 +6,11 @@ back. A file that is missing or damaged is therefore refused, and never replaced
 file is written completely or not at all, and flushed to the disk before the first packet of a boot.
 """
 
+import contextlib
+import fcntl
 import hashlib
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -72,8 +75,47 @@ def read_state(path: Path) -> StoredState:
         raise PalmbotsError(f"{path}: the boot counter is missing; {remedy}") from None
     except OSError as error:
         raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, KeyError, AttributeError, TypeError):
+    except (ValueError, KeyError, AttributeError, TypeError, RecursionError):
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}") from None
     if check != _check(content) or set(content) != {"epoch", "assists", "carries", "stop"}:
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}")
     return StoredState(**content)
+
+
+@contextlib.contextmanager
+def held(path: Path) -> Iterator[None]:
+    """Keep the counter from all other programs as long as the block runs.
+
+    Otherwise a second program of the same end would take the next epoch, and the first one would
+    set the counter back when it stores its own. The system ends the lock with the process.
+
+    Raises:
+        PalmbotsError: the file is missing, damaged or in use, or the lock cannot be written.
+    """
+    read_state(path)
+    lock = path.with_suffix(".lock")
+    try:
+        stream = lock.open("ab")
+    except OSError as error:
+        raise PalmbotsError(f"{lock}: cannot be written: {error.strerror or error}") from None
+    with stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise PalmbotsError(
+                f"{path}: another program uses this boot counter; allowed: one at a time"
+            ) from None
+        yield
+
+
+@contextlib.contextmanager
+def booted(path: Path) -> Iterator[StoredState]:
+    """Count a boot, and hold the counter as long as the block runs.
+
+    Raises:
+        PalmbotsError: as for `held`, or the counter cannot be written.
+    """
+    with held(path):
+        state = read_state(path).booted()
+        write_state(path, state)
+        yield state

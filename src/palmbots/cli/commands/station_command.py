@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots station`."""
 
+import os
 import select
 import sys
 import time
@@ -39,6 +40,7 @@ def station(
     from palmbots.node.links import UdpLink
     from palmbots.node.pair_file import load_pair
     from palmbots.node.station import PERIOD_S, Station, carry_once
+    from palmbots.node.stored_state import held
 
     chosen = load_pair(pair)
     if lockstep:
@@ -53,7 +55,11 @@ def station(
         if not as_json:
             print(line, flush=True)
 
-    with contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link:
+    with (
+        held(chosen.state_file("station")),
+        contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link,
+    ):
+        orders = _Orders(sys.stdin.fileno())
         end = Station(chosen, link, show)
         script = carry_once(end, chosen.settings.limits.time_limit_s) if auto else None
         done = None
@@ -61,7 +67,7 @@ def station(
             end.step()
             if script is not None:
                 done = next(script)
-            elif not _obey_line(end):
+            elif not _obey(end, orders.next()):
                 done = True
             time.sleep(PERIOD_S)
     if as_json:
@@ -70,26 +76,43 @@ def station(
     return DONE if done else FAILED
 
 
-def _obey_line(end: object) -> bool:
+class _Orders:
+    """What the operator types. Reading it never waits, neither for a line nor for its end."""
+
+    def __init__(self, source: int) -> None:
+        self._source, self._text, self._has_ended = source, b"", False
+
+    def next(self) -> str | None:
+        """The next line that is complete, "" if there is none, or None at the end."""
+        while not self._has_ended and select.select([self._source], [], [], 0)[0]:
+            typed = os.read(self._source, 4096)
+            self._has_ended = not typed
+            self._text += typed
+        line, end, rest = self._text.partition(b"\n")
+        if not end and not (self._has_ended and line):
+            return None if self._has_ended else ""
+        self._text = rest
+        return line.decode(errors="replace").strip()
+
+
+def _obey(end: object, line: str | None) -> bool:
     """Do what the operator has typed; false: the station is to end."""
     from typing import Any, get_args
 
+    from palmbots._util.arguments import show
     from palmbots.cli._streams import say
     from palmbots.wire import Operation
 
-    ready, _, _ = select.select([sys.stdin], [], [], 0)
-    if not ready:
-        return True
-    line = sys.stdin.readline()
-    word = line.strip().replace("-", "_").replace("estop", "e_stop")
-    if not line or word == "quit":
+    word = "quit" if line is None else "-".join(line.lower().replace("_", " ").split())
+    if word == "quit":
         return False
-    operations = get_args(Operation)
+    operations = {name.replace("_", "-"): name for name in get_args(Operation)}
+    operation = operations.get("e-stop" if word == "estop" else word)
     station: Any = end
-    if word in operations:
-        station.wish(word)
+    if operation is not None:
+        station.wish(operation)
     elif word:
-        say(f"palmbots: {line.strip()}: is unknown; allowed: {', '.join(operations)}, quit")
+        say(f"palmbots: order: value is {show(line)}; allowed: {', '.join(operations)}, quit")
     return True
 
 

@@ -67,8 +67,13 @@ def up(
     check(entry, chosen)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
-    if lockstep and (link or rate != 1.0):
-        raise PalmbotsError("up: --lockstep has no --link and no --rate; the scene sets the radio")
+    given = {"rate": rate != 1.0, "link": link != ""} if lockstep else {}
+    given["precision"] = not lockstep and precision != "double"
+    for name in (name for name, is_so in given.items() if is_so):
+        raise PalmbotsError(
+            f"--{name} has no effect {'with' if lockstep else 'without'} --lockstep; "
+            f"allowed: {'without' if lockstep else 'with'} it"
+        )
     if lockstep:
         options += ["--precision", precision, "--called", scene]
         return run_lockstep(chosen, controller, options, has_station=entry.team == "station")
