@@ -9,7 +9,7 @@ and station. Only sockets and clocks are replaced, so the results are the same o
 Each run carries over 1 m with another seed of the radio. The fault comes 2 s after the start.
 Writes benchmarks/results/live_faults.csv.
 
-The second table is the time from the operator's e-stop until both drivers are told to stop.
+The second table is the time from the operator's e-stop until both drivers get the command to stop.
 """
 
 import csv
@@ -122,7 +122,7 @@ def outcome(controller: str, fault: str, seed: int) -> str:
 
 
 def e_stop_ticks(loss: float, seed: int) -> int:
-    """Ticks from the operator's e-stop until both drivers are told to stop."""
+    """Ticks from the operator's e-stop until both drivers get the command to stop."""
     with tempfile.TemporaryDirectory() as folder:
         pair = LivePair(Path(folder), "resilient", Air(1, loss, seed=seed), UP, SCENE)
         pair.run(50)

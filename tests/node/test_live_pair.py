@@ -80,7 +80,7 @@ def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Pa
 
 @pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed"])
 def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path: Path) -> None:
-    """Also one whose controller seldom says anything: its partner may wait for it, or rely on it."""
+    """Also one whose controller seldom says anything: its partner may wait for it."""
     pair = LivePair(tmp_path, controller, Air(), UP)
     pair.start()
     for _ in range(20):
@@ -208,6 +208,7 @@ def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
 def test_the_station_ends_when_nobody_carries_any_more(end: str, tmp_path: Path) -> None:
     pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
     steps = 0
+    done = None
     for done in carry_once(pair.station, 600):
         steps += 1
         if done is not None:

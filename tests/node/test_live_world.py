@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The world in real time, over real sockets: whoever connects, and whatever a program sends."""
+"""The world in real time, over real sockets: any program may connect, and send anything."""
 
 import socket
 import threading
