@@ -50,7 +50,6 @@ class SimulatedDriver:
         self._heard_s = 0.0
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
         self._world.send([side, epoch])
-        self._side = side
         self._newest: Sensed | None = None
 
     def read(self) -> Sensed | None:
