@@ -11,17 +11,16 @@ import threading
 from typing import Any
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
-from palmbots.control.registry import ControllerEntry, check, resolve
+from palmbots._types import Side
+from palmbots.control.registry import ControllerEntry, check
 from palmbots.errors import PalmbotsError
 from palmbots.node.control_clock import ControlClock
 from palmbots.node.drivers import SimulatedDriver
 from palmbots.node.links import UdpLink
-from palmbots.node.lockstep_world import check_on_robots
 from palmbots.node.pair_file import Pair
+from palmbots.node.robot_program import controller_of, robot_program
 from palmbots.node.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import to_spec
 from palmbots.wire import Role
 
 _RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
@@ -100,25 +99,12 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
 
 def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:
     """The program of one robot of a pair, as it starts after a boot."""
-    spec = to_spec(scene)
-    entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
-    check_on_robots(entry)
+    entry = controller_of(pair)
     if entry.team == "station":
         raise PalmbotsError(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    return _core.runtime.Robot(
-        spec,
-        entry.for_core(spec),
-        SIDES.index(side),
-        pair.key,
-        pair.settings.pair.number,
-        epoch=state.epoch,
-        assists=state.assists,
-        settings=_settings(pair, scene, entry),
-        stored_carries=state.carries,
-        stored_stop=state.stop,
-    )
+    return robot_program(pair, side, state, scene, _settings(pair, scene, entry))
 
 
 def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:

@@ -17,15 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
-from palmbots.control.registry import resolve
+from palmbots._types import Side
 from palmbots.errors import PalmbotsError
 from palmbots.node.frames import connect
-from palmbots.node.lockstep_world import check_on_robots
 from palmbots.node.pair_file import Pair
+from palmbots.node.robot_program import robot_program
 from palmbots.node.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import load_scene
-from palmbots.scene.spec import to_spec
 
 REBOOTED = 3
 """The exit status of a program that its world has rebooted."""
@@ -47,7 +45,8 @@ def run_robot(pair: Pair, side: Side) -> int:
 
 
 def _run(pair: Pair, side: Side, state: StoredState, file: Path) -> int:
-    robot = _program(pair, side, state)
+    settings = _core.runtime.RuntimeSettings.lockstep()
+    robot = robot_program(pair, side, state, load_scene(pair.scene()), settings, carries=True)
     address = pair.settings.driver.address
     with connect(address, "world", _WORLD_STARTS_WITHIN_S) as world:
         world.send([side, state.epoch])
@@ -74,24 +73,6 @@ def _run(pair: Pair, side: Side, state: StoredState, file: Path) -> int:
                 state = replace(state, assists=assists)
                 write_state(file, state)
             world.send(_in_hexadecimal(answer))
-
-
-def _program(pair: Pair, side: Side, state: StoredState) -> Any:
-    scene = load_scene(pair.scene())
-    spec = to_spec(scene)
-    entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
-    check_on_robots(entry)
-    return _core.runtime.Robot(
-        spec,
-        entry.for_core(spec),
-        SIDES.index(side),
-        pair.key,
-        pair.settings.pair.number,
-        epoch=state.epoch,
-        assists=state.assists,
-        settings=_core.runtime.RuntimeSettings.lockstep(),
-        carries=True,
-    )
 
 
 def _in_hexadecimal(answer: Any) -> list[Any]:
