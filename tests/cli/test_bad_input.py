@@ -89,6 +89,8 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["robot", "no.toml", "--side", "left"], ["no.toml", "cannot be read"]),
     (["robot", "no.toml", "--side", "top"], ["--side", "top", "left"]),
     (["station", "no.toml"], ["no.toml", "cannot be read"]),
+    (["doctor", "no.toml"], ["no.toml", "cannot be read"]),
+    (["doctor", "no.toml", "--seconds", "0"], ["--seconds", "1 to 3600"]),
     (["world", "--serve", "here"], ["here", "HOST:PORT"]),
     (["up", "--link", "lost=1"], ["--link", "lost=1", "delay_ms"]),
     (["up", "--rate", "0"], ["--rate", "0.01 to 100"]),

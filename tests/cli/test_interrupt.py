@@ -44,6 +44,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "up": ("palmbots.node.launcher", "run_live", []),
     "world": ("palmbots.node.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
     "robot": ("palmbots.node.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
+    "doctor": ("palmbots.node.pair_file", "load_pair", ["pair.toml"]),
     "station": ("palmbots.node.pair_file", "load_pair", ["pair.toml"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
+
+import contextlib
+import json
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from palmbots.node.pair_file import init_pair
+
+
+def started(command: Sequence[str], folder: Path) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-m", "palmbots", *command],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+
+
+@contextlib.contextmanager
+def running(*commands: Sequence[str], folder: Path) -> Iterator[None]:
+    processes = [started(command, folder) for command in commands]
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.terminate()
+            process.communicate(timeout=60)
+
+
+def new_pair(folder: Path) -> None:
+    with contextlib.ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(3)]
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        ports = [one.getsockname()[1] for one in sockets]
+    ends = zip(("left", "right", "station"), ports, strict=True)
+    values: dict[str, object] = {f"link.{end}": f"127.0.0.1:{port}" for end, port in ends}
+    init_pair(folder / "pair.toml", address=f"unix:{folder / 'world'}", values=values)
+
+
+def test_both_robots_are_heard(tmp_path: Path) -> None:
+    new_pair(tmp_path)
+    world = ["world", "paper", "--serve", f"unix:{tmp_path / 'world'}"]
+    robots = [["robot", "pair.toml", "--side", side] for side in ("left", "right")]
+    with running(world, *robots, folder=tmp_path):
+        done = started(["doctor", "pair.toml", "--seconds", "8", "--json"], tmp_path)
+        printed, errors = done.communicate(timeout=60)
+    assert errors == ""
+    found = json.loads(printed)
+    for side in ("left", "right"):
+        link = found["links"][side]
+        assert link["mode"] == "disarmed"
+        assert link["received"] > 10
+        assert 0 < link["round_trip_median_s"] < 1
+    assert found["needs"]["verdicts"]["silent"] == "suffices"
+
+
+def test_a_robot_that_is_not_heard_is_named(tmp_path: Path) -> None:
+    new_pair(tmp_path)
+    done = started(["doctor", "pair.toml", "--seconds", "1"], tmp_path)
+    printed, errors = done.communicate(timeout=60)
+    assert (done.returncode, errors) == (1, "")
+    assert printed.startswith("left robot:\n  not heard: is its program running, with the same key")
+    assert "right robot:\n" in printed
