@@ -13,9 +13,11 @@ import pytest
 import palmbots as pb
 from palmbots.node.drivers import SimulatedDriver
 from palmbots.node.frames import connect, listen
+from palmbots.node.greeting import scene_number
 from palmbots.node.live_world import LiveCarry, run_live_world
 
 RATE = 10.0
+SIDES: tuple[Any, ...] = ("left", "right")
 
 
 class World:
@@ -96,7 +98,7 @@ def test_a_second_program_of_a_side_is_refused_in_one_line(world: World) -> None
 )
 def test_a_program_that_sends_no_commands_is_unplugged(world: World, frame: Any) -> None:
     right, broken = world.robot("right"), connect(world.address, "world", 5)
-    broken.send(["left", 1])
+    broken.send(["left", 1, 0])
     assert right.read() is not None  # the world has started
     broken.send(frame)
     with pytest.raises(pb.PalmbotsError):
@@ -127,3 +129,27 @@ def test_a_lockstep_world_is_named() -> None:
         driver.read()
     near.close()
     far.close()
+
+
+def test_a_robot_with_another_scene_is_refused(tmp_path: Path) -> None:
+    made = World(tmp_path)
+    other = SimulatedDriver(made.address, "left", 1, scene=12345)
+    with pytest.raises(pb.PalmbotsError, match=r"^world: runs another scene than the left robot$"):
+        other.read()
+    other.close()
+    number = scene_number(pb.load_scene("paper"))
+    drivers = [SimulatedDriver(made.address, side, 1, scene=number) for side in SIDES]
+    assert all(driver.read() is not None for driver in drivers)
+    for driver in drivers:
+        driver.close()
+    made.thread.join(60)
+    made.door.close()
+    assert made.result is not None
+
+
+def test_scenes_have_different_numbers() -> None:
+    scenes = [pb.load_scene(name) for name in ("paper", "paper-offset", "figure8")]
+    scenes += [pb.load_scene("paper", {"robot.speed_m_s": 0.05})]
+    assert len({scene_number(scene) for scene in scenes}) == len(scenes)
+    again = pb.load_scene(scenes[0].model_dump())
+    assert scene_number(again) == scene_number(scenes[0])

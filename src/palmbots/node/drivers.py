@@ -39,17 +39,20 @@ class SimulatedDriver:
         side: of the robot.
         epoch: number of the robot's boots.
         period_s: time between two readings.
+        scene: `scene_number` of the robot's scene; 0: not compared.
 
     Raises:
         ConnectionLost: there is no world.
     """
 
-    def __init__(self, address: str, side: Side, epoch: int, period_s: float = 0.01) -> None:
+    def __init__(
+        self, address: str, side: Side, epoch: int, period_s: float = 0.01, scene: int = 0
+    ) -> None:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
         self._heard_s = 0.0
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
-        self._world.send([side, epoch])
+        self._world.send([side, epoch, scene])
         self._newest: Sensed | None = None
 
     def read(self) -> Sensed | None:
@@ -75,6 +78,8 @@ class SimulatedDriver:
     def _reading_in(self, frame: Any) -> Sensed:
         if frame == "taken":
             raise PalmbotsError(f"world: another program is the {self._side} robot")
+        if frame == "scene":
+            raise PalmbotsError(f"world: runs another scene than the {self._side} robot")
         if not isinstance(frame, list) or len(frame) != 3:
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
         return Sensed(*frame)

@@ -16,6 +16,7 @@ from palmbots.control.registry import ControllerEntry, check
 from palmbots.errors import PalmbotsError
 from palmbots.node.control_clock import ControlClock
 from palmbots.node.drivers import SimulatedDriver
+from palmbots.node.greeting import scene_number
 from palmbots.node.links import UdpLink
 from palmbots.node.pair_file import Pair
 from palmbots.node.robot_program import controller_of, robot_program
@@ -60,7 +61,8 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
     link = UdpLink(side, pair.settings.link.addresses())
     with contextlib.closing(link), _Storage(file, state) as storage:
         address = pair.settings.driver.address
-        driver = SimulatedDriver(address, side, state.epoch, period_s / rate)
+        number = scene_number(scene)
+        driver = SimulatedDriver(address, side, state.epoch, period_s / rate, number)
         with contextlib.closing(driver):
             driver.read()  # waits until the world starts: no tick counts before
             clock = ControlClock(period_s / rate)

@@ -16,7 +16,7 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.node.control_clock import ControlClock
 from palmbots.node.frames import Connection, ConnectionLost
-from palmbots.node.greeting import greeting_in
+from palmbots.node.greeting import Greeting, greeting_in, is_other_scene, scene_number
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.worlds import world_entry
 
@@ -104,7 +104,7 @@ def run_live_world(
     observations = carry.seen
     period_s = scene.control.period_s
     boards = {side: _Board(round(scene.control.watchdog_s / period_s)) for side in SIDES}
-    entrance = _Entrance(door, boards)
+    entrance = _Entrance(door, boards, scene_number(scene))
     entrance.wait()
     clock = ControlClock(period_s / rate)
     midpoint = 0.0
@@ -151,8 +151,8 @@ def _command_in(frame: Any) -> tuple[int, int, bool]:
 class _Entrance:
     """Lets programs connect. It never waits, and strangers do not disturb the world."""
 
-    def __init__(self, door: socket, boards: dict[str, _Board]) -> None:
-        self._door, self._boards = door, boards
+    def __init__(self, door: socket, boards: dict[str, _Board], scene: int) -> None:
+        self._door, self._boards, self._scene = door, boards, scene
         self._unknown: list[tuple[float, Connection]] = []
         door.settimeout(0)
 
@@ -190,17 +190,19 @@ class _Entrance:
                 frame = program.poll()
                 if frame is None and time.monotonic() - since < _START_WITHIN_S:
                     continue
-                side, _ = greeting_in(frame)
+                greeting = greeting_in(frame)
             except PalmbotsError:
                 program.close()
             else:
-                self._plug(side, program)
+                self._plug(greeting, program)
             self._unknown.remove(entry)
 
-    def _plug(self, side: str, program: Connection) -> None:
-        if self._boards[side].driver is not None:
+    def _plug(self, greeting: Greeting, program: Connection) -> None:
+        side = greeting.end
+        is_taken = self._boards[side].driver is not None
+        if is_taken or is_other_scene(greeting, self._scene):
             with contextlib.suppress(ConnectionLost):
-                program.send("taken")
+                program.send("taken" if is_taken else "scene")
             program.close()
             return
         program.name = f"{side} robot"

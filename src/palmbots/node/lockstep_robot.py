@@ -3,7 +3,8 @@
 
 Frames (`palmbots.node.frames`), one JSON line each:
 
-- robot → world: ``["left", epoch]`` once, when the program has booted.
+- robot → world: ``["left", epoch, scene]`` once, when the program has booted
+  (`palmbots.node.greeting`).
 - world → robot: ``["greet", end]``, answered by a hello to that end or null, and
   ``["hear", packet]``, before the carry.
 - world → robot: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the program
@@ -20,6 +21,7 @@ import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.errors import PalmbotsError
 from palmbots.node.frames import connect
+from palmbots.node.greeting import scene_number
 from palmbots.node.pair_file import Pair
 from palmbots.node.robot_program import robot_program
 from palmbots.node.stored_state import StoredState, booted, write_state
@@ -46,10 +48,11 @@ def run_robot(pair: Pair, side: Side) -> int:
 
 def _run(pair: Pair, side: Side, state: StoredState, file: Path) -> int:
     settings = _core.runtime.RuntimeSettings.lockstep()
-    robot = robot_program(pair, side, state, load_scene(pair.scene()), settings, carries=True)
+    scene = load_scene(pair.scene())
+    robot = robot_program(pair, side, state, scene, settings, carries=True)
     address = pair.settings.driver.address
     with connect(address, "world", _WORLD_STARTS_WITHIN_S) as world:
-        world.send([side, state.epoch])
+        world.send([side, state.epoch, scene_number(scene)])
         while True:
             frame = world.receive()
             if frame == "end":

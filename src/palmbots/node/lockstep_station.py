@@ -26,7 +26,7 @@ def run_lockstep_station(pair: Pair) -> None:
         connect(address, "world", _WORLD_STARTS_WITHIN_S) as world,
     ):
         station = _core.runtime.Station(pair.key, pair.settings.pair.number, state.epoch)
-        world.send(["station", state.epoch])
+        world.send(["station", state.epoch, 0])  # it knows no scene
         while (frame := world.receive()) != "end":
             if frame[0] == "greet":
                 world.send(station.greet(SIDES.index(frame[1])).hex())

@@ -15,7 +15,7 @@ from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError
 from palmbots.node.frames import Connection, ConnectionLost
-from palmbots.node.greeting import greeted
+from palmbots.node.greeting import greeted, is_other_scene
 
 _START_WITHIN_S = 30.0
 _ANSWER_WITHIN_S = 30.0
@@ -28,10 +28,11 @@ class Programs:
     Args:
         door: where the programs connect.
         ends: whose programs there are.
+        scene: `scene_number` of the world; 0: not compared.
     """
 
-    def __init__(self, door: socket, ends: tuple[str, ...]) -> None:
-        self._door, self._ends = door, ends
+    def __init__(self, door: socket, ends: tuple[str, ...], scene: int = 0) -> None:
+        self._door, self._ends, self._scene = door, ends, scene
         self._programs: dict[str, Connection] = {}
 
     def wait(self) -> None:
@@ -78,9 +79,13 @@ class Programs:
                 ) from None
             program = Connection(stream, "a program")
             try:
-                end, _ = greeted(program, self._ends)
+                greeting = greeted(program, self._ends)
             except PalmbotsError:  # a stranger
                 continue
+            end = greeting.end
+            if is_other_scene(greeting, self._scene):
+                program.close()
+                raise PalmbotsError(f"robots: the {end} robot runs another scene than the world")
             if end in self._programs:
                 program.close()
                 raise PalmbotsError(f"robots: two programs claim to be the {end} robot")

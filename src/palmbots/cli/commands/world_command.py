@@ -51,6 +51,7 @@ def world(
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
     from palmbots.node.frames import listen
+    from palmbots.node.greeting import scene_number
     from palmbots.node.lockstep_world import Programs, ends_of, remote
     from palmbots.simulation.single import carry
     from palmbots.simulation.worlds import check_precision, world_entry
@@ -62,7 +63,7 @@ def world(
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve) as door:
-        programs = Programs(door, ends_of(entry))
+        programs = Programs(door, ends_of(entry), scene_number(chosen))
         remote_entry = remote(entry, programs.exchange)
         try:
             programs.wait()
