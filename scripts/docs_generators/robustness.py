@@ -56,10 +56,19 @@ def details() -> str:
     return _table(head, lines)
 
 
+def dynamic() -> str:
+    """Drops in the MuJoCo world."""
+    file = RESULT.with_name("mujoco_controllers.csv")
+    with file.open(newline="", encoding="utf-8") as stream:
+        head, *rows = csv.reader(stream)
+    return _table(head, [[f"`{name}`", *cells] for name, *cells in rows])
+
+
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     return {
         "drops at 2 cm/s": overview("dropped_2_cm_s"),
         "drops at 3 cm/s": overview("dropped_3_cm_s"),
+        "dynamic": dynamic(),
         "details": details(),
     }
