@@ -270,7 +270,7 @@ class ModeMachine {
     note(m.carried >= s.time_limit, E::time_up);
     note(in.travels, E::travels);
     note(!in.travels, E::rests);
-    // After a reboot nobody has been heard yet: silence counts from the start of the carry.
+    // After a reboot no packet has arrived yet: silence counts from the start of the carry.
     const bool alone = is_silent(in.station_age, s.station_limit);
     note(alone && s.station_lost == StationLost::stop, E::station_lost);
     if (!s.has_radio) {

@@ -92,8 +92,8 @@ class LimitsTable(Section):
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
     stopping_s: Limit = 0.1
-    """Measured time in which the wheels come to rest. It must not exceed control.watchdog_s of the
-    scene."""
+    """Time in which the wheels come to rest; measure it, the default is assumed. It must not exceed
+    control.watchdog_s of the scene."""
 
 
 class PairFile(Section):
