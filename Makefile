@@ -38,7 +38,7 @@ test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python tests/support/cxx.py
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
 
-test-robot: $(VENV)/strict.done  ## world and robots as processes: the same carries as inside one program
+test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
 	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
@@ -91,6 +91,10 @@ $(VENV)/carry.done: requirements/carry.txt scripts/setup
 $(VENV)/test.done $(VENV)/bench.done: $(VENV)/%.done: requirements/%.txt requirements/carry.txt scripts/setup
 	@scripts/setup carry $*
 	@touch $(VENV)/carry.done $@
+
+$(VENV)/robot.done: requirements/robot.txt requirements/test.txt $(VENV)/test.done
+	@scripts/setup carry test robot
+	@touch $@
 
 # extension.done: palmbots._core is up to date, and so is all that has been built before.
 # build.done: everything is. strict.done: everything, without a warning. Only where `make test` has

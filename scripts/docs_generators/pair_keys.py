@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The keys of ``pair.toml``."""
 
-from palmbots.node.pair_file import pair_keys
+from palmbots.runtime.pair_file import pair_keys
 
 PAGE = "docs/guide/robots.md"
 

@@ -41,11 +41,11 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "objects": ("palmbots.scene.key_reference", "built_in_meanings", []),
     "keys": ("palmbots.scene.key_reference", "scene_keys", []),
     "controllers": ("palmbots.control.registry", "controller_names", []),
-    "up": ("palmbots.node.launcher", "run_live", []),
-    "world": ("palmbots.node.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
-    "robot": ("palmbots.node.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
-    "doctor": ("palmbots.node.pair_file", "load_pair", ["pair.toml"]),
-    "station": ("palmbots.node.pair_file", "load_pair", ["pair.toml"]),
+    "up": ("palmbots.runtime.launcher", "run_live", []),
+    "world": ("palmbots.runtime.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
+    "robot": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
+    "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
+    "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from palmbots.node.pair_file import init_pair
+from palmbots.runtime.pair_file import init_pair
 
 
 def started(command: Sequence[str], folder: Path) -> "subprocess.Popen[str]":

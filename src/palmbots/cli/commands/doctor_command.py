@@ -31,11 +31,11 @@ def doctor(
 
     Exit status 1: a robot is not heard, has a fault, or its controller does not suffice.
     """
-    from palmbots.node.link_check import PERIOD_S, measure, needs_of
-    from palmbots.node.links import UdpLink
-    from palmbots.node.pair_file import load_pair
-    from palmbots.node.robot_program import controller_of
-    from palmbots.node.stored_state import booted
+    from palmbots.links.udp import UdpLink
+    from palmbots.runtime.link_check import PERIOD_S, measure, needs_of
+    from palmbots.runtime.pair_file import load_pair
+    from palmbots.runtime.robot_program import controller_of
+    from palmbots.runtime.stored_state import booted
     from palmbots.scene.scene import load_scene
 
     if not 1 <= seconds <= 3600:

@@ -30,9 +30,9 @@ def robot(
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
-    from palmbots.node.live_robot import run_live_robot
-    from palmbots.node.lockstep_robot import run_robot
-    from palmbots.node.pair_file import load_pair
+    from palmbots.runtime.live_robot import run_live_robot
+    from palmbots.runtime.lockstep_robot import run_robot
+    from palmbots.runtime.pair_file import load_pair
 
     one_of("--side", side, SIDES)
     chosen: Any = side
@@ -44,7 +44,7 @@ def robot(
 
 
 def _checked(rate: float) -> float:
-    from palmbots.node.launcher import check_rate
+    from palmbots.runtime.launcher import check_rate
 
     return check_rate(rate)
 

@@ -37,14 +37,14 @@ def station(
     """
     import contextlib
 
-    from palmbots.node.links import UdpLink
-    from palmbots.node.pair_file import load_pair
-    from palmbots.node.station import PERIOD_S, Station, carry_once
-    from palmbots.node.stored_state import held
+    from palmbots.links.udp import UdpLink
+    from palmbots.runtime.pair_file import load_pair
+    from palmbots.runtime.station import PERIOD_S, Station, carry_once
+    from palmbots.runtime.stored_state import held
 
     chosen = load_pair(pair)
     if lockstep:
-        from palmbots.node.lockstep_station import run_lockstep_station
+        from palmbots.runtime.lockstep_station import run_lockstep_station
 
         run_lockstep_station(chosen)
         return DONE

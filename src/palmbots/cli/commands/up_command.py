@@ -53,9 +53,9 @@ def up(
     """
     from palmbots._util.arguments import seed_of
     from palmbots.control.registry import check
-    from palmbots.node.impairment import Impairment
-    from palmbots.node.launcher import check_rate, run_live, run_lockstep
-    from palmbots.node.lockstep_world import remote
+    from palmbots.runtime.impairment import Impairment
+    from palmbots.runtime.launcher import check_rate, run_live, run_lockstep
+    from palmbots.runtime.lockstep_world import remote
     from palmbots.simulation.worlds import check_precision, check_scene, world_entry
 
     chosen = load(scene, changes)

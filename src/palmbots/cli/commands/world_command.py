@@ -50,9 +50,9 @@ def world(
     """
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
-    from palmbots.node.frames import listen
-    from palmbots.node.greeting import scene_number
-    from palmbots.node.lockstep_world import Programs, ends_of, remote
+    from palmbots.links.local_connection import listen
+    from palmbots.runtime.greeting import scene_number
+    from palmbots.runtime.lockstep_world import Programs, ends_of, remote
     from palmbots.simulation.single import carry
     from palmbots.simulation.worlds import check_precision, world_entry
     from palmbots.stability.scene_limits import self_check
@@ -86,9 +86,9 @@ def world(
 
 def _live(scene: "Scene", serve: str, world: str, seed: int, rate: float, *, as_json: bool) -> int:
     """A world in real time."""
-    from palmbots.node.frames import listen
-    from palmbots.node.launcher import check_rate
-    from palmbots.node.live_world import run_live_world
+    from palmbots.links.local_connection import listen
+    from palmbots.runtime.launcher import check_rate
+    from palmbots.runtime.live_world import run_live_world
 
     with listen(serve) as door:
         result = run_live_world(scene, door, world=world, seed=seed, rate=check_rate(rate))

@@ -8,7 +8,7 @@ from palmbots.cli.reports.console import definitions, indented, plain_table, rep
 
 if TYPE_CHECKING:
     from palmbots._types import Side
-    from palmbots.node.link_check import LinkFigures, Needs
+    from palmbots.runtime.link_check import LinkFigures, Needs
 
 __all__ = ["doctor_report"]
 

@@ -8,7 +8,7 @@ import socket
 import pytest
 
 import palmbots as pb
-from palmbots.node.impairment import Impairment, Proxy
+from palmbots.runtime.impairment import Impairment, Proxy
 
 PACKETS = 20_000
 

@@ -6,9 +6,9 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.node.lockstep_world import check_on_robots
-from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import StoredState
+from palmbots.runtime.lockstep_world import check_on_robots
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.stored_state import StoredState
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 

@@ -16,8 +16,8 @@ from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import refusal, resolve
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import SceneError
-from palmbots.node.links import Link
-from palmbots.node.pair_file import Pair
+from palmbots.links.link import Link
+from palmbots.runtime.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Endpoint, Hello, Status
 

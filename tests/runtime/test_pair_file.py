@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
-from palmbots.node.pair_file import init_pair, load_pair, pair_keys
-from palmbots.node.stored_state import read_state
+from palmbots.runtime.pair_file import init_pair, load_pair, pair_keys
+from palmbots.runtime.stored_state import read_state
 
 
 def test_a_new_pair_has_a_protected_random_key_and_counters_at_zero(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_a_pair_that_cannot_be_written_leaves_nothing(
     def full(*_: object, **__: object) -> None:
         raise pb.PalmbotsError("left.json: cannot be written: No space left on device")
 
-    monkeypatch.setattr("palmbots.node.pair_file.write_state", full)
+    monkeypatch.setattr("palmbots.runtime.pair_file.write_state", full)
     with pytest.raises(pb.PalmbotsError, match="No space left"):
         init_pair(tmp_path / "pair.toml")
     assert [*tmp_path.iterdir()] == []

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from palmbots._types import SIDES, Side
-from palmbots.node.links import Link
-from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import StoredState, read_state, write_state
+from palmbots.links.link import Link
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.stored_state import StoredState, read_state, write_state
 from palmbots.wire import Endpoint, Hello, Operate, Operation, RobotMode, Status
 
 PERIOD_S = 0.05

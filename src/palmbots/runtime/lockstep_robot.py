@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A robot's program in lockstep with a world: both wait for each other in every tick.
 
-Frames (`palmbots.node.frames`), one JSON line each:
+Frames (`palmbots.links.local_connection`), one JSON line each:
 
 - robot → world: ``["left", epoch, scene]`` once, when the program has booted
-  (`palmbots.node.greeting`).
+  (`palmbots.runtime.greeting`).
 - world → robot: ``["greet", end]``, answered by a hello to that end or null, and
   ``["hear", packet]``, before the carry.
 - world → robot: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the program
@@ -20,11 +20,11 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.errors import PalmbotsError
-from palmbots.node.frames import connect
-from palmbots.node.greeting import scene_number
-from palmbots.node.pair_file import Pair
-from palmbots.node.robot_program import robot_program
-from palmbots.node.stored_state import StoredState, booted, write_state
+from palmbots.links.local_connection import connect
+from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.robot_program import robot_program
+from palmbots.runtime.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import load_scene
 
 REBOOTED = 3

@@ -8,7 +8,7 @@ import pytest
 
 import palmbots as pb
 from live_pair import Air, AirLink, LivePair
-from palmbots.node.link_check import PERIOD_S, LinkFigures, measure, needs_of
+from palmbots.runtime.link_check import PERIOD_S, LinkFigures, measure, needs_of
 
 
 def measured(folder: Path, air: Air, seconds: float = 60.0) -> dict[str, LinkFigures]:

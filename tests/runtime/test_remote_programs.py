@@ -8,7 +8,7 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from palmbots.control.registry import resolve
-from palmbots.node.lockstep_world import ends_of, establish_sessions, remote
+from palmbots.runtime.lockstep_world import ends_of, establish_sessions, remote
 from palmbots.scene.spec import to_spec
 
 SIDES = ("left", "right")

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Links: how packets travel between two robots and the station."""
+"""The link over UDP."""
 
 import contextlib
 import socket
 from collections.abc import Mapping
-from typing import Protocol
 
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
@@ -12,22 +11,6 @@ from palmbots.wire import Role
 
 _MOST_AT_ONCE = 256  # packets; a flood must not hold up the control loop
 _LARGEST = 2048  # bytes; a packet that is too long is rejected by the decoder, not cut
-
-
-class Link(Protocol):
-    """What every link offers. A packet may be lost, repeated, delayed or damaged."""
-
-    def send(self, receiver: Role, data: bytes) -> None:
-        """Send a packet; never waits."""
-        ...
-
-    def receive(self) -> list[bytes]:
-        """All packets that have arrived, in order; never waits."""
-        ...
-
-    def close(self) -> None:
-        """Close the link."""
-        ...
 
 
 class UdpLink:

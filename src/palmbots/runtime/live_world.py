@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A simulated world in real time: the motor boards and sensors of two robots.
 
-The programs of the robots connect as drivers (`palmbots.node.drivers`). In every tick the world
-sends a reading to each, takes the newest command of each, and moves the robots. If a program has
-written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
+The programs of the robots connect as drivers (`palmbots.drivers.simulated`). In every tick the
+world sends a reading to each, takes the newest command of each, and moves the robots. If a program
+has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
 """
 
 import contextlib
@@ -14,9 +14,9 @@ from typing import Any
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.node.control_clock import ControlClock
-from palmbots.node.frames import Connection, ConnectionLost
-from palmbots.node.greeting import Greeting, greeting_in, is_other_scene, scene_number
+from palmbots.links.local_connection import Connection, ConnectionLost
+from palmbots.runtime.control_clock import ControlClock
+from palmbots.runtime.greeting import Greeting, greeting_in, is_other_scene, scene_number
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.worlds import world_entry
 

@@ -1,38 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drivers: how a robot's program reaches its sensors and motors.
+"""The driver of a simulated robot. It talks to a world in another process.
 
-The simulated driver talks to a world in another process. The world is the motor board: it stops the
-wheels when no command has been written for the time of the watchdog.
+The world is the motor board: it stops the wheels when no command has been written for the time of
+the watchdog.
 """
 
 import contextlib
 import time
-from dataclasses import dataclass
 from typing import Any
 
 from palmbots._types import Side
+from palmbots.drivers.driver import Drive, Reading
 from palmbots.errors import PalmbotsError
-from palmbots.node.frames import ConnectionLost, connect
+from palmbots.links.local_connection import ConnectionLost, connect
 
 _WORLD_STARTS_WITHIN_S = 20.0
 _PARTNER_STARTS_WITHIN_S = 40.0  # the world gives up earlier
 _SILENCE_S = 1.0
 
 
-@dataclass(frozen=True)
-class Sensed:
-    """What a driver reads."""
-
-    sign: int
-    """Tactile sign of the contact coordinate p; p > 0 is outward."""
-    palm_at_target: bool
-    """The palm has reached the angle last commanded."""
-    distance_m: float
-    """Distance covered so far, by odometry; its value at the start of a carry may exceed 0."""
-
-
 class SimulatedDriver:
-    """Talks to the process of a world (`palmbots.node.live_world`).
+    """Talks to the process of a world (`palmbots.runtime.live_world`).
 
     Args:
         address: of the world.
@@ -53,9 +41,10 @@ class SimulatedDriver:
         self._heard_s = 0.0
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
         self._world.send([side, epoch, scene])
-        self._newest: Sensed | None = None
+        self._newest: Reading | None = None
+        self._palm = 0
 
-    def read(self) -> Sensed | None:
+    def read(self) -> Reading | None:
         """The newest reading; None: the world has ended. Waits only for the first one.
 
         Raises:
@@ -75,20 +64,28 @@ class SimulatedDriver:
         """Readings still come."""
         return time.monotonic() - self._heard_s <= self._silence_s
 
-    def _reading_in(self, frame: Any) -> Sensed:
+    def _reading_in(self, frame: Any) -> Reading:
         if frame == "taken":
             raise PalmbotsError(f"world: another program is the {self._side} robot")
         if frame == "scene":
             raise PalmbotsError(f"world: runs another scene than the {self._side} robot")
         if not isinstance(frame, list) or len(frame) != 3:
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
-        return Sensed(*frame)
+        return Reading(*frame)
 
-    def write(self, palm: int, move: int, stop: bool, wheels: bool) -> None:
-        """Command palm and wheels; if `wheels` is false, the wheels stop."""
+    def write(self, drive: Drive) -> None:
+        """Command palm and wheels; if `drive.wheels` is false, the wheels stop."""
+        self._palm = drive.palm
+        self._offer(drive.move if drive.wheels else 0, drive.stop or not drive.wheels)
+
+    def stop(self) -> None:
+        """Stop the wheels; the palm keeps its angle."""
+        self._offer(0, True)
+
+    def _offer(self, move: int, stop: bool) -> None:
         with contextlib.suppress(ConnectionLost):  # `read` reports it, or the world's end
-            self._world.offer([palm, move if wheels else 0, stop or not wheels])
+            self._world.offer([self._palm, move, stop])
 
     def close(self) -> None:
-        """Close the connection."""
+        """Close the connection; the world then stops the wheels."""
         self._world.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
-from palmbots.node.stored_state import StoredState, booted, held, read_state, write_state
+from palmbots.runtime.stored_state import StoredState, booted, held, read_state, write_state
 from palmbots.wire import MAX_EPOCH
 
 

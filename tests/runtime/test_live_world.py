@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots.node.drivers import SimulatedDriver
-from palmbots.node.frames import connect, listen
-from palmbots.node.greeting import scene_number
-from palmbots.node.live_world import LiveCarry, run_live_world
+from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.links.local_connection import connect, listen
+from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.live_world import LiveCarry, run_live_world
 
 RATE = 10.0
 SIDES: tuple[Any, ...] = ("left", "right")
@@ -122,7 +122,7 @@ def test_a_lockstep_world_is_named() -> None:
     near, far = socket.socketpair()
     far.sendall(b'["greet","right"]\n')
     driver = SimulatedDriver.__new__(SimulatedDriver)
-    from palmbots.node.frames import Connection
+    from palmbots.links.local_connection import Connection
 
     driver._side, driver._newest, driver._world = "left", None, Connection(near, "world")
     with pytest.raises(pb.PalmbotsError, match=r"^world: sends no readings; allowed: one without "):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.node.frames import Connection
+from palmbots.links.local_connection import Connection
 from palmbots.scene.scene import Scene
 
 _WITHIN_S = 30.0

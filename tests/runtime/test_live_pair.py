@@ -8,10 +8,10 @@ import pytest
 
 import palmbots as pb
 from live_pair import Air, LivePair
-from palmbots.node import live_robot
-from palmbots.node.drivers import Sensed
-from palmbots.node.pair_file import init_pair, load_pair
-from palmbots.node.station import carry_once
+from palmbots.drivers.driver import Reading
+from palmbots.runtime import live_robot
+from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.runtime.station import carry_once
 from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
@@ -240,7 +240,7 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
 
         def read(self) -> Any:
             self.left -= 1
-            return Sensed(0, True, 0.0) if self.left else None
+            return Reading(0, True, 0.0) if self.left else None
 
         def write(self, *_: Any) -> None:
             pass

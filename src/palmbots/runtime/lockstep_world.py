@@ -14,8 +14,8 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError
-from palmbots.node.frames import Connection, ConnectionLost
-from palmbots.node.greeting import greeted, is_other_scene
+from palmbots.links.local_connection import Connection, ConnectionLost
+from palmbots.runtime.greeting import greeted, is_other_scene
 
 _START_WITHIN_S = 30.0
 _ANSWER_WITHIN_S = 30.0

@@ -22,7 +22,7 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots.errors import PalmbotsError
-from palmbots.node.stored_state import StoredState, write_state
+from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, whole
 from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys

@@ -13,14 +13,15 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.control.registry import ControllerEntry, check
+from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.errors import PalmbotsError
-from palmbots.node.control_clock import ControlClock
-from palmbots.node.drivers import SimulatedDriver
-from palmbots.node.greeting import scene_number
-from palmbots.node.links import UdpLink
-from palmbots.node.pair_file import Pair
-from palmbots.node.robot_program import controller_of, robot_program
-from palmbots.node.stored_state import StoredState, booted, write_state
+from palmbots.links.udp import UdpLink
+from palmbots.runtime.control_clock import ControlClock
+from palmbots.runtime.drive_table import drive_table
+from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.robot_program import controller_of, robot_program
+from palmbots.runtime.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Role
 
@@ -66,6 +67,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
         with contextlib.closing(driver):
             driver.read()  # waits until the world starts: no tick counts before
             clock = ControlClock(period_s / rate)
+            drives = drive_table(scene, side)
             goal_m = scene.task.distance_m
             start_m = 0.0
             stopping = round(pair.settings.limits.stopping_s / period_s)
@@ -91,7 +93,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                     min(elapsed, 0xFFFF), reading, link.receive()
                 )
                 storage.keep(StoredState(state.epoch, assists, *robot.to_store))
-                driver.write(palm, move, stop, robot.wheels)
+                driver.write(drives[palm, move, stop, robot.wheels])
                 for receiver, data, _ in packets:
                     # What the partner relies on after a boot is stored before it is said. A robot
                     # that does not carry promises nothing, and must pass on a stop at once.

@@ -17,9 +17,9 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
-from palmbots.node.impairment import Impairment, Proxy
-from palmbots.node.lockstep_robot import REBOOTED
-from palmbots.node.pair_file import ENDS, init_pair
+from palmbots.runtime.impairment import Impairment, Proxy
+from palmbots.runtime.lockstep_robot import REBOOTED
+from palmbots.runtime.pair_file import ENDS, init_pair
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
-from palmbots.node.frames import Connection, ConnectionLost, connect, listen
+from palmbots.links.local_connection import Connection, ConnectionLost, connect, listen
 
 
 def pair_of(address: str) -> tuple[Connection, Connection]:

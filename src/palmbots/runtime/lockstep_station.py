@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The station of the centralized algorithm in lockstep with a world.
 
-Its frames are those of a robot (`palmbots.node.lockstep_robot`); of an input it uses the packets,
-and its answer is that of `_core.runtime.Station.step`.
+Its frames are those of a robot (`palmbots.runtime.lockstep_robot`); of an input it uses the
+packets, and its answer is that of `_core.runtime.Station.step`.
 """
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots.node.frames import connect
-from palmbots.node.pair_file import Pair
-from palmbots.node.stored_state import booted
+from palmbots.links.local_connection import connect
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.stored_state import booted
 
 _WORLD_STARTS_WITHIN_S = 20.0
 

@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a robot's program reaches its sensors and motors."""
+
+__all__: list[str] = []

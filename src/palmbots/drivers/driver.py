@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every driver offers (`Driver`): readings in (`Reading`), commands out (`Drive`)."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a driver reads."""
+
+    sign: int
+    """Tactile sign of the contact coordinate p: -1, 0 or 1; p > 0 is outward."""
+    palm_at_target: bool
+    """The palm has reached the angle last commanded."""
+    distance_m: float
+    """Distance covered so far in the direction of travel, by odometry. Its value at the start of a
+    carry may exceed 0. NaN: the robot has no encoders."""
+    battery_v: float | None = None
+    """Voltage of the battery; None: not measured."""
+    has_contact: bool = True
+    """Something lies on the palm; true if the sensor cannot say."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A command to palm and wheels, as the controller says it and in physical units."""
+
+    palm: int
+    """0: the palm is at its steep angle, 1: at its shallow one."""
+    move: int
+    """0: nominal speed, 1: away from the partner, 2: closer to it."""
+    stop: bool
+    """The wheels stop, apart from a correction that `move` demands."""
+    wheels: bool
+    """The wheels may turn. If false they stop at once, whatever the rest says."""
+    palm_rad: float
+    """Angle of the palm over the horizontal; it faces the partner."""
+    speed_m_s: float
+    """Speed in the direction of travel, 0 if the wheels may not turn."""
+
+
+class Driver(Protocol):
+    """The hardware of one robot. No method waits for longer than a fraction of a control tick."""
+
+    def read(self) -> Reading | None:
+        """The newest reading; None: the hardware has ended the carry, as a simulated world does.
+
+        Raises:
+            PalmbotsError: the hardware is lost.
+        """
+        ...
+
+    @property
+    def works(self) -> bool:
+        """Readings still come, and commands are taken."""
+        ...
+
+    def write(self, drive: Drive) -> None:
+        """Command palm and wheels. If no command follows within the time of the watchdog, the
+        wheels stop, whatever has become of the program."""
+        ...
+
+    def stop(self) -> None:
+        """Stop the wheels at once; the palm keeps its angle."""
+        ...
+
+    def close(self) -> None:
+        """Stop the wheels, and give the hardware back."""
+        ...
