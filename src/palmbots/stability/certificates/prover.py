@@ -22,6 +22,7 @@ from typing import Any, Literal
 from palmbots._types import Overrides
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import write_whole
+from palmbots._util.optional_imports import require
 from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
@@ -95,14 +96,14 @@ def prove(
 
     Raises:
         PalmbotsError: there is no claim, or an unknown one.
+        MissingExtra: python-flint is not installed.
     """
     names = CLAIMS if claims is None else claims
     if isinstance(names, str) or not names:
         raise PalmbotsError(f"claims: value is {show(names)}; allowed: some of {list(CLAIMS)}")
     for name in names:
         one_of("claims", name, CLAIMS)
-    from flint import ctx  # here and in `_method`: its import is slow
-
+    ctx = require("flint", "certify").ctx  # here and in `_method`: its import is slow
     with ctx.workprec(_BITS):
         return _prove(box, tuple(names), scene, max_boxes)
 
