@@ -12,7 +12,7 @@ export PYTHON
 
 EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
 CXX_FILES = $(shell find include src tests benchmarks verify -name '*.hpp' -o -name '*.cpp')
-PY_FILES = src tests examples benchmarks scripts verify
+PY_FILES = src tests examples benchmarks scripts verify docs paper
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. The stamps get the time at which the build began, so that a
@@ -75,6 +75,12 @@ bench: $(VENV)/bench.done $(VENV)/build.done  ## speed against named peers; CSV 
 docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the docs anew
 	$(BIN)/python scripts/generate_docs.py
 
+book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/site/docs
+
+paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
+	$(BIN)/python paper/build.py build/paper.pdf
+
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core/*.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -r -m palmbots._core -O src/palmbots
 
@@ -91,6 +97,10 @@ $(VENV)/carry.done: requirements/carry.txt scripts/setup
 $(VENV)/test.done $(VENV)/bench.done: $(VENV)/%.done: requirements/%.txt requirements/carry.txt scripts/setup
 	@scripts/setup carry $*
 	@touch $(VENV)/carry.done $@
+
+$(VENV)/docs.done: requirements/docs.txt requirements/test.txt $(VENV)/test.done
+	@scripts/setup carry test docs
+	@touch $@
 
 $(VENV)/robot.done: requirements/robot.txt requirements/test.txt $(VENV)/test.done
 	@scripts/setup carry test robot
@@ -116,4 +126,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs book paper help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean

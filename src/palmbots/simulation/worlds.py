@@ -38,7 +38,8 @@ class WorldRun:
     measured: Any
     """The compiled core's record: outcome, metrics, messages, trace (`palmbots._core.Run`)."""
     contact_events: Sequence[tuple[int, Any, float, float]] | None = None
-    """Further contacts (side, kind, start, end) [s]; None: those of `measured`."""
+    """Further contacts as (side, kind, start, end), times in seconds. None means those of
+    `measured`."""
     warnings: tuple[str, ...] = ()
     lateral_peak_m: tuple[float, float] | None = None
     """The largest lateral contact coordinate; None: the world is planar."""

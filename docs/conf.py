@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sphinx: the book as a site (`make book`)."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+_ROOT = Path(__file__).resolve().parents[1]
+_PROJECT = tomllib.loads((_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+project = "palmbots"
+author = copyright = "the palmbots authors"
+version = release = _PROJECT["version"]
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+extensions = [
+    "myst_nb",
+    "mermaid_diagrams",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+]
+root_doc = "README"
+exclude_patterns = ["style", "_ext"]
+graphviz_output_format = "svg"
+
+# Docstrings: `name` is code, and types are in the text where they matter.
+default_role = "code"
+autodoc_typehints = "none"
+autodoc_default_options = {"exclude-members": "model_config"}
+
+# Markdown as on a forge: headings have anchors.
+myst_heading_anchors = 3
+myst_fence_as_directive = ["mermaid"]
+myst_enable_extensions = ["colon_fence", "deflist"]
+
+# Notebooks run anew in every build, and a cell that fails ends it.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_execution_in_temp = True
+nb_merge_streams = True
+
+html_theme = "furo"
+html_title = "palmbots"
+html_show_sphinx = False
+html_copy_source = False
+html_theme_options = {"footer_icons": []}
+
+
+def _contents(text: str) -> str:
+    """The tables of contents: one for each bold heading of the first page, with its links."""
+    parts = re.split(r"^\*\*(.+)\*\*$", text, flags=re.MULTILINE)
+    tables = []
+    for caption, body in zip(parts[1::2], parts[2::2], strict=True):
+        pages = [page for page in re.findall(r"\]\(([^)#]+)\.md\)", body) if "../" not in page]
+        tables.append(
+            f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n" + "\n".join(pages) + "\n```\n"
+        )
+    return "\n".join(tables)
+
+
+def _add_contents(_: object, name: str, source: list[str]) -> None:
+    if name == root_doc:
+        source[0] += "\n" + _contents(source[0])
+
+
+def _without_defaults(_app: object, kind: str, *rest: Any) -> tuple[str, str] | None:
+    """No signature for a class of a scene: it would list every key of it with its default."""
+    _name, documented = rest[:2]
+    return ("()", "") if kind == "class" and hasattr(documented, "model_fields") else None
+
+
+def _escape_bars(_app: object, _kind: str, *rest: Any) -> None:
+    """|p| is an absolute value, and no substitution."""
+    lines: list[str] = rest[-1]
+    lines[:] = [re.sub(r"(?<!`)\|(\w+)\|", r"\\|\1\\|", line) for line in lines]
+
+
+def setup(app: Any) -> None:
+    """Register what changes pages while they are read."""
+    app.connect("source-read", _add_contents)
+    app.connect("autodoc-process-signature", _without_defaults)
+    app.connect("autodoc-process-docstring", _escape_bars)
