@@ -29,7 +29,7 @@ define install
 endef
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
 
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
@@ -81,6 +81,10 @@ book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
 	$(BIN)/python paper/build.py build/paper.pdf
 
+sbom: $(VENV)/docs.done  ## the bill of materials of `palmbots carry` as build/sbom.json (CycloneDX)
+	$(BIN)/cyclonedx-py requirements requirements/carry.txt --pyproject pyproject.toml \
+		--output-reproducible --output-file build/sbom.json
+
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core/*.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -r -m palmbots._core -O src/palmbots
 
@@ -126,4 +130,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs book paper help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs book paper sbom help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean
