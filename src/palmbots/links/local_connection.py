@@ -209,6 +209,9 @@ def connect(address: str, name: str, within_s: float) -> Connection:
         try:
             stream.connect(place)
             return Connection(stream, name)
+        except socket.gaierror as error:  # waiting does not help
+            stream.close()
+            raise PalmbotsError(f"{name}: cannot find {address}: {error.strerror}") from None
         except OSError as error:
             stream.close()
             if time.monotonic() >= give_up:

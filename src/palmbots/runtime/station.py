@@ -10,9 +10,20 @@ from dataclasses import replace
 
 from palmbots._types import SIDES, Side
 from palmbots.links.link import Link
+from palmbots.runtime.fault_watch import FaultWatch
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.stored_state import StoredState, read_state, write_state
-from palmbots.wire import Endpoint, Hello, Operate, Operation, RobotMode, Status
+from palmbots.wire import (
+    Endpoint,
+    Hello,
+    Operate,
+    Operation,
+    Packet,
+    RobotMode,
+    Status,
+    Verdict,
+    decode,
+)
 
 PERIOD_S = 0.05
 _LOST_AFTER_S = 1.0
@@ -52,8 +63,10 @@ class Station:
         self._boot(read_state(self._file))
         self._wish: Operation | None = None
         self._released: set[Side] = set()
+        self._lost: set[Side] = set()
         self._heard_s: dict[Side, float] = {}
         self._start_s = clock()
+        self._watch = FaultWatch(PERIOD_S, self._start_s)
         self.status: dict[Side, Status] = {}
         """The newest status of each robot that has been heard."""
 
@@ -82,6 +95,14 @@ class Station:
             if now - self._heard_s[side] < _LOST_AFTER_S
         }
 
+    def is_gone(self) -> bool:
+        """A robot has not been heard for so long that the carry is over."""
+        now = self.clock()
+        gone = [s for s, heard_s in self._heard_s.items() if now - heard_s > _GONE_AFTER_S]
+        for side in gone:
+            self._say(f"{side}: not heard for {_GONE_AFTER_S:g} s; the carry ends")
+        return bool(gone)
+
     def is_done(self) -> bool:
         """Both robots have carried out the wish."""
         modes = self.modes()
@@ -90,10 +111,10 @@ class Station:
 
     def step(self) -> None:
         """Take in what has arrived, and send what is due; to be called every `PERIOD_S`."""
-        before = self.modes()
         for data in self._link.receive():
             decoded = self._end.receive(data)
             packet = decoded.packet
+            self._say_faults(decoded.verdict, packet, data)
             if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
                 continue
             self._take(packet.sender, packet.body)
@@ -102,16 +123,23 @@ class Station:
             if self._end.claimed_epoch(side) > self._epoch:
                 self._say("another station has been in use: this one takes the next epoch")
                 self._boot(replace(StoredState(), epoch=self._end.claimed_epoch(side)))
-        for side in before.keys() - self.modes().keys():
+        modes = self.modes()
+        for side in self.status.keys() - modes.keys() - self._lost:
             self._say(f"{side}: not heard for {_LOST_AFTER_S:g} s")
+        for side in modes.keys() & self._lost:
+            self._say(f"{side}: heard again")
+        self._lost = set(self.status.keys() - modes.keys())
+        for line in self._watch.step(modes, self.clock()):
+            self._say(line)
         for side in SIDES:
             self._link.send(side, self._end.send(side, self._due(side)))
             self._sent[side] += 1
+            self._watch.streams[side].note_sent((self._epoch, self._sent[side]), self.clock())
 
     def _due(self, side: Side) -> Operate | Hello:
         wish = self._wish
         stops = wish in ("stop", "e_stop")
-        if wish is None:
+        if wish is None or (wish == "arm" and self._watch.claimed_twice(self.clock())):
             return Hello()
         if wish == "release" and side in self._released:
             return Hello()
@@ -125,10 +153,17 @@ class Station:
         self._heard_s[side] = self.clock()
         if old is None or (old.mode, old.fault) != (status.mode, status.fault):
             why = f" ({status.fault})" if status.fault != "none" else ""
-            if old is None or {old.mode, status.mode} != {"carrying", "holding"}:
+            turns = old is not None and {old.mode, status.mode} == {"carrying", "holding"}
+            if not turns or (old is not None and old.fault != status.fault):
                 self._say(f"{side}: {status.mode}{why}")
         if status.case != " " and (old is None or old.case != status.case):
             self._say(f"{side}: correction ({status.case})")
+
+    def _say_faults(self, verdict: Verdict, packet: Packet | None, data: bytes) -> None:
+        if packet is None:  # also one that is not new says who sent it
+            packet = decode(data, self._pair.key, self._pair.settings.pair.number, "station").packet
+        for line in self._watch.take(verdict, packet, data, self.clock()):
+            self._say(line)
 
     def _note_release(self, side: Side, heard: tuple[int, int], status: Status) -> None:
         """A release ends the stop that was in force, and no later one: it is not repeated once
@@ -160,11 +195,11 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
                 yield False
                 return
             yield None
-    heard_s = station.clock()
     while True:
         modes = station.modes()
-        heard_s = station.clock() if modes else heard_s
-        if station.clock() - heard_s > _GONE_AFTER_S:
+        if station.is_gone():
+            station.wish("stop")
+            yield None
             yield False
             return
         if len(modes) == len(SIDES) and set(modes.values()) == {"done"}:

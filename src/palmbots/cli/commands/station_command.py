@@ -4,7 +4,6 @@
 import os
 import select
 import sys
-import time
 from typing import Annotated
 
 import typer
@@ -37,7 +36,9 @@ def station(
     """
     import contextlib
 
+    from palmbots._util import process_clock
     from palmbots.links.udp import UdpLink
+    from palmbots.runtime.control_clock import control_clock
     from palmbots.runtime.pair_file import load_pair
     from palmbots.runtime.station import PERIOD_S, Station, carry_once
     from palmbots.runtime.stored_state import held
@@ -60,16 +61,17 @@ def station(
         contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link,
     ):
         orders = _Orders(sys.stdin.fileno())
-        end = Station(chosen, link, show)
+        clock = control_clock("station", PERIOD_S)
+        end = Station(chosen, clock.link(link), show, process_clock.monotonic)
         script = carry_once(end, chosen.settings.limits.time_limit_s) if auto else None
         done = None
         while done is None:
+            clock.wait()
             end.step()
             if script is not None:
                 done = next(script)
             elif not _obey(end, orders.next()):
                 done = True
-            time.sleep(PERIOD_S)
     if as_json:
         modes = {side: status.mode for side, status in end.status.items()}
         print_json({"done": done, "modes": modes, "lines": lines})

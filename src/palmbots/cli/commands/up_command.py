@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import controller_of, load, warn
+from palmbots.cli._run import controller_of, load
+from palmbots.cli._streams import say
 from palmbots.cli.options import (
     ControllerOption,
     JsonOption,
@@ -88,7 +89,7 @@ def up(
         rate=check_rate(rate),
         impairment=Impairment.parse(link),
         quiet=as_json,
-        on_line=warn,
+        on_line=lambda line: say(f"palmbots: {line}"),
     )
 
 
