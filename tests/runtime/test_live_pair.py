@@ -10,8 +10,8 @@ import palmbots as pb
 from live_pair import Air, LivePair
 from palmbots.drivers.driver import Reading
 from palmbots.runtime import live_robot
+from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.station import carry_once
 from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")

@@ -81,7 +81,8 @@ def run_live(
     *,
     rate: float,
     impairment: Impairment,
-    quiet: bool,
+    screen: Sequence[str] | None,
+    output: Path | None,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
@@ -92,7 +93,8 @@ def run_live(
         world_options: further options of ``palmbots world``.
         rate: multiple of real time.
         impairment: what happens to the packets.
-        quiet: only the world prints its result.
+        screen: options of ``palmbots station`` for a screen of the station; None: no screen.
+        output: file for what the world prints; None: it prints on stdout.
         on_line: called with a line about each program that was killed and starts again.
 
     Returns:
@@ -114,13 +116,18 @@ def run_live(
     with proxy, _pair(scene, controller, values) as (file, address), _processes() as running:
         files = {end: _own_file(file, end, address) for end, address in own.items()}
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
-        running["world"] = _started([*world, *world_options])
+        running["world"] = _started([*world, *world_options], output)
         robots = {side: ["robot", str(files[side]), "--side", side, *speed] for side in SIDES}
         for side, command in robots.items():
             running[side] = _started(command)
-        commands = robots | {"station": ["station", str(files["station"]), "--auto"]}
-        running["station"] = _started(commands["station"], quiet=quiet)
+        commands = robots | {"station": ["station", str(files["station"]), "--auto", "--no-screen"]}
+        running["station"] = _started(commands["station"])
+        if screen is not None:
+            running["screen"] = _started(["station", str(files["station"]), *screen])
         _supervise(running, commands, on_line)
+        if screen is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                running["screen"].wait(_END_WITHIN_S)
         for side in SIDES:
             running[side].send_signal(signal.SIGTERM)
         return _status_of(running["world"])
@@ -220,10 +227,13 @@ def _absolute(controller: str) -> str:
     return f"{Path(file).absolute()}{colon}{name}"
 
 
-def _started(arguments: Sequence[str], *, quiet: bool = False) -> "subprocess.Popen[bytes]":
-    output = subprocess.DEVNULL if quiet else None
+def _started(arguments: Sequence[str], output: Path | None = None) -> "subprocess.Popen[bytes]":
+    command = [sys.executable, "-m", "palmbots", *arguments]
     try:
-        return subprocess.Popen([sys.executable, "-m", "palmbots", *arguments], stdout=output)
+        if output is None:
+            return subprocess.Popen(command)
+        with output.open("wb") as stream:
+            return subprocess.Popen(command, stdout=stream)
     except OSError as error:
         raise PalmbotsError(f"{sys.executable}: {error.strerror or error}") from None
 

@@ -10,6 +10,7 @@ import contextlib
 import fcntl
 import hashlib
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -82,6 +83,17 @@ def read_state(path: Path) -> StoredState:
     return StoredState(**content)
 
 
+class CounterInUse(PalmbotsError):
+    """Another program uses a boot counter. `process` is its number, or ``?``."""
+
+    def __init__(self, path: Path, process: str) -> None:
+        super().__init__(
+            f"{path}: another program uses this boot counter; allowed: one at a time "
+            f"(now process {process})"
+        )
+        self.process = process
+
+
 @contextlib.contextmanager
 def held(path: Path) -> Iterator[None]:
     """Keep the counter from all other programs as long as the block runs.
@@ -90,21 +102,26 @@ def held(path: Path) -> Iterator[None]:
     set the counter back when it stores its own. The system ends the lock with the process.
 
     Raises:
-        PalmbotsError: the file is missing, damaged or in use, or the lock cannot be written.
+        CounterInUse: another program uses it.
+        PalmbotsError: the file is missing or damaged, or the lock cannot be written.
     """
     read_state(path)
     lock = path.with_suffix(".lock")
     try:
-        stream = lock.open("ab")
+        stream = lock.open("a+b")
     except OSError as error:
         raise PalmbotsError(f"{lock}: cannot be written: {error.strerror or error}") from None
     with stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise PalmbotsError(
-                f"{path}: another program uses this boot counter; allowed: one at a time"
-            ) from None
+            stream.seek(0)
+            number = stream.read(20)
+            raise CounterInUse(path, number.decode() if number.isdigit() else "?") from None
+        stream.truncate(0)
+        with contextlib.suppress(OSError):  # a full disk: the number only helps people
+            stream.write(str(os.getpid()).encode())
+            stream.flush()
         yield
 
 
