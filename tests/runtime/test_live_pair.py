@@ -10,8 +10,8 @@ import palmbots as pb
 from live_pair import Air, LivePair
 from palmbots.drivers.driver import Reading
 from palmbots.runtime import live_robot, state_keeper
+from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.station import carry_once
 from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.wire import Endpoint, Operate, State, decode
 

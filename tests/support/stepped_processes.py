@@ -124,7 +124,7 @@ class SteppedProcesses:
             scene = str(self.folder / "scene.toml")
             return ["world", scene, "--serve", self.address, "--json"]
         if name == "station":
-            return ["station", str(self.files["station"]), "--auto"]
+            return ["station", str(self.files["station"]), "--auto", "--no-screen"]
         return ["robot", str(self.files[name]), "--side", name, "--json"]
 
     def spawn(self, name: str, command: list[str] | None = None, end: str | None = None) -> Program:
@@ -134,8 +134,8 @@ class SteppedProcesses:
             process = subprocess.Popen(
                 [sys.executable, "-m", "palmbots", *(command or self.command(name))],
                 stdout=output, stderr=errors, stdin=subprocess.DEVNULL, text=True,
-                env=os.environ | {"PALMBOTS_STEPS": f"unix:{self.folder / 'steps'}"}
-                | self._environment,
+                env=os.environ | self._environment
+                | {"PALMBOTS_STEPS": f"unix:{self.folder / 'steps'}"},
             )  # fmt: skip
         role = (name if name in ENDS else "") if end is None else end
         period = 50 * MS if name == "station" else 10 * MS

@@ -2,6 +2,7 @@
 """Starting a world and two robots as processes of one machine, and restarting what reboots."""
 
 import contextlib
+import os
 import socket
 import tempfile
 import time
@@ -82,7 +83,9 @@ class LiveCarryProcesses:
         world_options: further options of ``palmbots world``.
         rate: multiple of real time.
         impairment: what happens to the packets, in the time of the robots.
-        quiet: only the world prints its result.
+        screen: options of ``palmbots station`` for a screen of the station; None: no screen.
+        output: file for what the world prints; None: it prints on stdout.
+        station_output: file for what the station says; None: only screens show it.
         on_line: called with a line about each program that was killed and starts again.
         seed: of the packets' fates.
     """
@@ -95,12 +98,15 @@ class LiveCarryProcesses:
         *,
         rate: float,
         impairment: Impairment,
-        quiet: bool,
+        screen: Sequence[str] | None = None,
+        output: Path | None = None,
+        station_output: Path | None = None,
         on_line: Callable[[str], None],
         seed: int = 0,
     ) -> None:
         self._scene, self._controller, self._options = scene, controller, world_options
-        self._rate, self._quiet, self._on_line = rate, quiet, on_line
+        self._rate, self._screen, self._on_line = rate, screen, on_line
+        self._output, self._station_output = output, station_output
         with free_addresses(len(ENDS)) as ports:  # the proxy gets others
             self._own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
             self.proxy = Proxy(self._own, impairment, seed, rate)
@@ -134,10 +140,17 @@ class LiveCarryProcesses:
         files = {end: own_file(file, end, address) for end, address in self._own.items()}
         speed = ["--rate", str(self._rate)]
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
-        running.start("world", [*world, *self._options])
+        running.start("world", [*world, *self._options], output=self._output)
         for side in SIDES:
             running.start(side, ["robot", str(files[side]), "--side", side, *speed])
-        running.start("station", ["station", str(files["station"]), "--auto"], quiet=self._quiet)
+        station = ["station", str(files["station"])]
+        running.start(
+            "station",
+            [*station, "--auto", "--no-screen"],
+            output=self._station_output or Path(os.devnull),
+        )
+        if self._screen is not None:
+            running.start("screen", [*station, *self._screen])
 
     def poll(self) -> bool:
         """Start again what was killed; returns whether the carry goes on.
@@ -170,6 +183,8 @@ class LiveCarryProcesses:
         Raises:
             PalmbotsError: the world does not end.
         """
+        if self._screen is not None:  # it shows the end
+            self.processes.ends_within("screen", _END_WITHIN_S)
         self.processes.end(*SIDES, within_s=_END_WITHIN_S)
         # The world waits for robots for three seconds of its own time.
         return self.processes.wait("world", _END_WITHIN_S + 5.0 / min(1.0, self._rate))
@@ -182,7 +197,8 @@ def run_live(
     *,
     rate: float,
     impairment: Impairment,
-    quiet: bool,
+    screen: Sequence[str] | None,
+    output: Path | None,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
@@ -196,9 +212,15 @@ def run_live(
         PalmbotsError: a process cannot be started, a program fails, or the world was killed.
     """
     with LiveCarryProcesses(
-        scene, controller, world_options,
-        rate=rate, impairment=impairment, quiet=quiet, on_line=on_line,
-    ) as carry:  # fmt: skip
+        scene,
+        controller,
+        world_options,
+        rate=rate,
+        impairment=impairment,
+        screen=screen,
+        output=output,
+        on_line=on_line,
+    ) as carry:
         while carry.poll():
             time.sleep(_POLL_S)
         return carry.finish()

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Self
 
 from palmbots._util.end_signal import lifeline
@@ -30,35 +31,42 @@ class Processes:
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
         self._running: dict[str, subprocess.Popen[bytes]] = {}
-        self._started: dict[str, tuple[Sequence[str], bool]] = {}
+        self._started: dict[str, tuple[Sequence[str], Path | None]] = {}
         self._environment = dict(environment or {})
         self._in_main = False
         self._before: object = None
         self._pipe: tuple[int, int] | None = None
 
-    def start(self, name: str, arguments: Sequence[str], *, quiet: bool = False) -> None:
+    def start(self, name: str, arguments: Sequence[str], *, output: Path | None = None) -> None:
         """Run ``palmbots`` with these arguments.
+
+        Args:
+            name: of the process.
+            arguments: of the command line.
+            output: file to which it prints; None: stdout.
 
         Raises:
             PalmbotsError: the system starts no process.
         """
-        self._started[name] = (arguments, quiet)
+        self._started[name] = (arguments, output)
         assert self._pipe is not None
         pipe = self._pipe[0]
         try:
-            self._running[name] = subprocess.Popen(
-                [sys.executable, "-m", "palmbots", *arguments],
-                stdout=subprocess.DEVNULL if quiet else None,
-                env=os.environ | self._environment | lifeline(pipe),
-                pass_fds=[pipe],
-            )
+            with contextlib.ExitStack() as stack:
+                stream = None if output is None else stack.enter_context(output.open("ab"))
+                self._running[name] = subprocess.Popen(
+                    [sys.executable, "-m", "palmbots", *arguments],
+                    stdout=stream,
+                    env=os.environ | self._environment | lifeline(pipe),
+                    pass_fds=[pipe],
+                )
         except OSError as error:
             raise PalmbotsError(f"{sys.executable}: {error.strerror or error}") from None
 
     def restart(self, name: str) -> None:
         """Start a process that has ended once more."""
-        arguments, quiet = self._started[name]
-        self.start(name, arguments, quiet=quiet)
+        arguments, output = self._started[name]
+        self.start(name, arguments, output=output)
 
     def number(self, name: str) -> int:
         """The number of the process in the system."""

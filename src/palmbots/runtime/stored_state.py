@@ -11,6 +11,7 @@ import contextlib
 import fcntl
 import hashlib
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -105,6 +106,17 @@ def read_state(file: StateFile) -> StoredState:
     return StoredState(**content)
 
 
+class CounterInUse(PalmbotsError):
+    """Another program uses a boot counter. `process` is its number, or ``?``."""
+
+    def __init__(self, file: StateFile, process: str) -> None:
+        super().__init__(
+            f"{file}: another program uses this boot counter; allowed: one at a time "
+            f"(now process {process})"
+        )
+        self.process = process
+
+
 @contextlib.contextmanager
 def held(file: StateFile) -> Iterator[None]:
     """Keep the counter from all other programs as long as the block runs.
@@ -113,22 +125,27 @@ def held(file: StateFile) -> Iterator[None]:
     set the counter back when it stores its own. The system ends the lock with the process.
 
     Raises:
-        PalmbotsError: the file is missing, damaged, of another robot or in use, or the lock cannot
-            be written.
+        CounterInUse: another program uses it.
+        PalmbotsError: the file is missing, damaged or of another robot, or the lock cannot be
+            written.
     """
     read_state(file)
     lock = file.path.with_suffix(".lock")
     try:
-        stream = lock.open("ab")
+        stream = lock.open("a+b")
     except OSError as error:
         raise PalmbotsError(f"{lock}: cannot be written: {error.strerror or error}") from None
     with stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise PalmbotsError(
-                f"{file}: another program uses this boot counter; allowed: one at a time"
-            ) from None
+            stream.seek(0)
+            number = stream.read(20)
+            raise CounterInUse(file, number.decode() if number.isdigit() else "?") from None
+        stream.truncate(0)
+        with contextlib.suppress(OSError):  # a full disk: the number only helps people
+            stream.write(str(os.getpid()).encode())
+            stream.flush()
         yield
 
 
