@@ -5,6 +5,7 @@ Required each time: no avoidable drop; ten seconds after the fault every process
 has ended with a reason; and a line at the station says what has happened.
 """
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -129,3 +130,19 @@ def test_every_run_is_the_same_to_the_last_packet(tmp_path: Path) -> None:
     )
     assert first == second
     assert first[0] != other[0]
+
+
+def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
+    """Both robots keep still under a drift that any controller corrects: the wheels of the left one
+    run too fast, and `distributed` waits for an answer that never comes."""
+    overrides = {"robot.left.bias_m_s": 0.02, "robot.noise_m_s": 0.0, "task.distance_m": 1.5}
+    with SteppedProcesses(tmp_path, "distributed", GOOD, overrides=overrides) as pair:
+        pair.start()
+        pair.run_until(pair.carries, 20)
+        pair.packets.cut(("left", "right"), ("right", "left"))
+        pair.run_until(lambda: pair.has_ended("world"), 60)
+        world = json.loads(pair.programs["world"].printed())
+        assert (world["outcome"], world["avoidable"]) == ("dropped", True), pair.report()
+        assert (
+            lines_match(pair, "the carry has not moved on for 5 s: it hangs") or world["time_s"] < 8
+        )

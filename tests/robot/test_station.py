@@ -27,7 +27,9 @@ CARRYING = {"carrying", "holding"}
 def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A world and two robots that carry for as long as the tests last; the folder of the pair."""
     folder = tmp_path_factory.mktemp("pair")
-    scene = pb.load_scene("paper", {"task.distance_m": 50.0, "robot.noise_m_s": 0.0})
+    # A busy machine may hold up a robot for a while.
+    overrides = {"task.distance_m": 50.0, "robot.noise_m_s": 0.0, "control.watchdog_s": 0.6}
+    scene = pb.load_scene("paper", overrides)
     (folder / "scene.toml").write_text(scene.to_toml())
     new_pair(folder, {"limits.partner_lost": "controller"}, "scene.toml")
     world = ["world", "scene.toml", "--serve", f"unix:{folder / 'world'}"]

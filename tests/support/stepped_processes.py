@@ -46,8 +46,10 @@ class Program:
     output: Path
     errors: Path
     period_ns: int
-    end: str
-    """Whose packets it gets; empty: nobody's."""
+    role: str
+    """What it calls itself."""
+    world: str
+    """The process from which it gets its readings."""
     steps: Connection | None = None
     is_ready: bool = False
     is_stopped: bool = False
@@ -127,7 +129,9 @@ class SteppedProcesses:
             return ["station", str(self.files["station"]), "--auto", "--no-screen"]
         return ["robot", str(self.files[name]), "--side", name, "--json"]
 
-    def spawn(self, name: str, command: list[str] | None = None, end: str | None = None) -> Program:
+    def spawn(
+        self, name: str, command: list[str] | None = None, role: str = "", world: str = "world"
+    ) -> Program:
         """Start a process; it does nothing before its first tick is granted."""
         files = [self.folder / f"{name}.{kind}" for kind in ("out", "err")]
         with files[0].open("a") as output, files[1].open("a") as errors:
@@ -137,10 +141,11 @@ class SteppedProcesses:
                 env=os.environ | self._environment
                 | {"PALMBOTS_STEPS": f"unix:{self.folder / 'steps'}"},
             )  # fmt: skip
-        role = (name if name in ENDS else "") if end is None else end
-        period = 50 * MS if name == "station" else 10 * MS
+        role = role or name
+        period = 50 * MS if role == "station" else 10 * MS
         period = round(period / self._clock_rate.get(name, 1.0))
-        made = self.programs[name] = Program(name, process, files[0], files[1], period, role)
+        made = Program(name, process, files[0], files[1], period, role, world)
+        self.programs[name] = made
         return made
 
     def start(self) -> None:
@@ -161,11 +166,11 @@ class SteppedProcesses:
                 stream, _ = self._door.accept()
                 steps = Connection(stream, "a program")
                 role = steps.receive(WITHIN_S)
-                name = next(n for n in missing if n == role or self.programs[n].end == role)
+                name = next(n for n in missing if self.programs[n].role == role)
                 program = self.programs[name]
                 program.steps = steps
                 program.next_ns = self.now_ns + program.period_ns
-                self._arrived[program.end] = 0
+                self._arrived[program.name] = 0
                 missing.discard(name)
 
     def restart(self, name: str) -> None:
@@ -192,7 +197,7 @@ class SteppedProcesses:
         program = self.programs[name]
         os.kill(program.process.pid, signal.SIGCONT)
         program.is_stopped = False
-        self._arrived[program.end] = 0  # the system may have discarded some of them
+        self._arrived[program.name] = 0  # the system may have discarded some of them
         program.missed = -min(0, program.next_ns - self.now_ns) // program.period_ns
         program.next_ns += program.period_ns * program.missed
 
@@ -224,9 +229,9 @@ class SteppedProcesses:
     def _next(self) -> Program | None:
         there = [p for p in self.programs.values() if p.steps is not None and not p.is_stopped]
         for program in there:  # a robot is ready when it has its first reading
-            if not program.is_ready and program.name == "world":
+            if not program.is_ready and program.role == "world":
                 self._await(program)
-        due = [p for p in there if p.is_ready or p.name in ("world", "station")]
+        due = [p for p in there if p.is_ready or p.role in ("world", "station")]
         return min(due, key=lambda p: (p.next_ns, self._rank(p)), default=None)
 
     @staticmethod
@@ -242,14 +247,15 @@ class SteppedProcesses:
         self._deliver()
         elapsed, program.missed = 1 + program.missed, 0
         program.next_ns += program.period_ns
-        expected = self._arrived.pop(program.end, 0) if program.end else 0
+        expected = self._arrived.pop(program.name, 0)
         program.is_ready = False
         with contextlib.suppress(ConnectionLost):
             program.steps.send([round(self.now_s, 9), elapsed, expected])
         self._await(program)
-        if program.name == "world":
+        if program.role == "world":
             for other in self.programs.values():
-                if other.steps is not None and not other.is_ready and not other.is_stopped:
+                gets_readings = other.world == program.name and not other.is_stopped
+                if other.steps is not None and not other.is_ready and gets_readings:
                     self._await(other)
 
     def _await(self, program: Program) -> None:
@@ -260,6 +266,12 @@ class SteppedProcesses:
         except ConnectionLost:
             program.process.wait(WITHIN_S)
             self._over(program)
+            for receiver in ENDS:  # its last words
+                self._sockets[receiver].settimeout(0)
+                with contextlib.suppress(BlockingIOError):
+                    while True:
+                        self._note(program.name, receiver, self._sockets[receiver].recv(2048))
+                self._sockets[receiver].settimeout(WITHIN_S)
             return
         for receiver in ENDS:
             for _ in range(sent[receiver] - program.sent[receiver]):

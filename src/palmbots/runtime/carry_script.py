@@ -7,6 +7,7 @@ from palmbots._types import SIDES
 from palmbots.runtime.station import GONE_AFTER_S, UNDER_WAY, Station
 
 _SETTLE_STEPS = 10  # the robots hear each other meanwhile
+_STOPS_WITHIN_S = 5.0
 _BY = "script"
 
 
@@ -25,6 +26,9 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
     settled_steps = 0
     while settled_steps < _SETTLE_STEPS and station.clock() < give_up:
         settled_steps = settled_steps + 1 if len(station.modes()) == len(SIDES) else 0
+        if station.claimed_twice():
+            yield from _stopped(station)
+            return
         yield None
     is_resumed = station.was_carrying and set(station.modes().values()) != {"armed"}
     if not is_resumed and not (yield from _started(station, give_up)):
@@ -70,7 +74,7 @@ def _stopped(station: Station, by: str = _BY) -> Iterator[bool | None]:
     """Stop both robots, those that are heard; yields False at last."""
     station.keep_carrying(False)
     station.wish("stop", by)
-    give_up = station.clock() + GONE_AFTER_S
+    give_up = station.clock() + _STOPS_WITHIN_S
     while station.clock() < give_up:
         if station.is_done() or (station.gone() and set(station.modes().values()) <= {"stopped"}):
             break

@@ -29,6 +29,7 @@ _START_WITHIN_S = 30.0
 _ALONE_S = 3.0
 _REMEMBERED_S = 60.0
 _POLL_S = 0.01
+_MOST_AT_ONCE = 10  # programs that connect in one tick
 _REST = (0, 0, True)
 _DELIVERED_SHARE = 0.95
 # The world goes on until the robots stop: neither distance nor time ends it.
@@ -209,8 +210,9 @@ class _Entrance:
     def admit(self) -> None:
         """Let the programs in that have connected and said who they are."""
         with contextlib.suppress(BlockingIOError, ConnectionAbortedError):
-            stream, _ = self._door.accept()
-            self._unknown.append((time.monotonic(), Connection(stream, "a program")))
+            for _ in range(_MOST_AT_ONCE):
+                stream, _ = self._door.accept()
+                self._unknown.append((time.monotonic(), Connection(stream, "a program")))
         for entry in [*self._unknown]:
             since, program = entry
             try:

@@ -122,6 +122,8 @@ class _Loop:
 
     def step(self) -> None:
         """One period of the station."""
+        if self.stepped is not None:
+            self.stepped.wait()
         for wish in self._wishes + self._server.wishes():
             self._obey(wish)
         self._wishes = []
@@ -141,7 +143,6 @@ class _Loop:
     def wait(self) -> None:
         """Wait for the next period; a wish that arrives meanwhile begins it at once."""
         if self.stepped is not None:
-            self.stepped.wait()
             return
         next_s = time.monotonic() + PERIOD_S
         while not self._wishes and (left_s := next_s - time.monotonic()) > 0:
