@@ -54,7 +54,7 @@ def suspended(name: str) -> Callable[[SteppedProcesses], None]:
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault and the line that tells the operator of it."""
+    """A fault and the line that the operator reads."""
 
     line: str
     act: Callable[[SteppedProcesses], None] = nothing
@@ -143,6 +143,3 @@ def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
         pair.run_until(lambda: pair.has_ended("world"), 60)
         world = json.loads(pair.programs["world"].printed())
         assert (world["outcome"], world["avoidable"]) == ("dropped", True), pair.report()
-        assert (
-            lines_match(pair, "the carry has not moved on for 5 s: it hangs") or world["time_s"] < 8
-        )

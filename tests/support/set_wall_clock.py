@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A wall clock that a test sets, for processes that it starts; that of the machine stays as it is."""
+"""A wall clock that a test sets for its processes; that of the machine is not touched."""
 
 from pathlib import Path
 

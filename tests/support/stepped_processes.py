@@ -105,7 +105,7 @@ class SteppedProcesses:
         self.packets = ImpairedPackets(radio or Impairment(delay_ms=2.0), seed)
         self._door = self._stack.enter_context(listen(f"unix:{folder / 'steps'}"))
         self.programs: dict[str, Program] = {}
-        self._arrived: Counter[str] = Counter()  # datagrams that each end has not been told of
+        self._arrived: Counter[str] = Counter()  # datagrams since its last tick
         self._senders = {place: end for end, place in self._targets.items()}
         self.status: dict[str, Status] = {}
         """The newest status of each robot."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One line about each fault, for the operator: what the station can tell from what arrives."""
+"""One line about each fault, for the operator: what the station concludes from what arrives."""
 
 import time
 from collections import deque

@@ -130,7 +130,7 @@ class _Loop:
                 elapsed = self.clock.wait()
                 if self._robot.wheels and elapsed > self._watchdog:
                     state, carries, elapsed = self._boot(elapsed)
-                seen = self._read()
+                seen = self._read(state.epoch)
                 if seen is None:
                     break
                 odometry.take(seen.distance_m, carries)
@@ -159,11 +159,11 @@ class _Loop:
         self.clock.forget()
         return state, state.carries and self._rejoins, 1
 
-    def _read(self) -> Any:
+    def _read(self, epoch: int) -> Any:
         """What the driver reads; None: it has ended the carry.
 
         Raises:
-            PalmbotsError: the driver is lost. The others have been told.
+            PalmbotsError: the driver is lost. The others have heard of it.
         """
         try:
             return self._driver.read()
@@ -172,6 +172,7 @@ class _Loop:
                 lost = _core.runtime.Reading(0, False, driver_ok=False)
                 for receiver, data, _ in self._robot.step(1, lost, [])[3]:
                     self._link.send(_RECEIVERS[receiver], data)
+            self._keeper.keep(StoredState(epoch, False, *self._robot.to_store))
             raise
 
     def _reading(self, seen: Any, odometry: Odometry) -> Any:
