@@ -57,7 +57,7 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
-soak: $(VENV)/strict.done  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
+soak: $(VENV)/strict.done $(VENV)/soak.done  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
 	$(BIN)/python tests/soak/soak.py $(or $(MINUTES),60)
 
 fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600
@@ -108,6 +108,10 @@ $(VENV)/docs.done: requirements/docs.txt requirements/test.txt $(VENV)/test.done
 
 $(VENV)/robot.done: requirements/robot.txt requirements/test.txt $(VENV)/test.done
 	@scripts/setup carry test robot
+	@touch $@
+
+$(VENV)/soak.done: $(VENV)/robot.done scripts/setup
+	@scripts/setup soak
 	@touch $@
 
 # extension.done: palmbots._core is up to date, and so is all that has been built before.

@@ -8,7 +8,7 @@ PAGE = "docs/reference/operation.md"
 # What happens, in words.
 MEANING = {
     "any": "always",
-    "storage_failed": "the boot counter cannot be stored",
+    "storage_failed": "what has to survive a boot cannot be stored",
     "stop_stored": "a stop was in force before the boot",
     "carry_stored": "a carry was under way before the boot, and `after_reboot` is `rejoin`",
     "stop": "a stop by the operator, heard from the station, or by hand",

@@ -176,7 +176,7 @@ void bind_settings(nb::module_& m) {
       .def(
           "__init__",
           [](RuntimeSettings* self, std::uint32_t lease, std::uint32_t station_limit,
-             std::uint32_t time_limit, std::uint32_t travel, std::uint32_t watchdog,
+             std::uint32_t time_limit, std::uint32_t travel, std::uint32_t stopping_limit,
              std::uint16_t most_overruns, bool has_radio, bool rejoins, bool stops_without_station,
              bool stops_without_partner, std::uint16_t state_period, std::uint16_t status_period,
              std::uint32_t number) {
@@ -185,14 +185,14 @@ void bind_settings(nb::module_& m) {
                 {rejoins ? AfterReboot::rejoin : AfterReboot::disarm,
                  stops_without_station ? StationLost::stop : StationLost::carry_on,
                  stops_without_partner ? PartnerLost::stop : PartnerLost::controller, has_radio,
-                 lease, station_limit, time_limit, travel, watchdog, most_overruns},
+                 lease, station_limit, time_limit, travel, stopping_limit, most_overruns},
                 state_period,
                 status_period,
                 number};
           },
           nb::arg("lease"), nb::arg("station_limit"), nb::arg("time_limit"), nb::arg("travel"),
-          nb::arg("watchdog"), nb::arg("most_overruns"), nb::arg("has_radio"), nb::arg("rejoins"),
-          nb::arg("stops_without_station"), nb::arg("stops_without_partner"),
+          nb::arg("stopping_limit"), nb::arg("most_overruns"), nb::arg("has_radio"),
+          nb::arg("rejoins"), nb::arg("stops_without_station"), nb::arg("stops_without_partner"),
           nb::arg("state_period"), nb::arg("status_period"), nb::arg("number"))
       .def_static(
           "lockstep",

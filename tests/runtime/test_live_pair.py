@@ -9,9 +9,10 @@ import pytest
 import palmbots as pb
 from live_pair import Air, LivePair
 from palmbots.drivers.driver import Reading
-from palmbots.runtime import live_robot
+from palmbots.runtime import live_robot, state_keeper
+from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.station import carry_once
+from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
@@ -174,18 +175,10 @@ def test_a_station_with_a_lower_count_takes_the_next_epoch(tmp_path: Path) -> No
     for _ in range(5):
         pair.restart_station()
     pair.wish("arm", "armed")
-    state = pair.pair.state_file("station")
-    state.write_text(
-        LivePair(_new(tmp_path), "resilient", Air()).pair.state_file("left").read_text()
-    )
+    write_state(pair.pair.state_file("station"), StoredState())
     pair.restart_station()
     pair.wish("disarm", "disarmed")
     assert any("takes the next epoch" in line for line in pair.lines)
-
-
-def _new(folder: Path) -> Path:
-    (folder / "new").mkdir()
-    return folder / "new"
 
 
 def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
@@ -245,6 +238,9 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
         def write(self, *_: Any) -> None:
             pass
 
+        def stop(self) -> None:
+            pass
+
         def close(self) -> None:
             pass
 
@@ -261,7 +257,7 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
 
     monkeypatch.setattr(live_robot, "SimulatedDriver", Driver)
     monkeypatch.setattr(live_robot, "UdpLink", Link)
-    monkeypatch.setattr(live_robot, "write_state", full)
+    monkeypatch.setattr(state_keeper, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)
 

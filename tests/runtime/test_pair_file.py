@@ -94,3 +94,20 @@ def test_a_pair_that_cannot_be_written_leaves_nothing(
     with pytest.raises(pb.PalmbotsError, match="No space left"):
         init_pair(tmp_path / "pair.toml")
     assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize("why", [pb.PalmbotsError("full"), KeyboardInterrupt()])
+def test_folders_that_were_made_for_a_pair_go_with_it(
+    why: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise why
+
+    monkeypatch.setattr("palmbots.runtime.pair_file.write_state", fails)
+    with pytest.raises(type(why)):
+        init_pair(tmp_path / "new" / "deep" / "pair.toml")
+    assert [*tmp_path.iterdir()] == []
+    (tmp_path / "old").mkdir()
+    with pytest.raises(type(why)):
+        init_pair(tmp_path / "old" / "pair.toml")
+    assert [*tmp_path.rglob("*")] == [tmp_path / "old"]

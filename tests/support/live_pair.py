@@ -11,9 +11,10 @@ from typing import Any
 
 import palmbots as pb
 import palmbots._core as _core
+from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.live_robot import live_program
 from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.station import PERIOD_S, Station, carry_once
+from palmbots.runtime.station import PERIOD_S, Station
 from palmbots.runtime.stored_state import StoredState
 from palmbots.simulation.quasistatic import QuasistaticEpisode
 

@@ -36,7 +36,8 @@ struct ModeSettings {
   std::uint32_t station_limit;  // greatest age of the station's newest packet
   std::uint32_t time_limit;     // of a carry
   std::uint32_t travel = 0;     // time in mode carrying that covers the distance; 0: use odometry
-  std::uint32_t watchdog;       // W: the wheels stop when the driver has not been written for W
+  // Greatest measured stopping time at which a robot is armed: the one that the scene assumes.
+  std::uint32_t stopping_limit;
   std::uint16_t most_overruns;  // greatest number of late ticks
 };
 

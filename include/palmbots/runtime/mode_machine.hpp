@@ -29,7 +29,7 @@ namespace palmbots::runtime {
 // What may happen to a robot. Several may happen in one step.
 enum class ModeEvent : std::uint8_t {
   any,             // always
-  storage_failed,  // nothing can be stored
+  storage_failed,  // what has to survive a boot cannot be stored
   stop_stored,     // a stop was in force before the boot
   carry_stored,    // a carry was under way before the boot, and the settings say rejoin
   stop,            // by the operator, heard from the station, or by hand
@@ -98,7 +98,7 @@ struct ModeOutput {
 };
 
 struct ModeTable {
-  static constexpr std::size_t row_count = 24;
+  static constexpr std::size_t row_count = 25;
   std::array<ModeOutput, wire::robot_modes> outputs;
   std::array<ModeRow, row_count> rows;
 };
@@ -137,6 +137,7 @@ constexpr ModeTable make_mode_table() {
       // What ends a carry, or what comes before it.
       {active,                       E::driver_failed,  fault,    set, F::driver},
       {active,                       E::overrun,        fault,    set, F::overrun},
+      {active,                       E::storage_failed, fault,    set, F::storage},
       {active,                       E::station_lost,   fault,    set, F::station_lost},
       {carry,                        E::covered,        done},
       {carry,                        E::partner_done,   done},
@@ -164,7 +165,7 @@ constexpr wire::FaultCode refusal_of(const ModeSettings& settings, const ModeInp
   if (!seen.contact) return F::contact;
   if (!seen.palm) return F::palm;
   if (!seen.battery) return F::battery;
-  if (seen.stopping > settings.watchdog) return F::stopping;
+  if (seen.stopping > settings.stopping_limit) return F::stopping;
   if (!settings.has_radio) return F::none;
   if (in.partner_stop || in.partner.mode == wire::RobotMode::stopped) return F::stop;
   if (in.partner.age > settings.lease) return F::partner_lost;

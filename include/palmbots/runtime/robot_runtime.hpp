@@ -172,6 +172,13 @@ class RobotRuntime {
   // The age of what was sent, or arrived, in that tick; `never` for nothing.
   std::uint32_t age(std::uint32_t tick) const { return tick == never ? never : tick_ - tick; }
 
+  // In this carry the partner has not been heard for longer than the lease.
+  bool is_alone() const {
+    const ModeSettings& mode = settings_.mode;
+    return mode.has_radio && age(partner_tick_) > mode.lease &&
+           machine_.memory().carried > mode.lease;
+  }
+
   // What the mode machine has to know of a packet. Without a session only an e-stop counts.
   void note(const wire::Packet& packet, bool in_session) {
     const bool stop = in_session && wire::passes_stop(packet.payload);
@@ -231,6 +238,7 @@ class RobotRuntime {
     wire::Status status;
     status.mode = out.mode.mode;
     status.fault = out.mode.code;
+    if (runs_ && is_alone()) status.fault = wire::FaultCode::partner_lost;  // a warning
     status.sign = reading.seen.sign;
     status.palm = command_.palm;
     status.palm_at_target = reading.seen.palm_at_target;

@@ -27,7 +27,7 @@ constexpr const char* name_of(RobotMode mode) {
   return names[static_cast<int>(mode)];
 }
 
-// Why a robot is in mode fault, or why it could not be armed.
+// Why a robot is in mode fault, or why it could not be armed; in a carry a warning.
 enum class FaultCode : std::uint8_t {
   none,
   driver,        // the motor board does not answer

@@ -8,7 +8,7 @@ import palmbots._core
 class RuntimeSettings:
     """Times in control ticks."""
 
-    def __init__(self, lease: int, station_limit: int, time_limit: int, travel: int, watchdog: int, most_overruns: int, has_radio: bool, rejoins: bool, stops_without_station: bool, stops_without_partner: bool, state_period: int, status_period: int, number: int) -> None: ...
+    def __init__(self, lease: int, station_limit: int, time_limit: int, travel: int, stopping_limit: int, most_overruns: int, has_radio: bool, rejoins: bool, stops_without_station: bool, stops_without_partner: bool, state_period: int, status_period: int, number: int) -> None: ...
 
     @staticmethod
     def lockstep() -> RuntimeSettings:

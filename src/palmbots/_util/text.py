@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers and nouns as text."""
 
+import string
 from typing import Any
 
-__all__ = ["data_size", "duration", "format_number", "millimetres", "plural"]
+__all__ = ["data_size", "duration", "format_number", "letter_label", "millimetres", "plural"]
 
 
 def plural(n: int, noun: str) -> str:
@@ -38,3 +39,13 @@ def data_size(n: int) -> str:
         if n >= factor:
             return f"{n / factor:.1f} {unit}"
     return f"{n / 1e3:.0f} kB"
+
+
+def letter_label(index: int) -> str:
+    """A … Z, AA, AB, …: the labels of Figure 8, counted from 0."""
+    text = ""
+    index += 1
+    while index > 0:
+        index, digit = divmod(index - 1, 26)
+        text = string.ascii_uppercase[digit] + text
+    return text

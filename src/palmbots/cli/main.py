@@ -24,6 +24,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
+from palmbots._util.end_signal import end_with_starter
 from palmbots.cli import INTERRUPTION_LINE, commands
 from palmbots.cli._environment import environment_fault
 from palmbots.cli._exception_hooks import install_exception_hooks
@@ -48,6 +49,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     install_exception_hooks()
+    end_with_starter(os.environ)
     try:
         status = run(sys.argv[1:])
         if status == INTERRUPTED:  # a second Ctrl-C must not disturb the exit

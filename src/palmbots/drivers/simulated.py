@@ -6,10 +6,10 @@ the watchdog.
 """
 
 import contextlib
-import time
 from typing import Any
 
 from palmbots._types import Side
+from palmbots._util import process_clock
 from palmbots.drivers.driver import Drive, Reading
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost, connect
@@ -56,13 +56,13 @@ class SimulatedDriver:
             if frame == "end":
                 return None
             self._newest = self._reading_in(frame)
-            self._heard_s = time.monotonic()
+            self._heard_s = process_clock.monotonic()
         return self._newest
 
     @property
     def works(self) -> bool:
         """Readings still come."""
-        return time.monotonic() - self._heard_s <= self._silence_s
+        return process_clock.monotonic() - self._heard_s <= self._silence_s
 
     def _reading_in(self, frame: Any) -> Reading:
         if frame == "taken":

@@ -11,6 +11,7 @@ import os
 import socket
 import stat
 import time
+from collections.abc import Iterator
 from typing import Any, Self
 
 from palmbots._util.arguments import show
@@ -18,6 +19,7 @@ from palmbots.errors import PalmbotsError
 
 _LONGEST_FRAME = 1_000_000  # bytes
 _RETRY_S = 0.02
+_LONGEST_PATH = 107  # bytes
 _ALLOWED = "HOST:PORT, or unix:PATH"
 
 
@@ -48,8 +50,11 @@ class Connection:
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
 
-    def offer(self, frame: Any) -> None:
+    def offer(self, frame: Any) -> bool:
         """Send one frame without waiting. An end that does not read misses it.
+
+        Returns:
+            Whether the end gets the frame.
 
         Raises:
             ConnectionLost: the connection is closed.
@@ -61,10 +66,12 @@ class Connection:
             if not self._unsent:
                 data = json.dumps(frame, separators=(",", ":")).encode() + b"\n"
                 self._unsent = data[self._stream.send(data) :]
+                return True
         except BlockingIOError:
-            return
+            return False
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+        return False
 
     def receive(self, timeout_s: float | None = None) -> Any:
         """Wait for one frame.
@@ -115,6 +122,23 @@ class Connection:
                 return None
         return self.receive()
 
+    def drain(self, within_s: float) -> None:
+        """Send the rest of a frame that was offered, waiting at most this long.
+
+        Raises:
+            ConnectionLost: the connection is closed, or the other end does not read.
+        """
+        try:
+            self._stream.settimeout(max(within_s, 0.001))
+            self._stream.sendall(self._unsent)
+            self._unsent = b""
+        except OSError as error:
+            raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+
+    def fileno(self) -> int:
+        """Number of the socket, to wait for more than one."""
+        return self._stream.fileno()
+
     def close(self) -> None:
         """Close the connection."""
         with contextlib.suppress(OSError):
@@ -125,6 +149,20 @@ class Connection:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+@contextlib.contextmanager
+def _usable(place: Any) -> Iterator[Any]:
+    """The place as the system takes it: paths of sockets are limited to 107 bytes."""
+    if not isinstance(place, str) or len(os.fsencode(place)) <= _LONGEST_PATH:
+        yield place
+        return
+    folder, name = os.path.split(place)
+    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        yield f"/proc/self/fd/{number}/{name}"
+    finally:
+        os.close(number)
 
 
 def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
@@ -145,11 +183,13 @@ def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
 class _Door(socket.socket):
     """A listening socket. One in the file system takes its file with it when it closes."""
 
+    path = ""
+
     def close(self) -> None:
         """Close the socket."""
-        if self.family == socket.AF_UNIX and self.fileno() != -1 and (path := self.getsockname()):
+        if self.fileno() != -1 and self.path:
             with contextlib.suppress(OSError):
-                os.unlink(path)
+                os.unlink(self.path)
         super().close()
 
 
@@ -158,9 +198,9 @@ def _is_left_behind(path: str) -> bool:
     try:
         if not stat.S_ISSOCK(os.stat(path).st_mode):
             return False
-        with socket.socket(socket.AF_UNIX) as caller:
+        with socket.socket(socket.AF_UNIX) as caller, _usable(path) as place:
             caller.settimeout(1.0)
-            caller.connect(path)
+            caller.connect(place)
     except ConnectionRefusedError:
         return True
     except OSError:
@@ -179,15 +219,17 @@ def listen(address: str) -> socket.socket:
     try:
         if family == socket.AF_INET:
             stream.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            stream.bind(place)
-        except OSError as error:
-            if family != socket.AF_UNIX or error.errno != errno.EADDRINUSE:
-                raise
-            if not _is_left_behind(place):
-                raise
-            os.unlink(place)
-            stream.bind(place)
+        with _usable(place) as usable:
+            try:
+                stream.bind(usable)
+            except OSError as error:
+                if family != socket.AF_UNIX or error.errno != errno.EADDRINUSE:
+                    raise
+                if not _is_left_behind(place):
+                    raise
+                os.unlink(place)
+                stream.bind(usable)
+        stream.path = place if family == socket.AF_UNIX else ""
         stream.listen()
     except OSError as error:
         stream.close()
@@ -207,8 +249,12 @@ def connect(address: str, name: str, within_s: float) -> Connection:
     while True:
         stream = socket.socket(family)
         try:
-            stream.connect(place)
+            with _usable(place) as usable:
+                stream.connect(usable)
             return Connection(stream, name)
+        except socket.gaierror as error:  # waiting does not help
+            stream.close()
+            raise PalmbotsError(f"{name}: cannot find {address}: {error.strerror}") from None
         except OSError as error:
             stream.close()
             if time.monotonic() >= give_up:

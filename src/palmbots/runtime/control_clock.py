@@ -8,6 +8,10 @@ with the next one that is still to come.
 import time
 from collections import deque
 
+from palmbots.links.link import Link
+from palmbots.runtime.stepped_clock import SteppedClock, stepper_address
+
+JITTER_LIMITS_MS = (0.1, 0.3, 1.0, 3.0, 10.0)
 _RECENT_TICKS = 100
 
 
@@ -18,14 +22,16 @@ class ControlClock:
         period_s: time between two ticks.
     """
 
+    is_stepped = False
+
     def __init__(self, period_s: float) -> None:
         self._period_s = period_s
-        self._next_s = time.monotonic() + period_s
+        self._next_s: float | None = None
         self.overruns = 0
         """Ticks that were missed."""
         self._recent: deque[int] = deque([0] * _RECENT_TICKS, maxlen=_RECENT_TICKS)
-        self.jitter_s: list[int] = [0] * 6
-        """How many ticks began late by less than 0.1, 0.3, 1, 3, 10 ms, and by more."""
+        self.jitter: list[int] = [0] * (len(JITTER_LIMITS_MS) + 1)
+        """How many ticks began late by less than each of `JITTER_LIMITS_MS`, and by more."""
 
     @property
     def recent_overruns(self) -> int:
@@ -35,13 +41,40 @@ class ControlClock:
     def wait(self) -> int:
         """Wait for the next tick; returns the number of ticks since the last call, at least 1."""
         now = time.monotonic()
+        if self._next_s is None:
+            self._next_s = now + self._period_s
         if now < self._next_s:
             time.sleep(self._next_s - now)
             now = time.monotonic()
         late_s = now - self._next_s
-        self.jitter_s[sum(late_s >= limit for limit in (1e-4, 3e-4, 1e-3, 3e-3, 1e-2))] += 1
+        self.jitter[sum(1e3 * late_s >= limit for limit in JITTER_LIMITS_MS)] += 1
         missed = int(late_s / self._period_s)
         self.overruns += missed
         self._recent.append(missed)
         self._next_s += (1 + missed) * self._period_s
         return 1 + missed
+
+    def forget(self) -> None:
+        """Start the count of `recent_overruns` anew, as a program does at a boot."""
+        self._recent.extend([0] * _RECENT_TICKS)
+
+    def link(self, link: Link) -> Link:
+        """The link as this clock needs it."""
+        return link
+
+
+def control_clock(name: str, period_s: float) -> ControlClock | SteppedClock:
+    """The clock of a program: the system's, or one that another program steps.
+
+    Args:
+        name: of the program.
+        period_s: time between two ticks.
+    """
+    address = stepper_address()
+    return ControlClock(period_s) if address is None else SteppedClock(name, address)
+
+
+def jitter_table(counts: list[int]) -> dict[str, int]:
+    """The histogram of `ControlClock.jitter` with its limits as names."""
+    names = [f"< {limit:g} ms" for limit in JITTER_LIMITS_MS]
+    return dict(zip([*names, f">= {JITTER_LIMITS_MS[-1]:g} ms"], counts, strict=True))

@@ -12,9 +12,9 @@ import selectors
 import socket
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import Self
+from typing import Self, cast
 
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
@@ -81,6 +81,44 @@ class Impairment:
         return [1e-3 * (self.delay_ms + chance.uniform(-width, width)) for _ in range(copies)]
 
 
+class ImpairedPackets:
+    """The packets that are under way on a bad radio, without sockets and without a clock.
+
+    Args:
+        impairment: what happens to the packets.
+        seed: of the random numbers.
+    """
+
+    def __init__(self, impairment: Impairment, seed: int = 0) -> None:
+        self._impairment, self._chance = impairment, random.Random(seed)
+        self._under_way: list[tuple[float, int, str, bytes]] = []
+        self._number = 0
+        self._cut: frozenset[tuple[str, str]] = frozenset()
+
+    def cut(self, *links: tuple[str, str]) -> None:
+        """From now on lose everything on these links, each a sender and a receiver, and on no
+        other."""
+        self._cut = frozenset(links)
+
+    def send(self, now_s: float, sender: str, receiver: str, data: bytes) -> None:
+        """A packet has been sent. The same packets meet the same fate, whatever is cut."""
+        for delay_s in self._impairment.delays_s(self._chance):
+            if (sender, receiver) not in self._cut:
+                self._number += 1
+                packet = (now_s + delay_s, self._number, receiver, data)
+                heapq.heappush(self._under_way, packet)
+
+    def due(self, now_s: float) -> Iterator[tuple[str, bytes]]:
+        """Take the packets that have arrived by now, with their receivers, in order."""
+        while self._under_way and self._under_way[0][0] <= now_s:
+            _, _, receiver, data = heapq.heappop(self._under_way)
+            yield receiver, data
+
+    def wait_s(self, now_s: float, longest_s: float) -> float:
+        """The time until the next packet arrives, at most `longest_s`."""
+        return min(longest_s, max(0.0, self._under_way[0][0] - now_s if self._under_way else 9e9))
+
+
 class Proxy:
     """Forwards datagrams to each end, impaired; a context manager.
 
@@ -88,11 +126,15 @@ class Proxy:
         targets: where each end receives, ``HOST:PORT``.
         impairment: what happens to the packets.
         seed: of the random numbers.
+        rate: how much faster than usual time passes for the packets.
     """
 
-    def __init__(self, targets: Mapping[Role, str], impairment: Impairment, seed: int = 0) -> None:
-        self._impairment, self._chance = impairment, random.Random(seed)
-        self._targets: dict[Role, tuple[str, int]] = {}
+    def __init__(
+        self, targets: Mapping[Role, str], impairment: Impairment, seed: int = 0, rate: float = 1.0
+    ) -> None:
+        self.packets = ImpairedPackets(impairment, seed)
+        self._rate = rate
+        self._targets: dict[str, tuple[str, int]] = {}
         self._sockets: dict[Role, socket.socket] = {}
         for end, address in targets.items():
             host, _, port = address.rpartition(":")
@@ -118,23 +160,21 @@ class Proxy:
         for one in self._sockets.values():
             one.close()
 
+    def _now_s(self) -> float:
+        return self._rate * time.monotonic()
+
     def _forward(self) -> None:
-        under_way: list[tuple[float, int, Role, bytes]] = []
-        number = 0
+        ends = {place: end for end, place in self._targets.items()}
         with selectors.DefaultSelector() as selector:
             for end, one in self._sockets.items():
                 selector.register(one, selectors.EVENT_READ, end)
             while not self._ends.is_set():
-                now = time.monotonic()
-                wait_s = min(_IDLE_S, max(0.0, under_way[0][0] - now)) if under_way else _IDLE_S
+                wait_s = self.packets.wait_s(self._now_s(), self._rate * _IDLE_S) / self._rate
                 for key, _ in selector.select(wait_s):
                     with contextlib.suppress(OSError):
-                        data = self._sockets[key.data].recv(_LARGEST)
-                        for delay_s in self._impairment.delays_s(self._chance):
-                            number += 1
-                            due = time.monotonic() + delay_s
-                            heapq.heappush(under_way, (due, number, key.data, data))
-                while under_way and under_way[0][0] <= time.monotonic():
-                    _, _, end, data = heapq.heappop(under_way)
+                        data, place = self._sockets[key.data].recvfrom(_LARGEST)
+                        sender = ends.get(place, "")
+                        self.packets.send(self._now_s(), sender, key.data, data)
+                for receiver, data in self.packets.due(self._now_s()):
                     with contextlib.suppress(OSError):
-                        self._sockets[end].sendto(data, self._targets[end])
+                        self._sockets[cast(Role, receiver)].sendto(data, self._targets[receiver])

@@ -2,33 +2,29 @@
 """Starting a world and two robots as processes of one machine, and restarting what reboots."""
 
 import contextlib
-import signal
+import os
 import socket
-import subprocess
-import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import Self
 
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.impairment import Impairment, Proxy
+from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.lockstep_robot import REBOOTED
 from palmbots.runtime.pair_file import ENDS, init_pair
+from palmbots.runtime.processes import Processes
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 
-_Running: TypeAlias = dict[str, "subprocess.Popen[bytes]"]
-_Commands: TypeAlias = Mapping[str, Sequence[str]]
 _BAD_INPUT = 2
 _POLL_S = 0.02
 _END_WITHIN_S = 5.0
-_WORLD_ENDS_WITHIN_S = 600.0  # at a low rate it waits for long
 
 
 def check_rate(rate: float) -> float:
@@ -59,19 +55,139 @@ def run_lockstep(
     Raises:
         PalmbotsError: a process cannot be started, or a robot's program fails.
     """
-    with _pair(scene, controller) as (file, address), _processes() as running:
+    with _pair(scene, controller) as (file, address), Processes() as running:
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, "--lockstep"]
-        running["world"] = _started([*world, "--controller", controller, *world_options])
-        robots = {side: ["robot", str(file), "--side", side, "--lockstep"] for side in SIDES}
-        for side, command in robots.items():
-            running[side] = _started(command)
-        if has_station:
-            running["station"] = _started(["station", str(file), "--lockstep"])
-        _wait_for("world", running, robots)
+        running.start("world", [*world, "--controller", controller, *world_options])
         for side in SIDES:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                running[side].wait(_END_WITHIN_S)
-        return running["world"].wait()
+            running.start(side, ["robot", str(file), "--side", side, "--lockstep"])
+        if has_station:
+            running.start("station", ["station", str(file), "--lockstep"])
+        while running.status("world") is None:
+            for side in SIDES:
+                ended = running.status(side)
+                if ended == REBOOTED:
+                    running.restart(side)
+                elif ended not in (None, 0):
+                    raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
+            time.sleep(_POLL_S)
+        running.end(*SIDES, within_s=_END_WITHIN_S, ask=False)
+        return running.wait("world", _END_WITHIN_S)
+
+
+class LiveCarryProcesses:
+    """A world, two robots and a station as processes in real time; a context manager.
+
+    Args:
+        scene: the scene.
+        controller: the controller of both robots.
+        world_options: further options of ``palmbots world``.
+        rate: multiple of real time.
+        impairment: what happens to the packets, in the time of the robots.
+        screen: options of ``palmbots station`` for a screen of the station; None: no screen.
+        output: file for what the world prints; None: it prints on stdout.
+        station_output: file for what the station says; None: only screens show it.
+        on_line: called with a line about each program that was killed and starts again.
+        seed: of the packets' fates.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        controller: str,
+        world_options: Sequence[str],
+        *,
+        rate: float,
+        impairment: Impairment,
+        screen: Sequence[str] | None = None,
+        output: Path | None = None,
+        station_output: Path | None = None,
+        on_line: Callable[[str], None],
+        seed: int = 0,
+    ) -> None:
+        self._scene, self._controller, self._options = scene, controller, world_options
+        self._rate, self._screen, self._on_line = rate, screen, on_line
+        self._output, self._station_output = output, station_output
+        with free_addresses(len(ENDS)) as ports:  # the proxy gets others
+            self._own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
+            self.proxy = Proxy(self._own, impairment, seed, rate)
+        self.processes = Processes()
+        """The processes, by the names ``world``, ``left``, ``right`` and ``station``."""
+
+    def __enter__(self) -> Self:
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(self.proxy)
+            file, address = stack.enter_context(
+                _pair(self._scene, self._controller, self._values())
+            )
+            running = stack.enter_context(self.processes)
+            self._start(file, address, running)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _values(self) -> dict[str, object]:
+        return {
+            **{f"link.{end}": address for end, address in self.proxy.addresses.items()},
+            "limits.after_reboot": "rejoin",
+            "limits.partner_lost": "controller",
+            "limits.time_limit_s": self._scene.timeout_s,
+            "limits.stopping_s": stopping_limit_s(self._scene),
+        }
+
+    def _start(self, file: Path, address: str, running: Processes) -> None:
+        files = {end: own_file(file, end, address) for end, address in self._own.items()}
+        speed = ["--rate", str(self._rate)]
+        world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
+        running.start("world", [*world, *self._options], output=self._output)
+        for side in SIDES:
+            running.start(side, ["robot", str(files[side]), "--side", side, *speed])
+        station = ["station", str(files["station"])]
+        running.start(
+            "station",
+            [*station, "--auto", "--no-screen"],
+            output=self._station_output or Path(os.devnull),
+        )
+        if self._screen is not None:
+            running.start("screen", [*station, *self._screen])
+
+    def poll(self) -> bool:
+        """Start again what was killed; returns whether the carry goes on.
+
+        Raises:
+            PalmbotsError: a program ended with a fault, or the world was killed.
+        """
+        running = self.processes
+        world = running.status("world")
+        if world is not None:
+            if world < 0:
+                raise PalmbotsError("world: was killed; the carry is void")
+            return False
+        for name in (*SIDES, "station"):
+            ended = running.status(name)
+            if ended is not None and ended < 0:
+                self._on_line(f"{name}: was killed (signal {-ended}), and starts again")
+                running.restart(name)
+            elif name == "station" and ended is not None:
+                if ended == _BAD_INPUT:
+                    raise PalmbotsError("station: its program ended with a fault")
+                return False
+            elif ended not in (None, 0) and not running.ends_within("world", 1.0):
+                raise PalmbotsError(f"{name} robot: its program ended with status {ended}")
+        return True
+
+    def finish(self) -> int:
+        """End the robots, and return the exit status of the world, which then ends.
+
+        Raises:
+            PalmbotsError: the world does not end.
+        """
+        if self._screen is not None:  # it shows the end
+            self.processes.ends_within("screen", _END_WITHIN_S)
+        self.processes.end(*SIDES, within_s=_END_WITHIN_S)
+        # The world waits for robots for three seconds of its own time.
+        return self.processes.wait("world", _END_WITHIN_S + 5.0 / min(1.0, self._rate))
 
 
 def run_live(
@@ -81,96 +197,33 @@ def run_live(
     *,
     rate: float,
     impairment: Impairment,
-    quiet: bool,
+    screen: Sequence[str] | None,
+    output: Path | None,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
 
-    Args:
-        scene: the scene.
-        controller: the controller of both robots.
-        world_options: further options of ``palmbots world``.
-        rate: multiple of real time.
-        impairment: what happens to the packets.
-        quiet: only the world prints its result.
-        on_line: called with a line about each program that was killed and starts again.
+    The arguments are those of `LiveCarryProcesses`.
 
     Returns:
         The exit status of the world: 0 if the object was delivered.
 
     Raises:
-        PalmbotsError: a process cannot be started, or a program fails.
+        PalmbotsError: a process cannot be started, a program fails, or the world was killed.
     """
-    with _free_ports(len(ENDS)) as ports:  # the proxy gets others
-        own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
-        proxy = Proxy(own, impairment)
-    values = {
-        **{f"link.{end}": address for end, address in proxy.addresses.items()},
-        "limits.after_reboot": "rejoin",
-        "limits.partner_lost": "controller",
-        "limits.time_limit_s": scene.timeout_s,
-    }
-    speed = ["--rate", str(rate)]
-    with proxy, _pair(scene, controller, values) as (file, address), _processes() as running:
-        files = {end: _own_file(file, end, address) for end, address in own.items()}
-        world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
-        running["world"] = _started([*world, *world_options])
-        robots = {side: ["robot", str(files[side]), "--side", side, *speed] for side in SIDES}
-        for side, command in robots.items():
-            running[side] = _started(command)
-        commands = robots | {"station": ["station", str(files["station"]), "--auto"]}
-        running["station"] = _started(commands["station"], quiet=quiet)
-        _supervise(running, commands, on_line)
-        for side in SIDES:
-            running[side].send_signal(signal.SIGTERM)
-        return _status_of(running["world"])
-
-
-def _status_of(world: "subprocess.Popen[bytes]") -> int:
-    """The exit status of the world, which ends soon after the robots."""
-    try:
-        return world.wait(_WORLD_ENDS_WITHIN_S)
-    except subprocess.TimeoutExpired:
-        raise PalmbotsError("world: does not end, although the robots have been ended") from None
-
-
-def _wait_for(name: str, running: _Running, robots: _Commands) -> None:
-    """Wait until the process of this name, or the world, ends; start rebooted robots again.
-
-    Raises:
-        PalmbotsError: a robot's program ended on its own.
-    """
-    while running[name].poll() is None and running["world"].poll() is None:
-        for side, command in robots.items():
-            ended = running[side].poll()
-            if ended == REBOOTED:
-                running[side] = _started(command)
-            elif ended not in (None, 0):
-                raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
-        time.sleep(_POLL_S)
-
-
-def _supervise(running: _Running, commands: _Commands, on_line: Callable[[str], None]) -> None:
-    """Wait until the station, or the world, ends; start again what was killed.
-
-    Raises:
-        PalmbotsError: a program ended with a fault, or the world was killed.
-    """
-    while running["world"].poll() is None:
-        for name, command in commands.items():
-            ended = running[name].poll()
-            if ended is not None and ended < 0:
-                on_line(f"{name}: was killed (signal {-ended}), and starts again")
-                running[name] = _started(command)
-            elif name == "station" and ended is not None:
-                if ended == _BAD_INPUT:
-                    raise PalmbotsError("station: its program ended with a fault")
-                return
-            elif ended not in (None, 0):
-                raise PalmbotsError(f"{name} robot: its program ended with status {ended}")
-        time.sleep(_POLL_S)
-    if running["world"].returncode < 0:
-        raise PalmbotsError("world: was killed; the carry is void")
+    with LiveCarryProcesses(
+        scene,
+        controller,
+        world_options,
+        rate=rate,
+        impairment=impairment,
+        screen=screen,
+        output=output,
+        on_line=on_line,
+    ) as carry:
+        while carry.poll():
+            time.sleep(_POLL_S)
+        return carry.finish()
 
 
 @contextlib.contextmanager
@@ -193,7 +246,7 @@ def _pair(
         yield file, address
 
 
-def _own_file(file: Path, end: Role, address: str) -> Path:
+def own_file(file: Path, end: Role, address: str) -> Path:
     """The pair file for one end: it receives at its own address, and sends through the proxy."""
     lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
     own = [f'{end} = "{address}"\n' if line.startswith(f"{end} = ") else line for line in lines]
@@ -203,7 +256,7 @@ def _own_file(file: Path, end: Role, address: str) -> Path:
 
 
 @contextlib.contextmanager
-def _free_ports(count: int) -> Iterator[list[str]]:
+def free_addresses(count: int) -> Iterator[list[str]]:
     """Addresses of this machine that no program uses."""
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(count)]
@@ -218,40 +271,3 @@ def _absolute(controller: str) -> str:
     if not file.endswith((".py", ".toml")):
         return controller
     return f"{Path(file).absolute()}{colon}{name}"
-
-
-def _started(arguments: Sequence[str], *, quiet: bool = False) -> "subprocess.Popen[bytes]":
-    output = subprocess.DEVNULL if quiet else None
-    try:
-        return subprocess.Popen([sys.executable, "-m", "palmbots", *arguments], stdout=output)
-    except OSError as error:
-        raise PalmbotsError(f"{sys.executable}: {error.strerror or error}") from None
-
-
-@contextlib.contextmanager
-def _processes() -> Iterator[dict[str, "subprocess.Popen[bytes]"]]:
-    """Processes by name; all that still run at the end are ended."""
-    running: dict[str, subprocess.Popen[bytes]] = {}
-    in_main = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGTERM, _end) if in_main else None
-    try:
-        yield running
-    finally:
-        if in_main:
-            signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        for process in running.values():
-            if process.poll() is None:
-                process.send_signal(signal.SIGTERM)
-        for process in running.values():
-            try:
-                process.wait(_END_WITHIN_S)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-        if in_main:
-            signal.signal(signal.SIGTERM, before)
-
-
-def _end(number: int, _: object) -> None:
-    """Leave on a signal that would otherwise leave the processes behind."""
-    raise SystemExit(128 + number)

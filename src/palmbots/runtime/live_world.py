@@ -8,21 +8,28 @@ has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as
 
 import contextlib
 import time
+from collections import deque
 from dataclasses import asdict, dataclass
 from socket import socket
 from typing import Any
 
+import numpy as np
+
 from palmbots._types import SIDES
+from palmbots._util import process_clock
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import Connection, ConnectionLost
-from palmbots.runtime.control_clock import ControlClock
+from palmbots.runtime.control_clock import control_clock
 from palmbots.runtime.greeting import Greeting, greeting_in, is_other_scene, scene_number
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
 from palmbots.simulation.worlds import world_entry
 
 _START_WITHIN_S = 30.0
 _ALONE_S = 3.0
+_REMEMBERED_S = 60.0
 _POLL_S = 0.01
+_MOST_AT_ONCE = 10  # programs that connect in one tick
 _REST = (0, 0, True)
 _DELIVERED_SHARE = 0.95
 # The world goes on until the robots stop: neither distance nor time ends it.
@@ -41,10 +48,17 @@ class LiveCarry:
     """Simulated time."""
     overruns: int
     """Ticks that the world missed."""
+    avoidable: bool | None = None
+    """After a drop: whether a controller could have prevented it."""
 
     def summary(self) -> dict[str, Any]:
         """The same as a table."""
         return asdict(self)
+
+    def line(self) -> str:
+        """The same in a line for people."""
+        drop = {None: "", True: ", avoidable", False: ", unavoidable"}[self.avoidable]
+        return f"{self.outcome.upper()}{drop}  {self.distance_m:.2f} m in {self.time_s:.1f} s"
 
 
 class _Board:
@@ -106,8 +120,9 @@ def run_live_world(
     boards = {side: _Board(round(scene.control.watchdog_s / period_s)) for side in SIDES}
     entrance = _Entrance(door, boards, scene_number(scene))
     entrance.wait()
-    clock = ControlClock(period_s / rate)
+    clock = control_clock("world", period_s / rate)
     midpoint = 0.0
+    contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))
     alone_since = None
     while carry.outcome == "running":
         clock.wait()
@@ -117,9 +132,10 @@ def run_live_world(
             board.send([sign, palm_at_target, abs(midpoint)])
         left, right = (board.command for board in boards.values())
         carry.stop(left[2], right[2])
-        _, _, _, midpoint, _ = carry.step((*left[:2], 0), (*right[:2], 0), 1)
+        _, _, _, midpoint, now_at = carry.step((*left[:2], 0), (*right[:2], 0), 1)
+        contacts.append(now_at)
         if all(board.driver is None for board in boards.values()):
-            now = time.monotonic()
+            now = process_clock.monotonic()
             alone_since = alone_since or now
             if now - alone_since > _ALONE_S / rate:
                 break
@@ -132,7 +148,19 @@ def run_live_world(
     outcome = "dropped" if carry.outcome == "dropped" else "stopped"
     if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
         outcome = "delivered"
-    return LiveCarry(outcome, distance_m, carry.ticks * period_s, clock.overruns)
+    avoidable = None
+    if outcome == "dropped":
+        avoidable = not _was_unavoidable(scene, carry, np.array(contacts))
+    return LiveCarry(outcome, distance_m, carry.ticks * period_s, clock.overruns, avoidable)
+
+
+def _was_unavoidable(scene: Scene, carry: Any, contacts: np.ndarray) -> bool:
+    """Whether no controller could have prevented the drop; the last contacts are those of the
+    drop."""
+    if carry.make_carry("none").reason != "off-palm":
+        return False
+    times = scene.control.period_s * np.arange(len(contacts))
+    return left_palm_unavoidably(scene, times, contacts)
 
 
 def _command_in(frame: Any) -> tuple[int, int, bool]:
@@ -182,8 +210,9 @@ class _Entrance:
     def admit(self) -> None:
         """Let the programs in that have connected and said who they are."""
         with contextlib.suppress(BlockingIOError, ConnectionAbortedError):
-            stream, _ = self._door.accept()
-            self._unknown.append((time.monotonic(), Connection(stream, "a program")))
+            for _ in range(_MOST_AT_ONCE):
+                stream, _ = self._door.accept()
+                self._unknown.append((time.monotonic(), Connection(stream, "a program")))
         for entry in [*self._unknown]:
             since, program = entry
             try:

@@ -14,7 +14,6 @@ Frames (`palmbots.links.local_connection`), one JSON line each:
 
 import os
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import palmbots._core as _core
@@ -24,7 +23,7 @@ from palmbots.links.local_connection import connect
 from palmbots.runtime.greeting import scene_number
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.robot_program import robot_program
-from palmbots.runtime.stored_state import StoredState, booted, write_state
+from palmbots.runtime.stored_state import StateFile, StoredState, booted, write_state
 from palmbots.scene.scene import load_scene
 
 REBOOTED = 3
@@ -46,7 +45,7 @@ def run_robot(pair: Pair, side: Side) -> int:
         return _run(pair, side, state, file)
 
 
-def _run(pair: Pair, side: Side, state: StoredState, file: Path) -> int:
+def _run(pair: Pair, side: Side, state: StoredState, file: StateFile) -> int:
     settings = _core.runtime.RuntimeSettings.lockstep()
     scene = load_scene(pair.scene())
     robot = robot_program(pair, side, state, scene, settings, carries=True)

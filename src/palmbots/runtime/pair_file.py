@@ -22,7 +22,7 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots.errors import PalmbotsError
-from palmbots.runtime.stored_state import StoredState, write_state
+from palmbots.runtime.stored_state import StateFile, StoredState, write_state
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, whole
 from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys
@@ -91,9 +91,9 @@ class LimitsTable(Section):
     """Silence of the station after which it counts as lost."""
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
-    stopping_s: Limit = 0.1
-    """Time in which the wheels come to rest; measure it, the default is assumed. It must not exceed
-    control.watchdog_s of the scene."""
+    stopping_s: Limit = 0.12
+    """Time in which the wheels come to rest from the nominal speed; measure it. The default is
+    assumed. It must not exceed robot.speed_m_s / robot.acceleration_m_s2 of the scene."""
 
 
 class PairFile(Section):
@@ -113,9 +113,11 @@ class Pair:
     settings: PairFile
     key: bytes
 
-    def state_file(self, end: Role) -> Path:
+    def state_file(self, end: Role) -> StateFile:
         """The file in which a robot or the station stores what it must remember over a reboot."""
-        return self.file.parent / self.settings.pair.state_folder / f"{end}.json"
+        table = self.settings.pair
+        path = self.file.parent / table.state_folder / f"{end}.json"
+        return StateFile(path, table.number, end)
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
@@ -209,19 +211,23 @@ def init_pair(
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
     names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
+    number = secrets.randbelow(2**16)
     chosen = {
-        "pair.number": secrets.randbelow(2**16),
+        "pair.number": number,
         "pair.scene": scene,
         "pair.controller": controller,
         "driver.address": address,
     } | {f"pair.{name}": value for name, value in names.items()}
     chosen |= values or {}
+    number = int(str(chosen["pair.number"]))
     keys = (replace(key, default=chosen.get(key.name, key.default)) for key in pair_keys())
     text = commented_toml(_HEAD, keys)
     key, state = path.parent / names["key_file"], path.parent / names["state_folder"]
-    for taken in (path, key, *(state / f"{end}.json" for end in ENDS)):
+    counters = [StateFile(state / f"{end}.json", number, end) for end in ENDS]
+    for taken in (path, key, *(file.path for file in counters)):
         if os.path.lexists(taken):
             raise PalmbotsError(f"{taken}: exists already and is never overwritten")
+    folders = [place for place in (state, *state.parents) if not os.path.lexists(place)]
     written: list[Path] = []
     try:
         folder(state)
@@ -233,13 +239,14 @@ def init_pair(
         finally:
             os.umask(previous)
         written.append(key)
-        for end in ENDS:
-            write_state(state / f"{end}.json", StoredState(), new=True)
-            written.append(state / f"{end}.json")
-    except PalmbotsError:  # half a pair would be in the way of the next attempt
-        for file in written:
-            file.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):
-            state.rmdir()
+        for counter in counters:
+            write_state(counter, StoredState(), new=True)
+            written.append(counter.path)
+    except BaseException:  # half a pair would be in the way of the next attempt
+        for one in written:
+            one.unlink(missing_ok=True)
+        for place in folders:
+            with contextlib.suppress(OSError):
+                place.rmdir()
         raise
     return written

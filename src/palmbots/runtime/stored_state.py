@@ -2,14 +2,16 @@
 """What a robot must remember over a reboot (`StoredState`), in a file.
 
 The boot counter makes every stamp on the wire unique (docs/reference/wire.md), so it must never go
-back. A file that is missing or damaged is therefore refused, and never replaced by a new one. The
-file is written completely or not at all, and flushed to the disk before the first packet of a boot.
+back. A file that is missing, damaged, or of another robot is therefore refused, and never replaced
+by a new one. The file is written completely or not at all, and flushed to the disk before the first
+packet of a boot.
 """
 
 import contextlib
 import fcntl
 import hashlib
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -17,7 +19,20 @@ from typing import Self
 
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
-from palmbots.wire import MAX_EPOCH
+from palmbots.wire import MAX_EPOCH, Role
+
+
+@dataclass(frozen=True)
+class StateFile:
+    """Where one end of a pair stores its state. The file says whose it is."""
+
+    path: Path
+    pair: int
+    """Number of the pair."""
+    end: Role
+
+    def __str__(self) -> str:
+        return str(self.path)
 
 
 @dataclass(frozen=True)
@@ -32,6 +47,8 @@ class StoredState:
     """A carry was under way."""
     stop: bool = False
     """A stop was in force."""
+    covered_m: float = 0.0
+    """What the carry had covered when this was last written [m]; behind by up to a step."""
 
     def booted(self) -> Self:
         """The state to store at a boot.
@@ -51,22 +68,23 @@ def _check(content: dict[str, object]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def write_state(path: Path, state: StoredState, *, new: bool = False) -> None:
+def write_state(file: StateFile, state: StoredState, *, new: bool = False) -> None:
     """Write the file; with `new` only if there is none.
 
     Raises:
         PalmbotsError: it cannot be written.
     """
-    content = asdict(state)
-    write_whole(path, json.dumps(content | {"check": _check(content)}) + "\n", new=new)
+    content = {"pair": file.pair, "end": file.end} | asdict(state)
+    write_whole(file.path, json.dumps(content | {"check": _check(content)}) + "\n", new=new)
 
 
-def read_state(path: Path) -> StoredState:
+def read_state(file: StateFile) -> StoredState:
     """Read the file.
 
     Raises:
-        PalmbotsError: it is missing or damaged; the message says what to do.
+        PalmbotsError: it is missing, damaged, or of another robot; the message says what to do.
     """
+    path = file.path
     remedy = "with a new key, palmbots init pair begins a new count"
     try:
         content = json.loads(path.read_bytes())
@@ -77,45 +95,68 @@ def read_state(path: Path) -> StoredState:
         raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, KeyError, AttributeError, TypeError, RecursionError):
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}") from None
-    if check != _check(content) or set(content) != {"epoch", "assists", "carries", "stop"}:
+    if check != _check(content) or set(content) != {"pair", "end", *asdict(StoredState())}:
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}")
+    owner = (content.pop("pair"), content.pop("end"))
+    if owner != (file.pair, file.end):
+        raise PalmbotsError(
+            f"{path}: the boot counter is that of end {owner[1]} of pair {owner[0]}; "
+            f"allowed: that of end {file.end} of pair {file.pair}"
+        )
     return StoredState(**content)
 
 
+class CounterInUse(PalmbotsError):
+    """Another program uses a boot counter. `process` is its number, or ``?``."""
+
+    def __init__(self, file: StateFile, process: str) -> None:
+        super().__init__(
+            f"{file}: another program uses this boot counter; allowed: one at a time "
+            f"(now process {process})"
+        )
+        self.process = process
+
+
 @contextlib.contextmanager
-def held(path: Path) -> Iterator[None]:
+def held(file: StateFile) -> Iterator[None]:
     """Keep the counter from all other programs as long as the block runs.
 
     Otherwise a second program of the same end would take the next epoch, and the first one would
     set the counter back when it stores its own. The system ends the lock with the process.
 
     Raises:
-        PalmbotsError: the file is missing, damaged or in use, or the lock cannot be written.
+        CounterInUse: another program uses it.
+        PalmbotsError: the file is missing, damaged or of another robot, or the lock cannot be
+            written.
     """
-    read_state(path)
-    lock = path.with_suffix(".lock")
+    read_state(file)
+    lock = file.path.with_suffix(".lock")
     try:
-        stream = lock.open("ab")
+        stream = lock.open("a+b")
     except OSError as error:
         raise PalmbotsError(f"{lock}: cannot be written: {error.strerror or error}") from None
     with stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise PalmbotsError(
-                f"{path}: another program uses this boot counter; allowed: one at a time"
-            ) from None
+            stream.seek(0)
+            number = stream.read(20)
+            raise CounterInUse(file, number.decode() if number.isdigit() else "?") from None
+        stream.truncate(0)
+        with contextlib.suppress(OSError):  # a full disk: the number only helps people
+            stream.write(str(os.getpid()).encode())
+            stream.flush()
         yield
 
 
 @contextlib.contextmanager
-def booted(path: Path) -> Iterator[StoredState]:
+def booted(file: StateFile) -> Iterator[StoredState]:
     """Count a boot, and hold the counter as long as the block runs.
 
     Raises:
         PalmbotsError: as for `held`, or the counter cannot be written.
     """
-    with held(path):
-        state = read_state(path).booted()
-        write_state(path, state)
+    with held(file):
+        state = read_state(file).booted()
+        write_state(file, state)
         yield state

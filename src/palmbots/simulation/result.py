@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The result of a carry: outcome, corrections, messages, warnings, trace."""
 
-import string
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,6 +9,7 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
+from palmbots._util.text import letter_label
 from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
@@ -285,21 +285,11 @@ def _by_side(pair: tuple[float, float]) -> dict[str, float]:
     return dict(zip(SIDES, pair, strict=True))
 
 
-def _label(index: int) -> str:
-    """A … Z, AA, AB, …: the labels of Figure 8."""
-    text = ""
-    index += 1
-    while index > 0:
-        index, digit = divmod(index - 1, 26)
-        text = string.ascii_uppercase[digit] + text
-    return text
-
-
 def _corrections(rows: list[Any]) -> tuple[Correction, ...]:
     robots = (*SIDES, "both")
     return tuple(
         Correction(
-            label=_label(i),
+            label=letter_label(i),
             robot=robots[robot],
             case=case,
             assistant=None if assistant < 0 else SIDES[assistant],

@@ -19,7 +19,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.simulation.result import Carry
 
-__all__ = ["is_unavoidable", "largest_acceleration_m_s2"]
+__all__ = ["is_unavoidable", "largest_acceleration_m_s2", "left_palm_unavoidably"]
 
 
 def largest_acceleration_m_s2(scene: Scene) -> float:
@@ -45,20 +45,30 @@ def is_unavoidable(carry: Carry) -> bool:
     if carry.reason != "off-palm":
         return False
     contacts = carry.trace["contact"].to_numpy()
-    times = carry.trace["time"].to_numpy()
-    halves = [carry.scene.palm_of(side).length_m / 2 for side in SIDES]
+    return left_palm_unavoidably(carry.scene, carry.trace["time"].to_numpy(), contacts)
+
+
+def left_palm_unavoidably(scene: Scene, times: np.ndarray, contacts: np.ndarray) -> bool:
+    """The same for a carry that ended because a contact left its palm.
+
+    Args:
+        scene: the scene.
+        times: of the last ticks [s]; shape (ticks,).
+        contacts: the contact coordinates [m]; shape (ticks, 2).
+    """
+    halves = [scene.palm_of(side).length_m / 2 for side in SIDES]
     side = int(np.argmax(np.abs(contacts[-1]) - halves))
     contact = contacts[:, side]
 
-    low, high = zero_zone_edges_m(carry.scene)
+    low, high = zero_zone_edges_m(scene)
     in_zone = np.nonzero((contact >= low) & (contact <= high))[0]
     left_zone_s = times[in_zone[-1]] if in_zone.size else times[0]
-    braking_s = times[-1] - left_zone_s - carry.scene.control.period_s
+    braking_s = times[-1] - left_zone_s - scene.control.period_s
     if braking_s <= 0 or len(times) < 2:
         return True
     # With full braking from then on the contact would be this far from the end of the palm now,
     # and this fast.
-    acceleration = largest_acceleration_m_s2(carry.scene)
+    acceleration = largest_acceleration_m_s2(scene)
     spare_m = acceleration * braking_s**2 / 2
     outward_m_s = abs(contact[-1] - contact[-2]) / (times[-1] - times[-2])
     speed = outward_m_s - acceleration * braking_s

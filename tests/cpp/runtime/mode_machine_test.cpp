@@ -17,7 +17,7 @@ ModeSettings settings_for_steps() {
   settings.lease = 20;
   settings.station_limit = 50;
   settings.time_limit = 1000;
-  settings.watchdog = 10;
+  settings.stopping_limit = 10;
   settings.most_overruns = 3;
   return settings;
 }
@@ -137,6 +137,7 @@ void each_end_of_a_carry() {
   ended([](ModeInputs& in) { in.partner.mode = RobotMode::done; }, RobotMode::done);
   ended([](ModeInputs& in) { in.driver_ok = false; }, RobotMode::fault, FaultCode::driver);
   ended([](ModeInputs& in) { in.overruns = 4; }, RobotMode::fault, FaultCode::overrun);
+  ended([](ModeInputs& in) { in.storage_ok = false; }, RobotMode::fault, FaultCode::storage);
   ended([](ModeInputs& in) { in.elapsed = 1000; }, RobotMode::fault, FaultCode::time_limit);
   for (const RobotMode mode : {RobotMode::disarmed, RobotMode::armed, RobotMode::fault}) {
     ended([&](ModeInputs& in) { in.partner.mode = mode; }, RobotMode::fault, FaultCode::partner);
@@ -152,7 +153,6 @@ void each_end_of_a_carry() {
 void nothing_else_ends_a_carry() {
   ModeInputs in = good();
   in.preflight = {};
-  in.storage_ok = false;
   in.overruns = 3;
   for (const RobotMode mode : {RobotMode::off, RobotMode::ready, RobotMode::holding}) {
     in.partner = {mode, 20};

@@ -21,7 +21,7 @@ ModeWorld world_of(AfterReboot after_reboot, StationLost station_lost, PartnerLo
   world.settings.lease = 1;
   world.settings.station_limit = 0;
   world.settings.time_limit = 1000;
-  world.settings.watchdog = 0;
+  world.settings.stopping_limit = 0;
   world.settings.most_overruns = 0;
   return world;
 }

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots robot`."""
 
-from functools import partial
 from typing import Annotated, Any
 
 import typer
@@ -36,11 +35,19 @@ def robot(
 
     one_of("--side", side, SIDES)
     chosen: Any = side
-    run = run_robot if lockstep else partial(run_live_robot, rate=_checked(rate))
-    epoch = run(load_pair(pair), chosen)
+    if lockstep:
+        end = {"side": side, "boots": run_robot(load_pair(pair), chosen)}
+    else:
+        end = run_live_robot(load_pair(pair), chosen, _checked(rate), _say).summary()
     if as_json:
-        print_json({"side": side, "boots": epoch})
+        print_json(end)
     return DONE
+
+
+def _say(line: str) -> None:
+    from palmbots.cli._streams import say
+
+    say(f"palmbots: {line}")
 
 
 def _checked(rate: float) -> float:

@@ -1,21 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots station`."""
 
-import os
-import select
 import sys
-import time
-from typing import Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.runtime.station_client import StationClient
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
+_RESTARTS_WITHIN_S = 10.0
 
 
 def station(
@@ -23,6 +26,21 @@ def station(
     auto: Annotated[
         bool, typer.Option("--auto", help="Arm, start, wait until both robots are done, and end.")
     ] = False,
+    attach: Annotated[
+        bool, typer.Option("--attach", help="Only a screen, for a station that already runs.")
+    ] = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="As --attach, but only to look: no orders are taken.")
+    ] = False,
+    no_screen: Annotated[
+        bool, typer.Option("--no-screen", help="Only the station; screens attach to it.")
+    ] = False,
+    plain: Annotated[
+        bool,
+        typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
+    ] = False,
+    for_screen: Annotated[bool, typer.Option("--for-screen", hidden=True)] = False,
+    wait_s: Annotated[float, typer.Option("--wait-s", hidden=True)] = 1.0,
     lockstep: Annotated[
         bool,
         typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
@@ -31,89 +49,65 @@ def station(
 ) -> int:
     """Operate two robots: arm, start, stop, release.
 
-    Type arm, start, stop, e-stop, release, disarm or quit. The station is no safety device.
+    With --plain, type arm, start, stop, e-stop, release, disarm or quit. On the screen, space or
+    Escape is the e-stop. The station is no safety device.
 
     Exit status 1: with --auto, if the robots did not carry to the end.
     """
-    import contextlib
-
-    from palmbots.links.udp import UdpLink
     from palmbots.runtime.pair_file import load_pair
-    from palmbots.runtime.station import PERIOD_S, Station, carry_once
-    from palmbots.runtime.stored_state import held
+    from palmbots.runtime.station_server import station_address
 
+    if no_screen and (attach or watch):
+        raise PalmbotsError("--no-screen starts a station; allowed: without --attach and --watch")
     chosen = load_pair(pair)
     if lockstep:
         from palmbots.runtime.lockstep_station import run_lockstep_station
 
         run_lockstep_station(chosen)
         return DONE
-    lines: list[str] = []
+    if no_screen:
+        from palmbots.runtime.station_loop import run_station_loop
 
-    def show(line: str) -> None:
-        lines.append(line)
-        if not as_json:
-            print(line, flush=True)
+        on_line = None if as_json else partial(print, flush=True)
+        ended = run_station_loop(chosen, auto=auto, for_screen=for_screen, on_line=on_line)
+        end: dict[str, Any] = ended.summary()
+        lines = end["lines"]
+    else:
+        from palmbots.cli.station_process import attached, started_station
 
-    with (
-        held(chosen.state_file("station")),
-        contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link,
-    ):
-        orders = _Orders(sys.stdin.fileno())
-        end = Station(chosen, link, show)
-        script = carry_once(end, chosen.settings.limits.time_limit_s) if auto else None
-        done = None
-        while done is None:
-            end.step()
-            if script is not None:
-                done = next(script)
-            elif not _obey(end, orders.next()):
-                done = True
-            time.sleep(PERIOD_S)
+        address = station_address(chosen)
+        shown = {"plain": plain or as_json or not sys.stdout.isatty(), "as_json": as_json}
+        if attach or watch:
+            client = attached(address, "viewer" if watch else "operator", wait_s)
+            end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
+        else:
+            options = [pair, *(["--auto"] if auto else [])]
+            with started_station(options, address) as client:
+                end = _show(client, **shown, reads_orders=not auto)
+        lines = client.lines
     if as_json:
-        modes = {side: status.mode for side, status in end.status.items()}
-        print_json({"done": done, "modes": modes, "lines": lines})
-    return DONE if done else FAILED
+        print_json({"done": end["done"], "modes": end["modes"], "lines": lines})
+    return DONE if end["done"] else FAILED
 
 
-class _Orders:
-    """What the operator types. Reading it never waits, neither for a line nor for its end."""
+def _show(
+    client: "StationClient",
+    *,
+    plain: bool,
+    as_json: bool,
+    reads_orders: bool,
+    within_s: float = 0.0,
+) -> dict[str, Any]:
+    """Show a station until it ends; returns how it ended."""
+    if plain:
+        from palmbots.cli.plain_station import run_plain
 
-    def __init__(self, source: int) -> None:
-        self._source, self._text, self._has_ended = source, b"", False
+        return run_plain(
+            client, reads_orders=reads_orders, as_json=as_json, restarts_within_s=within_s
+        )
+    from palmbots.cli.station_screen import run_screen
 
-    def next(self) -> str | None:
-        """The next line that is complete, "" if there is none, or None at the end."""
-        while not self._has_ended and select.select([self._source], [], [], 0)[0]:
-            typed = os.read(self._source, 4096)
-            self._has_ended = not typed
-            self._text += typed
-        line, end, rest = self._text.partition(b"\n")
-        if not end and not (self._has_ended and line):
-            return None if self._has_ended else ""
-        self._text = rest
-        return line.decode(errors="replace").strip()
-
-
-def _obey(end: object, line: str | None) -> bool:
-    """Do what the operator has typed; false: the station is to end."""
-    from typing import Any, get_args
-
-    from palmbots._util.arguments import show
-    from palmbots.cli._streams import say
-    from palmbots.wire import Operation
-
-    word = "quit" if line is None else "-".join(line.lower().replace("_", " ").split())
-    if word == "quit":
-        return False
-    operations = {name.replace("_", "-"): name for name in get_args(Operation)}
-    operation = operations.get("e-stop" if word == "estop" else word)
-    station: Any = end
-    if operation is not None:
-        station.wish(operation)
-    elif word:
-        say(f"palmbots: order: value is {show(line)}; allowed: {', '.join(operations)}, quit")
-    return True
+    return run_screen(client, restarts_within_s=within_s)
 
 
 COMMAND = station

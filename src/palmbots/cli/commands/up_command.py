@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots up`."""
 
+import contextlib
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import controller_of, load, warn
+from palmbots._util.optional_imports import require
+from palmbots.cli._run import controller_of, load
+from palmbots.cli._streams import say
 from palmbots.cli.options import (
     ControllerOption,
     JsonOption,
@@ -21,6 +28,9 @@ __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
 ORDER = 200
 EXAMPLE = "palmbots up paper --controller resilient --lockstep"
+_WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
+_SCREEN = ("--attach", *_WAIT)
+_PLAIN = ("--watch", "--plain", *_WAIT)
 
 
 def up(
@@ -42,12 +52,17 @@ def up(
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
+    plain: Annotated[
+        bool,
+        typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Run a world, robots and a station, each as a process.
 
-    The station arms and starts the robots, and reports what happens. With --lockstep there is no
-    station, and the result is that of palmbots carry with the same scene, controller and seed.
+    The station arms and starts the robots, and shows what happens: on a screen in a terminal
+    (space or Escape is the e-stop), otherwise in lines. With --lockstep there is no station, and
+    the result is that of palmbots carry with the same scene, controller and seed.
 
     Exit status 1: the object was not delivered.
     """
@@ -81,15 +96,43 @@ def up(
         raise PalmbotsError(
             f"--controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    return run_live(
-        chosen,
-        controller,
-        options,
-        rate=check_rate(rate),
-        impairment=Impairment.parse(link),
-        quiet=as_json,
-        on_line=warn,
-    )
+    has_screen = not (plain or as_json) and sys.stdout.isatty()
+    if has_screen:
+        require("textual", "station")
+    with _output(has_screen) as (output, on_line):
+        return run_live(
+            chosen,
+            controller,
+            options,
+            rate=check_rate(rate),
+            impairment=Impairment.parse(link),
+            screen=None if as_json else _SCREEN if has_screen else _PLAIN,
+            output=output,
+            on_line=on_line,
+        )
+
+
+def _say(line: str) -> None:
+    say(f"palmbots: {line}")
+
+
+@contextlib.contextmanager
+def _output(has_screen: bool) -> Iterator[tuple[Path | None, Callable[[str], None]]]:
+    """A file for what the world prints, and what takes warnings. While a screen is shown, both
+    wait until it is closed."""
+    if not has_screen:
+        yield None, _say
+        return
+    lines: list[str] = []
+    with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
+        file = Path(folder) / "world.txt"
+        try:
+            yield file, lines.append
+        finally:
+            for line in lines:
+                _say(line)
+            if file.exists():
+                print(file.read_text(encoding="utf-8"), end="")
 
 
 COMMAND = up

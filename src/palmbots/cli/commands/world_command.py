@@ -95,7 +95,7 @@ def _live(scene: "Scene", serve: str, world: str, seed: int, rate: float, *, as_
     if as_json:
         print_json(result.summary())
     else:
-        print(f"{result.outcome.upper()}  {result.distance_m:.2f} m in {result.time_s:.1f} s")
+        print(result.line())
     return DONE if result.outcome == "delivered" else FAILED
 
 

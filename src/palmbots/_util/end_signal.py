@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ending a program in good order: on SIGTERM, and when the program that started it is gone."""
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator, Mapping
+
+_VARIABLE = "PALMBOTS_LIFELINE"
+_END_WITHIN_S = 2.0
+
+
+@contextlib.contextmanager
+def ended_by_signal() -> Iterator[threading.Event]:
+    """An event that SIGTERM sets, in place of ending the program at once."""
+    event = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield event
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: event.set())
+    try:
+        yield event
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def lifeline(pipe: int) -> dict[str, str]:
+    """The variable that ties a program to the one that starts it.
+
+    Args:
+        pipe: the end for reading of a pipe, which the started program inherits. Only the starting
+            program has the end for writing, which the system closes with it, also after SIGKILL.
+    """
+    return {_VARIABLE: str(pipe)}
+
+
+def end_with_starter(variables: Mapping[str, str]) -> None:
+    """End this program when the one that started it is gone, if it was started with a lifeline."""
+    text = variables.get(_VARIABLE, "")
+    if text.isdecimal():
+        threading.Thread(target=_watch, args=(int(text),), daemon=True).start()
+
+
+def _watch(pipe: int) -> None:
+    try:
+        gone = os.read(pipe, 1) == b""
+    except OSError:  # not inherited
+        return
+    if gone:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(_END_WITHIN_S)
+        os._exit(1)

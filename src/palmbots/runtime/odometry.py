@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far a carry has come, by the distance that the driver counts."""
+
+_STEPS = 50
+_LEAST_STEP_M = 0.02
+
+
+class Odometry:
+    """The covered distance of one carry after another.
+
+    The driver counts from anywhere, and may count anew after a boot. A carry that goes on after a
+    boot continues from what was stored.
+
+    Args:
+        goal_m: distance of a carry.
+        resumed_m: what a carry had covered that goes on after a boot; None: none goes on.
+    """
+
+    def __init__(self, goal_m: float, resumed_m: float | None = None) -> None:
+        self._goal_m = goal_m
+        self._step_m = max(_LEAST_STEP_M, goal_m / _STEPS)
+        self._start_m: float | None = None
+        self._resumed_m = resumed_m
+        self.covered_m = 0.0
+        """Distance that the carry has covered."""
+
+    def take(self, distance_m: float, carries: bool) -> None:
+        """The driver counts this distance; `carries`: after the last step the wheels may turn."""
+        if self._start_m is None:  # the first reading after a boot
+            self._start_m = distance_m - (self._resumed_m or 0.0)
+        elif not carries:
+            self._start_m = distance_m
+        self.covered_m = distance_m - self._start_m
+
+    @property
+    def is_covered(self) -> bool:
+        """The distance of the carry is covered."""
+        return self.covered_m >= self._goal_m
+
+    @property
+    def share(self) -> float:
+        """The covered part of the distance, 0 to 1."""
+        return max(0.0, min(1.0, self.covered_m / self._goal_m))
+
+    @property
+    def to_store_m(self) -> float:
+        """The covered distance in steps so coarse that it need not be stored often."""
+        return round(max(0.0, self.covered_m) // self._step_m * self._step_m, 3)

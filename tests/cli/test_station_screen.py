@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's screen, with Textual's pilot: what it shows and which keys do what."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+
+from palmbots.cli.reports.station_text import plain_status
+
+pytest.importorskip("textual")
+
+from palmbots.cli.station_screen import station_app
+
+ROBOT: dict[str, Any] = {
+    "is_heard": True, "silent_s": 0.0, "mode": "carrying", "fault": "none", "sign": 1,
+    "palm": "steep", "palm_at_target": True, "case": "a", "at_rest": False, "stop": False,
+    "progress": 0.43, "battery_v": 11.84, "overruns": 0, "loss": 0.03, "round_trip_s": 0.062,
+    "boots": 3,
+}  # fmt: skip
+OTHER = ROBOT | {
+    "mode": "holding", "sign": -1, "palm": "shallow", "palm_at_target": False, "case": "c",
+    "battery_v": None, "loss": None, "round_trip_s": None,
+}  # fmt: skip
+STATE = {
+    "time_s": 12.3,
+    "wish": "start",
+    "robots": {"left": ROBOT, "right": OTHER},
+    "corrections": [["B", "left", "a", "right"]],
+    "warnings": ["left: 12 % of its packets are lost"],
+}
+
+
+class Client:
+    """What the screen uses of a `StationClient`."""
+
+    def __init__(self, role: str = "operator", state: Any = STATE) -> None:
+        self.role, self.state = role, state
+        self.facts = {"pair": 31337, "controller": "resilient", "scene": "paper"}
+        self.lines = ["   1.00 s  left: armed"]
+        self.end: Any = None
+        self.is_connected = True
+        self.wished: list[str] = []
+        self.reconnects = 0
+
+    def poll(self) -> bool:
+        return False
+
+    def wish(self, operation: str) -> None:
+        self.wished.append(operation)
+
+    def reconnect(self) -> bool:
+        self.reconnects += 1
+        return False
+
+
+def shown(app: Any) -> str:
+    """The text of the whole screen."""
+    strips = app.screen._compositor.render_strips()
+    return "\n".join("".join(segment.text for segment in strip) for strip in strips)
+
+
+def run(
+    client: Client, act: Callable[[Any, Any], Awaitable[None]], size: tuple[int, int] = (80, 24)
+) -> Any:
+    async def main() -> Any:
+        app = station_app(client)  # type: ignore[arg-type]
+        async with app.run_test(size=size) as pilot:
+            await pilot.pause()
+            await act(app, pilot)
+        return app
+
+    return asyncio.run(main())
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+def test_everything_is_visible(size: tuple[int, int]) -> None:
+    texts: list[str] = []
+
+    async def look(app: Any, pilot: Any) -> None:
+        texts.append(shown(app))
+
+    run(Client(), look, size)
+    for part in (
+        "pair 31337: resilient, paper", "wish: start", "12 s", "left robot", "right robot",
+        "carrying", "holding", "43 %", "+1, contact outward", "−1, contact inward", "steep",
+        "shallow, turning", "B: (a) moves away", "B: (c) assists", "3 % lost, 62 ms round trip",
+        "11.8 V", "not measured", "! left: 12 % of its packets are lost", "1.00 s  left: armed",
+        "E-STOP:  space  or  Escape", "a arm   s start   x stop   r release   d disarm   q quit",
+    ):  # fmt: skip
+        assert part in texts[0], (part, texts[0])
+
+
+def test_plain_lines_have_the_same_content() -> None:
+    left, right, warning = plain_status(STATE)
+    assert left == (
+        "  12.30 s  left   carrying, sign +1, palm steep, 43 %, 3 % lost, 62 ms round trip, 11.8 V"
+    )
+    assert right.startswith("  12.30 s  right  holding, sign -1, palm shallow, turning, 43 %, –, –")
+    assert warning == "  12.30 s  warning: left: 12 % of its packets are lost"
+
+
+@pytest.mark.parametrize(
+    ("key", "wish"),
+    [
+        ("space", "e_stop"), ("escape", "e_stop"), ("a", "arm"), ("s", "start"), ("x", "stop"),
+        ("r", "release"), ("d", "disarm"), ("q", "quit"), ("ctrl+c", "quit"),
+    ],
+)  # fmt: skip
+def test_keys(key: str, wish: str) -> None:
+    client = Client()
+
+    async def press(app: Any, pilot: Any) -> None:
+        await pilot.press(key)
+        await pilot.pause()
+
+    run(client, press)
+    assert client.wished == [wish]
+
+
+def test_the_large_field_is_the_e_stop() -> None:
+    client = Client()
+
+    async def click(app: Any, pilot: Any) -> None:
+        await pilot.click("#stop")
+        await pilot.click("#left")
+        await pilot.pause()
+
+    run(client, click)
+    assert client.wished == ["e_stop"]
+
+
+def test_a_viewer_has_no_keys_but_the_one_to_leave() -> None:
+    client, texts = Client("viewer"), list[str]()
+
+    async def press(app: Any, pilot: Any) -> None:
+        texts.append(shown(app))
+        for key in ("space", "escape", "a", "s", "x", "r", "d"):
+            await pilot.press(key)
+        assert app.is_running
+        await pilot.press("q")
+        await pilot.pause()
+
+    app = run(client, press)
+    assert not app.is_running
+    assert client.wished == []
+    assert "E-STOP" not in texts[0]
+    assert "no orders are taken" in texts[0]
+
+
+def test_it_ends_with_the_station() -> None:
+    client = Client()
+
+    async def end(app: Any, pilot: Any) -> None:
+        client.end = {"done": True}
+        await pilot.pause(0.3)
+
+    assert not run(client, end).is_running
+
+
+def test_robots_that_are_not_heard() -> None:
+    silent = ROBOT | {"is_heard": False, "silent_s": 4.2}
+    state = STATE | {"robots": {"left": None, "right": silent}, "corrections": []}
+    texts: list[str] = []
+
+    async def look(app: Any, pilot: Any) -> None:
+        texts.append(shown(app))
+
+    run(Client(state=state), look)
+    assert "not heard yet" in texts[0]
+    assert "silent 4 s (carrying)" in texts[0]
+    assert plain_status(state)[1].endswith("right  not heard for 4 s; was carrying")
