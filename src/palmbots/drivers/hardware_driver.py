@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware_io import HardwareIo
+from palmbots.errors import PalmbotsError
 
 
 class HardwareDriver(ABC):
@@ -37,9 +38,21 @@ class HardwareDriver(ABC):
         return True
 
     def read(self) -> Reading | None:
-        """The newest reading."""
+        """The newest reading.
+
+        Raises:
+            PalmbotsError: there are more or fewer switches than ``[hardware]`` lists.
+        """
         raw = self.read_raw()
-        return None if raw is None else self._io.reading(raw, time.monotonic())
+        if raw is None:
+            return None
+        listed = len(self.settings.hardware.switches)
+        if len(raw.closed) != listed:
+            raise PalmbotsError(
+                f"hardware.switches: {listed} switches are listed; the driver reads "
+                f"{len(raw.closed)}"
+            )
+        return self._io.reading(raw, time.monotonic())
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels."""

@@ -42,6 +42,8 @@ class LinkSettings:
     """This end."""
     addresses: Mapping[Role, str]
     """``link.left``, ``link.right`` and ``link.station``; their meaning depends on the kind."""
+    pair: int = 0
+    """Number of the pair; several pairs may use one network."""
     baud: int = 1_000_000
     """``link.baud``, for serial lines."""
     on_line: Callable[[str], None] = to_stderr

@@ -26,9 +26,9 @@ def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_s
     Raises:
         PalmbotsError: there is no such kind, or its address is wrong or cannot be used.
     """
-    table = pair.settings.link
-    settings = LinkSettings(role, table.addresses(), table.baud, on_line)
-    return LinkMeter(open_link(table.kind, settings), role, pair.key, pair.settings.pair.number)
+    table, number = pair.settings.link, pair.settings.pair.number
+    settings = LinkSettings(role, table.addresses(), number, table.baud, on_line)
+    return LinkMeter(open_link(table.kind, settings), role, pair.key, number)
 
 
 def open_pair_driver(
