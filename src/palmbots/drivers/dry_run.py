@@ -59,7 +59,8 @@ class DryRunDriver:
         self._state("wheels at rest")
 
     def close(self) -> None:
-        """Do nothing: nothing moves."""
+        """The program ends: the wheels stop."""
+        self.stop()
 
 
 def _script_in(script: Any) -> list[tuple[float, int]]:
