@@ -6,24 +6,29 @@ control period it passes readings and packets to the core, and carries out the a
 """
 
 import contextlib
+import math
 import queue
 import threading
-from typing import Any
+import time
+from typing import Any, get_args
 
 import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.control.registry import ControllerEntry, check
+from palmbots.drivers.driver import Drive, Driver, Reading
+from palmbots.drivers.ros2 import Ros2Driver
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.errors import PalmbotsError
 from palmbots.links.udp import UdpLink
 from palmbots.runtime.control_clock import ControlClock
 from palmbots.runtime.drive_table import drive_table
 from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.observation import Observation, Observer, observation_socket
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.robot_program import controller_of, robot_program
 from palmbots.runtime.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.wire import Role
+from palmbots.wire import Role, Verdict
 
 _RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
 _STATE_PERIOD_S = 0.05
@@ -60,12 +65,15 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
     robot = live_program(pair, side, state, scene)
     period_s = scene.control.period_s
     link = UdpLink(side, pair.settings.link.addresses())
-    with contextlib.closing(link), _Storage(file, state) as storage:
-        address = pair.settings.driver.address
-        number = scene_number(scene)
-        driver = SimulatedDriver(address, side, state.epoch, period_s / rate, number)
+    observer = Observer(observation_socket(file))
+    with (
+        contextlib.closing(link),
+        contextlib.closing(observer),
+        _Storage(file, state) as storage,
+    ):
+        driver = _driver(pair, side, state.epoch, scene, period_s / rate)
         with contextlib.closing(driver):
-            driver.read()  # waits until the world starts: no tick counts before
+            driver.read()  # waits until the world or the base starts: no tick counts before
             clock = ControlClock(period_s / rate)
             drives = drive_table(scene, side)
             goal_m = scene.task.distance_m
@@ -93,12 +101,40 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                     min(elapsed, 0xFFFF), reading, link.receive()
                 )
                 storage.keep(StoredState(state.epoch, assists, *robot.to_store))
-                driver.write(drives[palm, move, stop, robot.wheels])
+                drive = drives[palm, move, stop, robot.wheels]
+                driver.write(drive)
                 for receiver, data, _ in packets:
                     # What the partner relies on after a boot is stored before it is said. A robot
                     # that does not carry promises nothing, and must pass on a stop at once.
                     if receiver == 2 or storage.is_done or not robot.wheels:
                         link.send(_RECEIVERS[receiver], data)
+                if observer.is_watched:
+                    observer.send(_observation(robot, seen, drive, clock.recent_overruns))
+
+
+def _driver(pair: Pair, side: Side, epoch: int, scene: Scene, period_s: float) -> Driver:
+    if pair.settings.driver.kind == "ros2":
+        ros2 = pair.settings.ros2
+        return Ros2Driver(ros2, side, scene.task.direction, scene.control.watchdog_s)
+    address, number = pair.settings.driver.address, scene_number(scene)
+    return SimulatedDriver(address, side, epoch, period_s, number)
+
+
+def _observation(robot: Any, seen: Reading, drive: Drive, overruns: int) -> Observation:
+    return Observation(
+        time_s=time.monotonic(),
+        mode=robot.mode,
+        fault=robot.fault,
+        sign=seen.sign,
+        has_contact=seen.has_contact,
+        palm_at_target=seen.palm_at_target,
+        palm_rad=drive.palm_rad,
+        speed_m_s=drive.speed_m_s,
+        distance_m=None if math.isnan(seen.distance_m) else seen.distance_m,
+        battery_v=seen.battery_v,
+        overruns=overruns,
+        received={name: robot.count(number) for number, name in enumerate(get_args(Verdict))},
+    )
 
 
 def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:

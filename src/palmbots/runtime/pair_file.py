@@ -21,6 +21,7 @@ from pydantic import BeforeValidator, ValidationError
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots.drivers.ros2_topics import Ros2Table
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.scene.error_messages import validation_message
@@ -54,8 +55,9 @@ class PairTable(Section):
 class DriverTable(Section):
     """[driver] How a robot reaches its hardware."""
 
-    kind: Literal["simulated"] = "simulated"
-    """simulated: a world in another process (palmbots world)."""
+    kind: Literal["simulated", "ros2"] = "simulated"
+    """simulated: a world in another process (palmbots world); ros2: a base and a palm that are
+    nodes of ROS 2, as [ros2] describes them."""
     address: str = "127.0.0.1:7400"
     """Where the world listens: HOST:PORT, or unix:PATH."""
 
@@ -102,6 +104,7 @@ class PairFile(Section):
     pair: PairTable = PairTable()
     link: LinkTable = LinkTable()
     driver: DriverTable = DriverTable()
+    ros2: Ros2Table = Ros2Table()
     limits: LimitsTable = LimitsTable()
 
 
@@ -119,7 +122,7 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        table = self.settings.model_dump(exclude={"driver": True, "link": True})
+        table = self.settings.model_dump(exclude={"driver": True, "link": True, "ros2": True})
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 
