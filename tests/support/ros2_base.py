@@ -6,7 +6,9 @@
 Each base listens to cmd_vel and to the trajectories of its palm's joint, and publishes odom,
 joint_states and contact. It stops its wheels by its own timeout, control.watchdog_s. The motors are
 those of `palmbots world` at the address WORLD, to which the bases connect as the programs of robots
-do. LOG gets a line of JSON for each command that arrives, and whenever the wheels stop or start.
+do. LOG gets a line of JSON for each command that arrives, whenever the wheels stop or start, and
+for each timeout: `after_s` is the age of the newest command in the step before, when there was none
+yet.
 """
 
 import json
@@ -54,6 +56,7 @@ class Base:
         self.contact = node.publisher(f"/{side}/contact", "std_msgs/msg/Int8", "default")
         self.speed, self.palm, self.commanded_s = 0.0, 0, -math.inf
         self.turned_from, self.moves = self.angles[0], False
+        self.stepped_s = time.monotonic()
 
     def step(self) -> bool:
         """One control period; false: the world has ended."""
@@ -78,7 +81,10 @@ class Base:
             self.speed, self.commanded_s = self.forward * twist.linear.x, now
             self.note("command", speed=self.speed)
         if now - self.commanded_s > self.timeout_s:
+            if self.speed != 0.0:
+                self.note("timeout", after_s=self.stepped_s - self.commanded_s)
             self.speed = 0.0
+        self.stepped_s = now
         for message in self.trajectory.take():
             wanted = message.points[-1].positions[list(message.joint_names).index("palm_joint")]
             palm = min((0, 1), key=lambda i: abs(self.angles[i] - wanted))
