@@ -52,7 +52,7 @@ def check_counts(station: Any, robots: dict[str, Any]) -> None:
 def test_serial_lines_and_bridges(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
     devices = {f"link__{end}": str(tmp_path / end) for end in ENDS}
-    new_pair(tmp_path, "scene.toml", link__kind="serial", **devices)
+    new_pair(tmp_path, pair__scene="scene.toml", link__kind="serial", **devices)
     with lines(*(tmp_path / end for end in ENDS)) as made, Bridges(made):
         station, robots = carry(tmp_path)
     check_counts(station, robots)
@@ -80,7 +80,7 @@ def test_the_example_over_zenoh(zenoh: dict[str, str], tmp_path: Path) -> None:
     places = {
         f"link__{end}": f"tcp/127.0.0.1:{port}" for end, port in zip(ENDS, ports, strict=True)
     }
-    new_pair(tmp_path, "scene.toml", link__kind="zenoh", **places)
+    new_pair(tmp_path, pair__scene="scene.toml", link__kind="zenoh", **places)
     check_counts(*carry(tmp_path, zenoh))
     # The address is in use: one line.
     with socket.create_server(("127.0.0.1", ports[0])):

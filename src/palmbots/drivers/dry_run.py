@@ -55,8 +55,9 @@ class DryRunDriver:
             self._on_line(f"{self._side} robot, dry run: {text}")
 
     def stop(self) -> None:
-        """State that the wheels stop."""
-        self._state("wheels at rest")
+        """State that the wheels stop, if anything has been commanded."""
+        if self._stated:
+            self._state("wheels at rest")
 
     def close(self) -> None:
         """The program ends: the wheels stop."""

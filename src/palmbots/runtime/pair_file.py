@@ -22,6 +22,7 @@ from palmbots._types import SIDES, Side
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots.drivers.hardware import Hardware
+from palmbots.drivers.ros2_topics import Ros2Table
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.scene.error_messages import validation_message
@@ -59,7 +60,7 @@ class DriverTable(Section):
     kind: str = "simulated"
     """simulated: a world in another process (palmbots world). serial: a motor board on a serial
     line. dry-run: no hardware; it states what the robot would do. ros2: a base and a palm that are
-    nodes of ROS 2. Or the name of an installed driver."""
+    nodes of ROS 2, as [ros2] describes them. Or the name of an installed driver."""
     address: str = "127.0.0.1:7400"
     """simulated: where the world listens, HOST:PORT or unix:PATH. serial: the device, such as
     /dev/ttyACM0."""
@@ -126,6 +127,7 @@ class PairFile(Section):
     pair: PairTable = PairTable()
     link: LinkTable = LinkTable()
     driver: DriverTable = DriverTable()
+    ros2: Ros2Table = Ros2Table()
     limits: LimitsTable = LimitsTable()
     hardware: Hardware = Hardware()
 
@@ -144,7 +146,12 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        own = {"driver": True, "link": True, "hardware": True}  # may differ between the robots
+        own = {
+            "driver": True,
+            "link": True,
+            "hardware": True,
+            "ros2": True,
+        }  # may differ between the robots
         table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
