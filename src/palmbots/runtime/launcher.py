@@ -133,7 +133,8 @@ class LiveCarryProcesses:
             "limits.after_reboot": "rejoin",
             "limits.partner_lost": "controller",
             "limits.time_limit_s": self._scene.timeout_s,
-            "limits.stopping_s": stopping_limit_s(self._scene),
+            "limits.max_speed_m_s": max(self._scene.robot_of(s).max_speed_m_s for s in SIDES),
+            "hardware.stopping_s": stopping_limit_s(self._scene),
         }
 
     def _start(self, file: Path, address: str, running: Processes) -> None:

@@ -10,25 +10,26 @@ import gc
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, get_args
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
+from palmbots._util import process_clock
 from palmbots._util.end_signal import ended_by_signal
 from palmbots.control.registry import ControllerEntry, check
-from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.drivers.driver import Drive, Driver, Reading, works
 from palmbots.errors import PalmbotsError
-from palmbots.links.udp import UdpLink
 from palmbots.runtime.control_clock import control_clock, jitter_table
 from palmbots.runtime.drive_table import drive_table
-from palmbots.runtime.greeting import scene_number
-from palmbots.runtime.odometry import Odometry
+from palmbots.runtime.live_ends import open_pair_driver, open_pair_link
+from palmbots.runtime.observation import Observation, Observer, observation_socket
 from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.reading_gauge import ReadingGauge
 from palmbots.runtime.robot_program import controller_of, robot_program
 from palmbots.runtime.state_keeper import StateKeeper
 from palmbots.runtime.stored_state import StoredState, booted
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.wire import Role
+from palmbots.wire import Role, Verdict
 
 _RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
 _STATE_PERIOD_S = 0.05
@@ -55,6 +56,10 @@ class RobotEnd:
     """Ticks that were missed."""
     jitter: dict[str, int]
     """How many ticks began late by how much."""
+    link: dict[str, Any]
+    """What was exchanged with each other end (`palmbots.links.link_meter`)."""
+    verdicts: dict[str, int]
+    """Received packets by verdict."""
 
     def summary(self) -> dict[str, Any]:
         """The same as a table."""
@@ -64,7 +69,7 @@ class RobotEnd:
 def run_live_robot(
     pair: Pair, side: Side, rate: float = 1.0, on_line: Callable[[str], None] = print
 ) -> RobotEnd:
-    """Boot the program of one robot, and run it until its driver ends it, or SIGTERM arrives.
+    """Boot the program of one robot, and run it until its driver ends it, or SIGTERM or Ctrl-C.
 
     Args:
         pair: the pair.
@@ -77,27 +82,34 @@ def run_live_robot(
             lost.
     """
     file = pair.state_file(side)
-    with booted(file) as state:
+    with booted(file) as state, contextlib.ExitStack() as stack:
         scene = load_scene(pair.scene())
-        period_s = scene.control.period_s / rate
-        robot = live_program(pair, side, state, scene, rate)
-        link = UdpLink(side, pair.settings.link.addresses())
-        with contextlib.closing(link), StateKeeper(file, state) as keeper:
-            address = pair.settings.driver.address
-            number = scene_number(scene)
-            driver = SimulatedDriver(address, side, state.epoch, period_s, number)
-            with contextlib.closing(driver):
-                clock = control_clock(side, period_s)
-                driver.read()  # waits until the world starts: no tick counts before
-                loop = _Loop(pair, side, rate, scene, robot, driver, clock.link(link), keeper)
-                loop.clock, loop.on_line = clock, on_line
-                return loop.run(state)
+        live_program(pair, side, state, scene, rate)  # refuses before anything is opened
+        link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
+        observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file.path))))
+        keeper = stack.enter_context(StateKeeper(file, state))
+        driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
+        stack.enter_context(contextlib.closing(driver))
+        clock = control_clock(side, scene.control.period_s / rate)
+        first = driver.read()  # waits until the hardware or the world starts: no tick counts before
+        gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
+        loop = _Loop(pair, side, rate, scene, state, driver, keeper, gauge)
+        loop.link, loop.clock, loop.observer, loop.on_line = (
+            clock.link(link),
+            clock,
+            observer,
+            on_line,
+        )
+        loop.run()
+        return loop.end(link.summary())
 
 
 class _Loop:
     """The control loop of one robot."""
 
+    link: Any
     clock: Any
+    observer: Observer
     on_line: Callable[[str], None]
 
     def __init__(
@@ -106,47 +118,69 @@ class _Loop:
         side: Side,
         rate: float,
         scene: Scene,
-        robot: Any,
-        driver: SimulatedDriver,
-        link: Any,
+        state: StoredState,
+        driver: Driver,
         keeper: StateKeeper,
+        gauge: ReadingGauge,
     ) -> None:
-        self._pair, self._rate, self._scene = pair, rate, scene
-        self._side: Side = side
-        self._robot, self._driver, self._link, self._keeper = robot, driver, link, keeper
+        self._pair, self._side, self._rate, self._scene = pair, side, rate, scene
+        self._driver, self._keeper, self._gauge = driver, keeper, gauge
         self._drives = drive_table(scene, side)
         self._period_s = scene.control.period_s
         self._watchdog = ticks_in(scene.control.watchdog_s, self._period_s)
-        self._stopping = ticks_in(pair.settings.limits.stopping_s, self._period_s)
         self._rejoins = pair.settings.limits.after_reboot == "rejoin"
         self._ticks = 0
+        self._start(state)
 
-    def run(self, state: StoredState) -> RobotEnd:
+    def _start(self, state: StoredState) -> None:
+        self._epoch = state.epoch
+        self._carries = state.carries and self._rejoins
+        encoders = self._gauge.has_encoders
+        self._robot = live_program(
+            self._pair, self._side, state, self._scene, self._rate, has_encoders=encoders
+        )
+
+    def run(self) -> None:
         """Tick until the driver or a signal ends it."""
-        odometry = Odometry(self._scene.task.distance_m, state.covered_m)
-        carries = state.carries and self._rejoins
         with ended_by_signal() as ended, _little_garbage():
             while not ended.is_set():
                 elapsed = self.clock.wait()
                 if self._robot.wheels and elapsed > self._watchdog:
-                    state, carries, elapsed = self._boot(elapsed)
-                seen = self._read(state.epoch)
+                    elapsed = self._boot(elapsed)
+                seen = self._read()
                 if seen is None:
                     break
-                odometry.take(seen.distance_m, carries)
-                reading = self._reading(seen, odometry)
-                answer = self._robot.step(min(elapsed, 0xFFFF), reading, self._link.receive())
-                self._obey(state.epoch, answer, odometry)
-                carries = self._robot.wheels
+                reading = self._gauge.take(
+                    seen,
+                    carries=self._carries,
+                    driver_ok=works(self._driver),
+                    storage_ok=self._keeper.works,
+                    overruns=min(self.clock.recent_overruns, 0xFFFF),
+                )
+                answer = self._robot.step(min(elapsed, 0xFFFF), reading, self.link.receive())
+                drive = self._obey(answer)
+                self._carries = self._robot.wheels
                 self._ticks += 1
+                if self.observer.is_watched:
+                    self.observer.send(self._observation(seen, drive))
         self._driver.stop()
+
+    def end(self, link: dict[str, Any]) -> RobotEnd:
+        """How it has run."""
         robot, clock = self._robot, self.clock
-        jitter = jitter_table(clock.jitter)
         return RobotEnd(
-            self._side, state.epoch, robot.mode, robot.fault, self._ticks, clock.overruns, jitter
+            self._side,
+            self._epoch,
+            robot.mode,
+            robot.fault,
+            self._ticks,
+            clock.overruns,
+            jitter_table(clock.jitter),
+            link,
+            self._verdicts(),
         )
 
-    def _boot(self, elapsed: int) -> tuple[StoredState, bool, int]:
+    def _boot(self, elapsed: int) -> int:
         """Start again: in a carry, a program that was held up for longer than the watchdog's time
         may not go on with what it knew (docs/theory/protocols.md)."""
         held_up_s = elapsed * self._period_s
@@ -154,12 +188,11 @@ class _Loop:
             f"{self._side}: was held up for {held_up_s:.2f} s, longer than control.watchdog_s; "
             "starts again"
         )
-        state = self._keeper.boot()
-        self._robot = live_program(self._pair, self._side, state, self._scene, self._rate)
+        self._start(self._keeper.boot())
         self.clock.forget()
-        return state, state.carries and self._rejoins, 1
+        return 1
 
-    def _read(self, epoch: int) -> Any:
+    def _read(self) -> Reading | None:
         """What the driver reads; None: it has ended the carry.
 
         Raises:
@@ -171,36 +204,45 @@ class _Loop:
             for _ in range(ticks_in(_STATUS_PERIOD_S * self._rate, self._period_s)):
                 lost = _core.runtime.Reading(0, False, driver_ok=False)
                 for receiver, data, _ in self._robot.step(1, lost, [])[3]:
-                    self._link.send(_RECEIVERS[receiver], data)
-            self._keeper.keep(StoredState(epoch, False, *self._robot.to_store))
+                    self.link.send(_RECEIVERS[receiver], data)
+            self._keeper.keep(StoredState(self._epoch, False, *self._robot.to_store))
             raise
 
-    def _reading(self, seen: Any, odometry: Odometry) -> Any:
-        return _core.runtime.Reading(
-            seen.sign,
-            seen.palm_at_target,
-            driver_ok=self._driver.works,
-            storage_ok=self._keeper.works,
-            covered=odometry.is_covered,
-            overruns=min(self.clock.recent_overruns, 0xFFFF),
-            progress=round(65535 * odometry.share),
-            stopping=self._stopping,
-        )
-
-    def _obey(self, epoch: int, answer: Any, odometry: Odometry) -> None:
+    def _obey(self, answer: Any) -> Drive:
         """Store, drive and send what the core has decided."""
         palm, move, stop, packets, *_, assists = answer
         carries, is_stopped = self._robot.to_store
-        covered_m = odometry.to_store_m if carries else 0.0
-        self._keeper.keep(StoredState(epoch, assists, carries, is_stopped, covered_m))
-        self._driver.write(self._drives[palm, move, stop, self._robot.wheels])
+        covered_m = self._gauge.to_store_m if carries else 0.0
+        self._keeper.keep(StoredState(self._epoch, assists, carries, is_stopped, covered_m))
+        drive = self._drives[palm, move, stop, self._robot.wheels]
+        self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()
         for receiver, data, _ in packets:
             # What the partner relies on after a boot is stored before it is said. A robot that
             # does not carry promises nothing, and must pass on a stop at once.
             if receiver == 2 or self._keeper.is_done or not self._robot.wheels:
-                self._link.send(_RECEIVERS[receiver], data)
+                self.link.send(_RECEIVERS[receiver], data)
+        return drive
+
+    def _verdicts(self) -> dict[str, int]:
+        return {name: self._robot.count(number) for number, name in enumerate(get_args(Verdict))}
+
+    def _observation(self, seen: Reading, drive: Drive) -> Observation:
+        return Observation(
+            time_s=process_clock.monotonic(),
+            mode=self._robot.mode,
+            fault=self._robot.fault,
+            sign=seen.sign,
+            has_contact=seen.has_contact,
+            palm_at_target=seen.palm_at_target,
+            palm_rad=drive.palm_rad,
+            speed_m_s=drive.speed_m_s,
+            distance_m=None if math.isnan(seen.distance_m) else seen.distance_m,
+            battery_v=seen.battery_v,
+            overruns=self.clock.recent_overruns,
+            received=self._verdicts(),
+        )
 
 
 @contextlib.contextmanager
@@ -227,18 +269,35 @@ def stopping_limit_s(scene: Scene) -> float:
 
 
 def live_program(
-    pair: Pair, side: Side, state: StoredState, scene: Scene, rate: float = 1.0
+    pair: Pair,
+    side: Side,
+    state: StoredState,
+    scene: Scene,
+    rate: float = 1.0,
+    *,
+    has_encoders: bool = True,
 ) -> Any:
-    """The program of one robot of a pair, as it starts after a boot."""
+    """The program of one robot of a pair, as it starts after a boot.
+
+    Without encoders the distance is covered after the time that it takes at nominal speed.
+    """
     entry = controller_of(pair)
     if entry.team == "station":
         raise PalmbotsError(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    return robot_program(pair, side, state, scene, _settings(pair, scene, entry, rate))
+    speed_m_s = scene.robot_of(side).speed_m_s
+    travel_s = 0.0
+    if not has_encoders:
+        limit_s = pair.settings.limits.time_limit_s
+        travel_s = scene.task.distance_m / speed_m_s if speed_m_s > 0 else limit_s
+    settings = _settings(pair, scene, entry, rate, travel_s)
+    return robot_program(pair, side, state, scene, settings)
 
 
-def _settings(pair: Pair, scene: Scene, entry: ControllerEntry, rate: float) -> Any:
+def _settings(
+    pair: Pair, scene: Scene, entry: ControllerEntry, rate: float, travel_s: float
+) -> Any:
     """The settings of the core, in control ticks. The station lives in real time."""
     limits = pair.settings.limits
     bounds = check(entry, scene)
@@ -252,7 +311,7 @@ def _settings(pair: Pair, scene: Scene, entry: ControllerEntry, rate: float) -> 
         lease=round(lease_s / period_s),
         station_limit=ticks(limits.station_limit_s * rate),
         time_limit=ticks(limits.time_limit_s),
-        travel=0,  # the driver measures the distance
+        travel=ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
         stopping_limit=ticks(stopping_limit_s(scene)),
         most_overruns=_MOST_OVERRUNS,
         has_radio=entry.uses_radio,

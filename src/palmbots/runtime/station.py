@@ -16,9 +16,11 @@ from palmbots._types import SIDES, Side
 from palmbots._util import process_clock
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
+from palmbots.links.link_meter import LinkMeter
 from palmbots.runtime.correction_watch import CorrectionWatch
 from palmbots.runtime.fault_watch import FaultWatch
 from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.reported_counts import ReportedCounts
 from palmbots.runtime.robot_view import LOST_AFTER_S, RobotView
 from palmbots.runtime.station_epochs import StationEpochs
 from palmbots.runtime.stored_state import StoredState, read_state, write_state
@@ -75,6 +77,8 @@ class Station:
         self._notes: list[Callable[[str, Any], None]] = []
         self.robots: dict[Side, RobotView] = {side: RobotView() for side in SIDES}
         """What is known of each robot."""
+        self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
+        """What each robot has reported about its own end of the wire."""
         self.corrections = CorrectionWatch()
         self._faults = FaultWatch(PERIOD_S, self._start_s)
         self._lost: set[Side] = set()
@@ -135,6 +139,12 @@ class Station:
             for side, view in self.robots.items()
             if view.status is not None and view.is_heard(now)
         }
+
+    def links(self) -> dict[str, Any]:
+        """What the link of the station has sent, received and lost, and what the robots report."""
+        own = self._link.summary() if isinstance(self._link, LinkMeter) else {}
+        reported = {side: counts.totals for side, counts in self.reported.items()}
+        return {"station": own, "verdicts": dict(self._end.counts), "robots": reported}
 
     def is_done(self) -> bool:
         """Both robots have carried out the wish."""
@@ -246,6 +256,7 @@ class Station:
         view, now = self.robots[side], self.clock()
         old = view.status
         view.take(packet, status, now)
+        self.reported[side].note(status)
         if old is None or (old.mode, old.fault) != (status.mode, status.fault):
             why = f" ({status.fault})" if status.fault != "none" else ""
             turns = old is not None and {old.mode, status.mode} == {"carrying", "holding"}

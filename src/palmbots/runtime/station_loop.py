@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from palmbots.errors import PalmbotsError
-from palmbots.links.udp import UdpLink
 from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.control_clock import ControlClock, control_clock
+from palmbots.runtime.live_ends import open_pair_link
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.station import PERIOD_S, UNDER_WAY, OtherStation, Station
 from palmbots.runtime.station_server import QUIT, SILENT_S, StationServer, station_address
@@ -40,10 +40,17 @@ class StationEnd:
     """The newest modes of the robots."""
     lines: list[str]
     """Everything that was said."""
+    links: dict[str, Any]
+    """What was sent, received and lost (`Station.links`)."""
 
     def summary(self) -> dict[str, Any]:
         """What ``palmbots station --json`` prints at last."""
-        return {"done": self.done, "modes": self.modes, "lines": self.lines}
+        return {
+            "done": self.done,
+            "modes": self.modes,
+            "lines": self.lines,
+            "links": self.links,
+        }
 
 
 def run_station_loop(
@@ -75,9 +82,7 @@ def run_station_loop(
     }
     with contextlib.ExitStack() as stack:
         stack.enter_context(_only_station(file))
-        link = stack.enter_context(
-            contextlib.closing(UdpLink("station", pair.settings.link.addresses()))
-        )
+        link = stack.enter_context(contextlib.closing(open_pair_link(pair, "station")))
         server = StationServer(station_address(pair), facts)
         end: dict[str, Any] = {"error": "the station has failed"}
         stack.callback(lambda: server.close(end))
@@ -97,8 +102,9 @@ def run_station_loop(
             end = {"error": str(error)}
             raise
         modes = {side: status.mode for side, status in station.status.items()}
-        result = StationEnd(loop.done, cast(dict[str, str], modes), server.lines)
-        end = {"done": result.done, "modes": modes}
+        links = station.links()
+        result = StationEnd(loop.done, cast(dict[str, str], modes), server.lines, links)
+        end = {"done": result.done, "modes": modes, "links": links}
     return result
 
 

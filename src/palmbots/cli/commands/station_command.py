@@ -86,7 +86,8 @@ def station(
                 end = _show(client, **shown, reads_orders=not auto)
         lines = client.lines
     if as_json:
-        print_json({"done": end["done"], "modes": end["modes"], "lines": lines})
+        links = end.get("links", {})
+        print_json({"done": end["done"], "modes": end["modes"], "lines": lines, "links": links})
     return DONE if end["done"] else FAILED
 
 
