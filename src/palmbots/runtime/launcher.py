@@ -83,6 +83,7 @@ def run_live(
     impairment: Impairment,
     screen: Sequence[str] | None,
     output: Path | None,
+    log_folder: str,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
@@ -95,6 +96,7 @@ def run_live(
         impairment: what happens to the packets.
         screen: options of ``palmbots station`` for a screen of the station; None: no screen.
         output: file for what the world prints; None: it prints on stdout.
+        log_folder: where robots and station log; empty: nowhere.
         on_line: called with a line about each program that was killed and starts again.
 
     Returns:
@@ -108,6 +110,7 @@ def run_live(
         proxy = Proxy(own, impairment)
     values = {
         **{f"link.{end}": address for end, address in proxy.addresses.items()},
+        "pair.log_folder": log_folder,
         "limits.after_reboot": "rejoin",
         "limits.partner_lost": "controller",
         "limits.time_limit_s": scene.timeout_s,

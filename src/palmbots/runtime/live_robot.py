@@ -8,6 +8,7 @@ control period it passes readings and packets to the core, and carries out the a
 import contextlib
 import queue
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import palmbots._core as _core
@@ -19,6 +20,7 @@ from palmbots.links.udp import UdpLink
 from palmbots.runtime.control_clock import ControlClock
 from palmbots.runtime.drive_table import drive_table
 from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.logged_robot import LoggedRobot
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.robot_program import controller_of, robot_program
 from palmbots.runtime.stored_state import StoredState, booted, write_state
@@ -34,13 +36,16 @@ _MOST_OVERRUNS = 50
 """The control loop is too slow if more of the last 100 ticks were missed."""
 
 
-def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
+def run_live_robot(
+    pair: Pair, side: Side, rate: float = 1.0, on_warning: Callable[[str], None] = print
+) -> int:
     """Boot the program of one robot, and run it until its driver is gone.
 
     Args:
         pair: the pair.
         side: which of its robots.
         rate: multiple of real time at which a simulated robot runs.
+        on_warning: called with a line about what does not end the program.
 
     Returns:
         How often the robot has booted.
@@ -50,17 +55,19 @@ def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
     """
     file = pair.state_file(side)
     with booted(file) as state:
-        _run(pair, side, state, rate)
+        _run(pair, side, state, rate, on_warning)
         return state.epoch
 
 
-def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
+def _run(
+    pair: Pair, side: Side, state: StoredState, rate: float, on_warning: Callable[[str], None]
+) -> None:
     file = pair.state_file(side)
     scene = load_scene(pair.scene())
-    robot = live_program(pair, side, state, scene)
+    robot = logged_program(pair, side, state, scene, rate, on_warning)
     period_s = scene.control.period_s
     link = UdpLink(side, pair.settings.link.addresses())
-    with contextlib.closing(link), _Storage(file, state) as storage:
+    with contextlib.closing(robot), contextlib.closing(link), _Storage(file, state) as storage:
         address = pair.settings.driver.address
         number = scene_number(scene)
         driver = SimulatedDriver(address, side, state.epoch, period_s / rate, number)
@@ -79,7 +86,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                 if not robot.wheels:
                     start_m = seen.distance_m
                 covered_m = seen.distance_m - start_m
-                reading = _core.runtime.Reading(
+                reading = robot.reading(
                     seen.sign,
                     seen.palm_at_target,
                     driver_ok=driver.works,
@@ -99,20 +106,39 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                     # that does not carry promises nothing, and must pass on a stop at once.
                     if receiver == 2 or storage.is_done or not robot.wheels:
                         link.send(_RECEIVERS[receiver], data)
+                    else:
+                        robot.withhold(receiver)
 
 
-def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:
+def logged_program(
+    pair: Pair,
+    side: Side,
+    state: StoredState,
+    scene: Scene,
+    rate: float,
+    on_warning: Callable[[str], None],
+) -> LoggedRobot:
+    """The same program as `live_program`, with a log."""
+    program = live_program(pair, side, state, scene, rate)
+    settings = _settings(pair, scene, controller_of(pair), rate)
+    return LoggedRobot(program, pair, side, state, scene, settings, on_warning)
+
+
+def live_program(
+    pair: Pair, side: Side, state: StoredState, scene: Scene, rate: float = 1.0
+) -> Any:
     """The program of one robot of a pair, as it starts after a boot."""
     entry = controller_of(pair)
     if entry.team == "station":
         raise PalmbotsError(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    return robot_program(pair, side, state, scene, _settings(pair, scene, entry))
+    settings = _core.runtime.RuntimeSettings(**_settings(pair, scene, entry, rate))
+    return robot_program(pair, side, state, scene, settings)
 
 
-def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
-    """The settings of the core, in control ticks."""
+def _settings(pair: Pair, scene: Scene, entry: ControllerEntry, rate: float) -> dict[str, Any]:
+    """The settings of the core, in control ticks. The station lives in real time."""
     limits = pair.settings.limits
     bounds = check(entry, scene)
     lease_s = _LEASE_S if bounds is None else bounds.lease_s
@@ -121,21 +147,21 @@ def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
     def ticks(seconds: float) -> int:
         return max(1, round(seconds / period_s))
 
-    return _core.runtime.RuntimeSettings(
-        lease=ticks(lease_s),
-        station_limit=ticks(limits.station_limit_s),
-        time_limit=ticks(limits.time_limit_s),
-        travel=0,  # the driver measures the distance
-        watchdog=ticks(scene.control.watchdog_s),
-        most_overruns=_MOST_OVERRUNS,
-        has_radio=entry.uses_radio,
-        rejoins=limits.after_reboot == "rejoin",
-        stops_without_station=limits.station_lost == "stop",
-        stops_without_partner=limits.partner_lost == "stop",
-        state_period=ticks(_STATE_PERIOD_S),
-        status_period=ticks(_STATUS_PERIOD_S),
-        number=pair.fingerprint(scene),
-    )
+    return {
+        "lease": ticks(lease_s),
+        "station_limit": ticks(limits.station_limit_s * rate),
+        "time_limit": ticks(limits.time_limit_s),
+        "travel": 0,  # the driver measures the distance
+        "watchdog": ticks(scene.control.watchdog_s),
+        "most_overruns": _MOST_OVERRUNS,
+        "has_radio": entry.uses_radio,
+        "rejoins": limits.after_reboot == "rejoin",
+        "stops_without_station": limits.station_lost == "stop",
+        "stops_without_partner": limits.partner_lost == "stop",
+        "state_period": ticks(_STATE_PERIOD_S),
+        "status_period": min(0xFFFF, ticks(_STATUS_PERIOD_S * rate)),
+        "number": pair.fingerprint(scene),
+    }
 
 
 class _Storage:

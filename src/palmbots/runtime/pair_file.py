@@ -45,6 +45,8 @@ class PairTable(Section):
     state_folder: str = "pair-state"
     """Folder in which each robot stores what it must remember over a reboot. Never copy or restore
     it: its boot counter protects against replayed packets."""
+    log_folder: str = "pair-logs"
+    """Folder in which each program logs what it sees, says and decides; empty: no logs."""
     scene: str = "paper"
     """Name of a built-in scene, or a TOML file."""
     controller: str = "resilient"
@@ -117,9 +119,22 @@ class Pair:
         """The file in which a robot or the station stores what it must remember over a reboot."""
         return self.file.parent / self.settings.pair.state_folder / f"{end}.json"
 
+    def log_folder(self) -> Path | None:
+        """Where the programs of this pair log; None: nowhere."""
+        name = self.settings.pair.log_folder
+        return self.file.parent / name if name else None
+
+    def with_logs(self, folder: str) -> "Pair":
+        """The same pair, with its logs in another folder, relative to the current one."""
+        name = str(Path(folder).absolute()) if folder else ""
+        table = self.settings.pair.model_copy(update={"log_folder": name})
+        return replace(self, settings=self.settings.model_copy(update={"pair": table}))
+
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        table = self.settings.model_dump(exclude={"driver": True, "link": True})
+        table = self.settings.model_dump(
+            exclude={"driver": True, "link": True, "pair": {"log_folder"}}
+        )
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 
@@ -209,6 +224,7 @@ def init_pair(
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
     names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
+    names |= {"log_folder": f"{path.stem}-logs"}
     chosen = {
         "pair.number": secrets.randbelow(2**16),
         "pair.scene": scene,

@@ -20,8 +20,10 @@ from palmbots.links.udp import UdpLink
 from palmbots.runtime.carry_script import carry_once
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.station import PERIOD_S, UNDER_WAY, OtherStation, Station
+from palmbots.runtime.station_log import StationLog
 from palmbots.runtime.station_server import QUIT, SILENT_S, StationServer, station_address
 from palmbots.runtime.stored_state import CounterInUse, held
+from palmbots.scene.scene import load_scene
 from palmbots.wire import Operation, RobotMode
 
 _STOP_WITHIN_S = 3.0
@@ -75,6 +77,9 @@ def run_station_loop(pair: Pair, *, auto: bool, for_screen: bool = False) -> Sta
         ended = stack.enter_context(_ended_by_signal())
         station = Station(pair, link, server.lines.append)
         stack.callback(station.close)
+        log = StationLog(pair, station.epoch, load_scene(pair.scene()), server.lines.append)
+        stack.callback(log.close)
+        station.on_note(log)
         loop = _Loop(station, server, pair, auto=auto, for_screen=for_screen)
         try:
             while loop.done is None:

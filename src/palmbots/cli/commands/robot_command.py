@@ -7,7 +7,8 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, JsonOption
+from palmbots.cli._warnings import warn
+from palmbots.cli.options import DONE, JsonOption, LogOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -22,6 +23,7 @@ def robot(
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
     rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
+    log: LogOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Run the program of one robot of a pair.
@@ -36,8 +38,10 @@ def robot(
 
     one_of("--side", side, SIDES)
     chosen: Any = side
-    run = run_robot if lockstep else partial(run_live_robot, rate=_checked(rate))
-    epoch = run(load_pair(pair), chosen)
+    live = partial(run_live_robot, rate=_checked(rate), on_warning=warn)
+    run = run_robot if lockstep else live
+    pair_of = load_pair(pair)
+    epoch = run(pair_of if log is None else pair_of.with_logs(log), chosen)
     if as_json:
         print_json({"side": side, "boots": epoch})
     return DONE

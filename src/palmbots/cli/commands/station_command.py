@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def station(
         bool,
         typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
     ] = False,
+    log: LogOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Operate two robots: arm, start, stop, release.
@@ -67,7 +68,8 @@ def station(
     if no_screen:
         from palmbots.runtime.station_loop import run_station_loop
 
-        end: dict[str, Any] = run_station_loop(chosen, auto=auto, for_screen=for_screen).summary()
+        logged = chosen if log is None else chosen.with_logs(log)
+        end: dict[str, Any] = run_station_loop(logged, auto=auto, for_screen=for_screen).summary()
         lines = end["lines"]
     else:
         from palmbots.cli.station_process import attached, started_station
@@ -79,6 +81,7 @@ def station(
             end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
         else:
             options = [pair, *(["--auto"] if auto else [])]
+            options += [] if log is None else ["--log", log]
             with started_station(options, address) as client:
                 end = _show(client, **shown, reads_orders=not auto)
         lines = client.lines

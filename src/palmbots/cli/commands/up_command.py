@@ -2,8 +2,10 @@
 """The command `palmbots up`."""
 
 import contextlib
+import os
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated
@@ -51,6 +53,12 @@ def up(
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
+    log: Annotated[
+        str | None,
+        typer.Option(
+            "--log", metavar="DIR", help='Folder for the logs [default: a new one]; "": no logs.'
+        ),
+    ] = None,
     plain: Annotated[
         bool,
         typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
@@ -98,8 +106,9 @@ def up(
     has_screen = not (plain or as_json) and sys.stdout.isatty()
     if has_screen:
         require("textual", "station")
+    logs = _log_folder(log, scene)
     with _output(has_screen) as (output, on_line):
-        return run_live(
+        status = run_live(
             chosen,
             controller,
             options,
@@ -107,8 +116,22 @@ def up(
             impairment=Impairment.parse(link),
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,
+            log_folder=logs,
             on_line=on_line,
         )
+    if logs and not as_json:
+        print(f"logs: {logs}")
+    return status
+
+
+def _log_folder(log: str | None, scene: str) -> str:
+    """Where the programs log; empty: nowhere. As other programs do, runs without a folder of their
+    own are kept in the user's folder for such states."""
+    if log is not None:
+        return str(Path(log).absolute()) if log else ""
+    home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    name = f"{time.strftime('%Y-%m-%d-%H%M%S')}-{Path(scene).stem}"
+    return str(Path(home).absolute() / "palmbots" / "logs" / name)
 
 
 @contextlib.contextmanager
