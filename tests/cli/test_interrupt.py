@@ -46,6 +46,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "robot": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
+    "view": ("palmbots.runtime.log_player", "viewable", ["x.mcap"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

@@ -101,6 +101,11 @@ class StateChannel:
             for k in range(len(self.topics))
         ]
 
+    def message(self, values: dict[str, Any]) -> Any:
+        """The message of one instant, from the values of variables by their names."""
+        pairs = zip(self._fields, self.variables, strict=True)
+        return self._message(**{field: values[v.name] for field, v in pairs if v.name in values})
+
     def columns(self, messages: dict[str, list[bytes]]) -> dict[str, np.ndarray]:
         """The values of each variable, by its name, from the messages of each topic."""
         states = [[self._message.FromString(m) for m in messages[topic]] for topic in self.topics]

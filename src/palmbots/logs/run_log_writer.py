@@ -8,6 +8,7 @@ of the log and one warning, never a tick.
 import contextlib
 import errno
 import json
+import os
 import queue
 import socket
 import threading
@@ -24,6 +25,7 @@ _MOST_WAITING = 5000  # messages that the disk has not taken yet
 _CHUNK_BYTES = 16_384  # what a program that is killed loses at most
 _CLOSES_WITHIN_S = 5.0
 _MOST_BYTES = 500_000_000
+_FLUSHED_EVERY = 100  # messages
 Fill = Callable[[], Any]
 _now_ns = time.monotonic_ns
 
@@ -109,7 +111,7 @@ class RunLogWriter:
             while (item := self._queue.get()) is not None:
                 instant, topic, fill = item
                 channels.write(topic, fill(), instant)
-                if stream.tell() > _MOST_BYTES:
+                if os.fstat(stream.fileno()).st_size > _MOST_BYTES:
                     self._say(f"has reached {_MOST_BYTES // 1_000_000} MB, and ends")
                     break
             channels.finish()
@@ -142,7 +144,7 @@ class _Channels:
         self._writer = Writer(stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
         self._channels: dict[str, int] = {}
         self._counts: dict[str, int] = {}
-        self._written = 0
+        self._count = 0
 
     def start(self, facts: Mapping[str, Any]) -> None:
         self._writer.start(profile="", library=f"palmbots {self._version}")
@@ -162,9 +164,9 @@ class _Channels:
             self._channels[topic], instant, message.SerializeToString(), instant,
             self._counts[topic],
         )  # fmt: skip
-        if self._stream.tell() != self._written:  # a chunk is complete
+        self._count += 1
+        if self._count % _FLUSHED_EVERY == 0:
             self._stream.flush()
-            self._written = self._stream.tell()
 
     def finish(self) -> None:
         self._writer.finish()

@@ -84,6 +84,7 @@ def run_live(
     screen: Sequence[str] | None,
     output: Path | None,
     log_folder: str,
+    live: str | None,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
@@ -97,6 +98,7 @@ def run_live(
         screen: options of ``palmbots station`` for a screen of the station; None: no screen.
         output: file for what the world prints; None: it prints on stdout.
         log_folder: where robots and station log; empty: nowhere.
+        live: where a live view for Foxglove is served; None: nowhere.
         on_line: called with a line about each program that was killed and starts again.
 
     Returns:
@@ -127,6 +129,9 @@ def run_live(
         running["station"] = _started(commands["station"])
         if screen is not None:
             running["screen"] = _started(["station", str(files["station"]), *screen])
+        if live is not None:
+            view = ["view", str(files["station"]), "--serve", live, "--wait-s", "60", "--json"]
+            running["view"] = _started(view)
         _supervise(running, commands, on_line)
         if screen is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):

@@ -126,7 +126,7 @@ def fit(own: Traffic, other: Traffic) -> tuple[float, float, float, int] | None:
     lower[:, 0] -= middle
     low, high = 1 - _RATE_REACH, 1 + _RATE_REACH
     if len(out) + len(back) < 20 or np.ptp(np.concatenate([upper[:, 0], lower[:, 0]])) < 1.0:
-        low = high = 1.0  # too little to tell the rate
+        low = high = 1.0  # too little to find the rate
     for _ in range(_STEPS):  # the margin is concave in the rate
         third = (high - low) / 3
         if _margin(upper, lower, low + third) < _margin(upper, lower, high - third):

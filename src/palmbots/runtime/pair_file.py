@@ -144,8 +144,8 @@ class Pair:
         return str(self.file.parent / name) if name.endswith(".toml") else name
 
 
-def load_pair(file: str | os.PathLike[str]) -> Pair:
-    """Read a ``pair.toml`` and the key that it names.
+def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
+    """Read a ``pair.toml`` and the key that it names. A viewer needs no key.
 
     Raises:
         PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
@@ -163,7 +163,8 @@ def load_pair(file: str | os.PathLike[str]) -> Pair:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
         raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
-    return Pair(path, settings, _key_in(path.parent / settings.pair.key_file))
+    key = _key_in(path.parent / settings.pair.key_file) if with_key else b""
+    return Pair(path, settings, key)
 
 
 def _key_in(path: Path) -> bytes:

@@ -59,6 +59,10 @@ def up(
             "--log", metavar="DIR", help='Folder for the logs [default: a new one]; "": no logs.'
         ),
     ] = None,
+    live: Annotated[
+        str | None,
+        typer.Option("--live", metavar="ADDRESS", help="Serve a live 3-D view for Foxglove there."),
+    ] = None,
     plain: Annotated[
         bool,
         typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
@@ -89,7 +93,8 @@ def up(
     check(entry, chosen)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
-    given = {"rate": rate != 1.0, "link": link != ""} if lockstep else {}
+    given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}
+    given = {name: bool(value) for name, value in given.items()} if lockstep else {}
     given["precision"] = not lockstep and precision != "double"
     for name in (name for name, is_so in given.items() if is_so):
         raise PalmbotsError(
@@ -106,6 +111,8 @@ def up(
     has_screen = not (plain or as_json) and sys.stdout.isatty()
     if has_screen:
         require("textual", "station")
+    if live is not None:
+        require("foxglove", "station")
     logs = _log_folder(log, scene)
     with _output(has_screen) as (output, on_line):
         status = run_live(
@@ -117,6 +124,7 @@ def up(
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,
             log_folder=logs,
+            live=live,
             on_line=on_line,
         )
     if logs and not as_json:
