@@ -47,6 +47,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "ros2": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
+    "view": ("palmbots.runtime.log_player", "viewable", ["x.mcap"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

@@ -124,8 +124,14 @@ class LivePair:
             if elapsed == 0:
                 continue
             self.clock[side] -= elapsed
-            reading = _core.runtime.Reading(
-                seen[0], seen[1], covered=covered, stop=side in self.by_hand
+            read = getattr(robot, "reading", _core.runtime.Reading)
+            share = max(0.0, min(1.0, self.world.midpoint / self.scene.task.distance_m))
+            reading = read(
+                seen[0],
+                seen[1],
+                covered=covered,
+                stop=side in self.by_hand,
+                progress=round(65535 * share),
             )
             answer = robot.step(elapsed, reading, self.air.receive(side))
             palm, move, stop, packets, *_, assists = answer

@@ -103,3 +103,9 @@ WorldOption = Annotated[
 FormatOption = Annotated[
     str, typer.Option("--format", metavar="NAME", help="Figure format: png, svg or pdf.")
 ]
+LogOption = Annotated[
+    str | None,
+    typer.Option(
+        "--log", metavar="DIR", help='Folder for the log [default: log_folder of PAIR]; "": no log.'
+    ),
+]

@@ -4,17 +4,18 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from palmbots.logs.replaying import ReplayResult
-
 if TYPE_CHECKING:
     from palmbots.logs.decoders import decoder_factories
     from palmbots.logs.mcap_reader import Log
+    from palmbots.logs.replaying import ReplayResult
 
 __all__ = ["Log", "ReplayResult", "decoder_factories"]
 
-# Imported on first use, because the packages mcap and protobuf take long to import.
+# Imported on first use, because the packages mcap and protobuf take long to import, and because the
+# programs of robots need little of it.
 _LAZY = {
     "Log": "mcap_reader",
+    "ReplayResult": "replaying",
     "decoder_factories": "decoders",
 }
 

@@ -31,6 +31,7 @@ __all__ = [
     "MessageEvent",
     "StateChannel",
     "Variable",
+    "message_type",
     "state_channels",
     "variables_of",
 ]
@@ -87,7 +88,7 @@ class StateChannel:
         }
         if len(fields) < len(variables):
             raise PalmbotsError(f"log: two trace variables share a field of {name}: {self._fields}")
-        self._message = _message_type(name, fields)
+        self._message = message_type(name, fields)
 
     def messages(self, trace: "xr.Dataset") -> list[list[Any]]:
         """The messages of each topic, one for each row of the trace."""
@@ -99,6 +100,11 @@ class StateChannel:
             ]
             for k in range(len(self.topics))
         ]
+
+    def message(self, values: dict[str, Any]) -> Any:
+        """The message of one instant, from the values of variables by their names."""
+        pairs = zip(self._fields, self.variables, strict=True)
+        return self._message(**{field: values[v.name] for field, v in pairs if v.name in values})
 
     def columns(self, messages: dict[str, list[bytes]]) -> dict[str, np.ndarray]:
         """The values of each variable, by its name, from the messages of each topic."""
@@ -134,20 +140,21 @@ def _values(trace: "xr.Dataset", variable: Variable) -> list[list[Any]]:
     return [column.to_numpy().tolist()]
 
 
-def _message_type(name: str, fields: dict[str, Any]) -> Any:
+def message_type(name: str, fields: dict[str, Any], repeated: tuple[str, ...] = ()) -> Any:
     """A protobuf message type with these fields, made at run time."""
     file = descriptor_pb2.FileDescriptorProto(
         name=f"palmbots/{name}.proto", package="palmbots", syntax="proto3"
     )
     message = file.message_type.add(name=name)
     for number, (field, kind) in enumerate(fields.items(), start=1):
-        message.field.add(name=field, number=number, type=kind, label=_Field.LABEL_OPTIONAL)
+        label = _Field.LABEL_REPEATED if field in repeated else _Field.LABEL_OPTIONAL
+        message.field.add(name=field, number=number, type=kind, label=label)
     pool = descriptor_pool.DescriptorPool()  # its own, so that no name clashes with other packages
     pool.Add(file)
     return message_factory.GetMessageClass(pool.FindMessageTypeByName(f"palmbots.{name}"))
 
 
-MessageEvent: Any = _message_type(
+MessageEvent: Any = message_type(
     "MessageEvent",
     {
         "sent_s": _DOUBLE,
@@ -159,7 +166,7 @@ MessageEvent: Any = _message_type(
 )
 """A message between the robots; ``received_s`` is NaN if the message was lost."""
 
-CorrectionEvent: Any = _message_type(
+CorrectionEvent: Any = message_type(
     "CorrectionEvent",
     {
         "label": _STRING,

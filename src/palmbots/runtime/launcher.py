@@ -86,6 +86,8 @@ class LiveCarryProcesses:
         screen: options of ``palmbots station`` for a screen of the station; None: no screen.
         output: file for what the world prints; None: it prints on stdout.
         station_output: file for what the station says; None: only screens show it.
+        log_folder: where robots and station log; empty: nowhere.
+        live: where a live view for Foxglove is served; None: nowhere.
         on_line: called with a line about each program that was killed and starts again.
         seed: of the packets' fates.
     """
@@ -101,12 +103,15 @@ class LiveCarryProcesses:
         screen: Sequence[str] | None = None,
         output: Path | None = None,
         station_output: Path | None = None,
+        log_folder: str = "",
+        live: str | None = None,
         on_line: Callable[[str], None],
         seed: int = 0,
     ) -> None:
         self._scene, self._controller, self._options = scene, controller, world_options
         self._rate, self._screen, self._on_line = rate, screen, on_line
         self._output, self._station_output = output, station_output
+        self._log_folder, self._live = log_folder, live
         with free_addresses(len(ENDS)) as ports:  # the proxy gets others
             self._own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
             self.proxy = Proxy(self._own, impairment, seed, rate)
@@ -130,6 +135,7 @@ class LiveCarryProcesses:
     def _values(self) -> dict[str, object]:
         return {
             **{f"link.{end}": address for end, address in self.proxy.addresses.items()},
+            "pair.log_folder": self._log_folder,
             "limits.after_reboot": "rejoin",
             "limits.partner_lost": "controller",
             "limits.time_limit_s": self._scene.timeout_s,
@@ -152,6 +158,9 @@ class LiveCarryProcesses:
         )
         if self._screen is not None:
             running.start("screen", [*station, *self._screen])
+        if self._live is not None:
+            view = ["view", str(files["station"]), "--serve", self._live, "--wait-s", "60"]
+            running.start("view", [*view, "--json"])
 
     def poll(self) -> bool:
         """Start again what was killed; returns whether the carry goes on.
@@ -200,6 +209,8 @@ def run_live(
     impairment: Impairment,
     screen: Sequence[str] | None,
     output: Path | None,
+    log_folder: str,
+    live: str | None,
     on_line: Callable[[str], None],
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
@@ -220,6 +231,8 @@ def run_live(
         impairment=impairment,
         screen=screen,
         output=output,
+        log_folder=log_folder,
+        live=live,
         on_line=on_line,
     ) as carry:
         while carry.poll():

@@ -22,6 +22,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.runtime.control_clock import control_clock, jitter_table
 from palmbots.runtime.drive_table import drive_table
 from palmbots.runtime.live_ends import open_pair_driver, open_pair_link
+from palmbots.runtime.logged_robot import LoggedRobot
 from palmbots.runtime.observation import Observation, Observer, observation_socket
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.reading_gauge import ReadingGauge
@@ -75,7 +76,8 @@ def run_live_robot(
         pair: the pair.
         side: which of its robots.
         rate: multiple of real time at which a simulated robot runs.
-        on_line: called with a line when the program has been held up and starts again.
+        on_line: called with a line when the program has been held up and starts again, or cannot
+            log.
 
     Raises:
         PalmbotsError: a file is missing or damaged, an address cannot be used, or the driver is
@@ -93,13 +95,11 @@ def run_live_robot(
         clock = control_clock(side, scene.control.period_s / rate)
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
-        loop = _Loop(pair, side, rate, scene, state, driver, keeper, gauge)
-        loop.link, loop.clock, loop.observer, loop.on_line = (
-            clock.link(link),
-            clock,
-            observer,
-            on_line,
-        )
+        loop = _Loop(pair, side, rate, scene, driver, keeper, gauge)
+        loop.link, loop.clock, loop.observer = clock.link(link), clock, observer
+        loop.on_line = on_line
+        loop.start(state)
+        stack.callback(loop.close)
         loop.run()
         return loop.end(link.summary())
 
@@ -118,7 +118,6 @@ class _Loop:
         side: Side,
         rate: float,
         scene: Scene,
-        state: StoredState,
         driver: Driver,
         keeper: StateKeeper,
         gauge: ReadingGauge,
@@ -130,36 +129,55 @@ class _Loop:
         self._watchdog = ticks_in(scene.control.watchdog_s, self._period_s)
         self._rejoins = pair.settings.limits.after_reboot == "rejoin"
         self._ticks = 0
-        self._start(state)
+        self._robot: LoggedRobot | None = None
 
-    def _start(self, state: StoredState) -> None:
+    def start(self, state: StoredState) -> None:
+        """Start the program, with a log of its own."""
         self._epoch = state.epoch
         self._carries = state.carries and self._rejoins
-        encoders = self._gauge.has_encoders
-        self._robot = live_program(
-            self._pair, self._side, state, self._scene, self._rate, has_encoders=encoders
+        self.close()
+        self._robot = logged_program(
+            self._pair,
+            self._side,
+            state,
+            self._scene,
+            self._rate,
+            self.on_line,
+            has_encoders=self._gauge.has_encoders,
         )
+
+    def close(self) -> None:
+        """Write what is left of the log."""
+        if self._robot is not None:
+            self._robot.close()
+
+    @property
+    def robot(self) -> LoggedRobot:
+        """The program."""
+        assert self._robot is not None
+        return self._robot
 
     def run(self) -> None:
         """Tick until the driver or a signal ends it."""
         with ended_by_signal() as ended, _little_garbage():
             while not ended.is_set():
                 elapsed = self.clock.wait()
-                if self._robot.wheels and elapsed > self._watchdog:
+                if self.robot.wheels and elapsed > self._watchdog:
                     elapsed = self._boot(elapsed)
                 seen = self._read()
                 if seen is None:
                     break
-                reading = self._gauge.take(
+                values = self._gauge.take(
                     seen,
                     carries=self._carries,
                     driver_ok=works(self._driver),
                     storage_ok=self._keeper.works,
                     overruns=min(self.clock.recent_overruns, 0xFFFF),
                 )
-                answer = self._robot.step(min(elapsed, 0xFFFF), reading, self.link.receive())
+                reading = self.robot.reading(**values)
+                answer = self.robot.step(min(elapsed, 0xFFFF), reading, self.link.receive())
                 drive = self._obey(answer)
-                self._carries = self._robot.wheels
+                self._carries = self.robot.wheels
                 self._ticks += 1
                 if self.observer.is_watched:
                     self.observer.send(self._observation(seen, drive))
@@ -167,7 +185,7 @@ class _Loop:
 
     def end(self, link: dict[str, Any]) -> RobotEnd:
         """How it has run."""
-        robot, clock = self._robot, self.clock
+        robot, clock = self.robot, self.clock
         return RobotEnd(
             self._side,
             self._epoch,
@@ -188,7 +206,7 @@ class _Loop:
             f"{self._side}: was held up for {held_up_s:.2f} s, longer than control.watchdog_s; "
             "starts again"
         )
-        self._start(self._keeper.boot())
+        self.start(self._keeper.boot())
         self.clock.forget()
         return 1
 
@@ -202,37 +220,39 @@ class _Loop:
             return self._driver.read()
         except PalmbotsError:
             for _ in range(ticks_in(_STATUS_PERIOD_S * self._rate, self._period_s)):
-                lost = _core.runtime.Reading(0, False, driver_ok=False)
-                for receiver, data, _ in self._robot.step(1, lost, [])[3]:
+                lost = self.robot.reading(0, False, driver_ok=False)
+                for receiver, data, _ in self.robot.step(1, lost, [])[3]:
                     self.link.send(_RECEIVERS[receiver], data)
-            self._keeper.keep(StoredState(self._epoch, False, *self._robot.to_store))
+            self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
             raise
 
     def _obey(self, answer: Any) -> Drive:
         """Store, drive and send what the core has decided."""
         palm, move, stop, packets, *_, assists = answer
-        carries, is_stopped = self._robot.to_store
+        carries, is_stopped = self.robot.to_store
         covered_m = self._gauge.to_store_m if carries else 0.0
         self._keeper.keep(StoredState(self._epoch, assists, carries, is_stopped, covered_m))
-        drive = self._drives[palm, move, stop, self._robot.wheels]
+        drive = self._drives[palm, move, stop, self.robot.wheels]
         self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()
         for receiver, data, _ in packets:
             # What the partner relies on after a boot is stored before it is said. A robot that
             # does not carry promises nothing, and must pass on a stop at once.
-            if receiver == 2 or self._keeper.is_done or not self._robot.wheels:
+            if receiver == 2 or self._keeper.is_done or not self.robot.wheels:
                 self.link.send(_RECEIVERS[receiver], data)
+            else:
+                self.robot.withhold(receiver)
         return drive
 
     def _verdicts(self) -> dict[str, int]:
-        return {name: self._robot.count(number) for number, name in enumerate(get_args(Verdict))}
+        return {name: self.robot.count(number) for number, name in enumerate(get_args(Verdict))}
 
     def _observation(self, seen: Reading, drive: Drive) -> Observation:
         return Observation(
             time_s=process_clock.monotonic(),
-            mode=self._robot.mode,
-            fault=self._robot.fault,
+            mode=self.robot.mode,
+            fault=self.robot.fault,
             sign=seen.sign,
             has_contact=seen.has_contact,
             palm_at_target=seen.palm_at_target,
@@ -268,6 +288,23 @@ def stopping_limit_s(scene: Scene) -> float:
     return max(robot.speed_m_s / robot.acceleration_m_s2 for robot in robots)
 
 
+def logged_program(
+    pair: Pair,
+    side: Side,
+    state: StoredState,
+    scene: Scene,
+    rate: float,
+    on_warning: Callable[[str], None],
+    *,
+    has_encoders: bool = True,
+) -> LoggedRobot:
+    """The same program as `live_program`, with a log."""
+    program = live_program(pair, side, state, scene, rate, has_encoders=has_encoders)
+    travel_s = _travel_s(pair, side, scene, has_encoders)
+    settings = _settings(pair, scene, controller_of(pair), rate, travel_s)
+    return LoggedRobot(program, pair, side, state, scene, settings, on_warning)
+
+
 def live_program(
     pair: Pair,
     side: Side,
@@ -286,19 +323,25 @@ def live_program(
         raise PalmbotsError(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    speed_m_s = scene.robot_of(side).speed_m_s
-    travel_s = 0.0
-    if not has_encoders:
-        limit_s = pair.settings.limits.time_limit_s
-        travel_s = scene.task.distance_m / speed_m_s if speed_m_s > 0 else limit_s
-    settings = _settings(pair, scene, entry, rate, travel_s)
+    travel_s = _travel_s(pair, side, scene, has_encoders)
+    settings = _core.runtime.RuntimeSettings(**_settings(pair, scene, entry, rate, travel_s))
     return robot_program(pair, side, state, scene, settings)
+
+
+def _travel_s(pair: Pair, side: Side, scene: Scene, has_encoders: bool) -> float:
+    """The time in place of the distance; 0: the driver measures the distance."""
+    if has_encoders:
+        return 0.0
+    speed_m_s = scene.robot_of(side).speed_m_s
+    limit_s = pair.settings.limits.time_limit_s
+    return scene.task.distance_m / speed_m_s if speed_m_s > 0 else limit_s
 
 
 def _settings(
     pair: Pair, scene: Scene, entry: ControllerEntry, rate: float, travel_s: float
-) -> Any:
-    """The settings of the core, in control ticks. The station lives in real time."""
+) -> dict[str, Any]:
+    """The arguments of the core's `RuntimeSettings`, in control ticks. The station lives in real
+    time."""
     limits = pair.settings.limits
     bounds = check(entry, scene)
     lease_s = _LEASE_S if bounds is None else bounds.lease_s
@@ -307,18 +350,18 @@ def _settings(
     def ticks(seconds: float) -> int:
         return ticks_in(seconds, period_s)
 
-    return _core.runtime.RuntimeSettings(
-        lease=round(lease_s / period_s),
-        station_limit=ticks(limits.station_limit_s * rate),
-        time_limit=ticks(limits.time_limit_s),
-        travel=ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
-        stopping_limit=ticks(stopping_limit_s(scene)),
-        most_overruns=_MOST_OVERRUNS,
-        has_radio=entry.uses_radio,
-        rejoins=limits.after_reboot == "rejoin",
-        stops_without_station=limits.station_lost == "stop",
-        stops_without_partner=limits.partner_lost == "stop",
-        state_period=ticks(_STATE_PERIOD_S),
-        status_period=min(0xFFFF, ticks(_STATUS_PERIOD_S * rate)),
-        number=pair.fingerprint(scene),
-    )
+    return {
+        "lease": round(lease_s / period_s),
+        "station_limit": ticks(limits.station_limit_s * rate),
+        "time_limit": ticks(limits.time_limit_s),
+        "travel": ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
+        "stopping_limit": ticks(stopping_limit_s(scene)),
+        "most_overruns": _MOST_OVERRUNS,
+        "has_radio": entry.uses_radio,
+        "rejoins": limits.after_reboot == "rejoin",
+        "stops_without_station": limits.station_lost == "stop",
+        "stops_without_partner": limits.partner_lost == "stop",
+        "state_period": ticks(_STATE_PERIOD_S),
+        "status_period": min(0xFFFF, ticks(_STATUS_PERIOD_S * rate)),
+        "number": pair.fingerprint(scene),
+    }

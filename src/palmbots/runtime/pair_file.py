@@ -48,6 +48,8 @@ class PairTable(Section):
     state_folder: str = "pair-state"
     """Folder in which each robot stores what it must remember over a reboot. Never copy or restore
     it: its boot counter protects against replayed packets."""
+    log_folder: str = "pair-logs"
+    """Folder in which each program logs what it sees, says and decides; empty: no logs."""
     scene: str = "paper"
     """Name of a built-in scene, or a TOML file."""
     controller: str = "resilient"
@@ -146,15 +148,22 @@ class Pair:
         path = self.file.parent / table.state_folder / f"{end}.json"
         return StateFile(path, table.number, end)
 
+    def log_folder(self) -> Path | None:
+        """Where the programs of this pair log; None: nowhere."""
+        name = self.settings.pair.log_folder
+        return self.file.parent / name if name else None
+
+    def with_logs(self, folder: str) -> "Pair":
+        """The same pair, with its logs in another folder, relative to the current one."""
+        name = str(Path(folder).absolute()) if folder else ""
+        table = self.settings.pair.model_copy(update={"log_folder": name})
+        return replace(self, settings=self.settings.model_copy(update={"pair": table}))
+
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        own = {
-            "driver": True,
-            "link": True,
-            "hardware": True,
-            "ros2": True,
-        }  # may differ between the robots
-        table = self.settings.model_dump(exclude=own)
+        # What may differ between the robots.
+        own = {"driver": True, "link": True, "hardware": True, "ros2": True}
+        table = self.settings.model_dump(exclude={**own, "pair": {"log_folder"}})
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 
@@ -164,8 +173,8 @@ class Pair:
         return str(self.file.parent / name) if name.endswith(".toml") else name
 
 
-def load_pair(file: str | os.PathLike[str]) -> Pair:
-    """Read a ``pair.toml`` and the key that it names.
+def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
+    """Read a ``pair.toml`` and the key that it names. A viewer needs no key.
 
     Raises:
         PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
@@ -183,7 +192,8 @@ def load_pair(file: str | os.PathLike[str]) -> Pair:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
         raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
-    return Pair(path, settings, _key_in(path.parent / settings.pair.key_file))
+    key = _key_in(path.parent / settings.pair.key_file) if with_key else b""
+    return Pair(path, settings, key)
 
 
 def _key_in(path: Path) -> bytes:
@@ -244,6 +254,7 @@ def init_pair(
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
     names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
+    names |= {"log_folder": f"{path.stem}-logs"}
     number = secrets.randbelow(2**16)
     chosen = {
         "pair.number": number,

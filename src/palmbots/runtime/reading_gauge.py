@@ -4,7 +4,6 @@
 import math
 from typing import Any
 
-import palmbots._core as _core
 from palmbots._types import Side
 from palmbots._util.arguments import show
 from palmbots.drivers.driver import Reading
@@ -51,20 +50,21 @@ class ReadingGauge:
         """The covered distance, for a carry that goes on after a boot."""
         return self._odometry.to_store_m if self.has_encoders else 0.0
 
-    def take(self, seen: Reading, *, carries: bool, **others: Any) -> Any:
-        """The core's `Reading`; `carries`: after the last step the wheels may turn."""
+    def take(self, seen: Reading, *, carries: bool, **others: Any) -> dict[str, Any]:
+        """The arguments of the core's `Reading`; `carries`: after the last step the wheels may
+        turn."""
         if self.has_encoders:
             self._odometry.take(seen.distance_m, carries)
         battery_v = seen.battery_v
         battery_mv = _NOT_MEASURED if battery_v is None else min(round(1000 * battery_v), _MOST_MV)
-        return _core.runtime.Reading(
-            seen.sign,
-            seen.palm_at_target,
-            contact=seen.has_contact,
-            battery_ok=battery_v is None or battery_v >= self._hardware.battery_low_v,
-            battery_mv=max(0, battery_mv),
-            covered=self._odometry.is_covered,
-            progress=round(65535 * self._odometry.share),
-            stopping=self._stopping,
+        return {
+            "sign": seen.sign,
+            "palm_at_target": seen.palm_at_target,
+            "contact": seen.has_contact,
+            "battery_ok": battery_v is None or battery_v >= self._hardware.battery_low_v,
+            "battery_mv": max(0, battery_mv),
+            "covered": self._odometry.is_covered,
+            "progress": round(65535 * self._odometry.share),
+            "stopping": self._stopping,
             **others,
-        )
+        }

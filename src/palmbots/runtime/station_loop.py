@@ -21,9 +21,11 @@ from palmbots.runtime.control_clock import ControlClock, control_clock
 from palmbots.runtime.live_ends import open_pair_link
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.station import PERIOD_S, UNDER_WAY, OtherStation, Station
+from palmbots.runtime.station_log import StationLog
 from palmbots.runtime.station_server import QUIT, SILENT_S, StationServer, station_address
 from palmbots.runtime.stepped_clock import SteppedClock
 from palmbots.runtime.stored_state import CounterInUse, held
+from palmbots.scene.scene import load_scene
 from palmbots.wire import Operation, RobotMode
 
 _STOP_WITHIN_S = 3.0
@@ -90,6 +92,9 @@ def run_station_loop(
         clock = control_clock("station", PERIOD_S)
         station = Station(pair, clock.link(link), _to_all(server.lines.append, on_line))
         stack.callback(station.close)
+        log = StationLog(pair, station.epoch, load_scene(pair.scene()), server.lines.append)
+        stack.callback(log.close)
+        station.on_note(log)
         loop = _Loop(station, server, pair, auto=auto, for_screen=for_screen)
         loop.stepped = clock if clock.is_stepped else None
         try:

@@ -192,12 +192,15 @@ def _draw_head(figure: Figure, view: _View, left_in: float, height_in: float) ->
     """Two lines of title, and the legend."""
     carry = view.carry
     rms, peak = carry.contact_rms_m, carry.contact_peak_m
-    facts = [
-        f"{carry.correction_count} corrections",
-        f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",
-        f"peak {peak['left'] * 1e3:.1f}, {peak['right'] * 1e3:.1f} mm",
-        f"seed {carry.seed}",
-    ]
+    facts = [f"{carry.correction_count} corrections"]
+    if math.isnan(rms["left"]):  # real robots sense only its sign
+        facts.append("from the logs of the robots; the contact coordinate is not measured")
+    else:
+        facts += [
+            f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",
+            f"peak {peak['left'] * 1e3:.1f}, {peak['right'] * 1e3:.1f} mm",
+            f"seed {carry.seed}",
+        ]
     x = left_in / figure.get_figwidth()
     figure.text(x, 1 - 0.08 / height_in, figure_title(carry), va="top", weight="bold", size=9)
     figure.text(x, 1 - 0.25 / height_in, "  ·  ".join(facts), va="top", size=7.5)
@@ -225,7 +228,8 @@ def _contact_reach(view: _View) -> float:
         abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)
     ]
     longest = max(palm.length for palm in view.spec.palms) / 2
-    reach = max(1.25 * np.abs(view.series("contact")).max(), 1.2 * max(edges, default=0.0), 1e-3)
+    seen = np.nan_to_num(np.abs(view.series("contact"))).max()
+    reach = max(1.25 * seen, 1.2 * max(edges, default=0.0), 1e-3)
     return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
 
 

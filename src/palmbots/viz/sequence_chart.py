@@ -279,7 +279,8 @@ def _head(figure: Figure, carry: "Carry") -> None:
     height = figure.get_figheight()
     title = f"{controller_title(carry.controller)}: {ending} after {carry.time_s:.2f} s"
     figure.text(x, 1 - 0.08 / height, title, va="top", weight="bold", size=9)
-    sent = f"{carry.messages} messages, {carry.messages_lost} lost, seed {carry.seed}"
+    sent = f"{carry.messages} messages, {carry.messages_lost} lost"
+    sent += f", seed {carry.seed}" if carry.trace_hash else ""  # real robots have none
     figure.text(x, 1 - 0.25 / height, sent, va="top", size=7.5)
     entries = [
         Rectangle((0, 0), 1, 1, fc=QUIET, alpha=0.5, label="corrects"),

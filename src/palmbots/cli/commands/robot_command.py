@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, JsonOption
+from palmbots.cli.options import DONE, JsonOption, LogOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -21,6 +21,7 @@ def robot(
         bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
     ] = False,
     rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
+    log: LogOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Run the program of one robot of a pair.
@@ -35,10 +36,13 @@ def robot(
 
     one_of("--side", side, SIDES)
     chosen: Any = side
+    pair_of = load_pair(pair)
+    if log is not None:
+        pair_of = pair_of.with_logs(log)
     if lockstep:
-        end = {"side": side, "boots": run_robot(load_pair(pair), chosen)}
+        end = {"side": side, "boots": run_robot(pair_of, chosen)}
     else:
-        end = run_live_robot(load_pair(pair), chosen, _checked(rate), _say).summary()
+        end = run_live_robot(pair_of, chosen, _checked(rate), _say).summary()
     if as_json:
         print_json(end)
     return DONE

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED, JsonOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def station(
         bool,
         typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
     ] = False,
+    log: LogOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Operate two robots: arm, start, stop, release.
@@ -69,7 +70,8 @@ def station(
         from palmbots.runtime.station_loop import run_station_loop
 
         on_line = None if as_json else partial(print, flush=True)
-        ended = run_station_loop(chosen, auto=auto, for_screen=for_screen, on_line=on_line)
+        logged = chosen if log is None else chosen.with_logs(log)
+        ended = run_station_loop(logged, auto=auto, for_screen=for_screen, on_line=on_line)
         end: dict[str, Any] = ended.summary()
         lines = end["lines"]
     else:
@@ -82,6 +84,7 @@ def station(
             end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
         else:
             options = [pair, *(["--auto"] if auto else [])]
+            options += [] if log is None else ["--log", log]
             with started_station(options, address) as client:
                 end = _show(client, **shown, reads_orders=not auto)
         lines = client.lines

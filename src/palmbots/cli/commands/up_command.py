@@ -2,8 +2,10 @@
 """The command `palmbots up`."""
 
 import contextlib
+import os
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated
@@ -52,6 +54,16 @@ def up(
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
+    log: Annotated[
+        str | None,
+        typer.Option(
+            "--log", metavar="DIR", help='Folder for the logs [default: a new one]; "": no logs.'
+        ),
+    ] = None,
+    live: Annotated[
+        str | None,
+        typer.Option("--live", metavar="ADDRESS", help="Serve a live 3-D view for Foxglove there."),
+    ] = None,
     plain: Annotated[
         bool,
         typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
@@ -82,7 +94,8 @@ def up(
     check(entry, chosen)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
-    given = {"rate": rate != 1.0, "link": link != ""} if lockstep else {}
+    given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}
+    given = {name: bool(value) for name, value in given.items()} if lockstep else {}
     given["precision"] = not lockstep and precision != "double"
     for name in (name for name, is_so in given.items() if is_so):
         raise PalmbotsError(
@@ -99,8 +112,11 @@ def up(
     has_screen = not (plain or as_json) and sys.stdout.isatty()
     if has_screen:
         require("textual", "station")
+    if live is not None:
+        require("foxglove", "station")
+    logs = _log_folder(log, scene)
     with _output(has_screen) as (output, on_line):
-        return run_live(
+        status = run_live(
             chosen,
             controller,
             options,
@@ -108,8 +124,23 @@ def up(
             impairment=Impairment.parse(link),
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,
+            log_folder=logs,
+            live=live,
             on_line=on_line,
         )
+    if logs and not as_json:
+        print(f"logs: {logs}")
+    return status
+
+
+def _log_folder(log: str | None, scene: str) -> str:
+    """Where the programs log; empty: nowhere. As other programs do, runs without a folder of their
+    own are kept in the user's folder for such states."""
+    if log is not None:
+        return str(Path(log).absolute()) if log else ""
+    home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    name = f"{time.strftime('%Y-%m-%d-%H%M%S')}-{Path(scene).stem}"
+    return str(Path(home).absolute() / "palmbots" / "logs" / name)
 
 
 def _say(line: str) -> None:

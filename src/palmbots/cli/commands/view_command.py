@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots view`."""
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import print_json
+from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
+from palmbots.errors import PalmbotsError
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 135
+EXAMPLE = "palmbots view out/carry.mcap --serve 127.0.0.1:8765"
+_RESTARTS_WITHIN_S = 10.0
+
+
+def view(
+    sources: Annotated[
+        list[Path], input_argument("SOURCE...", "MCAP logs, folders with them, or a pair.toml.")
+    ],
+    serve: Annotated[
+        str, typer.Option("--serve", metavar="ADDRESS", help="HOST:PORT for Foxglove.")
+    ] = "127.0.0.1:8765",
+    rate: Annotated[
+        float, typer.Option("--rate", help="Play at this multiple of real time.")
+    ] = 1.0,
+    once: Annotated[bool, typer.Option("--once", help="End after the last message.")] = False,
+    layout: Annotated[
+        Path | None,
+        output_option("Only write a layout for Foxglove to this file.", "--layout", metavar="FILE"),
+    ] = None,
+    rerun: Annotated[
+        Path | None,
+        output_option("Only write a recording for Rerun to this file.", "--rerun", metavar="FILE"),
+    ] = None,
+    wait_s: Annotated[float, typer.Option("--wait-s", hidden=True)] = 1.0,
+    as_json: JsonOption = False,
+) -> int:
+    """Show a log, or a running station, in three dimensions.
+
+    Foxglove connects to ws://HOST:PORT (Open connection, Foxglove WebSocket) and draws it. With a
+    pair.toml it shows the station of this pair, live and read-only: no key is needed.
+    """
+    from palmbots.runtime.foxglove_server import place_of
+
+    place_of(serve)
+    if layout is not None or rerun is not None:
+        written = _write(sources, layout, rerun)
+    elif sources[0].suffix == ".toml":
+        written = []
+        _serve_station(sources, serve, wait_s, quiet=as_json)
+    else:
+        written = []
+        _play(sources, serve, rate, once=once, quiet=as_json)
+    if as_json:
+        print_json({"written": [str(path) for path in written]})
+    else:
+        for path in written:
+            print(f"wrote {path}")
+    return DONE
+
+
+def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list[Path]:
+    from palmbots._util.atomic_files import write_whole
+    from palmbots.runtime.log_player import viewable
+
+    written: list[Path] = []
+    if layout is not None:
+        from palmbots.logs.foxglove_layout import layout_text
+
+        write_whole(layout, layout_text())
+        written.append(layout)
+    if rerun is not None:
+        from palmbots.logs.mcap_reader import read_log
+        from palmbots.logs.rerun_recording import save_recording
+
+        with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
+            save_recording(read_log(viewable(sources, Path(folder))), rerun)
+        written.append(rerun)
+    return written
+
+
+def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
+    from palmbots.runtime.foxglove_server import FoxgloveServer
+    from palmbots.runtime.launcher import check_rate
+    from palmbots.runtime.log_player import play, read_playable, viewable
+
+    check_rate(rate)
+    with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
+        log = read_playable(viewable(sources, Path(folder)))
+        with FoxgloveServer(serve, f"palmbots {sources[0].name}") as server:
+            _announce(server.address, quiet=quiet)
+            play(log, server, rate=rate, loops=not once)
+
+
+def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: bool) -> None:
+    from palmbots.cli.station_process import attached
+    from palmbots.runtime.foxglove_server import FoxgloveServer
+    from palmbots.runtime.live_view import serve_station
+    from palmbots.runtime.pair_file import load_pair
+    from palmbots.runtime.station_server import station_address
+
+    if len(sources) > 1:
+        raise PalmbotsError("SOURCE: more than one pair.toml; allowed: one")
+    pair = load_pair(sources[0], with_key=False)
+    client = attached(station_address(pair), "viewer", wait_s)
+    with client, FoxgloveServer(serve, "palmbots station") as server:
+        _announce(server.address, quiet=quiet)
+        serve_station(pair, client, server, _RESTARTS_WITHIN_S)
+
+
+def _announce(address: str, *, quiet: bool) -> None:
+    if not quiet:
+        print(f"serves ws://{address}; palmbots view ... --layout FILE writes a layout", flush=True)
+
+
+COMMAND = view

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads the logs of the programs of a pair (`run_log_writer` writes them).
+
+The log of a program that was killed has no end. What is there is read, and `RunLog.is_cut` says so.
+"""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mcap.exceptions import McapError
+from mcap.records import Channel, Message, Metadata
+from mcap.stream_reader import StreamReader
+
+from palmbots._version import __version__
+from palmbots.errors import PalmbotsError
+from palmbots.logs.run_channels import (
+    RUN_FORMAT,
+    RUN_RECORD,
+    LineEvent,
+    PacketEvent,
+    RobotTick,
+    StatusEvent,
+)
+
+__all__ = ["RunLog", "is_run_log", "read_run_log"]
+
+_TYPES = {"ticks": RobotTick, "sent": PacketEvent, "received": StatusEvent, "lines": LineEvent}
+
+
+@dataclass(frozen=True)
+class RunLog:
+    """The log of one program."""
+
+    path: Path
+    end: str
+    """``left``, ``right`` or ``station``."""
+    epoch: int
+    """Number of the program's boots."""
+    facts: dict[str, Any]
+    messages: dict[str, list[tuple[float, Any]]]
+    """For each kind (``ticks``; ``sent``, ``received``, ``lines``) the time on the program's clock
+    [s], and the message."""
+    is_cut: bool
+    """The log has no end: its program was killed, or the disk was full."""
+
+
+def is_run_log(path: str | os.PathLike[str]) -> bool:
+    """Whether this is the log of a program of a pair. A file that cannot be read is none."""
+    try:
+        with open(path, "rb") as stream:
+            return RUN_RECORD.encode() in stream.read(4096)
+    except (OSError, ValueError):
+        return False
+
+
+def read_run_log(path: str | os.PathLike[str]) -> RunLog:
+    """Read the log of a program of a pair.
+
+    Raises:
+        PalmbotsError: the file cannot be read, or is no such log of this format.
+    """
+    facts: dict[str, Any] | None = None
+    topics: dict[int, str] = {}
+    messages: dict[str, list[tuple[float, Any]]] = {kind: [] for kind in _TYPES}
+    is_cut = False
+    try:
+        with open(path, "rb") as stream:
+            try:
+                for record in StreamReader(stream, validate_crcs=True).records:
+                    if isinstance(record, Message):
+                        kind = topics[record.channel_id]
+                        if kind in _TYPES:
+                            message = _TYPES[kind].FromString(record.data)
+                            messages[kind].append((record.log_time / 1e9, message))
+                    elif isinstance(record, Channel):
+                        topics[record.id] = record.topic.rpartition("/")[2]
+                    elif isinstance(record, Metadata) and record.name == RUN_RECORD:
+                        facts = {name: json.loads(text) for name, text in record.metadata.items()}
+            except (OSError, MemoryError):
+                raise
+            except McapError:  # also the end of a file that has none
+                is_cut = True
+            except Exception:  # what a damaged file holds may raise anything
+                is_cut = True
+    except (OSError, ValueError) as error:
+        why = (isinstance(error, OSError) and error.strerror) or error
+        raise PalmbotsError(f"{path}: cannot be read: {why}") from None
+    if facts is None:
+        raise PalmbotsError(f"{path}: is no log of a robot or station")
+    if facts.get("format") != RUN_FORMAT:
+        raise PalmbotsError(
+            f"{path}: a log of format {facts.get('format')}, written by palmbots "
+            f"{facts.get('version', '(unknown)')}; palmbots {__version__} reads format {RUN_FORMAT}"
+        )
+    return RunLog(Path(path), facts["end"], facts["epoch"], facts, messages, is_cut)

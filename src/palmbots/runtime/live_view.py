@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A live view of a station for Foxglove, with the channels of a carry log.
+
+It attaches to the station as a viewer: it holds no key, and sends nothing to the robots.
+"""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from palmbots._types import SIDES
+from palmbots.errors import PalmbotsError
+from palmbots.logs import scene_updates
+from palmbots.logs.channels import CorrectionEvent, StateChannel, state_channels, variables_of
+from palmbots.logs.run_channels import LineEvent
+from palmbots.logs.solids import contact_balls, solids, urdf
+from palmbots.runtime.estimated_carry import EstimatedCarry
+from palmbots.runtime.foxglove_server import FoxgloveServer
+from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.station_client import StationClient
+from palmbots.scene.scene import load_scene
+from palmbots.simulation.trace import VARIABLES, trace_dataset
+
+_AGAIN_S = 2.0  # what does not change is sent again, for viewers that come later
+
+
+def serve_station(
+    pair: Pair,
+    client: StationClient,
+    server: FoxgloveServer,
+    restarts_within_s: float,
+    is_ended: Callable[[], bool] = lambda: False,
+) -> None:
+    """Show a station until it ends.
+
+    Args:
+        pair: the pair; its key is not used.
+        client: attached to the station as a viewer.
+        server: where viewers connect.
+        restarts_within_s: how long to wait for a station that was killed and starts again.
+        is_ended: whether to end.
+
+    Raises:
+        PalmbotsError: the station is gone.
+    """
+    view = _View(pair, server)
+    lost_s: float | None = None
+    while client.end is None and not is_ended():
+        client.wait(0.1)
+        client.poll()
+        if client.is_connected:
+            lost_s = None
+            view.show(client)
+        else:
+            lost_s = lost_s or time.monotonic()
+            if not client.reconnect() and time.monotonic() - lost_s >= restarts_within_s:
+                raise PalmbotsError("station: its process is gone")
+            view.printed = 0
+
+
+class _View:
+    """What has been sent so far."""
+
+    def __init__(self, pair: Pair, server: FoxgloveServer) -> None:
+        self._server = server
+        self._scene = load_scene(pair.scene())
+        self._carry = EstimatedCarry(self._scene)
+        self._parts = solids(self._scene, self._carry.spec)
+        self._channels = _state_channels()
+        self._sent_s = -_AGAIN_S
+        self._time_s = -1.0
+        self._corrections: set[str] = set()
+        self.printed = 0
+
+    def show(self, client: StationClient) -> None:
+        """Send what is new."""
+        now = time.time_ns()
+        for line in client.lines[self.printed :]:
+            self._server.send_message("/station/lines", LineEvent(text=line), now)
+        self.printed = len(client.lines)
+        state = client.state
+        if state is None or state["time_s"] == self._time_s:
+            return
+        self._time_s = state["time_s"]
+        if time.monotonic() - self._sent_s >= _AGAIN_S:
+            self._sent_s = time.monotonic()
+            self._send_solids(now)
+        self._send_state(state, now)
+
+    def _send_solids(self, now: int) -> None:
+        self._server.send_message("/solids", scene_updates.scene_update(self._parts), now)
+        self._server.add("/robot_description", "cdr", ("std_msgs/msg/String", "ros2msg", _STRING))
+        text = urdf([*self._parts, *contact_balls()])
+        self._server.send("/robot_description", scene_updates.ros_string(text), now)
+
+    def _send_state(self, state: dict[str, Any], now: int) -> None:
+        place = self._carry.at(state["robots"], state["time_s"])
+        self._server.send_message("/tf", scene_updates.transforms(place, 0, now), now)
+        # Real robots do not know whether a contact slides.
+        self._server.send_message("/contacts", scene_updates.contact_update((0, 0), now), now)
+        angles = self._carry.palm_rad()
+        for k, side in enumerate(SIDES):
+            robot = state["robots"][side]
+            if robot is not None:
+                values = {
+                    "time": state["time_s"],
+                    "palm": angles[k],
+                    "contact": float("nan"),
+                    "sign": robot["sign"],
+                    "case": robot["case"] or " ",
+                }
+                message = self._channels["robot"].message(values)
+                self._server.send_message(f"/{side}", message, now)
+        pivots = place.pivot[0]
+        values = {
+            "time": state["time_s"],
+            "separation": float(pivots[1][0] - pivots[0][0]),
+            "midpoint": float(pivots[:, 0].mean()),
+        }
+        self._server.send_message("/pair", self._channels["pair"].message(values), now)
+        for label, robot, case, assistant in state["corrections"]:
+            if label not in self._corrections:
+                self._corrections.add(label)
+                event = CorrectionEvent(
+                    label=label, robot=robot, case=case, assistant=assistant or "",
+                    start_s=state["time_s"], end_s=float("nan"),
+                )  # fmt: skip
+                self._server.send_message("/corrections", event, now)
+
+
+_STRING = b"string data"
+
+
+def _state_channels() -> dict[str, StateChannel]:
+    """The channels of a carry log for the state of a robot, and of the pair."""
+    pairs, single = np.zeros((1, 2)), np.zeros(1)
+    kinds = {
+        "separation": single,
+        "midpoint": single,
+        "object": single,
+        "sign": np.zeros((1, 2), np.int64),
+        "motion": np.zeros((1, 2), np.int64),
+        "case": np.full((1, 2), b" ", "S1"),
+    }
+    arrays = {attrs["log_field"]: kinds.get(name, pairs) for name, attrs in VARIABLES.items()}
+    trace = trace_dataset(arrays | {"time_s": single})
+    channels = state_channels(variables_of(trace))
+    return {"robot" if len(one.topics) > 1 else "pair": one for one in channels}
