@@ -47,7 +47,7 @@ def test_run_with_the_brake_covers_029_s_and_not_03_s() -> None:
 
 
 def test_a_lease_of_029_s_is_long_enough_for_a_round_trip() -> None:
-    """The radio of the default scene needs 0.22 s: a robot does not fall silent for want of time."""
+    """The radio of the default scene needs 0.22 s, so no robot falls silent for want of time."""
     keys = {"radio.lease_s": 0.29, "robot.noise_m_s": 0.03}
     short = pb.carry("paper", "shared-sign", seed=2, record=False, overrides=keys)
     usual = pb.carry(
