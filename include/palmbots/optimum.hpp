@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room optimum: the least drop rate that any controller can reach, and a controller with full
-// information that comes near it.
+// The room optimum: the least drop rate that any controller can reach, and references with
+// more information than robots have.
 #pragma once
 
+#include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/opening_policy.hpp"
 #include "palmbots/optimum/opening_problem.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
+#include "palmbots/optimum/reference_team.hpp"
+#include "palmbots/optimum/sign_filter.hpp"
 #include "palmbots/optimum/value_iteration.hpp"

@@ -9,6 +9,7 @@
 
 #include "carry.hpp"
 #include "machines.hpp"
+#include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"
@@ -63,6 +64,13 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     const auto& optimal = nb::cast<const OptimalController&>(controller);
     const nb::gil_scoped_release release;
     OptimalTeam team(optimal.policy, spec, optimal.may_stop);
+    return single ? run_team<float>(spec, seed, record, team)
+                  : run_team<double>(spec, seed, record, team);
+  }
+  if (nb::isinstance<LinearFeedback>(controller)) {
+    const LinearFeedback feedback = nb::cast<const LinearFeedback&>(controller);
+    const nb::gil_scoped_release release;
+    LinearTeam team(feedback, spec);
     return single ? run_team<float>(spec, seed, record, team)
                   : run_team<double>(spec, seed, record, team);
   }
@@ -236,9 +244,8 @@ void bind_carry(nb::module_& m) {
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
         nb::arg("record"),
-        "One carry. controller: a name, Machines, an OptimalController, RemoteControllers, or a "
-        "pair of "
-        "Python step functions.");
+        "One carry. controller: a name, Machines, an OptimalController, LinearFeedback, "
+        "RemoteControllers, or a pair of Python step functions.");
 }
 
 }  // namespace palmbots::bindings

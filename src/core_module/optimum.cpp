@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bindings.hpp"
+#include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/optimum/value_iteration.hpp"
 
@@ -68,6 +69,18 @@ void bind_optimum(nb::module_& m) {
             new (self) OptimalController{OpeningPolicy::from_bytes(bytes), may_stop};
           },
           nb::arg("policy"), nb::arg("may_stop"));
+
+  nb::class_<LinearFeedback>(m, "LinearFeedback",
+                             "A reference with linear feedback of the contact coordinates.")
+      .def(
+          "__init__",
+          [](LinearFeedback* self, bool exact, bool may_stop) {
+            new (self) LinearFeedback{exact, may_stop};
+          },
+          nb::arg("exact"), nb::arg("may_stop"),
+          "exact: it reads the coordinates; otherwise a Kalman filter estimates them from signs.")
+      .def_ro("time_s", &LinearFeedback::time_s,
+              "In which the sum of the contact coordinates is to vanish.");
 
   nb::class_<OpeningSolution>(m, "OpeningSolution", "What value iteration found, in SI units.")
       .def_ro("drop", &OpeningSolution::drop, "Probability of a drop in a carry.")

@@ -136,6 +136,11 @@ _offer_entry("world", "mujoco", "palmbots.mujoco.carry_runner:WORLD")
 _offer_entry("controller file", ".toml", "palmbots.derivation.policy_controller:load_policy")
 _offer_entry("reference controller", "optimal", f"{_OPTIMAL}:OPTIMAL")
 _offer_entry("reference controller", "optimal-stopping", f"{_OPTIMAL}:OPTIMAL_STOPPING")
+_LINEAR = "palmbots.optimum.linear_controllers"
+_offer_entry("reference controller", "exact-p", f"{_LINEAR}:EXACT_P")
+_offer_entry("reference controller", "exact-p-stopping", f"{_LINEAR}:EXACT_P_STOPPING")
+_offer_entry("reference controller", "kalman", f"{_LINEAR}:KALMAN")
+_offer_entry("reference controller", "kalman-stopping", f"{_LINEAR}:KALMAN_STOPPING")
 _offer_module("figure", "palmbots.viz")
 _offer_module("writer", "palmbots.viz")
 

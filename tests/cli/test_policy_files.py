@@ -56,6 +56,35 @@ def test_a_policy_that_fails_runs_only_unproved(here: Run, tmp_path: Path) -> No
     assert_refused(here("carry", "-c", "distributed", "--unproved"), "--unproved needs a policy")
 
 
+def test_study_and_design_take_an_unproved_policy(here: Run, tmp_path: Path) -> None:
+    shutil.copy(MIXED, tmp_path / "mixed.toml")
+    file = tmp_path / "study.toml"
+    file.write_text(
+        'controllers = ["none", "mixed.toml"]\nset = { "task.distance_m" = 0.1 }\n'
+        "seeds = { first = 0, count = 4 }\n"
+    )
+    out = str(tmp_path / "s")
+    assert_refused(here("study", str(file), "--out", out), "the derived algorithm fails S1")
+    assert not (tmp_path / "s").exists()
+    done = here("study", str(file), "--out", out, "--unproved", "--json")
+    assert done.returncode == 0, done.stderr
+    assert "derived from mixed.toml is not checked (--unproved)" in done.stderr
+    rows = json.loads(done.stdout)["cells"]
+    assert [row["controller"] for row in rows] == ["none", "mixed.toml"]
+    plain = tmp_path / "plain.toml"
+    plain.write_text('controllers = ["none"]\nseeds = { first = 0, count = 4 }\n')
+    assert_refused(here("study", str(plain), "--unproved"), "--unproved needs a study")
+
+    quick = ("--maximize", "com", "--resolution-deg", "5", "--set", "task.distance_m=0.1", "--json")
+    refused = here("design", "-c", MIXED, *quick)
+    assert refused.returncode == 2 and refused.stdout == ""
+    assert "The shortest run against S1" in refused.stderr
+    made = here("design", "-c", MIXED, "--unproved", *quick)
+    assert made.returncode in (0, 1) and "not checked" in made.stderr, made.stderr
+    assert json.loads(made.stdout)["controller"] == "rest-mixed.toml"
+    assert_refused(here("design", "--unproved", *quick), "--unproved needs a policy file")
+
+
 def test_derive_reports_a_file(here: Run) -> None:
     proved = here("derive", "--policy", BOTH_DRIVE)
     assert proved.returncode == 0

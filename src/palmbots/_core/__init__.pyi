@@ -724,7 +724,7 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
     """
-    One carry. controller: a name, Machines, an OptimalController, RemoteControllers, or a pair of Python step functions.
+    One carry. controller: a name, Machines, an OptimalController, LinearFeedback, RemoteControllers, or a pair of Python step functions.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
@@ -1008,6 +1008,18 @@ class OptimalController:
     """A reference with full information, for one scene."""
 
     def __init__(self, policy: bytes, may_stop: bool) -> None: ...
+
+class LinearFeedback:
+    """A reference with linear feedback of the contact coordinates."""
+
+    def __init__(self, exact: bool, may_stop: bool) -> None:
+        """
+        exact: it reads the coordinates; otherwise a Kalman filter estimates them from signs.
+        """
+
+    @property
+    def time_s(self) -> float:
+        """In which the sum of the contact coordinates is to vanish."""
 
 class OpeningSolution:
     """What value iteration found, in SI units."""

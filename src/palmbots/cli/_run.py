@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +91,8 @@ def controller_of(
     if not name.endswith(".toml") or name in controller_names():
         if unproved:
             raise PalmbotsError(f"--unproved needs a policy file as {called}, as in FILE.toml")
-        return resolve(name, called=called)
+        entry = resolve(name, called=called)
+        return entry if quiet or not entry.preparation else _announced(entry)
     from palmbots.cli._progress import progress
     from palmbots.cli.reports.policy_report import failure_lines
     from palmbots.derivation.policy_controller import PolicyNotProved, load_policy
@@ -106,6 +108,22 @@ def controller_of(
     if unproved:
         warn(f"{called}: the algorithm that was derived from {name} is not checked (--unproved)")
     return entry
+
+
+def _announced(entry: "ControllerEntry") -> "ControllerEntry":
+    """The entry, with a line before its first policy is computed."""
+    make = entry.policy_maker
+    assert make is not None
+    is_first = True
+
+    def maker(spec: Any) -> Any:
+        nonlocal is_first
+        if is_first:
+            say(f"palmbots: {entry.name}: computing {entry.preparation} (seconds per scene)")
+        is_first = False
+        return make(spec)
+
+    return replace(entry, policy_maker=maker)
 
 
 def check_output(out: Path | None) -> None:

@@ -76,9 +76,12 @@ class ControllerEntry:
     """The tables of both robots, as the compiled core takes them; None: it is not from a policy."""
     source: ControllerSource | None = None
     """The Python class or the policy file; None: the compiled core has this controller."""
-    policy_maker: Callable[[Any], _core.OptimalController] | None = None
-    """Of a reference with full information: makes its policy for a `Spec`. None: the controller
-    knows what a robot or station knows."""
+    policy_maker: Callable[[Any], _core.OptimalController | _core.LinearFeedback] | None = None
+    """Of a reference, which knows more than robots do: makes what the core runs for a `Spec`. None:
+    the controller knows what a robot or station knows."""
+
+    preparation: str = ""
+    """What is computed before the first carry of a scene, if that takes seconds."""
 
     @property
     def is_reference(self) -> bool:
@@ -154,7 +157,7 @@ def controller_names() -> tuple[str, ...]:
 
 
 def reference_names() -> tuple[str, ...]:
-    """The names of the references with full information, which no robot can run."""
+    """The names of the references, which know more than robots do, so that none can run them."""
     return _REFERENCES.names()
 
 

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
+from palmbots._core import LinearFeedback as LinearFeedback
 from palmbots._core import OpeningProblem as OpeningProblem
 from palmbots._core import OpeningSolution as OpeningSolution
 from palmbots._core import OptimalController as OptimalController
@@ -34,6 +35,7 @@ __all__ = [
     "FINE",
     "SPEEDS",
     "Grid",
+    "LinearFeedback",
     "OpeningProblem",
     "OpeningSolution",
     "OptimalController",

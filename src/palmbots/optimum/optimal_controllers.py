@@ -75,6 +75,7 @@ def _entry(name: str, description: str, maker: Any) -> ControllerEntry:
         f"reference with full information: {description}",
         uses_radio=False,
         policy_maker=maker,
+        preparation="the least drop rate for every state of the pair",
     )
 
 

@@ -192,6 +192,7 @@ def load_plan(
     source: "StudyLike",
     carries: int | None = None,
     *,
+    unproved: bool = False,
     on_warning: "Callable[[str], None] | None" = None,
 ) -> Plan:
     """The study of a name, a TOML file or a table.
@@ -199,6 +200,7 @@ def load_plan(
     Args:
         source: a name takes precedence over a file of the same name; "./name" is always a file.
         carries: carries per cell, in place of seeds.count.
+        unproved: accept policy files whose derived algorithms fail their check.
         on_warning: called with a line if the study or its scene sets nothing.
 
     Raises:
@@ -224,7 +226,7 @@ def load_plan(
         study = Study.model_validate(table)
     except ValidationError as error:
         raise SceneError(f"{called} {validation_message(error, Study)}") from None
-    controllers = _controllers(study, folder, called)
+    controllers = _controllers(study, folder, called, unproved)
     return Plan(study, controllers, _base(study, folder, called, on_warning), name, called)
 
 
@@ -278,12 +280,16 @@ def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
     return Path(source).stem, f"{source}:", table, Path(source).parent
 
 
-def _controllers(study: Study, folder: Path, called: str) -> tuple[ControllerEntry, ...]:
+def _controllers(
+    study: Study, folder: Path, called: str, unproved: bool
+) -> tuple[ControllerEntry, ...]:
     """The controllers of a study; their files are relative to the study file."""
     controllers: list[ControllerEntry] = []
     for k, one in enumerate(study.controllers):
         try:
-            controller = resolve(one, called=f"controllers[{k}]", folder=str(folder))
+            controller = resolve(
+                one, called=f"controllers[{k}]", folder=str(folder), unproved=unproved
+            )
             refuse_reference(controller, "a study")
         except PalmbotsError as error:
             raise SceneError(f"{called} {error}") from None

@@ -7,7 +7,13 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, print_json, set_aside_certificate
+from palmbots.cli._run import (
+    check_output,
+    controller_of,
+    load,
+    print_json,
+    set_aside_certificate,
+)
 from palmbots.cli._warnings import warn
 from palmbots.cli.options import (
     DONE,
@@ -18,6 +24,7 @@ from palmbots.cli.options import (
     SceneArgument,
     SeedOption,
     SetOption,
+    UnprovedOption,
     interval_option,
     output_option,
 )
@@ -41,6 +48,7 @@ def design(
         ),
     ] = "noise",
     controller: ControllerOption = "distributed",
+    unproved: UnprovedOption = False,
     friction: Annotated[Interval, interval_option("--friction", "Friction coefficient")] = None,
     common_friction: Annotated[
         bool,
@@ -96,11 +104,12 @@ def design(
 
     one_of("--format", file_format, ("png", "svg", "pdf"))
     check_output(out)
+    entry = controller_of(controller, unproved=unproved, quiet=as_json)
     with progress("designing", as_json) as report:
         result = run_design(
             load(scene, changes),
             maximize=maximize,
-            controller=controller,
+            controller=entry,
             friction=friction,
             common_friction=common_friction,
             com_y_m=com_y_m,

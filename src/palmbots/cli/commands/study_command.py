@@ -12,7 +12,7 @@ import typer
 from palmbots.cli._progress import staged_progress
 from palmbots.cli._run import check_output, interruption_line, print_json
 from palmbots.cli._warnings import print_held_warnings, warn
-from palmbots.cli.options import DONE, JsonOption, output_option
+from palmbots.cli.options import DONE, JsonOption, UnprovedOption, output_option
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def study(
         bool,
         typer.Option("--estimate-cost", help="Print carries, time and disk space; run nothing."),
     ] = False,
+    unproved: UnprovedOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Run a study: any scene keys × controllers × seeds.
@@ -67,7 +68,9 @@ def study(
     from palmbots.studies.study_file import load_plan
     from palmbots.studies.study_runner import run_study
 
-    plan = load_plan(source, carries, on_warning=warn)
+    plan = load_plan(source, carries, unproved=unproved, on_warning=warn)
+    if unproved:
+        _warn_of_policies(plan)
     if scheduler is not None and local_cluster is not None:
         raise PalmbotsError("--scheduler and --local-cluster exclude each other; give one of them")
     if plot and not plan.keys:
@@ -97,6 +100,19 @@ def study(
     else:
         study_report(result, written)
     return DONE
+
+
+def _warn_of_policies(plan: "Plan") -> None:
+    """Say which controllers are not checked.
+
+    Raises:
+        PalmbotsError: there is none, so that ``--unproved`` has no effect.
+    """
+    names = [entry.name for entry in plan.controllers if entry.machines is not None]
+    if not names:
+        raise PalmbotsError("--unproved needs a study with a policy file among its controllers")
+    for name in names:
+        warn(f"controllers: the algorithm derived from {name} is not checked (--unproved)")
 
 
 def _notify(text: str) -> None:
