@@ -31,6 +31,7 @@ _STATE_PERIOD_S = 0.05
 _STATUS_PERIOD_S = 0.05
 _LEASE_S = 0.5
 """For controllers without a lease of their own: how long the partner's news counts."""
+_NOT_MEASURED = 0xFFFF  # as a voltage [mV]
 _MOST_OVERRUNS = 50
 """The control loop is too slow if more of the last 100 ticks were missed."""
 
@@ -64,14 +65,19 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
     with contextlib.closing(link), _Storage(file, state) as storage:
         address = pair.settings.driver.address
         number = scene_number(scene)
-        driver = SimulatedDriver(address, side, state.epoch, period_s / rate, number)
+        hardware = pair.settings.hardware.of(side)
+        leads = (side == "right") == (scene.task.direction == "forward")
+        driver = SimulatedDriver(
+            address, side, state.epoch, period_s / rate, number,
+            hardware=hardware, leads=leads, rate=rate,
+        )  # fmt: skip
         with contextlib.closing(driver):
             driver.read()  # waits until the world starts: no tick counts before
-            clock = ControlClock(period_s / rate)
+            clock = ControlClock(period_s / rate / driver.clock_rate)
             drives = drive_table(scene, side)
             goal_m = scene.task.distance_m
             start_m = 0.0
-            stopping = math.ceil(pair.settings.hardware.of(side).stopping_s / period_s)
+            stopping = math.ceil(hardware.stopping_s / period_s - 1e-9)
             while True:
                 elapsed = clock.wait()
                 seen = driver.read()
@@ -83,6 +89,9 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                 reading = _core.runtime.Reading(
                     seen.sign,
                     seen.palm_at_target,
+                    contact=seen.has_contact,
+                    battery_ok=seen.battery_v is None or seen.battery_v >= hardware.battery_low_v,
+                    battery_mv=_millivolts(seen.battery_v),
                     driver_ok=driver.works,
                     storage_ok=storage.works,
                     covered=covered_m >= goal_m,
@@ -100,6 +109,10 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
                     # that does not carry promises nothing, and must pass on a stop at once.
                     if receiver == 2 or storage.is_done or not robot.wheels:
                         link.send(_RECEIVERS[receiver], data)
+
+
+def _millivolts(voltage_v: float | None) -> int:
+    return _NOT_MEASURED if voltage_v is None else min(round(1000 * voltage_v), _NOT_MEASURED - 1)
 
 
 def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:
