@@ -140,7 +140,7 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
 
 # These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
 # other processes (tests/robot).
-ELSEWHERE = {"validate", "speed-limits", "up", "world", "robot", "station", "doctor"}
+ELSEWHERE = {"validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate"}
 
 
 def has(table: Any, key: str) -> bool:

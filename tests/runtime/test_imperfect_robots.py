@@ -187,8 +187,7 @@ def test_over_real_sockets_readings_are_those_of_the_hardware(tmp_path: Path) ->
     world = LiveWorld(tmp_path, {"clock_ppm": 50_000, "battery_v": 7.7})
     drivers = [
         SimulatedDriver(
-            world.address, side, 1, 0.001, hardware=HardwareParameters(), leads=side == "right",
-            rate=10,
+            world.address, side, 1, 0.001, hardware=HardwareParameters(), leads=side == "right"
         )
         for side in ("left", "right")
     ]  # fmt: skip

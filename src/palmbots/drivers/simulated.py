@@ -33,7 +33,6 @@ class SimulatedDriver:
         hardware: what the robot's program takes its hardware for. Only robots with imperfections
             have any; the others obey the words of a controller.
         leads: the robot travels away from its partner.
-        rate: multiple of real time at which the world runs.
 
     Raises:
         ConnectionLost: there is no world.
@@ -49,7 +48,6 @@ class SimulatedDriver:
         *,
         hardware: HardwareParameters | None = None,
         leads: bool = False,
-        rate: float = 1.0,
     ) -> None:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
@@ -59,7 +57,7 @@ class SimulatedDriver:
         self._newest: Reading | RawReading | None = None
         self._palm = 0
         self._servo_rad: float | None = None
-        self._rate = rate
+        self._rate = 1.0  # multiple of real time at which the world runs
         self._io = HardwareIo(hardware or HardwareParameters(), leads=leads)
         self.clock_rate = 1.0
         """How fast the clock of the robot's program runs. A simulated robot has one that is wrong;
@@ -99,8 +97,8 @@ class SimulatedDriver:
                 frame = self._world.receive(_PARTNER_STARTS_WITHIN_S)
             if frame == "end":
                 return None
-            if isinstance(frame, list) and len(frame) == 2 and frame[0] == "clock":
-                self.clock_rate = float(frame[1])
+            if isinstance(frame, list) and len(frame) == 3 and frame[0] == "clock":
+                self.clock_rate, self._rate = float(frame[1]), float(frame[2])
                 continue
             self._newest = self._reading_in(frame)
             self._heard_s = time.monotonic()

@@ -68,9 +68,8 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
         hardware = pair.settings.hardware.of(side)
         leads = (side == "right") == (scene.task.direction == "forward")
         driver = SimulatedDriver(
-            address, side, state.epoch, period_s / rate, number,
-            hardware=hardware, leads=leads, rate=rate,
-        )  # fmt: skip
+            address, side, state.epoch, period_s / rate, number, hardware=hardware, leads=leads
+        )
         with contextlib.closing(driver):
             driver.read()  # waits until the world starts: no tick counts before
             clock = ControlClock(period_s / rate / driver.clock_rate)

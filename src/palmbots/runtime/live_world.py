@@ -45,11 +45,11 @@ class LiveCarry:
         return asdict(self)
 
 
-class _Board:
+class Board:
     """The motor board of one robot."""
 
-    def __init__(self, stage: Stage, side: int, watchdog_ticks: int) -> None:
-        self._stage, self._side = stage, side
+    def __init__(self, stage: Stage, side: int, watchdog_ticks: int, rate: float) -> None:
+        self._stage, self._side, self._rate = stage, side, rate
         self._watchdog_ticks = watchdog_ticks
         self.driver: Connection | None = None
         self.command: Any = stage.rest(None)
@@ -58,8 +58,8 @@ class _Board:
     def plug(self, driver: Connection) -> None:
         """A program has connected."""
         self.driver = driver
-        for frame in self._stage.greeting(self._side):
-            self.send(frame)
+        if greeting := self._stage.greeting(self._side):
+            self.send([*greeting, self._rate])
 
     def take(self) -> None:
         """Take in the newest command; stop the wheels if there was none for too long."""
@@ -116,8 +116,8 @@ def run_live_world(
         stage = ImperfectStage(scene, world, seed, imperfections)
     period_s = scene.control.period_s
     watchdog_ticks = round(scene.control.watchdog_s / period_s)
-    boards = {side: _Board(stage, k, watchdog_ticks) for k, side in enumerate(SIDES)}
-    entrance = _Entrance(door, boards, scene_number(scene))
+    boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
+    entrance = Entrance(door, boards, scene_number(scene))
     entrance.wait()
     clock = ControlClock(period_s / rate)
     ticks = 0
@@ -148,10 +148,10 @@ def run_live_world(
     return LiveCarry(outcome, distance_m, ticks * period_s, clock.overruns)
 
 
-class _Entrance:
+class Entrance:
     """Lets programs connect. It never waits, and strangers do not disturb the world."""
 
-    def __init__(self, door: socket, boards: dict[str, _Board], scene: int) -> None:
+    def __init__(self, door: socket, boards: dict[str, Board], scene: int) -> None:
         self._door, self._boards, self._scene = door, boards, scene
         self._unknown: list[tuple[float, Connection]] = []
         door.settimeout(0)

@@ -6,7 +6,6 @@
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from palmbots._types import SIDES
@@ -37,7 +36,7 @@ class Stage(Protocol):
         ...
 
     def greeting(self, side: int) -> list[Any]:
-        """Frames for a program that has just connected."""
+        """Further values of the frame for a program that has just connected; none: no frame."""
         ...
 
     def frames(self) -> tuple[Any, Any]:
@@ -110,9 +109,19 @@ def raw_frame(reading: RawReading) -> list[Any]:
     return ["raw", counts, [*reading.closed], reading.servo_rad, reading.battery_v]
 
 
-@dataclass
-class _Raw:
-    """Commands to motors, as frames."""
+class RawStage:
+    """Commands to motors, as frames.
+
+    Args:
+        imperfections: what the robots really are.
+    """
+
+    def __init__(self, imperfections: Imperfections) -> None:
+        self._clocks = [1 + 1e-6 * imperfections.of(side).clock_ppm for side in SIDES]
+
+    def greeting(self, side: int) -> list[Any]:
+        """The rate of the clock of the robot's program, which only its simulation knows."""
+        return ["clock", self._clocks[side]]
 
     def command_in(self, frame: Any) -> RawCommand:
         """The rates of both wheels, and the angle of the servo or null."""
@@ -132,7 +141,7 @@ def _is_number(value: Any) -> bool:
     return is_number and math.isfinite(value)
 
 
-class ImperfectStage(_Raw):
+class ImperfectStage(RawStage):
     """Robots with imperfections under an object.
 
     Args:
@@ -149,7 +158,7 @@ class ImperfectStage(_Raw):
         params = [imperfections.of(side) for side in SIDES]
         left, right = (one.pivot_height_m for one in params)
         self._world: DrivenWorld = driven(scene, (left, right))
-        self._clocks = [1 + 1e-6 * one.clock_ppm for one in params]
+        super().__init__(imperfections)
         self._robots = [
             ImperfectRobot(one, scene, side, seed) for one, side in zip(params, SIDES, strict=True)
         ]
@@ -163,10 +172,6 @@ class ImperfectStage(_Raw):
     def outcome(self) -> str:
         """``running`` or ``dropped``."""
         return "dropped" if self._world.end else "running"
-
-    def greeting(self, side: int) -> list[Any]:
-        """The rate of the clock of the robot's program, which only its simulation knows."""
-        return [["clock", self._clocks[side]]]
 
     def readings(self) -> tuple[RawReading, RawReading]:
         """What the hardware of each robot reads."""

@@ -50,6 +50,10 @@ def world(
             help="What the robots really are, as in left.trim=0.02. May be repeated.",
         ),
     ] = None,
+    bench: Annotated[
+        bool,
+        typer.Option("--bench", help="A workbench without an object, for palmbots calibrate."),
+    ] = False,
     as_json: JsonOption = False,
     called: Annotated[str, typer.Option("--called", hidden=True)] = "",
 ) -> int:
@@ -67,6 +71,11 @@ def world(
     from palmbots.stability.scene_limits import self_check
 
     chosen = load(scene, changes)
+    if bench:
+        if lockstep or as_json:
+            other = "--lockstep" if lockstep else "--json"
+            raise PalmbotsError(f"--bench: does not work with {other}; allowed: without it")
+        return _bench(chosen, serve, seed, rate, imperfect)
     if not lockstep:
         return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
     if imperfect:
@@ -121,6 +130,32 @@ def _live(
     else:
         print(f"{result.outcome.upper()}  {result.distance_m:.2f} m in {result.time_s:.1f} s")
     return DONE if result.outcome == "delivered" else FAILED
+
+
+def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[str] | None) -> int:
+    """A workbench, until quit is typed."""
+    import select
+    import sys
+
+    from palmbots.links.local_connection import listen
+    from palmbots.runtime.bench_world import run_bench
+    from palmbots.runtime.imperfections import load_imperfections
+    from palmbots.runtime.launcher import check_rate
+
+    check_rate(rate)
+    imperfections = load_imperfections(imperfect or [])
+
+    def lines() -> str | None:
+        if not select.select([sys.stdin], [], [], 0)[0]:
+            return None
+        return sys.stdin.readline() or None
+
+    def on_line(text: str) -> None:
+        print(text, flush=True)
+
+    with listen(serve) as door:
+        run_bench(scene, door, imperfections, lines=lines, on_line=on_line, seed=seed, rate=rate)
+    return DONE
 
 
 COMMAND = world
