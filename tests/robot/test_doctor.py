@@ -2,6 +2,8 @@
 """`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 from robot_processes import new_pair, running, started
