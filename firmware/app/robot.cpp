@@ -85,6 +85,7 @@ class Program {
   void greet() {
     board::RadioPacket packet;
     while (board::take_packet(packet)) robot_.receive({packet.bytes.data(), packet.size});
+    tick_record.rejected = robot_.received().rejected;
     const unsigned round = 4U - greetings_--;
     const bool with_station =
         static_cast<ControllerKind>(settings_.controller) == ControllerKind::centralized;
@@ -260,7 +261,7 @@ Storage storage;
 
 }  // namespace palmbots::app
 
-int main() {
+extern "C" void run_program() {
   using namespace palmbots;
   board::start();
   const auto& page = const_cast<const app::SettingsPage&>(settings_page);

@@ -216,7 +216,7 @@ class LockstepBoards:
 
     def _greet(self) -> None:
         left, right = self.boards
-        for speaks in range(4):
+        for speaks in range(3):
             if self.station is not None:
                 turn = {0: 0, 2: 1}.get(speaks)
             else:
@@ -229,6 +229,9 @@ class LockstepBoards:
                         continue
                     self.station.hear(data)
                     self.boards[side].receive([self.station.greet(side)])
+        for board in self.boards:  # what was rejected before the carry does not count
+            board.greeting(0)
+            board.rejected = board.record()["rejected"]
 
     def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
         """Give each board its input of a tick, and return the answers."""

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the reset to main, the clocks, the debug port, and sleep.
+// From the reset to the program, the clocks, the debug port, and sleep.
 #include <cstdint>
 
 #include "../board.hpp"
@@ -10,7 +10,7 @@
 extern "C" {
 // From the linker script.
 extern std::uint32_t data_from[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[];
-int main();
+void run_program();
 [[noreturn]] void reset();
 [[noreturn]] void unexpected();
 }
@@ -47,7 +47,7 @@ extern "C" {
   const std::uint32_t* from = data_from;
   for (std::uint32_t* to = data_begin; to < data_end; ++to) *to = *from++;
   for (std::uint32_t* to = bss_begin; to < bss_end; ++to) *to = 0;
-  main();
+  run_program();
   unexpected();
 }
 }
