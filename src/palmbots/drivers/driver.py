@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every driver offers (`Driver`): readings in (`Reading`), commands out (`Drive`)."""
+"""What every driver offers (`Driver`): readings in (`Reading`), commands out (`Drive`).
+
+A driver that can be calibrated also gives access to its hardware as it is (`RawAccess`).
+"""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 
 @dataclass(frozen=True)
@@ -67,4 +70,42 @@ class Driver(Protocol):
 
     def close(self) -> None:
         """Stop the wheels, and give the hardware back."""
+        ...
+
+
+@dataclass(frozen=True)
+class RawReading:
+    """What the hardware itself reads, before any calibration."""
+
+    wheel_counts: tuple[float, float] | None
+    """Counts of the encoders of the left and the right wheel so far, growing forward; None: the
+    robot has no encoders."""
+    closed: tuple[bool, ...]
+    """Which switches of the palm are closed, in the order of their inputs."""
+    servo_rad: float | None = None
+    """Angle of the servo; None: it is not measured."""
+    battery_v: float | None = None
+    """Voltage of the battery; None: not measured."""
+
+
+@dataclass(frozen=True)
+class RawCommand:
+    """What the motors themselves are commanded."""
+
+    wheels_rad_s: tuple[float, float]
+    """Left and right wheel, forward. 0: the motor brakes."""
+    servo_rad: float | None = None
+    """Angle of the servo; None: it keeps its own."""
+
+
+@runtime_checkable
+class RawAccess(Protocol):
+    """A driver whose hardware can be calibrated."""
+
+    def read_raw(self) -> RawReading | None:
+        """The newest reading; as `Driver.read`."""
+        ...
+
+    def write_raw(self, command: RawCommand) -> None:
+        """Command the motors. The watchdog holds as for `Driver.write`."""
         ...

@@ -6,6 +6,7 @@ control period it passes readings and packets to the core, and carries out the a
 """
 
 import contextlib
+import math
 import queue
 import threading
 from typing import Any
@@ -70,7 +71,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
             drives = drive_table(scene, side)
             goal_m = scene.task.distance_m
             start_m = 0.0
-            stopping = round(pair.settings.limits.stopping_s / period_s)
+            stopping = math.ceil(pair.settings.hardware.of(side).stopping_s / period_s)
             while True:
                 elapsed = clock.wait()
                 seen = driver.read()

@@ -21,6 +21,7 @@ from pydantic import BeforeValidator, ValidationError
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StoredState, write_state
 from palmbots.scene.error_messages import validation_message
@@ -91,9 +92,6 @@ class LimitsTable(Section):
     """Silence of the station after which it counts as lost."""
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
-    stopping_s: Limit = 0.1
-    """Time in which the wheels come to rest; measure it, the default is assumed. It must not exceed
-    control.watchdog_s of the scene."""
 
 
 class PairFile(Section):
@@ -103,6 +101,7 @@ class PairFile(Section):
     link: LinkTable = LinkTable()
     driver: DriverTable = DriverTable()
     limits: LimitsTable = LimitsTable()
+    hardware: Hardware = Hardware()
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,8 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        table = self.settings.model_dump(exclude={"driver": True, "link": True})
+        own = {"driver": True, "link": True, "hardware": True}  # may differ between the robots
+        table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 
