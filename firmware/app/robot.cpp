@@ -55,7 +55,8 @@ class Program {
         switches_(page.settings),
         outbox_(page.settings.period_us, board::random_word()),
         palm_(storage.content().assists ? Palm::shallow : Palm::steep),
-        pulse_(settings_.palm_us[static_cast<std::size_t>(palm_)]) {
+        pulse_(settings_.palm_us[static_cast<std::size_t>(palm_)]),
+        wheel_{settings_.wheels[0][1][0], settings_.wheels[1][1][0]} {
     const bool begins = storage.content().epoch == settings_.first_epoch;
     if (settings_.is_under_way != 0 && begins && robot_.greets()) greetings_ = 4;
   }
@@ -155,20 +156,32 @@ class Program {
     const bool wheels = out_.mode.wheels;
     if (wheels) palm_ = command.palm;
     const std::uint16_t target = settings_.palm_us[static_cast<std::size_t>(palm_)];
-    const int way = target - pulse_;
-    const int most = settings_.palm_slew;
-    pulse_ = static_cast<std::uint16_t>(pulse_ + (way > most ? most : way < -most ? -most : way));
-    const auto stop = static_cast<std::size_t>(command.stop);
-    const auto move = static_cast<std::size_t>(command.move);
-    const std::int16_t left = wheels ? settings_.wheels[0][stop][move] : std::int16_t{0};
-    const std::int16_t right = wheels ? settings_.wheels[1][stop][move] : std::int16_t{0};
+    pulse_ = static_cast<std::uint16_t>(
+        nearer(static_cast<std::int16_t>(pulse_), static_cast<std::int16_t>(target),
+               settings_.palm_slew));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto& table = settings_.wheels[side];
+      const std::int16_t rest = table[1][0];
+      const std::int16_t wanted = table[static_cast<std::size_t>(command.stop)]
+                                       [static_cast<std::size_t>(command.move)];
+      // A wheel that may not turn rests at once.
+      wheel_[side] = wheels ? nearer(wheel_[side], wanted, settings_.wheel_slew) : rest;
+    }
     if (uses_motor_board()) {
       board::write_servos({pulse_, 0, 0});
-      board::write_motor_board(left, right);
+      board::write_motor_board(wheel_[0], wheel_[1]);
+    } else if (wheels) {
+      board::write_servos({pulse_, static_cast<std::uint16_t>(wheel_[0]),
+                           static_cast<std::uint16_t>(wheel_[1])});
     } else {
-      board::write_servos({pulse_, static_cast<std::uint16_t>(left),
-                           static_cast<std::uint16_t>(right)});
+      board::write_servos({pulse_, 0, 0});  // a servo without pulses rests, as after a reset
     }
+  }
+
+  // The next value on the way from one to another.
+  static std::int16_t nearer(std::int16_t now, std::int16_t wanted, int most) {
+    const int way = wanted - now;
+    return static_cast<std::int16_t>(now + (way > most ? most : way < -most ? -most : way));
   }
 
   // Stores what the partner relies on after a boot, before it is said.
@@ -247,6 +260,7 @@ class Program {
   wire::RobotMode mode_ = wire::RobotMode::off;
   Palm palm_;
   std::uint16_t pulse_;  // of the palm [µs]
+  std::int16_t wheel_[2];  // pulse or speed of each wheel
   std::uint32_t travelled_ = 0;
   unsigned greetings_ = 0;  // rounds still to come
   bool is_battery_ok_ = true;
@@ -272,7 +286,7 @@ extern "C" void run_program() {
   app::Stored stored = app::storage.content();
   stored.epoch = stored.epoch < settings.first_epoch ? settings.first_epoch : stored.epoch + 1;
   // Without a counted boot nothing may be sent: an epoch must never be used twice.
-  if (stored.epoch > wire::max_epoch || !app::storage.keep(stored)) {
+  if (stored.epoch > settings.last_epoch || !app::storage.keep(stored)) {
     app::only_show(app::BoardFault::storage);
   }
   board::start_switches();

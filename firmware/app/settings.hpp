@@ -36,6 +36,7 @@ struct Settings {
   std::uint16_t pair;
   std::uint8_t key[16];
   std::uint32_t first_epoch;  // of the first boot with this image
+  std::uint32_t last_epoch;   // the last that this image may use
   std::uint32_t number;       // equal on both boards if their settings are
   std::uint32_t period_us;    // of control
   std::uint32_t watchdog_us;
@@ -65,14 +66,15 @@ struct Settings {
   std::uint8_t wheel_kind;
   std::uint8_t debounce;     // equal readings in a row that a switch needs
   std::uint16_t palm_slew;  // largest change of the palm's pulse in a tick [µs]
-  std::uint8_t switches[12];  // SwitchMeaning of each, and three unused
+  std::uint16_t wheel_slew;  // largest change of a wheel's pulse or speed in a tick, unless it rests
+  std::uint8_t switches[10];  // SwitchMeaning of each, and one unused
   std::uint16_t palm_us[2];   // pulses of the steep and of the shallow angle
   // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.
   std::int16_t wheels[2][2][3];
   std::uint16_t times[most_times];  // of the controller, in the order of its `Times`
   std::uint32_t check;              // CRC-32 of everything before
 };
-inline constexpr std::size_t settings_size = 168;
+inline constexpr std::size_t settings_size = 172;
 static_assert(sizeof(Settings) == settings_size && alignof(Settings) == 4);
 
 // The page of the settings: these, and the table of a policy, with a check of its own.

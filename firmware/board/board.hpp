@@ -55,6 +55,8 @@ bool is_sending();
 void serve_radio();
 // How many packets arrived while there was no room for them.
 std::uint32_t lost_packets();
+// How many packets arrived with a wrong checksum.
+std::uint32_t damaged_packets();
 
 // --- servos.cpp: three pulses, repeated every 20 ms.
 

@@ -19,7 +19,16 @@ from emulator.peripherals.radio import Radio
 from emulator.peripherals.serial import Twi, Uart
 from emulator.peripherals.storage import Nvmc
 from emulator.peripherals.timing import Clock, Counter, Timer, Watchdog
-from emulator.processor import CYCLES_PER_US, FLASH, PERIPHERALS, PORTS, RAM, SYSTEM, UICR, Processor
+from emulator.processor import (
+    CYCLES_PER_US,
+    FLASH,
+    PERIPHERALS,
+    PORTS,
+    RAM,
+    SYSTEM,
+    UICR,
+    Processor,
+)
 from emulator.registers import at
 
 _ISER, _ICPR = 0xE000E100, 0xE000E280

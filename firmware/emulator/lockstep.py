@@ -51,7 +51,7 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
     spec = to_spec(scene)
     leader = 1 if scene.task.direction == "forward" else 0
     return BoardSettings(
-        role=side, key=KEY, pair=PAIR, first_epoch=1, number=0,
+        role=side, key=KEY, pair=PAIR, first_epoch=1, last_epoch=1000, number=0,
         period_us=round(1e6 * scene.control.period_s),
         watchdog_us=round(1e6 * scene.control.watchdog_s),
         lease=NEVER, station_limit=NEVER, time_limit=NEVER, travel=0, watchdog=0, stopping=0,
@@ -59,7 +59,8 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
         least_battery_mv=0, controller=controller_number(entry), channel=60, power_dbm=0,
         rejoins=False, stops_without_station=False, stops_without_partner=False, has_radio=True,
         leads=side == leader, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
-        is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, switches=LAYOUT,
+        is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, wheel_slew=2000,
+        switches=LAYOUT,
         palm_us=PALM_US, wheels=WHEEL_US,
         times=tuple(_core.runtime.times(spec, entry.name)),
     )  # fmt: skip
@@ -86,17 +87,29 @@ class LockstepBoard:
 
     def power_up(self) -> None:
         """Boot, until the timer runs; the ticks are counted from then."""
+        self.board.boot()
+        self._wait_for_timer()
+
+    def _wait_for_timer(self) -> None:
         board = self.board
-        board.boot()
         while board.timer.started_at is None:
             board.run_us(10)
         self.next_tick = board.timer.started_at + self.period
         self.rejected = self.late = 0
 
     def reboot(self) -> None:
-        """The supply is cut and comes back."""
-        self.board.cut_power()
-        self.power_up()
+        """The supply of the left board is cut and comes back; the right one hangs until its watchdog
+        resets it."""
+        if self.side == 0:
+            self.board.cut_power()
+            self.power_up()
+            return
+        board = self.board
+        before = len(board.resets)
+        board.halt += round(1e6 * CYCLES_PER_US)  # longer than any watchdog here
+        while len(board.resets) == before:
+            board.run_us(1000)
+        self._wait_for_timer()
 
     def _run_tick(self, elapsed: int) -> None:
         """Let `elapsed` ticks begin, of which the program sees only the last."""
@@ -208,9 +221,7 @@ class LockstepBoards:
             LockstepBoard(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
             for side in (0, 1)
         ]
-        self.station = (
-            _core.runtime.Station(KEY, PAIR, 1) if entry.team == "station" else None
-        )
+        self.station = _core.runtime.Station(KEY, PAIR, 1) if entry.team == "station" else None
         if entry.name in ("distributed", "centralized") or entry.machines is not None:
             self._greet()
 
@@ -256,4 +267,3 @@ def carry_on_boards(
     entry = resolve(controller)
     boards = LockstepBoards(image, scene, entry, seed)
     return pb.carry(scene, remote(entry, boards.exchange), seed=seed), boards
-

@@ -43,15 +43,15 @@ class Processor:
             # The processor and this program share the memory, which is faster than calls.
             memory = ctypes.create_string_buffer(size)
             uc.mem_map_ptr(base, size, unicorn.UC_PROT_ALL, ctypes.addressof(memory))
-            self._words[base >> 28 if base != UICR[0] else -1] = memoryview(memory).cast("B").cast("I")
+            self._words[base >> 28 if base != UICR[0] else -1] = (
+                memoryview(memory).cast("B").cast("I")
+            )
         self.set_bytes(FLASH[0], b"\xff" * FLASH[1])
         self.set_bytes(UICR[0], b"\xff" * UICR[1])
         self.set_bytes(FLASH[0], flash)
         self.meter = Meter()
         for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
-            uc.hook_add(
-                unicorn.UC_HOOK_MEM_WRITE, self._on_write, begin=base, end=base + size - 1
-            )
+            uc.hook_add(unicorn.UC_HOOK_MEM_WRITE, self._on_write, begin=base, end=base + size - 1)
         self._add_native_hooks()  # the last: the one for accesses has to run after the others
         self.offset = 0  # cycles that passed without an instruction
         self.halt = 0  # cycles for which the processor is about to be halted
@@ -187,7 +187,9 @@ class Processor:
         try:
             self.uc.emu_start(self.pc | 1, 0xFFFFFFFE)
         except unicorn.UcError as error:
-            self.error = self.error or Violation(f"{error} at {meter.address:#x}, pc {self.uc.reg_read(arm_const.UC_ARM_REG_PC):#x} xpsr {self.uc.reg_read(arm_const.UC_ARM_REG_XPSR):#x} limit {meter.limit-meter.instructions} start {self.pc:#x}")
+            self.error = self.error or Violation(
+                f"{error} at {meter.address:#x}, pc {self.uc.reg_read(arm_const.UC_ARM_REG_PC):#x} xpsr {self.uc.reg_read(arm_const.UC_ARM_REG_XPSR):#x} limit {meter.limit - meter.instructions} start {self.pc:#x}"
+            )
         finally:
             self.is_running = False
         if self.error is not None:

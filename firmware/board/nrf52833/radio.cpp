@@ -24,7 +24,7 @@ RadioPacket buffers[room];
 std::size_t newest, waiting;
 RadioPacket to_send;
 State state;
-std::uint32_t lost;
+std::uint32_t lost, damaged;
 
 void listen() {
   state = State::listening;
@@ -36,7 +36,9 @@ void listen() {
 }
 
 void keep_received() {
-  const bool is_whole = RADIO::CRCSTATUS == 1 && buffers[newest].size <= RadioPacket::most_bytes;
+  const bool is_right = RADIO::CRCSTATUS == 1;
+  if (!is_right) ++damaged;
+  const bool is_whole = is_right && buffers[newest].size <= RadioPacket::most_bytes;
   if (is_whole && waiting + 1 < room) {
     newest = (newest + 1) % room;
     ++waiting;
@@ -113,5 +115,7 @@ void serve_radio() {
 }
 
 std::uint32_t lost_packets() { return lost; }
+
+std::uint32_t damaged_packets() { return damaged; }
 
 }  // namespace palmbots::board

@@ -39,7 +39,9 @@ class Peripheral:
                 found[address] = method or _nothing
                 continue
             for number in range(32 if register in ("PIN_CNF", "CHG") else 8):
-                if number > 0 and any(address + step * number == a for a, _ in addresses().values()):
+                if number > 0 and any(
+                    address + step * number == a for a, _ in addresses().values()
+                ):
                     break
                 one = (lambda v, n=number, m=method: m(n, v)) if method else _nothing
                 found.setdefault(address + step * number, one)

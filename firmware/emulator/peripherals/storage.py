@@ -43,7 +43,9 @@ class Nvmc(Peripheral):
         self.require(self.erases[value] <= MOST_ERASES, "a page is worn out")
         self.writes = {a: n for a, n in self.writes.items() if not value <= a < value + PAGE}
         if self.power_fails_in == 0:
-            noise = bytes(self.chance.choice((0xFF, self.chance.randrange(256))) for _ in range(PAGE))
+            noise = bytes(
+                self.chance.choice((0xFF, self.chance.randrange(256))) for _ in range(PAGE)
+            )
             self.board.set_bytes(value, noise)
             self.board.power_fails()
             return

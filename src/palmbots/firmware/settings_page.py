@@ -22,7 +22,7 @@ SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 _MAGIC = 0x42504D42
 _FORMAT = 1
 _MOST_TIMES = 16
-_STRUCT = struct.Struct("<IHH16s11I4H3Bb10BH12B2H12h16H")
+_STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +35,8 @@ class BoardSettings:
     pair: int
     first_epoch: int
     """Epoch of the first boot with the image."""
+    last_epoch: int
+    """The last that the image may use."""
     number: int
     """Equal for both boards if their settings are."""
     period_us: int
@@ -70,6 +72,8 @@ class BoardSettings:
     """Equal readings in a row that a switch needs."""
     palm_slew_us: int
     """Largest change of the palm's pulse in a tick."""
+    wheel_slew: int
+    """Largest change of a wheel's pulse or speed in a tick."""
     switches: tuple[int, ...]
     palm_us: tuple[int, int]
     """Pulses of the steep and of the shallow angle."""
@@ -81,15 +85,15 @@ class BoardSettings:
     def packed(self) -> bytes:
         """The bytes, with their check."""
         times = (*self.times, *[0] * (_MOST_TIMES - len(self.times)))
-        switches = (*self.switches, *[0] * (12 - len(self.switches)))
+        switches = (*self.switches, *[0] * (10 - len(self.switches)))
         body = _STRUCT.pack(
-            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.number, self.period_us,
+            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number, self.period_us,
             self.watchdog_us, self.lease, self.station_limit, self.time_limit, self.travel,
             self.watchdog, self.stopping, self.turn_limit, self.most_overruns, self.state_period,
             self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
             self.power_dbm, self.rejoins, self.stops_without_station, self.stops_without_partner,
             self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
-            self.wheel_kind, self.debounce, self.palm_slew_us, *switches, *self.palm_us,
+            self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches, *self.palm_us,
             *self.wheels, *times,
         )  # fmt: skip
         return body + zlib.crc32(body).to_bytes(4, "little")

@@ -113,7 +113,13 @@ def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> An
 
 
 def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
-    """The settings of the core, in control ticks."""
+    """The settings of the core."""
+    return _core.runtime.RuntimeSettings(**core_settings(pair, scene, entry))
+
+
+def core_settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> dict[str, Any]:
+    """The settings of a robot that carries in real time, in control ticks, as
+    `_core.runtime.RuntimeSettings` takes them."""
     limits = pair.settings.limits
     bounds = check(entry, scene)
     lease_s = _LEASE_S if bounds is None else bounds.lease_s
@@ -122,21 +128,21 @@ def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
     def ticks(seconds: float) -> int:
         return max(1, round(seconds / period_s))
 
-    return _core.runtime.RuntimeSettings(
-        lease=ticks(lease_s),
-        station_limit=ticks(limits.station_limit_s),
-        time_limit=ticks(limits.time_limit_s),
-        travel=0,  # the driver measures the distance
-        watchdog=ticks(scene.control.watchdog_s),
-        most_overruns=_MOST_OVERRUNS,
-        has_radio=entry.uses_radio,
-        rejoins=limits.after_reboot == "rejoin",
-        stops_without_station=limits.station_lost == "stop",
-        stops_without_partner=limits.partner_lost == "stop",
-        state_period=ticks(_STATE_PERIOD_S),
-        status_period=ticks(_STATUS_PERIOD_S),
-        number=pair.fingerprint(scene),
-    )
+    return {
+        "lease": ticks(lease_s),
+        "station_limit": ticks(limits.station_limit_s),
+        "time_limit": ticks(limits.time_limit_s),
+        "travel": 0,  # the driver measures the distance
+        "watchdog": ticks(scene.control.watchdog_s),
+        "most_overruns": _MOST_OVERRUNS,
+        "has_radio": entry.uses_radio,
+        "rejoins": limits.after_reboot == "rejoin",
+        "stops_without_station": limits.station_lost == "stop",
+        "stops_without_partner": limits.partner_lost == "stop",
+        "state_period": ticks(_STATE_PERIOD_S),
+        "status_period": ticks(_STATUS_PERIOD_S),
+        "number": pair.fingerprint(scene),
+    }
 
 
 class _Storage:

@@ -21,6 +21,7 @@ from pydantic import BeforeValidator, ValidationError
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots.drivers.board_keys import BoardTable
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StoredState, write_state
@@ -102,6 +103,7 @@ class PairFile(Section):
     driver: DriverTable = DriverTable()
     limits: LimitsTable = LimitsTable()
     hardware: Hardware = Hardware()
+    board: BoardTable = BoardTable()
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        own = {"driver": True, "link": True, "hardware": True}  # may differ between the robots
+        own = {"driver": True, "link": True, "hardware": True, "board": True}  # may differ between the robots
         table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
