@@ -2,6 +2,7 @@
 """Compiles the firmware.
 
     python firmware/build.py [--compiler gcc|clang] [--target nrf52833] [--out build/firmware]
+                             [--package]
 
 It writes robot.elf, robot.hex, dongle.elf and dongle.hex. `palmbots firmware` makes the images of a pair
 from the .hex files of the package; no compiler is needed for that.
@@ -9,6 +10,7 @@ from the .hex files of the package; no compiler is needed for that.
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -33,6 +35,16 @@ CLANG = (
     "-target", "thumb-linux-musleabi", "-mcpu=cortex_m4-vfp4d16sp-vfp4sp-vfp3d16sp-vfp3sp-vfp2sp-fp64",
     "-fno-sanitize=all", "-fno-stack-protector", "-fomit-frame-pointer", "-Wno-unused-command-line-argument",
 )  # fmt: skip
+
+
+PINNED_GCC = "12.2.1"
+"""The compiler of the ready-made programs. Another one makes programs with other bytes."""
+PACKAGE = ROOT / "src" / "palmbots" / "firmware" / "data"
+
+
+def version() -> str:
+    command = ["arm-none-eabi-g++", "-dumpfullversion"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def run(*command: str) -> None:
@@ -82,8 +94,13 @@ def main() -> None:
     parser.add_argument("--compiler", choices=("gcc", "clang"), default="gcc")
     parser.add_argument("--target", default="nrf52833")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "firmware")
+    parser.add_argument(
+        "--package", action="store_true", help="replace the ready-made programs of the package"
+    )
     given = parser.parse_args()
     for program, file in build(given.compiler, given.target, given.out).items():
+        if given.package and version() == PINNED_GCC:
+            shutil.copy(file, PACKAGE / file.name)
         print(f"{program}: {file.relative_to(ROOT) if file.is_relative_to(ROOT) else file}")
 
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import palmbots as pb
-
 from emulator.board import Image, load_image
 from emulator.lockstep import carry_on_boards
 

@@ -12,7 +12,14 @@ from intelhex import IntelHex
 
 from emulator.peripherals.analog import Adc, Power, Rng
 from emulator.peripherals.outputs import (
-    BUTTONS, COLUMNS, LED_COLUMNS, LED_ROWS, ROWS, Port0, Port1, Pwm,
+    BUTTONS,
+    COLUMNS,
+    LED_COLUMNS,
+    LED_ROWS,
+    ROWS,
+    Port0,
+    Port1,
+    Pwm,
 )  # fmt: skip
 from emulator.peripherals.peripheral import Peripheral
 from emulator.peripherals.radio import Radio

@@ -10,15 +10,14 @@ import random
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from emulator.board import Board, Image, PowerFailed
+from emulator.peripherals.radio import airtime_us
+from emulator.processor import CYCLES_PER_US
 from palmbots._types import SIDES
 from palmbots.firmware.pair_settings import BoardPair
 from palmbots.firmware.settings_page import PAGE_ADDRESS, SWITCHES
 from palmbots.scene.scene import load_scene
 from palmbots.simulation.quasistatic import QuasistaticEpisode
-
-from emulator.board import Board, Image, PowerFailed
-from emulator.peripherals.radio import airtime_us
-from emulator.processor import CYCLES_PER_US
 
 QUANTUM_US = 1000.0
 MODES = ("off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault")

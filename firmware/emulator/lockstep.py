@@ -11,16 +11,19 @@ from typing import Any
 
 import palmbots as pb
 import palmbots._core as _core
+from emulator.board import Board, Image
+from emulator.processor import CYCLES_PER_US, Violation
 from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.firmware.settings_page import (
-    CONTROLLERS, PAGE_ADDRESS, SWITCHES, BoardSettings, settings_page,
+    CONTROLLERS,
+    PAGE_ADDRESS,
+    SWITCHES,
+    BoardSettings,
+    settings_page,
 )  # fmt: skip
 from palmbots.runtime.lockstep_world import remote
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
-
-from emulator.board import Board, Image
-from emulator.processor import CYCLES_PER_US, Violation
 
 KEY = bytes(range(16))
 PAIR = 7

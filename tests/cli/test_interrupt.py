@@ -46,6 +46,8 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "robot": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
+    "firmware": ("palmbots.firmware.images", "load_pair", ["pair.toml"]),
+    "flash": ("palmbots.firmware.flashing", "_image_text", ["left.hex"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

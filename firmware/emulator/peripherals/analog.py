@@ -13,7 +13,7 @@ class Adc(Peripheral):
 
     name = "SAADC"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.supply_mv = 3300
         self.is_started = False
@@ -55,7 +55,7 @@ class Rng(Peripheral):
 
     name = "RNG"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.chance = random.Random(board.seed)
         self.runs = False

@@ -17,7 +17,7 @@ class Port(Peripheral):
 
     first = 0
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.out = 0
         self.driven = 0
@@ -63,7 +63,7 @@ class Pwm(Peripheral):
 
     name = "PWM0"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.pulses: tuple[int, ...] | None = None
         self.starts = 0

@@ -36,7 +36,9 @@ class Peripheral:
                 continue
             method = getattr(self, f"on_{register}", None)
             if step == 0:
-                found[address] = method or _nothing
+                # Two names may stand for one register.
+                if method or address not in found:
+                    found[address] = method or _nothing
                 continue
             for number in range(32 if register in ("PIN_CNF", "CHG") else 8):
                 if number > 0 and any(

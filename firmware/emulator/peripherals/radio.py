@@ -23,7 +23,7 @@ class Radio(Peripheral):
     name = "RADIO"
     interrupt = 1
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.mode = "disabled"
         self.pointer = 0

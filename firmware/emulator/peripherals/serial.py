@@ -15,7 +15,7 @@ class Uart(Peripheral):
     name = "UARTE0"
     interrupt = 2
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.arriving: list[int] = []
         self.is_arriving = False
@@ -97,7 +97,7 @@ class Twi(Peripheral):
     name = "TWIM0"
     interrupt = 3
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.answers = True
         self.hangs = False

@@ -19,7 +19,7 @@ class Nvmc(Peripheral):
 
     name = "NVMC"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.config = 0
         self.writes: dict[int, int] = {}

@@ -12,7 +12,7 @@ class Clock(Peripheral):
 
     name = "CLOCK"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.crystal_runs = False
 
@@ -32,7 +32,7 @@ class Timer(Peripheral):
     name = "TIMER0"
     interrupt = 8
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.started_at: int | None = None
 
@@ -97,7 +97,7 @@ class Counter(Peripheral):
 
     name = "TIMER1"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.count = 0
         self.runs = False
@@ -125,7 +125,7 @@ class Watchdog(Peripheral):
 
     name = "WDT"
 
-    def __init__(self, board) -> None:  # noqa: ANN001
+    def __init__(self, board) -> None:
         super().__init__(board)
         self.runs = False
         self.fed_by: set[int] = set()

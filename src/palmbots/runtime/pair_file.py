@@ -120,7 +120,12 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        own = {"driver": True, "link": True, "hardware": True, "board": True}  # may differ between the robots
+        own = {
+            "driver": True,
+            "link": True,
+            "hardware": True,
+            "board": True,
+        }  # may differ between the robots
         table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
