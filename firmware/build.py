@@ -4,8 +4,8 @@
     python firmware/build.py [--compiler gcc|clang] [--target nrf52833] [--out build/firmware]
                              [--package]
 
-It writes robot.elf, robot.hex, dongle.elf and dongle.hex. `palmbots firmware` makes the images of a pair
-from the .hex files of the package; no compiler is needed for that.
+It writes robot.elf, robot.hex, dongle.elf and dongle.hex. `palmbots firmware` makes the images of a
+pair from the .hex files of the package; no compiler is needed for that.
 """
 
 import argparse
@@ -32,8 +32,9 @@ COMMON = (
 GCC = ("-mcpu=cortex-m4", "-mfloat-abi=soft", "-fno-move-loop-stores", "-fstack-usage")
 # Zig brings clang and a C++ library; the target of Linux is the one for which it has headers.
 CLANG = (
-    "-target", "thumb-linux-musleabi", "-mcpu=cortex_m4-vfp4d16sp-vfp4sp-vfp3d16sp-vfp3sp-vfp2sp-fp64",
-    "-fno-sanitize=all", "-fno-stack-protector", "-fomit-frame-pointer", "-Wno-unused-command-line-argument",
+    "-target", "thumb-linux-musleabi",
+    "-mcpu=cortex_m4-vfp4d16sp-vfp4sp-vfp3d16sp-vfp3sp-vfp2sp-fp64", "-fno-sanitize=all",
+    "-fno-stack-protector", "-fomit-frame-pointer", "-Wno-unused-command-line-argument",
 )  # fmt: skip
 
 
@@ -43,17 +44,20 @@ PACKAGE = ROOT / "src" / "palmbots" / "firmware" / "data"
 
 
 def version() -> str:
+    """The version of GCC."""
     command = ["arm-none-eabi-g++", "-dumpfullversion"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def run(*command: str) -> None:
+    """Run a command, and end with what it reports if it fails."""
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(command)}\n{done.stderr}")
 
 
 def compiler(name: str) -> tuple[str, ...]:
+    """The command of a compiler, with its own flags."""
     if name == "gcc":
         return ("arm-none-eabi-g++", *GCC)
     return (sys.executable, "-m", "ziglang", "c++", *CLANG)
@@ -90,6 +94,7 @@ def build(name: str, target: str, out: Path, extra: tuple[str, ...] = ()) -> dic
 
 
 def main() -> None:
+    """Compile, and print what has been made."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--compiler", choices=("gcc", "clang"), default="gcc")
     parser.add_argument("--target", default="nrf52833")

@@ -63,14 +63,14 @@ class RobotWith final : public Robot {
 
 inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
   using namespace runtime;
-  return {{s.rejoins != 0 ? AfterReboot::rejoin : AfterReboot::disarm,
-           s.stops_without_station != 0 ? StationLost::stop : StationLost::carry_on,
-           s.stops_without_partner != 0 ? PartnerLost::stop : PartnerLost::controller,
-           s.has_radio != 0, s.lease, s.station_limit, s.time_limit, s.travel, s.watchdog,
-           s.most_overruns},
-          s.state_period,
-          s.status_period,
-          s.number};
+  return {
+      {s.rejoins != 0 ? AfterReboot::rejoin : AfterReboot::disarm,
+       s.stops_without_station != 0 ? StationLost::stop : StationLost::carry_on,
+       s.stops_without_partner != 0 ? PartnerLost::stop : PartnerLost::controller, s.has_radio != 0,
+       s.lease, s.station_limit, s.time_limit, s.travel, s.watchdog, s.most_overruns},
+      s.state_period,
+      s.status_period,
+      s.number};
 }
 
 namespace detail {
@@ -86,14 +86,15 @@ template <class... Programs>
 struct Room {
   static constexpr std::size_t largest() {
     std::size_t most = 0;
-    for (const std::size_t size : {sizeof(RobotWith<Programs>)...}) most = size > most ? size : most;
+    for (const std::size_t size : {sizeof(RobotWith<Programs>)...})
+      most = size > most ? size : most;
     return most;
   }
   alignas(RobotWith<Programs>...) static inline std::byte bytes[largest()];
 };
-using RoomForAll = Room<BeaconProgram<Resilient>, TableRobotProgram<Silent>,
-                        TableRobotProgram<SharedSign>, MessageProgram<Distributed>,
-                        MessageProgram<MachineRobot>, runtime::ReportProgram>;
+using RoomForAll =
+    Room<BeaconProgram<Resilient>, TableRobotProgram<Silent>, TableRobotProgram<SharedSign>,
+         MessageProgram<Distributed>, MessageProgram<MachineRobot>, runtime::ReportProgram>;
 
 template <class Program>
 Robot& robot_with(const SettingsPage& page, const Stored& stored, const Program& fresh,

@@ -15,8 +15,8 @@
 #include "settings.hpp"
 
 extern const volatile palmbots::app::SettingsPage settings_page;
-[[gnu::section(".settings"), gnu::used]] constinit const volatile palmbots::app::SettingsPage
-    settings_page{};
+[[gnu::section(".settings"),
+  gnu::used]] constinit const volatile palmbots::app::SettingsPage settings_page{};
 
 namespace palmbots::app {
 

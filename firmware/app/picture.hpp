@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the 25 LEDs show. The upper three rows are a symbol of the mode. The fourth row is the fault
-// code as a binary number in its four right LEDs; its left LED tells a fault of the board (BoardFault)
-// from a fault code of the wire. The bottom row shows where the object lies: left −, middle 0, right +.
+// code as a binary number in its four right LEDs; its left LED shines if the fault is one of the board
+// (BoardFault) and not one of the wire. The bottom row shows where the object lies: left −, middle 0,
+// right +.
 #pragma once
 
 #include <cstdint>

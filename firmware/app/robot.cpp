@@ -19,8 +19,8 @@
 
 // Without settings: `palmbots firmware` replaces them.
 extern const volatile palmbots::app::SettingsPage settings_page;
-[[gnu::section(".settings"), gnu::used]] constinit const volatile palmbots::app::SettingsPage
-    settings_page{};
+[[gnu::section(".settings"),
+  gnu::used]] constinit const volatile palmbots::app::SettingsPage settings_page{};
 
 palmbots::app::TickRecord tick_record;
 
@@ -90,8 +90,8 @@ class Program {
     const unsigned round = 4U - greetings_--;
     const bool with_station =
         static_cast<ControllerKind>(settings_.controller) == ControllerKind::centralized;
-    const bool is_turn = with_station ? round == 2U * settings_.role
-                                      : round < 3 && round % 2 == settings_.role;
+    const bool is_turn =
+        with_station ? round == 2U * settings_.role : round < 3 && round % 2 == settings_.role;
     wire::Bytes bytes;
     if (!is_turn || !robot_.greet(bytes)) return;
     outbox_.clear();
@@ -115,8 +115,7 @@ class Program {
     const bool is_stored = store();
     say(is_stored);
     strangers_.count(robot_.endpoint(), elapsed, settings_.lease);
-    show(fault);
-    record(elapsed, fault);
+    record(elapsed, show(fault));
   }
 
   BoardFault fault_now() {
@@ -156,14 +155,13 @@ class Program {
     const bool wheels = out_.mode.wheels;
     if (wheels) palm_ = command.palm;
     const std::uint16_t target = settings_.palm_us[static_cast<std::size_t>(palm_)];
-    pulse_ = static_cast<std::uint16_t>(
-        nearer(static_cast<std::int16_t>(pulse_), static_cast<std::int16_t>(target),
-               settings_.palm_slew));
+    pulse_ = static_cast<std::uint16_t>(nearer(
+        static_cast<std::int16_t>(pulse_), static_cast<std::int16_t>(target), settings_.palm_slew));
     for (std::size_t side = 0; side < 2; ++side) {
       const auto& table = settings_.wheels[side];
       const std::int16_t rest = table[1][0];
-      const std::int16_t wanted = table[static_cast<std::size_t>(command.stop)]
-                                       [static_cast<std::size_t>(command.move)];
+      const std::int16_t wanted =
+          table[static_cast<std::size_t>(command.stop)][static_cast<std::size_t>(command.move)];
       // A wheel that may not turn rests at once.
       wheel_[side] = wheels ? nearer(wheel_[side], wanted, settings_.wheel_slew) : rest;
     }
@@ -171,8 +169,8 @@ class Program {
       board::write_servos({pulse_, 0, 0});
       board::write_motor_board(wheel_[0], wheel_[1]);
     } else if (wheels) {
-      board::write_servos({pulse_, static_cast<std::uint16_t>(wheel_[0]),
-                           static_cast<std::uint16_t>(wheel_[1])});
+      board::write_servos(
+          {pulse_, static_cast<std::uint16_t>(wheel_[0]), static_cast<std::uint16_t>(wheel_[1])});
     } else {
       board::write_servos({pulse_, 0, 0});  // a servo without pulses rests, as after a reset
     }
@@ -187,8 +185,8 @@ class Program {
   // Stores what the partner relies on after a boot, before it is said.
   bool store() {
     Stored wanted = storage_.content();
-    wanted.assists = palm_ == Palm::shallow && (out_.mode.wheels ? out_.decision.assists
-                                                                 : wanted.assists);
+    wanted.assists =
+        palm_ == Palm::shallow && (out_.mode.wheels ? out_.decision.assists : wanted.assists);
     wanted.carries = out_.mode.store.carries;
     wanted.stop = out_.mode.store.stop;
     return storage_.keep(wanted);
@@ -205,14 +203,16 @@ class Program {
     outbox_.release();
   }
 
-  void show(BoardFault fault) {
+  // Shows the mode and what is wrong, and returns what that is.
+  BoardFault show(BoardFault fault) {
     if (fault == BoardFault::none && !storage_.works()) fault = BoardFault::storage;
     if (fault == BoardFault::none && strangers_.are_all_there_is()) fault = BoardFault::stranger;
     if (fault == BoardFault::none && missed_.recent() > settings_.most_overruns) {
       fault = BoardFault::late;
     }
-    board::show(picture_of(mode_, out_.mode.code, fault, switches_.has_contact(),
-                           switches_.sign()));
+    board::show(
+        picture_of(mode_, out_.mode.code, fault, switches_.has_contact(), switches_.sign()));
+    return fault;
   }
 
   // A page is erased only while nothing can move.
@@ -259,7 +259,7 @@ class Program {
   runtime::Outputs out_{};
   wire::RobotMode mode_ = wire::RobotMode::off;
   Palm palm_;
-  std::uint16_t pulse_;  // of the palm [µs]
+  std::uint16_t pulse_;    // of the palm [µs]
   std::int16_t wheel_[2];  // pulse or speed of each wheel
   std::uint32_t travelled_ = 0;
   unsigned greetings_ = 0;  // rounds still to come

@@ -64,9 +64,10 @@ struct Settings {
   std::uint8_t by_touch;
   std::uint8_t is_under_way;  // the carry begins at the boot, as in the simulator
   std::uint8_t wheel_kind;
-  std::uint8_t debounce;     // equal readings in a row that a switch needs
+  std::uint8_t debounce;    // equal readings in a row that a switch needs
   std::uint16_t palm_slew;  // largest change of the palm's pulse in a tick [µs]
-  std::uint16_t wheel_slew;  // largest change of a wheel's pulse or speed in a tick, unless it rests
+  std::uint16_t
+      wheel_slew;  // largest change of a wheel's pulse or speed in a tick, unless it rests
   std::uint8_t switches[10];  // SwitchMeaning of each, and one unused
   std::uint16_t palm_us[2];   // pulses of the steep and of the shallow angle
   // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.

@@ -20,8 +20,8 @@ struct TickRecord {
   std::uint8_t awaits;  // the message that it waits for
   std::uint8_t word;    // what the first packet of the tick says
   std::uint8_t mode;
-  std::uint8_t code;   // fault code of the wire
-  std::uint8_t fault;  // BoardFault
+  std::uint8_t code;     // fault code of the wire
+  std::uint8_t fault;    // BoardFault
   std::uint8_t assists;  // stored
   std::uint8_t packets;  // to be sent in this tick
 };

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two emulated boards in real time: their own clocks, a radio between them, hands on their buttons.
 
-The boards run one after the other for a millisecond each, which is the shortest delay of the radio. A
-packet that arrives while a board does not listen is lost, and so are packets that overlap.
+The boards run one after the other for a millisecond each, which is the shortest delay of the radio.
+A packet that arrives while a board does not listen is lost, and so are packets that overlap.
 """
 
 import math

@@ -2,8 +2,8 @@
 """Two emulated boards in lockstep with the exact world, as `palmbots up --lockstep` has processes.
 
 The world draws all random numbers and passes the packets. A board gets its readings through its
-switches and the packets by its radio, and answers with pulses and packets. So a carry has the trace of
-one inside a single program if the firmware is right.
+switches and the packets by its radio, and answers with pulses and packets. So a carry has the trace
+of one inside a single program if the firmware is right.
 """
 
 from dataclasses import replace
@@ -101,7 +101,7 @@ class LockstepBoard:
         self.rejected = self.late = 0
 
     def reboot(self) -> None:
-        """The supply of the left board is cut and comes back; the right one hangs until its watchdog
+        """The left board loses its supply for a moment; the right one hangs until its watchdog
         resets it."""
         if self.side == 0:
             self.board.cut_power()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A Cortex-M4 with the memory of an nRF52833, and time: one cycle for each instruction.
 
-Time goes on while the processor sleeps or is halted. An event is a time and a method of the board to
-call then. The processor runs in slices that end at the next event, so it never sees an event late.
+Time goes on while the processor sleeps or is halted. An event is a time and a method of the board
+to call then. The processor runs in slices that end at the next event, so it never sees an event late.
 """
 
 import ctypes
@@ -187,9 +187,7 @@ class Processor:
         try:
             self.uc.emu_start(self.pc | 1, 0xFFFFFFFE)
         except unicorn.UcError as error:
-            self.error = self.error or Violation(
-                f"{error} at {meter.address:#x}, pc {self.uc.reg_read(arm_const.UC_ARM_REG_PC):#x} xpsr {self.uc.reg_read(arm_const.UC_ARM_REG_XPSR):#x} limit {meter.limit - meter.instructions} start {self.pc:#x}"
-            )
+            self.error = self.error or Violation(f"{error} at {meter.address:#x}")
         finally:
             self.is_running = False
         if self.error is not None:

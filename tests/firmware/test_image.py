@@ -71,8 +71,11 @@ def test_floating_point_would_be_found(tmp_path: Path) -> None:
              "-o", str(compiled)], check=True,
         )  # fmt: skip
         text = subprocess.run(
-            ["arm-none-eabi-objdump", "-dr", str(compiled)], check=True, capture_output=True, text=True
-        ).stdout  # fmt: skip
+            ["arm-none-eabi-objdump", "-dr", str(compiled)],
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
         assert pattern.findall(text)
 
 
@@ -89,8 +92,8 @@ class CountingBoard(Board):
 def test_each_store_is_made_once(image: Image, monkeypatch: pytest.MonkeyPatch) -> None:
     """A compiler may emit a volatile store twice. The stores of a quiet tick, counted by hand:
 
-    five slots with 6 for the LEDs, 3 for the timer and 1 for its time (50), the switches (6), and the
-    watchdog (1).
+    five slots with 6 for the LEDs, 3 for the timer and 1 for its time (50), the switches (6), and
+    the watchdog (1).
     """
     monkeypatch.setattr("emulator.lockstep.Board", CountingBoard)
     scene = load_scene("paper")

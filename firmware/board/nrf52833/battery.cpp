@@ -21,9 +21,9 @@ unsigned calls;
 
 void start_battery(std::uint16_t least_mv) {
   SAADC::CH0_PSELN = 0;
-  SAADC::CH0_PSELP = 9;                       // VDD
+  SAADC::CH0_PSELP = 9;                             // VDD
   SAADC::CH0_CONFIG = 0 << 8 | 0 << 12 | 2U << 16;  // gain 1/6, internal reference, 10 µs
-  SAADC::RESOLUTION = 2;                      // 12 bits
+  SAADC::RESOLUTION = 2;                            // 12 bits
   SAADC::RESULT_PTR = address_of(&result);
   SAADC::RESULT_MAXCNT = 1;
   SAADC::ENABLE = 1;

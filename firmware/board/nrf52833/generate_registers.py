@@ -32,10 +32,12 @@ HEAD = """\
 
 
 def number(text: str) -> int:
+    """A number in decimal or hexadecimal notation."""
     return int(text, 0)
 
 
 def text_of(element: ElementTree.Element, name: str) -> str:
+    """The text of an element that has to be there."""
     found = element.findtext(name)
     if found is None:
         raise SystemExit(f"registers: an element without {name}")
@@ -63,6 +65,7 @@ def lines_of(registers: ElementTree.Element, base: int, prefix: str = "") -> lis
 
 
 def main() -> None:
+    """Write the header."""
     root = ElementTree.parse(sys.argv[1]).getroot()
     licence = text_of(root, "licenseText").replace("\\n", "").strip().splitlines()
     notice = "\n".join(f"// {line.strip()}".rstrip() for line in licence)

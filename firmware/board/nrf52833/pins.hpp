@@ -28,7 +28,7 @@ inline constexpr std::uint8_t uart_txd = 6;
 inline constexpr std::uint8_t uart_rxd = 40;
 
 inline constexpr std::uint32_t input_pull_up = 0b1100;
-inline constexpr std::uint32_t output = 0b11;              // input buffer disconnected
+inline constexpr std::uint32_t output = 0b11;                  // input buffer disconnected
 inline constexpr std::uint32_t open_drain = 6U << 8 | 0b1101;  // S0D1 with pull-up, as I²C asks
 
 inline void configure(std::uint8_t pin, std::uint32_t how) {

@@ -17,9 +17,7 @@ enum class Interrupt : std::uint8_t { power = 0, radio = 1, uart = 2, twi = 3, t
 inline constexpr Registers<0xE000E100, 4> NVIC_ISER{};
 inline constexpr Registers<0xE000E280, 4> NVIC_ICPR{};
 
-inline void wakes(Interrupt interrupt) {
-  NVIC_ISER[0] = 1U << static_cast<unsigned>(interrupt);
-}
+inline void wakes(Interrupt interrupt) { NVIC_ISER[0] = 1U << static_cast<unsigned>(interrupt); }
 // To be called when the events of a peripheral have been cleared.
 inline void has_been_served(Interrupt interrupt) {
   NVIC_ICPR[0] = 1U << static_cast<unsigned>(interrupt);

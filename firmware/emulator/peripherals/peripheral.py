@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 class Peripheral:
     """A peripheral of a board.
 
-    A method ``on_REGISTER`` is called before the program writes to that register, with the value, or
-    with the number and the value if there are several of a kind. Registers without a method are plain
-    memory. A write to a register that does not exist is a violation.
+    A method ``on_REGISTER`` is called before the program writes to that register, with the value,
+    or with the number and the value if there are several of a kind. Registers without a method are
+    plain memory. A write to a register that does not exist is a violation.
     """
 
     name = ""

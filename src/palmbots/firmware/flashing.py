@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flashing: an image is copied to the drive as which a board shows itself.
 
-The interface chip of the board writes the image into the flash memory and restarts the board. It reports
-a failure in a file FAIL.TXT on the drive.
+The interface chip of the board writes the image into the flash memory and restarts the board. It
+reports a failure in a file FAIL.TXT on the drive.
 """
 
 import hashlib

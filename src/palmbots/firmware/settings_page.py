@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The last page of an image: what distinguishes one board from another.
 
-The firmware reads the same bytes as a struct (``firmware/app/settings.hpp``). Times are control ticks
-unless a name says otherwise.
+The firmware reads the same bytes as a struct (``firmware/app/settings.hpp``). Times are control
+ticks unless a name says otherwise.
 """
 
 import struct
@@ -87,14 +87,14 @@ class BoardSettings:
         times = (*self.times, *[0] * (_MOST_TIMES - len(self.times)))
         switches = (*self.switches, *[0] * (10 - len(self.switches)))
         body = _STRUCT.pack(
-            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number, self.period_us,
-            self.watchdog_us, self.lease, self.station_limit, self.time_limit, self.travel,
+            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
+            self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit, self.travel,
             self.watchdog, self.stopping, self.turn_limit, self.most_overruns, self.state_period,
             self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
             self.power_dbm, self.rejoins, self.stops_without_station, self.stops_without_partner,
             self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
-            self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches, *self.palm_us,
-            *self.wheels, *times,
+            self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches,
+            *self.palm_us, *self.wheels, *times,
         )  # fmt: skip
         return body + zlib.crc32(body).to_bytes(4, "little")
 
