@@ -141,10 +141,6 @@ class Program {
     reading.overruns = missed_.recent();
     reading.battery_mv = board::battery_mv();
     reading.stopping = settings_.stopping;
-    if (settings_.travel > 0) {
-      const std::uint32_t part = travelled_ < settings_.travel ? travelled_ : settings_.travel;
-      reading.progress = static_cast<std::uint16_t>(std::uint64_t{part} * 65535 / settings_.travel);
-    }
     return reading;
   }
 
@@ -222,8 +218,6 @@ class Program {
   }
 
   void record(std::uint16_t elapsed, BoardFault fault) {
-    if (mode_ == wire::RobotMode::carrying) travelled_ += elapsed;
-    if (!out_.mode.wheels) travelled_ = 0;
     TickRecord& r = tick_record;
     r.rejected = robot_.received().rejected;
     r.late = robot_.received().late;
@@ -261,7 +255,6 @@ class Program {
   Palm palm_;
   std::uint16_t pulse_;    // of the palm [µs]
   std::int16_t wheel_[2];  // pulse or speed of each wheel
-  std::uint32_t travelled_ = 0;
   unsigned greetings_ = 0;  // rounds still to come
   bool is_battery_ok_ = true;
   bool supply_failed_ = false;

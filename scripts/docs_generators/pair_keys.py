@@ -9,5 +9,7 @@ PAGE = "docs/guide/robots.md"
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     rows = ["| key | default | meaning |", "|---|---|---|"]
-    rows += [f"| `{key.name}` | `{key.default_text}` | {key.meaning} |" for key in pair_keys()]
+    for key in pair_keys():
+        default = f"`{key.default_text}`" if key.default_text else ""
+        rows.append(f"| `{key.name}` | {default} | {key.meaning} |")
     return {"pair keys": "\n".join(rows)}

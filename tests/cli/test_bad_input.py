@@ -97,6 +97,9 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["up", "--link", "lost=1"], ["--link", "lost=1", "delay_ms"]),
     (["up", "--rate", "0"], ["--rate", "0.01 to 100"]),
     (["init"], ["init", "--help"]),
+    (["ros2", "no.toml", "--side", "left"], ["no.toml", "cannot be read"]),
+    (["ros2", "no.toml", "--side", "top"], ["--side", "top", "left"]),
+    (["ros2", "no.toml", "--side", "left", "--seconds", "0"], ["--seconds", "0.1 to 1000000"]),
 ]  # fmt: skip
 
 

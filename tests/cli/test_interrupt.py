@@ -45,6 +45,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "world": ("palmbots.runtime.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
     "robot": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
+    "ros2": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "firmware": ("palmbots.firmware.images", "load_pair", ["pair.toml"]),
     "flash": ("palmbots.firmware.flashing", "_image_text", ["left.hex"]),

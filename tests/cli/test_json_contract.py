@@ -150,6 +150,7 @@ ELSEWHERE = {
     "doctor",
     "firmware",
     "flash",
+    "ros2",
 }
 
 

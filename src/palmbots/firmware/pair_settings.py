@@ -86,10 +86,10 @@ class BoardPair:
         pair, scene, entry = self.pair, self.scene, self.entry
         board, hardware = pair.settings.board, pair.settings.hardware.of(side)
         spec = to_spec(scene)
-        core = core_settings(pair, scene, entry)
         period_s = scene.control.period_s
         robot, palm = scene.robot_of(side), scene.palm_of(side)
-        travel_s = scene.task.distance_m / robot.speed_m_s
+        travel_s = scene.task.distance_m / robot.speed_m_s if robot.speed_m_s > 0 else 0.0
+        core = core_settings(pair, scene, entry, travel_s)
         turn_s = abs(palm.steep_deg - palm.shallow_deg) / palm.rate_deg_s
         leads = (side == "right") == (scene.task.direction == "forward")
         palm_us = tuple(
@@ -106,7 +106,7 @@ class BoardPair:
             number=core["number"], period_us=round(1e6 * period_s),
             watchdog_us=round(1e6 * scene.control.watchdog_s), lease=core["lease"],
             station_limit=core["station_limit"], time_limit=core["time_limit"],
-            travel=math.ceil(travel_s / period_s), watchdog=core["watchdog"],
+            travel=core["travel"], watchdog=core["watchdog"],
             stopping=math.ceil(hardware.stopping_s / period_s - 1e-9),
             turn_limit=math.ceil(2 * turn_s / period_s) + 20,
             most_overruns=core["most_overruns"], state_period=core["state_period"],
@@ -171,7 +171,7 @@ def board_pair(pair: Pair) -> BoardPair:
         )
     if entry.machines is not None:
         _check_table(entry, scene)
-    core_settings(pair, scene, entry)  # refuses time bounds that cannot be kept
+    core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
     _check_times(scene)
     board = pair.settings.board
     for side in SIDES:

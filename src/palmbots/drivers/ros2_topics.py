@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Topics, frames and settings of a robot in ROS 2: what is published, and where.
+
+A robot's topics are in a namespace of its own, ``/left`` or ``/right``. This module needs no
+package of ROS 2 or DDS: the documentation reads it, too.
+"""
+
+import os
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator
+
+from palmbots._types import Side
+from palmbots._util.arguments import whole_number
+from palmbots.scene.fields import Range, field_error
+from palmbots.scene.section import Section
+
+_TOKEN = r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*_?"
+_NAME = re.compile(rf"/?{_TOKEN}(/{_TOKEN})*")
+LARGEST_DOMAIN = 232
+"""A larger number would need UDP ports above 65535."""
+
+
+def _name(is_optional: bool) -> Any:
+    def check(value: object) -> object:
+        fits = isinstance(value, str) and (_NAME.fullmatch(value) or (is_optional and not value))
+        if not fits:
+            allowed = "a ROS 2 name such as base/odom: letters, digits and _, with / between names"
+            raise field_error(value, "is no name", f'{allowed}, or ""' if is_optional else allowed)
+        return value
+
+    return BeforeValidator(check)
+
+
+def _domain(value: object) -> object:
+    if not isinstance(value, int) or isinstance(value, bool) or not -1 <= value <= LARGEST_DOMAIN:
+        allowed = f"0 to {LARGEST_DOMAIN}, or -1"
+        raise field_error(value, "is no domain", allowed)
+    return value
+
+
+Name = Annotated[str, _name(False)]
+OptionalName = Annotated[str, _name(True)]
+Domain = Annotated[int, BeforeValidator(_domain)]
+Rate = Annotated[float, BeforeValidator(Range("Hz", least=0.1, most=1000))]
+Silence = Annotated[float, BeforeValidator(Range("s", least=0.01, most=100))]
+Turn = Annotated[float, BeforeValidator(Range("°", least=-360, most=360))]
+Tolerance = Annotated[float, BeforeValidator(Range("°", least=0.01, most=45))]
+Position = Annotated[float, BeforeValidator(Range("m", least=-10, most=10))]
+
+
+class Ros2Table(Section):
+    """[ros2] How ROS 2 sees both robots, and the base that the driver ros2 drives."""
+
+    domain_id: Domain = -1
+    """ROS domain, 0 to 232; -1: what the variable ROS_DOMAIN_ID says, else 0."""
+    left_namespace: Name = "left"
+    """Namespace of the left robot's topics, and prefix of its frames."""
+    right_namespace: Name = "right"
+    """The same of the right robot."""
+    rate_hz: Rate = 50.0
+    """How often palmbots ros2 publishes each topic, at most once per control period."""
+    cmd_vel_type: Literal["Twist", "TwistStamped"] = "TwistStamped"
+    """Type of cmd_vel: TwistStamped, as newer distributions expect, or Twist."""
+    front: Literal["partner", "away"] = "partner"
+    """Where the x axis of base_link points: to the partner, if the palm is at the front, or away
+    from it."""
+    palm_x_m: Position = 0.0
+    """Position of the palm's pivot in base_link, forward."""
+    palm_z_m: Position = 0.0
+    """The same, upward."""
+    palm_joint: Name = "palm_joint"
+    """Name of the palm's joint in joint_states and in commands."""
+    palm_joint_sign: Literal[1, -1] = 1
+    """-1: the joint's position falls when the palm becomes steeper."""
+    palm_joint_zero_deg: Turn = 0.0
+    """Position of the joint when the palm is horizontal."""
+    palm_command: Literal["trajectory", "array", "float"] = "trajectory"
+    """How the driver commands the palm: trajectory (JointTrajectory), array (Float64MultiArray), or
+    float (Float64)."""
+    palm_time_s: Silence = 0.5
+    """Duration of a palm's turn in a JointTrajectory."""
+    palm_tolerance_deg: Tolerance = 1.0
+    """The palm is at its target if its joint is this close."""
+    cmd_vel: Name = "cmd_vel"
+    """Topic of the base for velocities, in the namespace; with / in front: as it stands."""
+    trajectory: Name = "palm_controller/joint_trajectory"
+    """Topic for palm_command = "trajectory"."""
+    position: Name = "palm_controller/commands"
+    """Topic for palm_command = "array" and "float"."""
+    joint_states: Name = "joint_states"
+    """Topic with the position of the palm's joint."""
+    odom: OptionalName = "odom"
+    """Topic with the odometry; "": the base has none."""
+    contact: Name = "contact"
+    """Topic with the sign of p, an Int8: -1, 0 or 1."""
+    contact_present: OptionalName = ""
+    """Topic that says whether anything lies on the palm, a Bool; "": the palm cannot say."""
+    battery_state: OptionalName = ""
+    """Topic with the voltage, a BatteryState; "": not measured."""
+    silence_s: Silence = 0.5
+    """The base counts as lost if a topic that the driver reads is silent for longer."""
+
+    def namespace(self, side: Side) -> str:
+        """The namespace of a robot, without the slash in front."""
+        return (self.left_namespace if side == "left" else self.right_namespace).strip("/")
+
+    def topic(self, side: Side, name: str) -> str:
+        """The full name of a topic of a robot."""
+        return name if name.startswith("/") else f"/{self.namespace(side)}/{name}"
+
+    def domain(self) -> int:
+        """The number of the domain.
+
+        Raises:
+            PalmbotsError: ROS_DOMAIN_ID is not one.
+        """
+        if self.domain_id >= 0:
+            return self.domain_id
+        text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
+        number = int(text) if text.isdecimal() and len(text) < 9 else text
+        return whole_number("ROS_DOMAIN_ID", number, 0, LARGEST_DOMAIN)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One topic."""
+
+    name: str
+    """In the robot's namespace; with / in front: as it stands."""
+    types: tuple[str, ...]
+    """Names of the message; several: a key chooses."""
+    quality: str
+    """`QUALITIES` of the publisher."""
+    meaning: str
+    is_optional: bool = False
+    """Published, or read, only where it is measured."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Quality of service, in the words of ROS 2."""
+
+    reliable: bool
+    transient_local: bool
+    depth: int
+    meaning: str
+
+
+QUALITIES = {
+    "default": Quality(True, False, 10, "the default of ROS 2"),
+    "command": Quality(True, False, 1, "as default, but only the newest"),
+    "latched": Quality(True, True, 1, "the newest one also reaches subscribers that come later"),
+    "tf": Quality(True, False, 100, "as tf2 publishes"),
+    "sensor": Quality(False, False, 5, "sensor data: lost samples are not repeated"),
+}
+
+_STAMPED = ("geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist")
+_ODOMETRY = "nav_msgs/msg/Odometry"
+_JOINTS = "sensor_msgs/msg/JointState"
+_BATTERY = "sensor_msgs/msg/BatteryState"
+_BOOL = "std_msgs/msg/Bool"
+_SIGN = "std_msgs/msg/Int8"
+
+PUBLISHED = (
+    Topic(
+        "cmd_vel",
+        _STAMPED,
+        "default",
+        "Velocity that the robot's program commands, in base_link.",
+    ),
+    Topic(
+        "joint_states",
+        (_JOINTS,),
+        "default",
+        "Position of the palm's joint, as commanded: the program only knows whether it is reached.",
+    ),
+    Topic(
+        "odom",
+        (_ODOMETRY,),
+        "default",
+        "Distance and speed in the direction of travel, from the robot's odometry.",
+        is_optional=True,
+    ),
+    Topic("/tf", ("tf2_msgs/msg/TFMessage",), "tf", "odom to base_link, base_link to palm_link."),
+    Topic("contact", (_SIGN,), "default", "Sign of the contact coordinate p; 1 is outward."),
+    Topic("contact_present", (_BOOL,), "default", "Something lies on the palm."),
+    Topic(
+        "battery_state",
+        (_BATTERY,),
+        "default",
+        "Voltage of the battery, once per second.",
+        is_optional=True,
+    ),
+    Topic(
+        "mode",
+        ("std_msgs/msg/String",),
+        "latched",
+        "Mode of the robot, whenever it changes; off: its program does not run.",
+    ),
+    Topic(
+        "/diagnostics",
+        ("diagnostic_msgs/msg/DiagnosticArray",),
+        "default",
+        "Mode, fault, battery, missed ticks and packets, once per second.",
+    ),
+)
+"""What ``palmbots ros2`` publishes."""
+
+OF_THE_BASE = ("cmd_vel", "joint_states", "odom", "/tf", "contact", "contact_present")
+"""What is already published if the robot's driver is ``ros2``: by the driver, and by the base."""
+
+COMMANDS = (
+    Topic("cmd_vel", _STAMPED, "command", "Velocity in base_link, in every control period."),
+    Topic(
+        "trajectory",
+        ("trajectory_msgs/msg/JointTrajectory",),
+        "command",
+        "Motion of the palm's joint, whenever the target changes.",
+    ),
+    Topic(
+        "position",
+        ("std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float64"),
+        "command",
+        "Position of the palm's joint, in every control period.",
+    ),
+)
+"""What the driver ``ros2`` publishes; the names are keys of [ros2]."""
+
+READINGS = (
+    Topic("joint_states", (_JOINTS,), "sensor", "The palm's angle."),
+    Topic("odom", (_ODOMETRY,), "sensor", "The distance covered.", is_optional=True),
+    Topic("contact", (_SIGN,), "sensor", "Sign of the contact coordinate p."),
+    Topic("contact_present", (_BOOL,), "sensor", "Anything on the palm.", is_optional=True),
+    Topic("battery_state", (_BATTERY,), "sensor", "Voltage of the battery.", is_optional=True),
+)
+"""What the driver ``ros2`` reads; the names are keys of [ros2]."""
+
+
+def dds_topic(name: str) -> str:
+    """The name in DDS of a topic with a full name, such as ``rt/left/odom`` of ``/left/odom``."""
+    return f"rt{name}"
+
+
+def dds_type(name: str) -> str:
+    """The name in DDS of a type: ``std_msgs::msg::dds_::Bool_`` for ``std_msgs/msg/Bool``."""
+    package, kind, message = name.split("/")
+    return f"{package}::{kind}::dds_::{message}_"
+
+
+def travel_sign(side: Side, direction: str, front: str) -> int:
+    """1 if a robot drives forward when it travels, else -1.
+
+    Args:
+        side: of the robot.
+        direction: of travel, ``task.direction``: the right robot leads a carry ``forward``.
+        front: key of [ros2].
+    """
+    leads = (side == "right") == (direction == "forward")
+    return -1 if leads == (front == "partner") else 1
