@@ -37,6 +37,11 @@ def robot_image(folder: Path = IMAGES) -> Image:
     return load_image(folder / "robot.hex", folder / "robot.elf")
 
 
+def dongle_image(folder: Path = IMAGES) -> Image:
+    """The program of the station's radio."""
+    return load_image(folder / "dongle.hex", folder / "dongle.elf")
+
+
 def carried(
     image: Image, controller: str, seed: int, overrides: dict[str, Any]
 ) -> tuple[dict[str, Any], Any, Any]:
@@ -55,6 +60,7 @@ def carried(
         "host_trace_hash": host.trace_hash,
         "instructions_per_tick": {"median": int(statistics.median(ticks)), "worst": max(ticks)},
         "stack_bytes": max(board.board.stack_bytes for board in boards.boards),
+        "flash_records": max(board.board.nvmc.word_writes for board in boards.boards) // 3,
         "image_sha256": hashlib.sha256(image.flash).hexdigest(),
     }
     return row, result, host

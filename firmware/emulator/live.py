@@ -120,12 +120,13 @@ class LivePair:
         bit_errors: share of the packets in which a bit is wrong although the radio's checksum is
             right.
         held_at_power_up: buttons that are held at power-up.
+        dongle: the program of the station's radio, if there is one.
     """
 
     def __init__(
         self, image: Image, boards: BoardPair, seed: int = 0,
         clocks: tuple[float, float] = (1.0, 1.0), loss: float = 0.0, bit_errors: float = 0.0,
-        held_at_power_up: int = 0,
+        held_at_power_up: int = 0, dongle: Image | None = None,
     ) -> None:  # fmt: skip
         self.scene = boards.scene
         self.period_us = 1e6 * self.scene.control.period_s
@@ -142,7 +143,20 @@ class LivePair:
             board.hold_buttons(held_at_power_up)
             board.boot()
             self.robots.append(robot)
+        self.ends = [*self.robots]
+        if dongle is not None:
+            flash = dongle.flash[:PAGE_ADDRESS] + boards.dongle_page()
+            self.dongle = LiveBoard(Board(replace(dongle, flash=flash), seed + 2), (), seed + 2)
+            self.dongle.board.boot()
+            self.ends.append(self.dongle)
         self.time_us = 0.0
+
+    def exchange_serial(self, to_dongle: bytes) -> bytes:
+        """Give the dongle the bytes of its serial line, and take what it has written."""
+        board = self.dongle.board
+        board.uart.feed(to_dongle)
+        written, board.serial_out = board.serial_out, b""
+        return written
 
     def tick(self) -> None:
         """One control period of the world."""
@@ -151,8 +165,8 @@ class LivePair:
         end_us = self.time_us + self.period_us
         while self.time_us < end_us - 1e-6:
             self.time_us = min(end_us, self.time_us + QUANTUM_US)
-            for robot in self.robots:
-                self._run(robot)
+            for end in self.ends:
+                self._run(end)
             self._pass_packets()
         left, right = (robot.command() for robot in self.robots)
         if not self.is_held:
@@ -189,22 +203,26 @@ class LivePair:
         robot.off_until = robot.board.now + round(1e6 * seconds * CYCLES_PER_US)
 
     def _pass_packets(self) -> None:
-        sent = [(t, data, n) for n, robot in enumerate(self.robots) for t, data in robot.outbox]
-        for robot in self.robots:
-            robot.outbox.clear()
+        sent = [(t, data, n) for n, end in enumerate(self.ends) for t, data in end.outbox]
+        for end in self.ends:
+            end.outbox.clear()
         spans = [(t, t + round(airtime_us(len(d)) * CYCLES_PER_US), n) for t, d, n in sent]
         for (time, data, sender), (begin, end, _) in zip(sent, spans, strict=True):
             collides = any(b < end and begin < e and n != sender for b, e, n in spans)
-            if collides or self.chance.random() < self.loss:
+            if collides:
                 continue
             arrives = time + round((airtime_us(len(data)) + QUANTUM_US) * CYCLES_PER_US)
-            wrong = data
-            if self.chance.random() < self.bit_errors:
-                place = self.chance.randrange(8 * len(data))
-                wrong = bytearray(data)
-                wrong[place // 8] ^= 1 << place % 8
-                wrong = bytes(wrong)
-            self.robots[1 - sender].inbox.append((arrives, wrong, True))
+            for n, end in enumerate(self.ends):
+                if n != sender and self.chance.random() >= self.loss:
+                    end.inbox.append((arrives, self._on_the_way(data), True))
+
+    def _on_the_way(self, data: bytes) -> bytes:
+        if self.chance.random() >= self.bit_errors:
+            return data
+        place = self.chance.randrange(8 * len(data))
+        wrong = bytearray(data)
+        wrong[place // 8] ^= 1 << place % 8
+        return bytes(wrong)
 
     def run(self, seconds: float) -> None:
         """Run for a time."""
