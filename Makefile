@@ -49,6 +49,7 @@ emulate: $(VENV)/extension.done firmware  ## carries with two emulated boards, o
 	PYTHONPATH=firmware $(BIN)/python -m emulator $(EMULATE)
 
 test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: carries, faults, resets, permanent memory
+	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
 	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not

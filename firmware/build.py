@@ -95,6 +95,7 @@ def build(name: str, target: str, out: Path, extra: tuple[str, ...] = ()) -> dic
 
 def main() -> None:
     """Compile, and print what has been made."""
+    assert __doc__
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--compiler", choices=("gcc", "clang"), default="gcc")
     parser.add_argument("--target", default="nrf52833")

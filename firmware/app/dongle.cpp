@@ -14,9 +14,9 @@
 #include "picture.hpp"
 #include "settings.hpp"
 
-extern const volatile palmbots::app::SettingsPage settings_page;
+// Without settings: `palmbots firmware` replaces them.
 [[gnu::section(".settings"),
-  gnu::used]] constinit const volatile palmbots::app::SettingsPage settings_page{};
+  gnu::used]] constinit const palmbots::app::SettingsPage settings_page{};
 
 namespace palmbots::app {
 
@@ -151,7 +151,7 @@ class Dongle {
 extern "C" void run_program() {
   using namespace palmbots;
   board::start();
-  const auto& page = const_cast<const app::SettingsPage&>(settings_page);
+  const app::SettingsPage& page = app::flashed_settings();
   const app::Settings& s = page.settings;
   const bool is_right = s.magic == app::Settings::right_magic && s.role == 2 &&
                         s.check == app::crc32(&s, offsetof(app::Settings, check));

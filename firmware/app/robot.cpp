@@ -18,9 +18,8 @@
 #include "tick_record.hpp"
 
 // Without settings: `palmbots firmware` replaces them.
-extern const volatile palmbots::app::SettingsPage settings_page;
 [[gnu::section(".settings"),
-  gnu::used]] constinit const volatile palmbots::app::SettingsPage settings_page{};
+  gnu::used]] constinit const palmbots::app::SettingsPage settings_page{};
 
 palmbots::app::TickRecord tick_record;
 
@@ -253,8 +252,8 @@ class Program {
   runtime::Outputs out_{};
   wire::RobotMode mode_ = wire::RobotMode::off;
   Palm palm_;
-  std::uint16_t pulse_;    // of the palm [µs]
-  std::int16_t wheel_[2];  // pulse or speed of each wheel
+  std::uint16_t pulse_;     // of the palm [µs]
+  std::int16_t wheel_[2];   // pulse or speed of each wheel
   unsigned greetings_ = 0;  // rounds still to come
   bool is_battery_ok_ = true;
   bool supply_failed_ = false;
@@ -271,7 +270,7 @@ Storage storage;
 extern "C" void run_program() {
   using namespace palmbots;
   board::start();
-  const auto& page = const_cast<const app::SettingsPage&>(settings_page);
+  const app::SettingsPage& page = app::flashed_settings();
   if (!app::are_right(page)) app::only_show(app::BoardFault::settings);
   const app::Settings& settings = page.settings;
   app::storage.open();

@@ -88,3 +88,18 @@ struct SettingsPage {
 static_assert(alignof(MachineTable) == 1 && sizeof(MachineTable) == 3265);
 
 }  // namespace palmbots::app
+
+// The page in the image of this board, which each program defines in the section `.settings`.
+extern "C" const palmbots::app::SettingsPage settings_page;
+
+namespace palmbots::app {
+
+// The settings that this board has been flashed with. The compiler sees only the empty ones with which
+// the program is compiled, so it must not follow the address.
+inline const SettingsPage& flashed_settings() {
+  const SettingsPage* page = &settings_page;
+  asm volatile("" : "+r"(page));
+  return *page;
+}
+
+}  // namespace palmbots::app

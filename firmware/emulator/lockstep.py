@@ -190,12 +190,15 @@ class LockstepBoard:
     def record(self) -> dict[str, int]:
         """What the firmware notes for a debugger."""
         raw = self.board.variable("tick_record")
-        numbers = [int.from_bytes(raw[i : i + 4], "little") for i in range(0, 16, 4)]
-        names = ("palm", "move", "stop", "wheels", "name", "waits", "awaits", "word", "mode", "code",
-                 "fault", "assists", "packets")  # fmt: skip
-        return dict(zip(("ticks", "rejected", "late", "missed"), numbers, strict=True)) | dict(
-            zip(names, raw[16:], strict=False)
-        )
+        words: tuple[str, ...] = ("ticks", "rejected", "late", "missed")
+        bytes_: tuple[str, ...] = (
+            "palm", "move", "stop", "wheels", "name", "waits", "awaits", "word", "mode", "code",
+            "fault", "assists", "packets",
+        )  # fmt: skip
+        found = {
+            name: int.from_bytes(raw[4 * i : 4 * i + 4], "little") for i, name in enumerate(words)
+        }
+        return found | {name: raw[4 * len(words) + i] for i, name in enumerate(bytes_)}
 
     def _answer(self, palm: int, move: int, stop: bool, record: dict[str, int]) -> Any:
         packets = [

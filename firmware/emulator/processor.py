@@ -2,7 +2,7 @@
 """A Cortex-M4 with the memory of an nRF52833, and time: one cycle for each instruction.
 
 Time goes on while the processor sleeps or is halted. An event is a time and a method of the board
-to call then. The processor runs in slices that end at the next event, so it never sees an event late.
+to call then. The processor runs in slices that end at the next event, so it sees no event late.
 """
 
 import ctypes
@@ -11,6 +11,7 @@ from typing import Any
 
 import unicorn
 from unicorn import arm_const
+from unicorn.unicorn_py3 import Uc, UcError
 
 from emulator.native import Meter, hooks
 
@@ -35,7 +36,7 @@ class Processor:
     """Processor, memory and time; a board derives from it."""
 
     def __init__(self, flash: bytes) -> None:
-        uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
+        uc = Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(arm_const.UC_CPU_ARM_CORTEX_M4)
         self.uc = uc
         self._words: dict[int, memoryview] = {}
@@ -82,7 +83,7 @@ class Processor:
                 ctypes.c_uint64(base + size - 1 if size else 0),
             )  # fmt: skip
             if status != unicorn.UC_ERR_OK:
-                raise unicorn.UcError(status)
+                raise UcError(status)
 
     # --- memory
 
@@ -186,7 +187,7 @@ class Processor:
         self.is_running = True
         try:
             self.uc.emu_start(self.pc | 1, 0xFFFFFFFE)
-        except unicorn.UcError as error:
+        except UcError as error:
             self.error = self.error or Violation(f"{error} at {meter.address:#x}")
         finally:
             self.is_running = False

@@ -18,14 +18,25 @@ from palmbots.runtime.pair_file import init_pair, load_pair
 IMAGES = ROOT / "build" / "firmware"
 
 
-@pytest.fixture(scope="session")
-def image() -> Image:
+def compiled(name: str, folder: Path) -> Image:
+    """The program of a robot, compiled again if a source is newer."""
     sources = [*(ROOT / "firmware").rglob("*.[ch]pp"), *(ROOT / "include").rglob("*.hpp")]
     newest = max(file.stat().st_mtime for file in sources)
-    made = IMAGES / "robot.hex"
+    made = folder / "robot.hex"
     if not made.exists() or made.stat().st_mtime < newest:
-        subprocess.run([sys.executable, str(ROOT / "firmware" / "build.py")], check=True)
-    return robot_image(IMAGES)
+        command = [sys.executable, str(ROOT / "firmware" / "build.py")]
+        subprocess.run([*command, "--compiler", name, "--out", str(folder)], check=True)
+    return robot_image(folder)
+
+
+@pytest.fixture(scope="session")
+def image() -> Image:
+    return compiled("gcc", IMAGES)
+
+
+@pytest.fixture(scope="session")
+def clang_image(image: Image) -> Image:
+    return compiled("clang", IMAGES / "clang")
 
 
 @pytest.fixture

@@ -100,9 +100,7 @@ def test_the_real_station_and_three_boards(image: Image, boards: MakeBoards) -> 
     )
     live = LivePair(image, pair, seed=3, dongle=dongle_image())
     command = [sys.executable, "-m", "palmbots", "station", str(pair.pair.file), "--auto", "--json"]
-    station = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    station = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     start_s = time.monotonic()
     try:
         while station.poll() is None and time.monotonic() - start_s < 150:

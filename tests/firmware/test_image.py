@@ -50,9 +50,12 @@ def disassembly(file: Path) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
+@pytest.mark.parametrize("folder", ["", "clang"])
 @pytest.mark.parametrize("program", PROGRAMS)
-def test_it_has_no_floating_point_instruction(image: Image, program: str) -> None:
-    text = disassembly(IMAGES / f"{program}.elf")
+def test_it_has_no_floating_point_instruction(
+    image: Image, clang_image: Image, program: str, folder: str
+) -> None:
+    text = disassembly(IMAGES / folder / f"{program}.elf")
     assert len(text) > 10_000
     assert UNIT.findall(text) == []
     assert LIBRARY.findall(text) == []

@@ -49,3 +49,7 @@ def test_boards_carry_as_one_program(image: Image, case: str) -> None:
 @pytest.mark.parametrize("case", MORE)
 def test_boards_carry_as_one_program_in_all_conditions(image: Image, case: str, seed: int) -> None:
     check(image, *MORE[case], seed=seed)
+
+
+def test_the_image_of_another_compiler_carries_as_one_program(clang_image: Image) -> None:
+    check(clang_image, "resilient", {"task.distance_m": 0.5})

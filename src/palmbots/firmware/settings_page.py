@@ -88,7 +88,8 @@ class BoardSettings:
         switches = (*self.switches, *[0] * (10 - len(self.switches)))
         body = _STRUCT.pack(
             _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
-            self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit, self.travel,
+            self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit,
+            self.travel,
             self.watchdog, self.stopping, self.turn_limit, self.most_overruns, self.state_period,
             self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
             self.power_dbm, self.rejoins, self.stops_without_station, self.stops_without_partner,
