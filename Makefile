@@ -11,8 +11,8 @@ BIN := $(VENV)/bin
 export PYTHON
 
 EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
-CXX_FILES = $(shell find include src tests benchmarks verify -name '*.hpp' -o -name '*.cpp')
-PY_FILES = src tests examples benchmarks scripts verify docs paper
+CXX_FILES = $(shell find include src tests benchmarks verify firmware -name '*.hpp' -o -name '*.cpp')
+PY_FILES = src tests examples benchmarks scripts verify docs paper firmware
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. The stamps get the time at which the build began, so that a
@@ -40,6 +40,17 @@ test: $(VENV)/strict.done lint  ## everything a change must pass
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
 	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
+
+firmware: $(VENV)/firmware.done  ## left.hex, right.hex and dongle.hex in build/firmware, with all settings still to be put in
+	$(BIN)/python firmware/build.py --package
+	@for side in left right; do cp build/firmware/robot.hex build/firmware/$$side.hex; done
+
+emulate: $(VENV)/extension.done firmware  ## carries with two emulated boards, one JSON object per line; EMULATE="--seeds 3 --loss 0.1"
+	PYTHONPATH=firmware $(BIN)/python -m emulator $(EMULATE)
+
+test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: carries, faults, resets, permanent memory
+	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
+	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
@@ -114,6 +125,10 @@ $(VENV)/soak.done: $(VENV)/robot.done scripts/setup
 	@scripts/setup soak
 	@touch $@
 
+$(VENV)/firmware.done: requirements/firmware.txt requirements/test.txt $(VENV)/test.done
+	@scripts/setup carry test firmware
+	@touch $@
+
 # extension.done: palmbots._core is up to date, and so is all that has been built before.
 # build.done: everything is. strict.done: everything, without a warning. Only where `make test` has
 # run is a warning an error: elsewhere a newer compiler with more warnings prevents no carry.
@@ -134,4 +149,5 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs book paper sbom help carry build quick test test-robot verify lint format soak fuzz bench stubs lock clean
+.PHONY: docs book paper sbom help carry build quick test test-robot verify firmware emulate test-firmware lint format \
+	soak fuzz bench stubs lock clean

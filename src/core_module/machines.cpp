@@ -86,7 +86,16 @@ void bind_machines(nb::module_& m) {
           },
           nb::arg("left"), nb::arg("right"),
           "Per robot the states (case, palm, move, waits, awaited message) and the rows (state, "
-          "contact, message, palm turned, next state, message sent), in the words of table2().");
+          "contact, message, palm turned, next state, message sent), in the words of table2().")
+      .def(
+          "image",
+          [](const Machines& self, std::size_t side) {
+            // Every member is one byte wide, so a microcontroller lays the table out in the same way.
+            static_assert(alignof(MachineTable) == 1);
+            if (side > 1) throw std::out_of_range("side: 0 (left) or 1 (right)");
+            return nb::bytes(&self.tables[side], sizeof(MachineTable));
+          },
+          nb::arg("side"), "The table of a robot as the firmware of a board has it in its memory.");
 
   nb::class_<Robot>(m, "MachineRobot", "One robot whose controller is a table.")
       .def(

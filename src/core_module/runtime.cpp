@@ -98,6 +98,20 @@ AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Star
   throw std::invalid_argument("controller: does not run on robots");
 }
 
+// The times of a controller in ticks, in the order of its struct Times; empty if it has none.
+std::vector<std::uint16_t> times_of(const Spec& spec, const std::string& name) {
+  const auto table = [](const auto& times) {
+    std::vector<std::uint16_t> list{times.beacon, times.lease};
+    list.insert(list.end(), times.limits.begin(), times.limits.end());
+    return list;
+  };
+  if (name == "silent") return table(table_times_of<Silent>(spec));
+  if (name == "shared-sign") return table(table_times_of<SharedSign>(spec));
+  if (name != "resilient") return {};
+  const Resilient::Times times = resilient_timing_of(spec).times;
+  return {times.beacon, times.lease, times.hold, times.braking, times.join};
+}
+
 // The program of one robot.
 class RobotHandle {
  public:
@@ -113,6 +127,8 @@ class RobotHandle {
           for (const nb::bytes& bytes : packets) {
             robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
           }
+          if (wish_) robot.operate(*wish_);
+          wish_.reset();
           const runtime::Outputs out = robot.step(reading);
           mode_ = out.mode;
           std::vector<PacketTuple> sent;
@@ -147,6 +163,13 @@ class RobotHandle {
     return nb::bytes(bytes.data(), bytes.size());
   }
 
+  void operate(int wish) {
+    if (wish < 0 || wish >= static_cast<int>(wire::operations)) {
+      throw std::out_of_range("operation: unknown number");
+    }
+    wish_ = static_cast<wire::Operation>(wish);
+  }
+
   void hear(const nb::bytes& bytes) {
     std::visit(
         [&](auto& robot) {
@@ -165,7 +188,8 @@ class RobotHandle {
 
  private:
   runtime::ModeOutputs mode_{};
-  nb::object controller_;  // outlives the runtime, which may point into it
+  std::optional<wire::Operation> wish_;  // given at the robot, for the next step
+  nb::object controller_;                // outlives the runtime, which may point into it
   AnyRuntime runtime_;
 };
 
@@ -269,9 +293,14 @@ void bind_runtime(nb::module_& core) {
           "To be stored when it changes: a carry is under way, a stop is in force.")
       .def("greet", &RobotHandle::greet,
            "A hello to the partner, before the carry; None if the controller has no use for it.")
+      .def("operate", &RobotHandle::operate, nb::arg("operation"),
+           "What the operator wants who presses a button of the robot; for the next step.")
       .def("hear", &RobotHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.")
       .def("count", &RobotHandle::count, nb::arg("verdict"),
            "How many received packets had this verdict.");
+  m.def("times", &times_of, nb::arg("spec"), nb::arg("controller"),
+        "The times of a shipped controller [ticks], in the order of its struct Times; [] if it has "
+        "none.");
   m.def(
       "uses_clock",
       [](const nb::object& controller) {

@@ -104,6 +104,8 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["up", "--lockstep", "--live", "127.0.0.1:0"], ["--live", "without --lockstep"]),
     (["doctor", "no.toml"], ["no.toml", "cannot be read"]),
     (["doctor", "no.toml", "--seconds", "0"], ["--seconds", "1 to 3600"]),
+    (["firmware", "no.toml"], ["no.toml", "cannot be read"]),
+    (["flash", "no.hex"], ["no.hex", "cannot be read"]),
     (["world", "--serve", "here"], ["here", "HOST:PORT"]),
     (["up", "--link", "lost=1"], ["--link", "lost=1", "delay_ms"]),
     (["up", "--rate", "0"], ["--rate", "0.01 to 100"]),

@@ -49,6 +49,8 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "ros2": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "view": ("palmbots.runtime.log_player", "viewable", ["x.mcap"]),
+    "firmware": ("palmbots.firmware.images", "load_pair", ["pair.toml"]),
+    "flash": ("palmbots.firmware.flashing", "_image_text", ["left.hex"]),
     "init": ("palmbots.scene.key_reference", "default_scene_toml", ["scene", "x.toml"]),
 }
 

@@ -139,10 +139,10 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
 
 
 # These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
-# other processes (tests/robot).
+# other processes (tests/robot), or the files of a pair (tests/cli/test_firmware_commands.py).
 ELSEWHERE = {
     "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
-    "ros2", "view",
+    "ros2", "view", "firmware", "flash",
 }  # fmt: skip
 
 

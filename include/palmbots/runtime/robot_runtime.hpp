@@ -118,6 +118,10 @@ class RobotRuntime {
     return got.verdict;
   }
 
+  // The operator wants something at the robot itself, by a button. To be called between `begin` and
+  // `step`.
+  void operate(wire::Operation wish) { arrived_.order(wish, true); }
+
   // Decides, and writes the packets of this tick.
   Outputs step(const Reading& reading) {
     ModeInputs in = arrived_;

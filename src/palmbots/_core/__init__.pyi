@@ -632,6 +632,9 @@ class Machines:
         Per robot the states (case, palm, move, waits, awaited message) and the rows (state, contact, message, palm turned, next state, message sent), in the words of table2().
         """
 
+    def image(self, side: int) -> bytes:
+        """The table of a robot as the firmware of a board has it in its memory."""
+
 class MachineRobot:
     """One robot whose controller is a table."""
 

@@ -53,11 +53,21 @@ class Robot:
         A hello to the partner, before the carry; None if the controller has no use for it.
         """
 
+    def operate(self, operation: int) -> None:
+        """
+        What the operator wants who presses a button of the robot; for the next step.
+        """
+
     def hear(self, bytes: bytes) -> None:
         """Takes in a packet before the carry."""
 
     def count(self, verdict: int) -> int:
         """How many received packets had this verdict."""
+
+def times(spec: palmbots._core.Spec, controller: str) -> list[int]:
+    """
+    The times of a shipped controller [ticks], in the order of its struct Times; [] if it has none.
+    """
 
 def uses_clock(controller: object) -> bool:
     """

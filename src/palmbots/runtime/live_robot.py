@@ -302,7 +302,7 @@ def logged_program(
     """The same program as `live_program`, with a log."""
     program = live_program(pair, side, state, scene, rate, has_encoders=has_encoders)
     travel_s = _travel_s(pair, side, scene, has_encoders)
-    settings = _settings(pair, scene, controller_of(pair), rate, travel_s)
+    settings = core_settings(pair, scene, controller_of(pair), travel_s, rate)
     return LoggedRobot(program, pair, side, state, scene, settings, on_warning)
 
 
@@ -325,7 +325,7 @@ def live_program(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
     travel_s = _travel_s(pair, side, scene, has_encoders)
-    settings = _core.runtime.RuntimeSettings(**_settings(pair, scene, entry, rate, travel_s))
+    settings = _core.runtime.RuntimeSettings(**core_settings(pair, scene, entry, travel_s, rate))
     return robot_program(pair, side, state, scene, settings)
 
 
@@ -338,8 +338,8 @@ def _travel_s(pair: Pair, side: Side, scene: Scene, has_encoders: bool) -> float
     return scene.task.distance_m / speed_m_s if speed_m_s > 0 else limit_s
 
 
-def _settings(
-    pair: Pair, scene: Scene, entry: ControllerEntry, rate: float, travel_s: float
+def core_settings(
+    pair: Pair, scene: Scene, entry: ControllerEntry, travel_s: float, rate: float = 1.0
 ) -> dict[str, Any]:
     """The arguments of the core's `RuntimeSettings`, in control ticks. The station lives in real
     time."""

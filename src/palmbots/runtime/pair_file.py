@@ -21,6 +21,7 @@ from pydantic import BeforeValidator, ValidationError
 from palmbots._types import SIDES, Side
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots.drivers.board_keys import BoardTable
 from palmbots.drivers.hardware import Hardware
 from palmbots.drivers.ros2_topics import Ros2Table
 from palmbots.errors import PalmbotsError
@@ -132,6 +133,7 @@ class PairFile(Section):
     ros2: Ros2Table = Ros2Table()
     limits: LimitsTable = LimitsTable()
     hardware: Hardware = Hardware()
+    board: BoardTable = BoardTable()
 
 
 @dataclass(frozen=True)
@@ -162,7 +164,7 @@ class Pair:
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
         # What may differ between the robots.
-        own = {"driver": True, "link": True, "hardware": True, "ros2": True}
+        own = {"driver": True, "link": True, "hardware": True, "board": True, "ros2": True}
         table = self.settings.model_dump(exclude={**own, "pair": {"log_folder"}})
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What distinguishes one board from another: identity, key, controller, times, calibration. `palmbots
+// firmware` writes it into the last page of a ready-made image (src/palmbots/firmware/settings.py has
+// the same layout). Times are control ticks unless a name says otherwise.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/control/machine_table.hpp"
+
+namespace palmbots::app {
+
+enum class ControllerKind : std::uint8_t {
+  resilient,
+  silent,
+  shared_sign,
+  distributed,
+  policy,
+  centralized,
+};
+
+enum class WheelKind : std::uint8_t { servos, motor_board };
+
+// What a closed switch of the palm means.
+enum class SwitchMeaning : std::uint8_t { unused, minus, zero, plus, steep_end, shallow_end };
+
+inline constexpr std::size_t most_times = 16;
+
+struct Settings {
+  static constexpr std::uint32_t right_magic = 0x42504D42;
+  static constexpr std::uint16_t newest_format = 1;
+
+  std::uint32_t magic;
+  std::uint16_t format;
+  std::uint16_t pair;
+  std::uint8_t key[16];
+  std::uint32_t first_epoch;  // of the first boot with this image
+  std::uint32_t last_epoch;   // the last that this image may use
+  std::uint32_t number;       // equal on both boards if their settings are
+  std::uint32_t period_us;    // of control
+  std::uint32_t watchdog_us;
+  std::uint32_t lease;
+  std::uint32_t station_limit;
+  std::uint32_t time_limit;
+  std::uint32_t travel;    // time in mode carrying that covers the distance
+  std::uint32_t stopping_limit;  // [ticks]
+  std::uint32_t stopping;
+  std::uint32_t turn_limit;  // longest time in which the palm turns
+  std::uint16_t most_overruns;
+  std::uint16_t state_period;
+  std::uint16_t status_period;
+  std::uint16_t least_battery_mv;
+  std::uint8_t role;  // 0 left, 1 right, 2 the station's radio
+  std::uint8_t controller;
+  std::uint8_t channel;
+  std::int8_t power_dbm;
+  std::uint8_t rejoins;
+  std::uint8_t stops_without_station;
+  std::uint8_t stops_without_partner;
+  std::uint8_t has_radio;
+  std::uint8_t leads;
+  std::uint8_t may_stop;
+  std::uint8_t by_touch;
+  std::uint8_t is_under_way;  // the carry begins at the boot, as in the simulator
+  std::uint8_t wheel_kind;
+  std::uint8_t debounce;    // equal readings in a row that a switch needs
+  std::uint16_t palm_slew;  // largest change of the palm's pulse in a tick [µs]
+  std::uint16_t
+      wheel_slew;  // largest change of a wheel's pulse or speed in a tick, unless it rests
+  std::uint8_t switches[10];  // SwitchMeaning of each, and one unused
+  std::uint16_t palm_us[2];   // pulses of the steep and of the shallow angle
+  // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.
+  std::int16_t wheels[2][2][3];
+  std::uint16_t times[most_times];  // of the controller, in the order of its `Times`
+  std::uint32_t check;              // CRC-32 of everything before
+};
+inline constexpr std::size_t settings_size = 172;
+static_assert(sizeof(Settings) == settings_size && alignof(Settings) == 4);
+
+// The page of the settings: these, and the table of a policy, with a check of its own.
+struct SettingsPage {
+  Settings settings;
+  MachineTable table;
+  std::uint8_t fill[4 - (settings_size + sizeof(MachineTable)) % 4];
+  std::uint32_t table_check;  // CRC-32 of `table`
+};
+static_assert(alignof(MachineTable) == 1 && sizeof(MachineTable) == 3265);
+
+}  // namespace palmbots::app
+
+// The page in the image of this board, which each program defines in the section `.settings`.
+extern "C" const palmbots::app::SettingsPage settings_page;
+
+namespace palmbots::app {
+
+// The settings that this board has been flashed with. The compiler sees only the empty ones with which
+// the program is compiled, so it must not follow the address.
+inline const SettingsPage& flashed_settings() {
+  const SettingsPage* page = &settings_page;
+  asm volatile("" : "+r"(page));
+  return *page;
+}
+
+}  // namespace palmbots::app

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a board remembers over a boot: how often it has booted, whether its palm was up for the partner,
+// and whether a carry was under way or a stop in force.
+//
+// A record has three words: the content, a number that counts the records, and a check of both. Records
+// are appended. After a power cut in any word of a write the check is wrong, or the word has not been
+// begun, and the record before it counts. So a board finds the old or the new content, and a boot whose
+// record is not complete has sent nothing.
+//
+// Two pages take turns. A page is erased only while the robot is disarmed, because that halts the
+// processor for 88 ms.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "../board/board.hpp"
+#include "crc32.hpp"
+
+namespace palmbots::app {
+
+// What is stored.
+struct Stored {
+  std::uint32_t epoch = 0;
+  bool assists = false;
+  bool carries = false;
+  bool stop = false;
+
+  constexpr bool operator==(const Stored&) const = default;
+};
+
+class Storage {
+ public:
+  // Looks for the newest record.
+  void open() {
+    std::uint32_t newest = 0;
+    for (std::size_t page = 0; page < pages; ++page) {
+      for (std::size_t slot = 0; slot < slots; ++slot) {
+        const std::uint32_t* words = words_of(page, slot);
+        if (is_blank(words)) continue;
+        used_[page] = slot + 1;
+        if (words[2] != check_of(words) || words[1] < newest) continue;
+        newest = words[1];
+        active_ = page;
+        content_ = content_of(words[0]);
+      }
+    }
+    next_number_ = newest + 1;
+  }
+
+  const Stored& content() const { return content_; }
+  // Everything could be written so far.
+  bool works() const { return works_; }
+
+  // Stores the content if it differs. Returns false if it could not be stored.
+  bool keep(const Stored& content) {
+    if (content == content_ && works_) return true;
+    if (used_[active_] == slots) {
+      const std::size_t other = 1 - active_;
+      if (used_[other] != 0) return works_ = false;
+      active_ = other;
+    }
+    const std::size_t slot = used_[active_]++;
+    const std::uint32_t* words = words_of(active_, slot);
+    std::uint32_t record[3] = {word_of(content), next_number_++, 0};
+    record[2] = check_of(record);
+    for (std::size_t i = 0; i < 3; ++i) board::write_word(active_, slot * 3 + i, record[i]);
+    works_ = words[0] == record[0] && words[1] == record[1] && words[2] == record[2];
+    if (works_) content_ = content;
+    return works_;
+  }
+
+  // The other page has to be erased, before this one is full.
+  bool wants_erase() const { return used_[1 - active_] != 0 && used_[active_] >= slots / 2; }
+  void erase() {
+    board::erase_page(1 - active_);
+    used_[1 - active_] = 0;
+  }
+
+ private:
+  static constexpr std::size_t pages = 2;
+  static constexpr std::size_t slots = board::words_per_page / 3;
+
+  static const std::uint32_t* words_of(std::size_t page, std::size_t slot) {
+    return board::page(page) + 3 * slot;
+  }
+  static bool is_blank(const std::uint32_t* words) {
+    return (words[0] & words[1] & words[2]) == 0xFFFFFFFF;
+  }
+  static std::uint32_t check_of(const std::uint32_t* words) { return crc32(words, 8); }
+  static std::uint32_t word_of(const Stored& s) {
+    return s.epoch | std::uint32_t{s.assists} << 24 | std::uint32_t{s.carries} << 25 |
+           std::uint32_t{s.stop} << 26;
+  }
+  static Stored content_of(std::uint32_t word) {
+    return {word & 0xFFFFFF, (word >> 24 & 1) != 0, (word >> 25 & 1) != 0, (word >> 26 & 1) != 0};
+  }
+
+  Stored content_;
+  std::size_t active_ = 0;
+  std::size_t used_[pages]{};
+  std::uint32_t next_number_ = 1;
+  bool works_ = true;
+};
+
+}  // namespace palmbots::app

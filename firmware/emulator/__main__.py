@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Carries with two emulated boards, and prints one JSON object per line.
+
+python -m emulator [--controllers A,B] [--seeds 3] [--loss 0.1] [--faults] [--images DIR]
+"""
+
+import argparse
+import hashlib
+import json
+import statistics
+import sys
+from pathlib import Path
+from typing import Any
+
+import palmbots as pb
+from emulator.board import Image, load_image
+from emulator.lockstep import carry_on_boards
+
+ROOT = Path(__file__).parents[2]
+IMAGES = ROOT / "build" / "firmware"
+CONTROLLERS = (
+    "resilient", "shared-sign", "silent", "distributed", "centralized",
+    "examples/policies/table-1.toml",
+)  # fmt: skip
+FAULTS = {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
+        {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.08},
+        {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
+    ]
+}
+"""The left board loses its supply, and the watchdog resets the right one."""
+
+
+def robot_image(folder: Path = IMAGES) -> Image:
+    """The program of a robot, as `make firmware` has compiled it."""
+    return load_image(folder / "robot.hex", folder / "robot.elf")
+
+
+def dongle_image(folder: Path = IMAGES) -> Image:
+    """The program of the station's radio."""
+    return load_image(folder / "dongle.hex", folder / "dongle.elf")
+
+
+def carried(
+    image: Image, controller: str, seed: int, overrides: dict[str, Any]
+) -> tuple[dict[str, Any], Any, Any]:
+    """One carry on boards, what it cost, and the results on boards and inside one program."""
+    scene = pb.load_scene("paper", overrides)
+    host = pb.carry(scene, controller, seed=seed)
+    result, boards = carry_on_boards(image, scene, controller, seed)
+    ticks = [count for board in boards.boards for count in board.instructions]
+    resets = [why for board in boards.boards for why in board.board.resets]
+    row = {
+        "controller": controller,
+        "seed": seed,
+        "loss": overrides.get("radio.loss", 0.0),
+        "faults": resets,
+        "trace_hash": result.trace_hash,
+        "host_trace_hash": host.trace_hash,
+        "instructions_per_tick": {"median": int(statistics.median(ticks)), "worst": max(ticks)},
+        "stack_bytes": max(board.board.stack_bytes for board in boards.boards),
+        "flash_records": max(board.board.nvmc.word_writes for board in boards.boards) // 3,
+        "image_sha256": hashlib.sha256(image.flash).hexdigest(),
+    }
+    return row, result, host
+
+
+def main() -> int:
+    """Run the carries; exit status 1 if a trace differs."""
+    assert __doc__
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--controllers", default=",".join(CONTROLLERS))
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--loss", type=float, default=0.0)
+    parser.add_argument("--faults", action="store_true")
+    parser.add_argument("--images", type=Path, default=IMAGES)
+    given = parser.parse_args()
+    image = robot_image(given.images)
+    overrides: dict[str, Any] = {"radio.loss": given.loss} if given.loss else {}
+    if given.faults:
+        overrides |= FAULTS
+    is_same = True
+    for controller in given.controllers.split(","):
+        for seed in range(given.seeds):
+            row, _, _ = carried(image, controller, seed, overrides)
+            print(json.dumps(row), flush=True)
+            is_same = is_same and row["trace_hash"] == row["host_trace_hash"]
+    return 0 if is_same else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two emulated boards in real time: their own clocks, a radio between them, hands on their buttons.
+
+The boards run one after the other for a millisecond each, which is the shortest delay of the radio.
+A packet that arrives while a board does not listen is lost, and so are packets that overlap.
+"""
+
+import math
+import random
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from emulator.board import Board, Image, PowerFailed
+from emulator.peripherals.radio import airtime_us
+from emulator.processor import CYCLES_PER_US
+from palmbots._types import SIDES
+from palmbots.firmware.pair_settings import BoardPair
+from palmbots.firmware.settings_page import PAGE_ADDRESS, SWITCHES
+from palmbots.scene.scene import load_scene
+from palmbots.simulation.quasistatic import QuasistaticEpisode
+
+QUANTUM_US = 1000.0
+MODES = ("off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault")
+FAULTS = ("none", "switches", "palm", "motor", "supply", "storage", "settings", "stranger", "late")
+A, B = 1, 2
+"""The buttons."""
+
+
+@dataclass
+class LiveBoard:
+    """One robot: its board and what is connected to it."""
+
+    board: Board
+    layout: tuple[int, ...]
+    seed: int
+    is_on: bool = True
+    held: int = 0
+    stuck: int = 0
+    """Switches that are closed whatever happens."""
+    is_unplugged: bool = False
+    bounces_us: float = 0.0
+    outbox: list[tuple[int, bytes]] = field(default_factory=list)
+    inbox: list[tuple[int, bytes, bool]] = field(default_factory=list)
+    off_until: int = 0
+    sent_epochs: set[int] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self.chance = random.Random(self.seed)
+        self.board.on_send = self._sends
+        self.board.can_erase = lambda: self.mode in ("off", "disarmed")
+        self.sign, self.at_target = 0, True
+
+    def _sends(self, data: bytes) -> None:
+        self.outbox.append((self.board.now, data))
+        self.sent_epochs.add(int.from_bytes(data[5:8], "little"))
+
+    def note(self, name: str) -> int:
+        """A field of the record of the newest tick."""
+        places = {"palm": 16, "move": 17, "stop": 18, "wheels": 19, "mode": 24, "code": 25,
+                  "fault": 26, "assists": 27}  # fmt: skip
+        return self.board.variable("tick_record")[places[name]]
+
+    @property
+    def mode(self) -> str:
+        """The mode of the robot."""
+        return MODES[self.note("mode")] if self.is_on else "off"
+
+    @property
+    def fault(self) -> str:
+        """What is wrong with the board."""
+        return FAULTS[self.note("fault")]
+
+    def command(self) -> tuple[int, int, bool]:
+        """Palm, move and stop, as the pulses have it."""
+        pulses = self.board.pwm.pulses
+        if not self.is_on or not pulses or not pulses[1]:
+            return (self.note("palm") if self.is_on else self.last_palm, 0, True)
+        self.last_palm = self.note("palm")
+        return self.note("palm"), self.note("move"), bool(self.note("stop"))
+
+    last_palm = 0
+
+    def feel(self, sign: int, at_target: bool) -> None:
+        """Close the switches of the palm."""
+        names = {-1: "minus", 0: "zero", 1: "plus"}
+        meant = [i for i, m in enumerate(self.layout) if SWITCHES[m] == names[sign]]
+        closed = 1 << meant[0] if meant else 0
+        if at_target:
+            closed |= 1 << (7 if self.note("palm") == 0 else 8)
+        closed |= self.stuck
+        if self.is_unplugged:
+            closed = 0
+        if self.bounces_us and closed != self.board.closed:
+            self.bouncing = (self.board.now, self.board.closed, closed)
+        self.board.close_switches(closed)
+
+    bouncing: tuple[int, int, int] | None = None
+
+    def bounce(self) -> None:
+        """Let switches that have just changed chatter."""
+        if self.bouncing is None:
+            return
+        since, before, after = self.bouncing
+        if self.board.now - since > self.bounces_us * CYCLES_PER_US:
+            self.board.close_switches(after)
+            self.bouncing = None
+        else:
+            self.board.close_switches(self.chance.choice((before, after)))
+
+
+class LivePair:
+    """A pair of boards in the exact world, without station.
+
+    Args:
+        image: the program of a robot.
+        boards: the settings of the pair.
+        seed: of everything random.
+        clocks: how fast the crystals are.
+        loss: share of the packets that are lost.
+        bit_errors: share of the packets in which a bit is wrong although the radio's checksum is
+            right.
+        held_at_power_up: buttons that are held at power-up.
+        dongle: the program of the station's radio, if there is one.
+    """
+
+    def __init__(
+        self, image: Image, boards: BoardPair, seed: int = 0,
+        clocks: tuple[float, float] = (1.0, 1.0), loss: float = 0.0, bit_errors: float = 0.0,
+        held_at_power_up: int = 0, dongle: Image | None = None,
+    ) -> None:  # fmt: skip
+        self.scene = boards.scene
+        self.period_us = 1e6 * self.scene.control.period_s
+        self.loss, self.bit_errors = loss, bit_errors
+        self.chance = random.Random(seed)
+        endless = load_scene(self.scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0})
+        self.world = QuasistaticEpisode(endless, seed, record=False)
+        self.robots: list[LiveBoard] = []
+        for number, side in enumerate(SIDES):
+            settings = boards.settings(side, 1)
+            flash = image.flash[:PAGE_ADDRESS] + boards.page(side, 1)
+            board = Board(replace(image, flash=flash), seed + number, clocks[number])
+            robot = LiveBoard(board, settings.switches, seed + number)
+            board.hold_buttons(held_at_power_up)
+            board.boot()
+            self.robots.append(robot)
+        self.ends = [*self.robots]
+        if dongle is not None:
+            flash = dongle.flash[:PAGE_ADDRESS] + boards.dongle_page()
+            self.dongle = LiveBoard(Board(replace(dongle, flash=flash), seed + 2), (), seed + 2)
+            self.dongle.board.boot()
+            self.ends.append(self.dongle)
+        self.time_us = 0.0
+
+    def exchange_serial(self, to_dongle: bytes) -> bytes:
+        """Give the dongle the bytes of its serial line, and take what it has written."""
+        board = self.dongle.board
+        board.uart.feed(to_dongle)
+        written, board.serial_out = board.serial_out, b""
+        return written
+
+    def tick(self) -> None:
+        """One control period of the world."""
+        for robot, seen in zip(self.robots, self.world.seen(), strict=True):
+            robot.feel(seen[0], bool(seen[1]))
+        end_us = self.time_us + self.period_us
+        while self.time_us < end_us - 1e-6:
+            self.time_us = min(end_us, self.time_us + QUANTUM_US)
+            for end in self.ends:
+                self._run(end)
+            self._pass_packets()
+        left, right = (robot.command() for robot in self.robots)
+        if not self.is_held:
+            return
+        self.world.stop(left[2], right[2])
+        self.world.step((*left[:2], 0), (*right[:2], 0), 1)
+
+    def _run(self, robot: LiveBoard) -> None:
+        until = round(self.time_us * CYCLES_PER_US)
+        board = robot.board
+        if not robot.is_on:
+            board.offset += until - board.now
+            robot.inbox.clear()
+            if until >= robot.off_until:
+                robot.is_on = True
+                board.boot()
+            return
+        robot.bounce()
+        try:
+            for time, data, crc_ok in sorted(robot.inbox):
+                board.run(min(time, until))
+                if board.radio.listens:
+                    board.radio.receive(data, crc_ok)
+            robot.inbox.clear()
+            board.run(until)
+        except PowerFailed:
+            self.cut_power(robot, 0.05)
+
+    def cut_power(self, robot: LiveBoard, seconds: float) -> None:
+        """Cut the supply of a board for a time."""
+        robot.last_palm = robot.note("palm")
+        robot.board.cut_power()
+        robot.is_on = False
+        robot.off_until = robot.board.now + round(1e6 * seconds * CYCLES_PER_US)
+
+    def _pass_packets(self) -> None:
+        sent = [(t, data, n) for n, end in enumerate(self.ends) for t, data in end.outbox]
+        for end in self.ends:
+            end.outbox.clear()
+        spans = [(t, t + round(airtime_us(len(d)) * CYCLES_PER_US), n) for t, d, n in sent]
+        for (time, data, sender), (begin, end, _) in zip(sent, spans, strict=True):
+            collides = any(b < end and begin < e and n != sender for b, e, n in spans)
+            if collides:
+                continue
+            arrives = time + round((airtime_us(len(data)) + QUANTUM_US) * CYCLES_PER_US)
+            for n, end in enumerate(self.ends):
+                if n != sender and self.chance.random() >= self.loss:
+                    end.inbox.append((arrives, self._on_the_way(data), True))
+
+    def _on_the_way(self, data: bytes) -> bytes:
+        if self.chance.random() >= self.bit_errors:
+            return data
+        place = self.chance.randrange(8 * len(data))
+        wrong = bytearray(data)
+        wrong[place // 8] ^= 1 << place % 8
+        return bytes(wrong)
+
+    def run(self, seconds: float) -> None:
+        """Run for a time."""
+        for _ in range(math.ceil(seconds / self.scene.control.period_s)):
+            self.tick()
+
+    def run_until(self, *modes: str, within_s: float = 5.0) -> bool:
+        """Run until both robots are in one of these modes; False: they are not in time."""
+        for _ in range(math.ceil(within_s / self.scene.control.period_s)):
+            if all(robot.mode in modes for robot in self.robots):
+                return True
+            self.tick()
+        return all(robot.mode in modes for robot in self.robots)
+
+    def press(self, buttons: int, *sides: int) -> None:
+        """Press and release buttons of these robots, of both by default."""
+        for side in sides or (0, 1):
+            self.robots[side].board.hold_buttons(buttons)
+        self.run(0.1)
+        for side in sides or (0, 1):
+            self.robots[side].board.hold_buttons(0)
+        self.run(0.1)
+
+    def start(self) -> bool:
+        """Arm and start both robots by their buttons; whether they carry."""
+        self.run(0.5)
+        self.press(A)
+        self.run_until("armed", within_s=1.0)
+        self.press(B)
+        return self.run_until("carrying", "holding", within_s=2.0)
+
+    @property
+    def is_held(self) -> bool:
+        """The object lies on both palms."""
+        return self.world.outcome != "dropped"
+
+    def state(self) -> list[dict[str, Any]]:
+        """What the robots report, for messages of tests."""
+        return [{"mode": r.mode, "fault": r.fault, "resets": r.board.resets} for r in self.robots]

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two emulated boards in lockstep with the exact world, as `palmbots up --lockstep` has processes.
+
+The world draws all random numbers and passes the packets. A board gets its readings through its
+switches and the packets by its radio, and answers with pulses and packets. So a carry has the trace
+of one inside a single program if the firmware is right.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import palmbots as pb
+import palmbots._core as _core
+from emulator.board import Board, Image
+from emulator.processor import CYCLES_PER_US, Violation
+from palmbots.control.registry import ControllerEntry, resolve
+from palmbots.firmware.settings_page import (
+    CONTROLLERS,
+    PAGE_ADDRESS,
+    SWITCHES,
+    BoardSettings,
+    settings_page,
+)  # fmt: skip
+from palmbots.runtime.lockstep_world import remote
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+
+KEY = bytes(range(16))
+PAIR = 7
+NEVER = 0xFFFFFFFF
+PALM_US = (1300, 1700)
+WHEEL_US = (
+    1500, 1540, 1460, 1510, 1550, 1470,
+    1501, 1461, 1541, 1491, 1451, 1531,
+)  # fmt: skip
+"""Pulses of left and right wheel, by stop and move, all different so that a command can be read."""
+SWITCH_OF_SIGN = {-1: (0, 1, 2), 0: (3,), 1: (4, 5, 6)}
+STEEP_END, SHALLOW_END = 7, 8
+LAYOUT = tuple(
+    SWITCHES.index(name) for name in ("minus", "minus", "minus", "zero", "plus", "plus", "plus",
+                                      "steep-end", "shallow-end")
+)  # fmt: skip
+
+
+def controller_number(entry: ControllerEntry) -> int:
+    """The number of a controller in the settings of a board."""
+    name = "policy" if entry.machines is not None else entry.name
+    return CONTROLLERS.index(name)
+
+
+def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardSettings:
+    """The settings of a board whose carry is under way from the boot, and whose controller alone
+    decides, as `_core.runtime.RuntimeSettings.lockstep` has them."""
+    spec = to_spec(scene)
+    leader = 1 if scene.task.direction == "forward" else 0
+    return BoardSettings(
+        role=side, key=KEY, pair=PAIR, first_epoch=1, last_epoch=1000, number=0,
+        period_us=round(1e6 * scene.control.period_s),
+        watchdog_us=round(1e6 * scene.control.watchdog_s),
+        lease=NEVER, station_limit=NEVER, time_limit=NEVER, travel=0, stopping_limit=0, stopping=0,
+        turn_limit=NEVER, most_overruns=0xFFFF, state_period=0, status_period=0,
+        least_battery_mv=0, controller=controller_number(entry), channel=60, power_dbm=0,
+        rejoins=False, stops_without_station=False, stops_without_partner=False, has_radio=True,
+        leads=side == leader, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
+        is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, wheel_slew=2000,
+        switches=LAYOUT,
+        palm_us=PALM_US, wheels=WHEEL_US,
+        times=tuple(_core.runtime.times(spec, entry.name)),
+    )  # fmt: skip
+
+
+class LockstepBoard:
+    """One robot on a board, driven tick by tick."""
+
+    def __init__(self, image: Image, settings: BoardSettings, table: bytes, seed: int) -> None:
+        page = settings_page(settings, table)
+        flash = image.flash[:PAGE_ADDRESS] + page
+        self.board = Board(replace(image, flash=flash), seed)
+        self.board.on_send = self._sends
+        self.side = settings.role
+        self.period = settings.period_us * CYCLES_PER_US
+        self.sent: list[bytes] = []
+        self.rejected = self.late = 0
+        self.instructions: list[int] = []
+        self.chance = seed
+        self.power_up()
+
+    def _sends(self, data: bytes) -> None:
+        self.sent.append(data)
+
+    def power_up(self) -> None:
+        """Boot, until the timer runs; the ticks are counted from then."""
+        self.board.boot()
+        self._wait_for_timer()
+
+    def _wait_for_timer(self) -> None:
+        board = self.board
+        while board.timer.started_at is None:
+            board.run_us(10)
+        self.next_tick = board.timer.started_at + self.period
+        self.rejected = self.late = 0
+
+    def reboot(self) -> None:
+        """The left board loses its supply for a moment; the right one hangs until its watchdog
+        resets it."""
+        if self.side == 0:
+            self.board.cut_power()
+            self.power_up()
+            return
+        board = self.board
+        before = len(board.resets)
+        board.halt += round(1e6 * CYCLES_PER_US)  # longer than any watchdog here
+        while len(board.resets) == before:
+            board.run_us(1000)
+        self._wait_for_timer()
+
+    def _run_tick(self, elapsed: int) -> None:
+        """Let `elapsed` ticks begin, of which the program sees only the last."""
+        board = self.board
+        before = self.next_tick + (elapsed - 1) * self.period
+        if elapsed > 1:
+            board.run(self.next_tick - 1)
+            board.halt += before - board.now
+        board.run(before - 10)
+        start = board.meter.instructions
+        board.run(before + 2000 * CYCLES_PER_US // 4)
+        self.instructions.append(board.meter.instructions - start)
+        self.next_tick = before + self.period
+
+    def _finish_sending(self, packets: int) -> None:
+        """Run until so many packets have left, and the radio listens again."""
+        board = self.board
+        end = self.next_tick - 20 * CYCLES_PER_US
+        while (len(self.sent) < packets or not board.radio.listens) and board.now < end:
+            board.run(min(end, max(board.now + 1, board.events[0][0] + 1)))
+        if len(self.sent) < packets or not board.radio.listens:
+            raise Violation("the packets of a tick do not leave within it")
+
+    def receive(self, packets: list[bytes]) -> None:
+        """Packets arrive, one after the other."""
+        for data in packets:
+            self._finish_sending(0)
+            self.board.radio.receive(data)
+            self.board.run_us(20)
+
+    def greeting(self, expected: int) -> list[bytes]:
+        """A round of greetings: the packets that the board sends."""
+        self.sent = []
+        self._run_tick(1)
+        self._finish_sending(expected)
+        return self.sent
+
+    def step(self, elapsed: int, sign: int, palm_at_target: bool, packets: list[bytes]) -> Any:
+        """One tick, as the world asks for it."""
+        board = self.board
+        self.receive(packets)
+        self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
+        switches = SWITCH_OF_SIGN[sign]
+        closed = 1 << switches[(self.chance >> 8) % len(switches)]
+        if palm_at_target:
+            closed |= 1 << (STEEP_END if self.palm == 0 else SHALLOW_END)
+        board.close_switches(closed)
+        self.sent = []
+        self._run_tick(elapsed)
+        record = self.record()
+        self._finish_sending(record["packets"])
+        palm, move, stop = self.command()
+        if (palm, move, stop) != (record["palm"], record["move"], record["stop"]):
+            raise Violation("the pulses are not what was decided")
+        return self._answer(palm, move, stop, record)
+
+    @property
+    def palm(self) -> int:
+        """The angle to which the pulses turn the palm."""
+        pulses = self.board.pwm.pulses
+        return PALM_US.index(pulses[0]) if pulses and pulses[0] else 0
+
+    def command(self) -> tuple[int, int, bool]:
+        """What the pulses command."""
+        pulses = self.board.pwm.pulses
+        assert pulses is not None
+        palm, left, right = pulses
+        for stop in (0, 1):
+            for move in (0, 1, 2):
+                at = 3 * stop + move
+                if (left, right) == (WHEEL_US[at], WHEEL_US[6 + at]):
+                    return PALM_US.index(palm), move, bool(stop)
+        raise Violation(f"pulses that are no command: {pulses}")
+
+    def record(self) -> dict[str, int]:
+        """What the firmware notes for a debugger."""
+        raw = self.board.variable("tick_record")
+        words: tuple[str, ...] = ("ticks", "rejected", "late", "missed")
+        bytes_: tuple[str, ...] = (
+            "palm", "move", "stop", "wheels", "name", "waits", "awaits", "word", "mode", "code",
+            "fault", "assists", "packets",
+        )  # fmt: skip
+        found = {
+            name: int.from_bytes(raw[4 * i : 4 * i + 4], "little") for i, name in enumerate(words)
+        }
+        return found | {name: raw[4 * len(words) + i] for i, name in enumerate(bytes_)}
+
+    def _answer(self, palm: int, move: int, stop: bool, record: dict[str, int]) -> Any:
+        packets = [
+            (data[2] >> 4, data, record["word"] if i == 0 else 0)
+            for i, data in enumerate(self.sent)
+        ]
+        rejected = record["rejected"] - self.rejected
+        late = record["late"] - self.late
+        self.rejected, self.late = record["rejected"], record["late"]
+        return (
+            palm, move, stop, packets, record["name"], bool(record["waits"]), record["awaits"],
+            rejected, late, bool(record["assists"]),
+        )  # fmt: skip
+
+
+class LockstepBoards:
+    """Both robots on boards, and the station of the centralized algorithm behind a third."""
+
+    def __init__(self, image: Image, scene: Scene, entry: ControllerEntry, seed: int = 0) -> None:
+        spec = to_spec(scene)
+        tables = [b"", b""]
+        if entry.machines is not None:
+            machines = entry.for_core(spec)
+            tables = [machines.image(side) for side in (0, 1)]
+        self.boards = [
+            LockstepBoard(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
+            for side in (0, 1)
+        ]
+        self.station = _core.runtime.Station(KEY, PAIR, 1) if entry.team == "station" else None
+        if entry.name in ("distributed", "centralized") or entry.machines is not None:
+            self._greet()
+
+    def _greet(self) -> None:
+        left, right = self.boards
+        for speaks in range(3):
+            if self.station is not None:
+                turn = {0: 0, 2: 1}.get(speaks)
+            else:
+                turn = speaks % 2 if speaks < 3 else None
+            sent = [board.greeting(int(side == turn)) for side, board in enumerate((left, right))]
+            for side, packets in enumerate(sent):
+                for data in packets:
+                    if self.station is None:
+                        self.boards[1 - side].receive([data])
+                        continue
+                    self.station.hear(data)
+                    self.boards[side].receive([self.station.greet(side)])
+        for board in self.boards:  # what was rejected before the carry does not count
+            board.greeting(0)
+            board.rejected = board.record()["rejected"]
+
+    def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
+        """Give each board its input of a tick, and return the answers."""
+        answers: list[Any] = []
+        for board, given in zip(self.boards, (left, right), strict=True):
+            if given is None:
+                answers.append(None)
+                continue
+            elapsed, sign, palm_at_target, boots, packets = given
+            if boots:
+                board.reboot()
+            answers.append(board.step(elapsed, sign, palm_at_target, packets))
+        if station is None or self.station is None:
+            return [*answers, None]
+        return [*answers, self.station.step(station[4])]
+
+
+def carry_on_boards(
+    image: Image, scene: Scene, controller: str, seed: int = 0
+) -> tuple[Any, LockstepBoards]:
+    """A carry with two boards in the loop of the world."""
+    entry = resolve(controller)
+    boards = LockstepBoards(image, scene, entry, seed)
+    return pb.carry(scene, remote(entry, boards.exchange), seed=seed), boards

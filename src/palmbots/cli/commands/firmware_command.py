@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots firmware`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palmbots.cli._run import print_json
+from palmbots.cli.options import DONE, JsonOption
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 214
+EXAMPLE = "palmbots firmware pair.toml --out images"
+
+
+def firmware(
+    pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
+    out: Annotated[Path, typer.Option("--out", help="Folder for the images.")] = Path("firmware"),
+    as_json: JsonOption = False,
+) -> int:
+    """Make the images of a pair whose robots are microcontroller boards.
+
+    left.hex and right.hex are the robots, dongle.hex is the radio of the station. No compiler is
+    needed. Each image counts boots of its own: flash it into one board, once.
+    """
+    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.firmware.images import write_images
+
+    files = write_images(pair, out)
+    if as_json:
+        print_json({"files": [str(file) for file in files]})
+    else:
+        print_written_files(report_console(), files)
+    return DONE
+
+
+COMMAND = firmware

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `palmbots flash`."""
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from palmbots.cli._run import print_json
+from palmbots.cli.options import DONE, JsonOption
+
+__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
+
+ORDER = 216
+EXAMPLE = "palmbots flash images/left.hex"
+
+
+def flash(
+    image: Annotated[Path, typer.Argument(metavar="IMAGE", help="A .hex of palmbots firmware.")],
+    drive: Annotated[
+        Optional[Path],  # noqa: UP045 (typer reads it)
+        typer.Option("--drive", help="The board's drive, if more than one is connected."),
+    ] = None,
+    again: Annotated[
+        bool, typer.Option("--again", help="Flash an image again that no board has run.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Copy an image to a board that is connected by USB.
+
+    An image that has been flashed already is refused: a flashed board forgets how often it has
+    booted, and would accept old packets as new.
+    """
+    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.firmware import flashing
+
+    file = flashing.flash(image, drive, again=again)
+    if as_json:
+        print_json({"file": str(file)})
+    else:
+        print_written_files(report_console(), [file])
+    return DONE
+
+
+COMMAND = flash

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table ``[board]`` of ``pair.toml``: robots whose program runs on a microcontroller board."""
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator
+
+from palmbots.scene.fields import Range, whole
+from palmbots.scene.section import Section
+
+Channel = Annotated[int, BeforeValidator(whole(0, 100))]
+PulseLength = Annotated[float, BeforeValidator(Range("s", least=0.0005, most=0.0025))]
+PulseChange = Annotated[float, BeforeValidator(Range("s", least=0.00001, most=0.001))]
+Bounce = Annotated[float, BeforeValidator(Range("s", least=0, most=0.5))]
+Timeout = Annotated[float, BeforeValidator(Range("s", least=0, most=10))]
+
+
+class BoardTable(Section):
+    """[board] Robots on microcontroller boards; `palmbots firmware` reads it."""
+
+    name: Literal["microbit-v2"] = "microbit-v2"
+    """microbit-v2: BBC micro:bit with an nRF52833."""
+    wheels: Literal["servos", "motor-board"] = "servos"
+    """servos: two servos that turn without end; motor-board: motors behind an I²C motor board."""
+    channel: Channel = 60
+    """Radio channel, in MHz above 2400 MHz."""
+    power_dbm: Literal[-40, -20, -16, -12, -8, -4, 0, 2, 3, 4, 5, 6, 7, 8] = 4
+    """Transmission power, in dBm."""
+    wheel_rest_s: PulseLength = 0.0015
+    """Length of the pulse at which a wheel servo rests."""
+    wheel_full_s: PulseChange = 0.0005
+    """By how much the pulse is longer at hardware.full_speed_m_s."""
+    motor_timeout_s: Timeout = 0.0
+    """Time after which the motor board stops the wheels by itself when it gets no command. 0: it
+    keeps its last speed, and is refused."""
+    bounce_s: Bounce = 0.005
+    """Longest time for which a switch bounces; the default is assumed."""

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flashing: an image is copied to the drive as which a board shows itself.
+
+The interface chip of the board writes the image into the flash memory and restarts the board. It
+reports a failure in a file FAIL.TXT on the drive.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+
+from palmbots._util.atomic_files import write_whole
+from palmbots._util.optional_imports import require
+from palmbots.errors import PalmbotsError
+
+__all__ = ["find_drives", "flash"]
+
+_MARK = "MICROBIT.HTM"
+"""A file that every micro:bit has on its drive."""
+_PLACES = ("/media", "/run/media", "/Volumes", "/mnt")
+
+
+def find_drives(places: tuple[str, ...] = _PLACES) -> list[Path]:
+    """The drives of all boards that are connected."""
+    found = []
+    for place in map(Path, places):
+        for pattern in ("*", "*/*"):
+            found += [file.parent for file in place.glob(f"{pattern}/{_MARK}")]
+    return sorted(found)
+
+
+def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Path:
+    """Copy an image to a board.
+
+    A board that is flashed forgets how often it has booted, so an image that has been flashed is
+    refused: with it the board would use old epochs again, and old packets would count as new.
+
+    Args:
+        image: a file of `palmbots firmware`.
+        drive: the folder of the board's drive; None: the only board that is connected.
+        again: flash an image that has been flashed already, for example because that failed.
+
+    Returns:
+        The file on the drive.
+
+    Raises:
+        PalmbotsError: the image is none, there is no board, or the copy failed.
+    """
+    text = _image_text(image)
+    target = _only(find_drives()) if drive is None else drive
+    if not (target / _MARK).exists():
+        raise PalmbotsError(f"{target}: is no drive of a board; it has no file {_MARK}")
+    mark = image.with_name(f"{image.name}.flashed")
+    check = hashlib.sha256(text.encode()).hexdigest()
+    if not again and mark.exists() and mark.read_text("ascii", "replace").strip() == check:
+        raise PalmbotsError(
+            f"{image}: has been flashed already; run: palmbots firmware, or flash it --again if no "
+            "board has run it"
+        )
+    write_whole(mark, check + "\n")
+    copy = target / image.name
+    try:
+        with copy.open("w", encoding="ascii", newline="\n") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+    except OSError as error:
+        raise PalmbotsError(f"{copy}: cannot be written: {error.strerror or error}") from None
+    failure = target / "FAIL.TXT"
+    if failure.exists():
+        reason = " ".join(failure.read_text("utf-8", "replace").split())
+        raise PalmbotsError(f"{target}: the board reports: {reason}")
+    return copy
+
+
+def _image_text(image: Path) -> str:
+    intelhex = require("intelhex", "firmware")
+    try:
+        text = image.read_text("ascii")
+        intelhex.IntelHex(str(image))
+    except OSError as error:
+        raise PalmbotsError(f"{image}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, intelhex.IntelHexError):
+        raise PalmbotsError(f"{image}: is no image; allowed: a .hex of palmbots firmware") from None
+    return text
+
+
+def _only(drives: list[Path]) -> Path:
+    if len(drives) == 1:
+        return drives[0]
+    if not drives:
+        raise PalmbotsError(
+            "no board is connected; connect one by USB, or give its drive with --drive"
+        )
+    names = ", ".join(str(drive) for drive in drives)
+    raise PalmbotsError(f"{len(drives)} boards are connected; allowed: --drive, one of {names}")

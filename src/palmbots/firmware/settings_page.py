@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The last page of an image: what distinguishes one board from another.
+
+The firmware reads the same bytes as a struct (``firmware/app/settings.hpp``). Times are control
+ticks unless a name says otherwise.
+"""
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+__all__ = ["CONTROLLERS", "PAGE_ADDRESS", "PAGE_SIZE", "SWITCHES", "BoardSettings", "settings_page"]
+
+PAGE_ADDRESS = 0xF000
+PAGE_SIZE = 0x1000
+TABLE_SIZE = 3265
+"""Bytes of the table of a policy."""
+CONTROLLERS = ("resilient", "silent", "shared-sign", "distributed", "policy", "centralized")
+"""The controllers in the order of their numbers; `policy` is a table of its own."""
+SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
+"""What a closed switch of the palm means, in the order of the numbers."""
+_MAGIC = 0x42504D42
+_FORMAT = 1
+_MOST_TIMES = 16
+_STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoardSettings:
+    """What is written into the page."""
+
+    role: int
+    """0: the left robot, 1: the right one, 2: the radio of the station."""
+    key: bytes
+    pair: int
+    first_epoch: int
+    """Epoch of the first boot with the image."""
+    last_epoch: int
+    """The last that the image may use."""
+    number: int
+    """Equal for both boards if their settings are."""
+    period_us: int
+    watchdog_us: int
+    lease: int
+    station_limit: int
+    time_limit: int
+    travel: int
+    """Time in mode carrying that covers the distance."""
+    stopping_limit: int
+    stopping: int
+    turn_limit: int
+    """Longest time in which a palm turns."""
+    most_overruns: int
+    state_period: int
+    status_period: int
+    least_battery_mv: int
+    controller: int
+    channel: int
+    power_dbm: int
+    rejoins: bool
+    stops_without_station: bool
+    stops_without_partner: bool
+    has_radio: bool
+    leads: bool
+    may_stop: bool
+    by_touch: bool
+    is_under_way: bool = False
+    """The carry begins at the boot, as in the simulator."""
+    wheel_kind: int
+    """0: servos, 1: a motor board."""
+    debounce: int
+    """Equal readings in a row that a switch needs."""
+    palm_slew_us: int
+    """Largest change of the palm's pulse in a tick."""
+    wheel_slew: int
+    """Largest change of a wheel's pulse or speed in a tick."""
+    switches: tuple[int, ...]
+    palm_us: tuple[int, int]
+    """Pulses of the steep and of the shallow angle."""
+    wheels: tuple[int, ...]
+    """Pulses [us] or speeds of the left and the right wheel, by stop and move: 2 x 2 x 3."""
+    times: tuple[int, ...]
+    """Of the controller."""
+
+    def packed(self) -> bytes:
+        """The bytes, with their check."""
+        times = (*self.times, *[0] * (_MOST_TIMES - len(self.times)))
+        switches = (*self.switches, *[0] * (10 - len(self.switches)))
+        body = _STRUCT.pack(
+            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
+            self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit,
+            self.travel,
+            self.stopping_limit, self.stopping, self.turn_limit, self.most_overruns, self.state_period,
+            self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
+            self.power_dbm, self.rejoins, self.stops_without_station, self.stops_without_partner,
+            self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
+            self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches,
+            *self.palm_us, *self.wheels, *times,
+        )  # fmt: skip
+        return body + zlib.crc32(body).to_bytes(4, "little")
+
+
+def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
+    """The whole page.
+
+    Args:
+        settings: of the board.
+        table: the table of a policy, as the core lays it out; empty: the controller is another one.
+    """
+    page = settings.packed()
+    if table:
+        assert len(table) == TABLE_SIZE
+        page += table
+        page += bytes(4 - len(page) % 4) + zlib.crc32(table).to_bytes(4, "little")
+    return page.ljust(PAGE_SIZE, b"\xff")

@@ -1,0 +1,147 @@
+"""`palmbots firmware` and `palmbots flash`: images of a pair, and what is refused."""
+
+import json
+import stat
+import zlib
+from pathlib import Path
+
+import pytest
+from intelhex import IntelHex
+
+from commands import Run, assert_refused
+from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.runtime.stored_state import read_state
+
+PAGE = 0xF000
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> Path:
+    return init_pair(tmp_path / "pair.toml")[0]
+
+
+def with_key(pair: Path, key: str, value: str, scene: bool = False) -> None:
+    """Set a key of pair.toml, or of a scene that it names."""
+    table, _, name = key.rpartition(".")
+    file = pair
+    if scene:
+        file = pair.parent / "scene.toml"
+        file.write_text(f"[{table}]\n{name} = {value}\n")
+        table, name, value = "pair", "scene", '"scene.toml"'
+    lines = pair.read_text().splitlines()
+    start = lines.index(f"[{table}]")
+    place = next(i for i, line in enumerate(lines) if i > start and line.startswith(f"{name} = "))
+    lines[place] = f"{name} = {value}"
+    pair.write_text("\n".join(lines) + "\n")
+
+
+def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -> None:
+    done = here("firmware", str(pair), "--out", str(tmp_path / "images"), "--json")
+    assert done.returncode == 0, done.stderr
+    files = [Path(name) for name in json.loads(done.stdout)["files"]]
+    assert [file.name for file in files] == ["left.hex", "right.hex", "dongle.hex"]
+    key, number = load_pair(pair).key, load_pair(pair).settings.pair.number
+    for role, file in enumerate(files):
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600
+        image = IntelHex(str(file))
+        page = image.tobinstr(start=PAGE, size=172)
+        assert int.from_bytes(page[:4], "little") == 0x42504D42
+        assert int.from_bytes(page[168:], "little") == zlib.crc32(page[:168])
+        assert page[80] == role
+        if role < 2:
+            assert page[8:24] == key
+            assert int.from_bytes(page[6:8], "little") == number
+            assert int.from_bytes(page[24:28], "little") == 1
+        else:
+            assert key not in image.tobinstr()
+        # The vector table: the stack lies in the first 8 kB of RAM, and the program in flash.
+        stack, start = (int.from_bytes(image.tobinstr(start=i, size=4), "little") for i in (0, 4))
+        assert 0x20000000 < stack <= 0x20002000
+        assert 0x100 < start < PAGE
+
+
+def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> None:
+    spans = []
+    for _ in range(2):
+        assert here("firmware", str(pair), "--out", str(tmp_path / "images")).returncode == 0
+        page = IntelHex(str(tmp_path / "images" / "left.hex")).tobinstr(start=PAGE, size=172)
+        spans.append(tuple(int.from_bytes(page[i : i + 4], "little") for i in (24, 28)))
+    (first, last), (next_first, _) = spans
+    assert first == 1
+    assert next_first == last + 1
+    assert read_state(tmp_path / "pair-state" / "left.json").epoch == 2 * last
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "in_scene", "line"),
+    [
+        ("board.name", '"uno"', False, 'board.name: "uno" is not known'),
+        ("board.channel", "101", False, "board.channel: 101 is too large"),
+        (
+            "board.wheels",
+            '"motor-board"',
+            False,
+            "board.motor_timeout_s: value is 0: a motor board",
+        ),
+        ("pair.key_file", '"none.key"', False, "none.key: cannot be read"),
+        ("pair.controller", '"centralized"', False, "pair.controller: centralized needs a station"),
+        ("pair.controller", '"none"', False, "controller: none has no programs"),
+        ("hardware.battery_low_v", "7.4", False, "hardware.battery_low_v: value is 7.4"),
+        ("hardware.servo_zero_deg", "-100.0", False, "palm.steep_deg: the servo of the left robot"),
+        ("hardware.stopping_s", "0.2", False, "hardware.stopping_s: value is 0.2"),
+        ("control.period_s", "0.001", True, "control.period_s: value is 0.001"),
+        ("control.watchdog_s", "0.05", True, "control.watchdog_s: value is 0.05"),
+        ("radio.lease_s", "0.1", True, "radio.lease_s: "),
+    ],
+)
+def test_a_pair_that_cannot_work_is_refused(
+    pair: Path, tmp_path: Path, key: str, value: str, in_scene: bool, line: str, here: Run
+) -> None:
+    with_key(pair, key, value, in_scene)
+    before = (tmp_path / "pair-state" / "left.json").read_text()
+    done = here("firmware", str(pair), "--out", str(tmp_path / "images"))
+    assert_refused(done, line)
+    assert not (tmp_path / "images").exists()
+    assert (tmp_path / "pair-state" / "left.json").read_text() == before
+
+
+@pytest.fixture
+def image(pair: Path, tmp_path: Path, here: Run) -> Path:
+    assert here("firmware", str(pair), "--out", str(tmp_path / "images")).returncode == 0
+    return tmp_path / "images" / "left.hex"
+
+
+def drive(folder: Path) -> Path:
+    folder.mkdir()
+    (folder / "MICROBIT.HTM").write_text("")
+    return folder
+
+
+def test_an_image_is_flashed_once(image: Path, tmp_path: Path, here: Run) -> None:
+    target = drive(tmp_path / "MICROBIT")
+    done = here("flash", str(image), "--drive", str(target), "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["file"] == str(target / "left.hex")
+    assert (target / "left.hex").read_text() == image.read_text()
+    done = here("flash", str(image), "--drive", str(target))
+    assert_refused(done, "has been flashed already")
+    assert here("flash", str(image), "--drive", str(target), "--again").returncode == 0
+
+
+def test_what_is_no_board_is_refused(image: Path, tmp_path: Path, here: Run) -> None:
+    done = here("flash", str(image), "--drive", str(tmp_path))
+    assert_refused(done, "is no drive of a board")
+
+
+def test_what_is_no_image_is_refused(tmp_path: Path, here: Run) -> None:
+    file = tmp_path / "x.hex"
+    file.write_text("hello\n")
+    done = here("flash", str(file), "--drive", str(drive(tmp_path / "MICROBIT")))
+    assert_refused(done, "is no image")
+
+
+def test_a_failure_that_the_board_reports(image: Path, tmp_path: Path, here: Run) -> None:
+    target = drive(tmp_path / "MICROBIT")
+    (target / "FAIL.TXT").write_text("error: The hex file cannot be decoded.\n")
+    done = here("flash", str(image), "--drive", str(target))
+    assert_refused(done, "the board reports: error: The hex file cannot be decoded.")

@@ -1,0 +1,64 @@
+"""The images, compiled once for all tests here, and a pair whose robots are boards."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from cxx import ROOT
+from emulator.__main__ import robot_image
+from emulator.board import Image
+from palmbots.firmware.pair_settings import BoardPair, board_pair
+from palmbots.runtime.pair_file import init_pair, load_pair
+
+IMAGES = ROOT / "build" / "firmware"
+
+
+def compiled(name: str, folder: Path) -> Image:
+    """The program of a robot, compiled again if a source is newer."""
+    sources = [*(ROOT / "firmware").rglob("*.[ch]pp"), *(ROOT / "include").rglob("*.hpp")]
+    newest = max(file.stat().st_mtime for file in sources)
+    made = folder / "robot.hex"
+    if not made.exists() or made.stat().st_mtime < newest:
+        command = [sys.executable, str(ROOT / "firmware" / "build.py")]
+        subprocess.run([*command, "--compiler", name, "--out", str(folder)], check=True)
+    return robot_image(folder)
+
+
+@pytest.fixture(scope="session")
+def image() -> Image:
+    return compiled("gcc", IMAGES)
+
+
+@pytest.fixture(scope="session")
+def clang_image(image: Image) -> Image:
+    return compiled("clang", IMAGES / "clang")
+
+
+@pytest.fixture
+def boards(tmp_path: Path) -> Callable[..., BoardPair]:
+    """Makes a pair that two boards can run without a station."""
+
+    def make(
+        controller: str = "resilient",
+        overrides: dict[str, Any] | None = None,
+        values: dict[str, Any] | None = None,
+    ) -> BoardPair:
+        scene = pb.load_scene("paper", {"task.distance_m": 0.3} | (overrides or {}))
+        (tmp_path / "scene.toml").write_text(scene.to_toml())
+        chosen = {
+            "limits.station_lost": "carry-on",
+            "limits.after_reboot": "rejoin",
+            "limits.partner_lost": "controller",
+            "hardware.acceleration_m_s2": 1000.0,
+        } | (values or {})
+        file = init_pair(
+            tmp_path / "pair.toml", scene="scene.toml", controller=controller, values=chosen
+        )[0]
+        return board_pair(load_pair(file))
+
+    return make

@@ -1,0 +1,179 @@
+"""Two boards in real time, without a station: buttons, faults, resets."""
+
+import zlib
+from collections.abc import Callable
+
+import pytest
+
+from emulator.board import Image
+from emulator.live import A, B, LivePair
+from palmbots.firmware.pair_settings import BoardPair
+
+MakeBoards = Callable[..., BoardPair]
+RESTING = ("disarmed", "armed", "done", "stopped", "fault")
+WITHIN_S = 9.0
+
+
+def modes(pair: LivePair) -> tuple[str, ...]:
+    return tuple(robot.mode for robot in pair.robots)
+
+
+def at_rest(pair: LivePair) -> bool:
+    return all(robot.command()[2] and robot.command()[1] == 0 for robot in pair.robots)
+
+
+@pytest.mark.parametrize("controller", ["resilient", "silent"])
+def test_two_boards_carry_by_their_buttons(
+    image: Image, boards: MakeBoards, controller: str
+) -> None:
+    pair = LivePair(image, boards(controller), seed=3)
+    assert pair.start(), pair.state()
+    assert pair.run_until("done", within_s=WITHIN_S), pair.state()
+    assert pair.is_held
+    assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
+    assert [robot.board.leds_lit for robot in pair.robots] == [1, 1]  # one row at a time
+
+
+@pytest.mark.parametrize("clocks", [(1.02, 0.98), (0.98, 1.02)])
+def test_clocks_that_differ(image: Image, boards: MakeBoards, clocks: tuple[float, float]) -> None:
+    ppm = {f"robot.{side}.clock_ppm": 20000.0 * s for side, s in (("left", 1), ("right", -1))}
+    pair = LivePair(image, boards(overrides=ppm), seed=4, clocks=clocks)
+    assert pair.start(), pair.state()
+    assert pair.run_until("done", within_s=WITHIN_S), pair.state()
+    assert pair.is_held
+
+
+def test_losses_and_bit_errors(image: Image, boards: MakeBoards) -> None:
+    pair = LivePair(image, boards(), seed=5, loss=0.1, bit_errors=0.1)
+    assert pair.start(), pair.state()
+    assert pair.run_until("done", within_s=WITHIN_S), pair.state()
+    assert pair.is_held
+
+
+@pytest.mark.parametrize("button", [A, B])
+@pytest.mark.parametrize("side", [0, 1])
+def test_any_button_stops_both(image: Image, boards: MakeBoards, side: int, button: int) -> None:
+    pair = LivePair(image, boards(), seed=6)
+    assert pair.start(), pair.state()
+    pair.run(0.7)
+    pair.press(button, side)
+    assert pair.run_until("stopped", within_s=0.5), pair.state()
+    assert at_rest(pair)
+    assert pair.is_held
+    # It stays latched over a power cut, and until both are released, armed and started again.
+    pair.cut_power(pair.robots[side], 0.2)
+    pair.run(0.6)
+    assert modes(pair) == ("stopped", "stopped")
+    pair.press(B)
+    assert modes(pair) == ("stopped", "stopped")
+    pair.press(A)
+    assert pair.run_until("disarmed"), pair.state()
+    assert pair.start(), pair.state()
+
+
+def test_buttons_held_at_power_up_do_nothing(image: Image, boards: MakeBoards) -> None:
+    pair = LivePair(image, boards(), seed=7, held_at_power_up=A | B)
+    pair.run(1.0)
+    assert modes(pair) == ("disarmed", "disarmed")
+    for robot in pair.robots:
+        robot.board.hold_buttons(0)
+    pair.run(0.2)
+    assert modes(pair) == ("disarmed", "disarmed")
+    assert pair.start(), pair.state()
+
+
+def unplugged(pair: LivePair) -> str:
+    pair.robots[0].is_unplugged = True
+    return "palm"
+
+
+def stuck(pair: LivePair) -> str:
+    pair.robots[0].stuck = 1 << 7 | 1 << 8  # both ends of the palm at once
+    return "switches"
+
+
+def brown_out(pair: LivePair) -> str:
+    pair.robots[0].board.power.breaks_down()
+    return "supply"
+
+
+@pytest.mark.parametrize("fault", [unplugged, stuck, brown_out])
+def test_a_fault_rests_the_wheels_and_is_shown(
+    image: Image, boards: MakeBoards, fault: Callable[[LivePair], str]
+) -> None:
+    pair = LivePair(image, boards(), seed=8)
+    assert pair.start(), pair.state()
+    pair.run(0.3)
+    code = fault(pair)
+    assert pair.run_until("fault", within_s=2.0), pair.state()
+    assert pair.robots[0].fault == code
+    assert at_rest(pair)
+    assert pair.is_held
+    # The fourth row of the LEDs: the left one, for a fault of the board, and the code.
+    number = ("none", "switches", "palm", "motor", "supply").index(code)
+    row = pair.robots[0].board.led_picture >> 15 & 31
+    assert row == 1 | sum((number >> 3 - i & 1) << 1 + i for i in range(4))
+    pair.press(A)
+    assert pair.robots[0].mode != "armed" or code == "supply"
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+def test_a_silent_motor_board_is_a_fault(image: Image, boards: MakeBoards, hangs: bool) -> None:
+    values = {"board.wheels": "motor-board", "board.motor_timeout_s": 0.1}
+    pair = LivePair(image, boards(values=values), seed=9)
+    pair.run(0.3)
+    twi = pair.robots[0].board.twi
+    assert twi.newest == bytes(5)  # speed 0 on both sides
+    pair.press(A)
+    pair.press(B)
+    assert pair.run_until("carrying", "holding"), pair.state()
+    assert any(twi.newest or b"")
+    twi.answers, twi.hangs = hangs, hangs
+    assert pair.run_until("fault", within_s=1.0), pair.state()
+    assert pair.robots[0].fault == "motor"
+
+
+def test_switches_that_bounce(image: Image, boards: MakeBoards) -> None:
+    pair = LivePair(image, boards(values={"board.bounce_s": 0.02}), seed=10)
+    for robot in pair.robots:
+        robot.bounces_us = 15_000
+    assert pair.start(), pair.state()
+    assert pair.run_until("done", within_s=WITHIN_S), pair.state()
+    assert pair.is_held
+
+
+def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
+    mine = boards()
+    pair = LivePair(image, mine, seed=11)
+    stranger = LivePair(image, mine, seed=12)
+    other = bytearray(stranger.robots[1].board.bytes_at(0xF000, 172))
+    other[8:24] = bytes(16)
+    other[168:] = zlib.crc32(bytes(other[:168])).to_bytes(4, "little")
+    pair.robots[1] = stranger.robots[1]
+    pair.robots[1].board.set_bytes(0xF000, bytes(other))
+    pair.run(4.0)
+    assert [robot.fault for robot in pair.robots] == ["stranger", "stranger"]
+    pair.press(A)
+    assert modes(pair) == ("disarmed", "disarmed")
+
+
+def reset_at(pair: LivePair, chance_us: float, side: int) -> None:
+    """Cut the supply of a board in the middle of some instruction."""
+    robot = pair.robots[side]
+    robot.board.run_us(chance_us)
+    pair.cut_power(robot, 0.2)
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_a_reset_at_any_instruction_is_survived(
+    image: Image, boards: MakeBoards, number: int
+) -> None:
+    """Both robots go on, or rest; the object stays on the palms."""
+    pair = LivePair(image, boards(), seed=100 + number)
+    assert pair.start(), pair.state()
+    pair.run(0.2 + 0.13 * number)
+    reset_at(pair, 37.7 * number % 1000, number % 2)
+    pair.run(2.0)
+    assert pair.is_held
+    for robot in pair.robots:
+        assert robot.mode in ("carrying", "holding", *RESTING), pair.state()
