@@ -67,7 +67,8 @@ class BoardPair:
             BoardSettings(
                 role=2, key=bytes(16), pair=0, first_epoch=0, last_epoch=0, number=0,
                 period_us=10000, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
-                travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0, state_period=0,
+                travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0,
+                state_period=0,
                 status_period=0, least_battery_mv=0, controller=0, channel=board.channel,
                 power_dbm=board.power_dbm, rejoins=False, stops_without_station=False,
                 stops_without_partner=False, has_radio=True, leads=False, may_stop=False,

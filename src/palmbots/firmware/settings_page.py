@@ -89,9 +89,8 @@ class BoardSettings:
         body = _STRUCT.pack(
             _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
             self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit,
-            self.travel,
-            self.stopping_limit, self.stopping, self.turn_limit, self.most_overruns, self.state_period,
-            self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
+            self.travel, self.stopping_limit, self.stopping, self.turn_limit, self.most_overruns,
+            self.state_period, self.status_period, self.least_battery_mv, self.role, self.controller, self.channel,
             self.power_dbm, self.rejoins, self.stops_without_station, self.stops_without_partner,
             self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
             self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches,
