@@ -5,6 +5,8 @@ import { AtHome, KeySlider, SceneChoice } from "./parts";
 import { Canvas, type Surface } from "../shared/canvas";
 import { SCENE_FILE } from "../shared/command";
 import type { Limit } from "../shared/core";
+import { MAP, REACH, type Region, drawModeMap, modeColour } from "../shared/mode_map";
+import { modeName } from "../shared/mode_words";
 import { drawCells } from "../shared/raster";
 import { get, ofSide } from "../shared/scene";
 import { base, core, extra, extraNumber, overrides, scene, setExtra } from "../shared/state";
@@ -71,7 +73,7 @@ function setPair(shallow: number, steep: number): void {
 }
 
 function box(surface: Surface): { x: number; y: number; size: number } {
-  return { x: MARGIN, y: 8, size: Math.min(surface.width - MARGIN - 8, surface.height - FOOT - 8) };
+  return { x: MARGIN, y: 8, size: Math.min(surface.width - MARGIN - 18, surface.height - FOOT - 8) };
 }
 
 function draw(surface: Surface): void {
@@ -189,6 +191,55 @@ function Limits() {
   );
 }
 
+const regionMaps = computed(() => {
+  const machine = core.value;
+  if (!machine) return null;
+  machine.setScene(scene.value);
+  const theta: [number, number] = [pair.value[0] * DEGREE, pair.value[1] * DEGREE];
+  return [true, false].map((closing) => machine.modeMap(theta, closing, MAP, REACH));
+});
+
+// The region of the chosen pair: where each property is needed, and what happens there.
+function PairRegion() {
+  const size: [number, number] = [
+    500 * ofSide(scene.value, "palm", "left", "length_m"),
+    500 * ofSide(scene.value, "palm", "right", "length_m"),
+  ];
+  const r = 1000 * region.value;
+  const palms: Region = { pL: [-size[0], size[0]], pR: [-size[1], size[1]], dashed: true };
+  const needed: Region[] = [{ pL: [-r, 0], pR: [-r, r] }, { pL: [-r, r], pR: [0, r] }];
+  return (
+    <div class="columns">
+      {[0, 1].map((k) => {
+        const values = regionMaps.value?.[k];
+        const seen = [...new Set(values ?? [])].sort((a, b) => b - a);
+        return (
+          <figure class="map">
+            <figcaption>
+              {k === 0
+                ? "driven together: property 1 wants SL-ST in the frame"
+                : "driven apart: property 2 wants ST-SL in the frame"}
+            </figcaption>
+            <Canvas
+              id={`region-${k}`}
+              height={(width) => Math.min(width, 300)}
+              label={`contact modes with the left palm shallow and the right one steep, ${k === 0 ? "driven together" : "driven apart"}; the frame is where the property is needed`}
+              draw={(s) => values && drawModeMap(s, palette.value, values, size, [palms, needed[k]!], null)}
+            />
+            <ul class="key">
+              {seen.map((mode) => (
+                <li>
+                  <i style={{ background: modeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {modeName(mode)}
+                </li>
+              ))}
+            </ul>
+          </figure>
+        );
+      })}
+    </div>
+  );
+}
+
 export function DesignView() {
   const [shallow, steep] = pair.value;
   const [tolerance, clearance] = at(shallow, steep);
@@ -265,7 +316,12 @@ export function DesignView() {
         </section>
       </div>
       <section>
-        <h2>What limits this pair</h2>
+        <h2>The region of this pair</h2>
+        <p class="note">
+          With the left palm shallow and the right one steep. The dashed square is the palms.
+        </p>
+        <PairRegion />
+        <h2>What limits it</h2>
         <Limits />
       </section>
       <AtHome

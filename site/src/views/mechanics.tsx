@@ -7,7 +7,8 @@ import { zeroZone } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
 import { sceneWords } from "../shared/command";
 import { PLACES, type Statics } from "../shared/core";
-import { JAMMED, NOT_HELD, decision, modeName, modeWords, motionsOf } from "../shared/mode_words";
+import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from "../shared/mode_map";
+import { decision, modeName, modeWords } from "../shared/mode_words";
 import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
 import { get, ofSide } from "../shared/scene";
@@ -17,8 +18,6 @@ import { SIDES, tables } from "../shared/tables";
 import { type Palette, palette } from "../shared/theme";
 
 const DEGREE = Math.PI / 180;
-const MAP = 64; // pairs of contacts along each axis of a map
-const REACH = 2.6; // how far a map extends beyond the ends of the palms, as in Figure 5
 const MODE_CELLS = [0, 1, 2] as const;
 
 const usualTheta = (side: 0 | 1) =>
@@ -306,60 +305,6 @@ function NineModes(props: { f: Statics }) {
   );
 }
 
-function modeColour(p: Palette, mode: number): string {
-  if (mode === NOT_HELD) return p.rule;
-  if (mode === JAMMED) return p.quiet;
-  const [l, r] = motionsOf(mode);
-  if (l !== 0 && r !== 0) return p.both;
-  return l !== 0 ? p.left : p.right;
-}
-
-function drawMap(surface: Surface, values: Float64Array | null): void {
-  const c = surface.context;
-  const p = palette.value;
-  if (!values) return;
-  const size = Math.min(surface.width, surface.height) - 34;
-  const [x0, y0] = [34, 6];
-  drawCells(c, { x: x0, y: y0, width: size, height: size }, MAP, MAP, (k) => [
-    modeColour(p, values[k]!), values[k]! < 0 ? 1 : 0.5,
-  ]);
-  c.strokeStyle = p.ink;
-  c.lineWidth = 1.5;
-  const palms = size / REACH;
-  c.strokeRect(x0 + (size - palms) / 2, y0 + (size - palms) / 2, palms, palms);
-  c.lineWidth = 1;
-  c.strokeStyle = p.quiet;
-  c.setLineDash([2, 3]);
-  c.beginPath();
-  c.moveTo(x0 + size / 2, y0);
-  c.lineTo(x0 + size / 2, y0 + size);
-  c.moveTo(x0, y0 + size / 2);
-  c.lineTo(x0 + size, y0 + size / 2);
-  c.stroke();
-  c.setLineDash([]);
-  const [hx, hy] = [1000 * half(0), 1000 * half(1)];
-  const px = x0 + (0.5 + contact.value[0] / (2 * hx * REACH)) * size;
-  const py = y0 + (0.5 - contact.value[1] / (2 * hy * REACH)) * size;
-  c.beginPath();
-  c.arc(px, py, 5, 0, 2 * Math.PI);
-  c.fillStyle = p.background;
-  c.fill();
-  c.strokeStyle = p.ink;
-  c.lineWidth = 2;
-  c.stroke();
-  c.lineWidth = 1;
-  c.fillStyle = p.quiet;
-  c.font = "11px system-ui, sans-serif";
-  c.textAlign = "center";
-  c.textBaseline = "top";
-  c.fillText(`p_L from −${(REACH * hx).toFixed(0)} to ${(REACH * hx).toFixed(0)} mm`, x0 + size / 2, y0 + size + 8);
-  c.save();
-  c.translate(12, y0 + size / 2);
-  c.rotate(-Math.PI / 2);
-  c.fillText(`p_R from −${(REACH * hy).toFixed(0)} to ${(REACH * hy).toFixed(0)} mm`, 0, 0);
-  c.restore();
-}
-
 function ModeMap(props: { closing: boolean }) {
   const values = props.closing ? maps.closing : maps.opening;
   const seen = [...new Set(values.value ?? [])];
@@ -368,9 +313,9 @@ function ModeMap(props: { closing: boolean }) {
     const place = event.currentTarget as HTMLElement;
     const rect = place.getBoundingClientRect();
     place.setPointerCapture(event.pointerId);
-    const size = Math.min(rect.width, rect.height) - 34;
-    setContact(0, (2 * ((event.clientX - rect.left - 34) / size) - 1) * 1000 * REACH * half(0));
-    setContact(1, (1 - 2 * ((event.clientY - rect.top - 6) / size)) * 1000 * REACH * half(1));
+    const size = mapSize(rect);
+    setContact(0, (2 * ((event.clientX - rect.left - MAP_LEFT) / size) - 1) * 1000 * REACH * half(0));
+    setContact(1, (1 - 2 * ((event.clientY - rect.top - MAP_TOP) / size)) * 1000 * REACH * half(1));
   };
   const name = props.closing ? "driven together" : "driven apart";
   return (
@@ -382,7 +327,12 @@ function ModeMap(props: { closing: boolean }) {
         label={`map of the contact mode when ${name}, over both contact positions`}
         onPointerDown={pick}
         onPointerMove={pick}
-        draw={(s) => drawMap(s, values.value)}
+        draw={(s) => {
+          if (!values.value) return;
+          const size: [number, number] = [1000 * half(0), 1000 * half(1)];
+          const palms = { pL: [-size[0], size[0]] as [number, number], pR: [-size[1], size[1]] as [number, number] };
+          drawModeMap(s, palette.value, values.value, size, [palms], contact.value);
+        }}
       />
       <ul class="key">
         {seen.sort((a, b) => b - a).map((mode) => (
