@@ -6,6 +6,7 @@ import { CarryView } from "./views/carry";
 import { openScene } from "./views/parts";
 import { Core } from "./shared/core";
 import { VIEWS, type ViewName, address, core, followState, go, player, readAddress, recorded, view } from "./shared/state";
+import { tables } from "./shared/tables";
 import { reducedMotion, toggleTheme } from "./shared/theme";
 import "./style.css";
 
@@ -92,6 +93,11 @@ function Page() {
       <main id="main" tabIndex={-1}>
         <Body />
       </main>
+      <footer>
+        The task, its analysis and two of the algorithms are from A. Gupta and W. H. Huang,{" "}
+        <cite>A Carrying Task for Nonprehensile Mobile Manipulators</cite>, IROS 2003. palmbots{" "}
+        {tables.version}, Apache License 2.0.
+      </footer>
     </>
   );
 }

@@ -12,7 +12,7 @@ import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene";
 import {
-  append, base, controller, forks, overrides, player, recorded, refusal, scene, seed,
+  append, base, controller, forks, go, overrides, player, recorded, refusal, scene, seed,
   setKey,
 } from "../shared/state";
 import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
@@ -138,7 +138,16 @@ export function CarryView() {
         <h1>Two robots, no gripper, one box</h1>
         <p>
           The box only rests on two palms. When the robots drift apart or together, one contact
-          slides. Tilting a palm decides <em>which</em>, and that is how they keep the box.
+          slides. Tilting a palm decides <em>which</em>, and that is how they keep the box. New here?{" "}
+          <a
+            href="#stories"
+            onClick={(event) => {
+              event.preventDefault();
+              go("#stories");
+            }}
+          >
+            Begin with the stories.
+          </a>
         </p>
       </header>
       <div class="choices">

@@ -329,7 +329,7 @@ export function DesignView() {
           `palmbots certify ${SCENE_FILE} --region-m ${ends(-region.value)} ${ends(region.value)} -o box.json`,
           `palmbots noise-limit ${SCENE_FILE}`,
         ]}
-        files={[[SCENE_FILE, sceneFile({ ...baseOverrides(base.value), ...file })]]}
+        files={[[SCENE_FILE, sceneFile({ ...baseOverrides(base.value), "palm.shallow_deg": shallow, "palm.steep_deg": steep, ...file })]]}
         note="The page claims no certificate; the first command proves one, or says where it fails."
       />
     </>

@@ -2,6 +2,7 @@
 // Parts that several views use: choices of scene and controller, sliders, the command line.
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useRef } from "preact/hooks";
 import { POLICY_FILE, SCENE_FILE, needsFile, policyFile } from "../shared/command";
 import { get, overridesOf } from "../shared/scene";
 import {
@@ -144,6 +145,7 @@ export function AtHome(props: {
   lines: string[]; hash?: string; note?: ComponentChildren; files?: [string, string][];
 }) {
   const copied = useSignal(false);
+  const lines = useRef<HTMLPreElement>(null);
   const text = props.lines.join("\n");
   const files = [...(props.files ?? [])];
   if (needsFile(overrides.value) && text.includes(SCENE_FILE)) {
@@ -153,11 +155,13 @@ export function AtHome(props: {
   return (
     <section class="home" aria-label="the same at home">
       <h2>The same at home</h2>
-      <pre class="command" tabIndex={0}>{text}</pre>
+      <pre class="command" tabIndex={0} ref={lines}>{text}</pre>
       <p class="row">
         <button
           type="button"
           onClick={async () => {
+            // Only a page from this machine or over HTTPS may write to the clipboard.
+            if (!navigator.clipboard) return getSelection()?.selectAllChildren(lines.current!);
             await navigator.clipboard.writeText(text);
             copied.value = true;
             setTimeout(() => (copied.value = false), 1500);
