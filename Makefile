@@ -11,7 +11,7 @@ BIN := $(VENV)/bin
 export PYTHON
 
 EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
-CXX_FILES = $(shell find include src tests benchmarks verify firmware -name '*.hpp' -o -name '*.cpp')
+CXX_FILES = $(shell find include src tests benchmarks verify firmware site/core -name '*.hpp' -o -name '*.cpp')
 PY_FILES = src tests examples benchmarks scripts verify docs paper firmware
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
@@ -51,6 +51,14 @@ emulate: $(VENV)/extension.done firmware  ## carries with two emulated boards, o
 test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: carries, faults, resets, permanent memory
 	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
 	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
+site: build/site/index.html  ## the page to play with, in build/site; serve it with: make serve-site
+
+test-site: build/site/index.html $(VENV)/strict.done  ## the page in a real browser: the same bits as at home, every interaction
+	cd site && npm run --silent check
+	$(BIN)/python -m pytest tests/site --numprocesses auto --dist worksteal
+
+serve-site: build/site/index.html  ## a local server for build/site
+	$(BIN)/python scripts/serve_site.py
 
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
@@ -80,7 +88,7 @@ quick: $(VENV)/carry.done  ## everything compiled without optimization, to try a
 	$(call install,OFF,ON,ON)
 	@rm -f $(VENV)/extension.done $(VENV)/build.done $(VENV)/strict.done
 
-bench: $(VENV)/bench.done $(VENV)/build.done  ## speed against named peers; CSV in benchmarks/results/
+bench: $(VENV)/bench.done $(VENV)/build.done build/site/index.html  ## speed against named peers; CSV in benchmarks/results/
 	set -e; for bench in benchmarks/bench_*.py; do $(BIN)/python $$bench; done
 
 docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the docs anew
@@ -129,6 +137,36 @@ $(VENV)/firmware.done: requirements/firmware.txt requirements/test.txt $(VENV)/t
 	@scripts/setup carry test firmware
 	@touch $@
 
+$(VENV)/site.done: requirements/site.txt requirements/test.txt $(VENV)/test.done
+	@scripts/setup carry test site
+	@touch $@
+
+site/node_modules/.done: site/package-lock.json $(VENV)/site.done
+	@echo Installing the locked packages of site/package-lock.json
+	@cd site && npm ci --silent --ignore-scripts --no-audit --no-fund
+	@touch $@
+
+# The core of the page. The flags that decide about bits are those of CMakeLists.txt.
+site/src/generated/core.wasm: $(wildcard site/core/*) $(shell find include -name '*.hpp') $(VENV)/site.done
+	@echo "Compiling the core to WebAssembly (about a minute)"
+	@mkdir -p $(@D)
+	@$(BIN)/python -m ziglang c++ -target wasm32-wasi -mexec-model=reactor -std=c++20 -Iinclude -O2 \
+		-ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti -s site/core/core.cpp -o $@
+
+site/src/generated/tables.json: scripts/site_tables.py $(shell find src/palmbots verify/counterexamples -type f) $(VENV)/extension.done
+	@$(BIN)/python scripts/site_tables.py $(@D)
+	@touch $@
+
+# The pictures of the page without JavaScript.
+SITE_IMAGES := task.png figure8.gif figure8.png figure6.png compare.png
+
+build/site/index.html: $(SITE_IMAGES:%=docs/images/%) site/src/generated/core.wasm site/src/generated/tables.json site/node_modules/.done \
+		$(shell find site/src site/public site/index.html site/vite.config.ts -type f -not -path '*/generated/*')
+	@mkdir -p site/public/images
+	@cp $(SITE_IMAGES:%=docs/images/%) site/public/images
+	@cd site && npm run --silent build -- --logLevel warn
+	@touch $@
+
 # extension.done: palmbots._core is up to date, and so is all that has been built before.
 # build.done: everything is. strict.done: everything, without a warning. Only where `make test` has
 # run is a warning an error: elsewhere a newer compiler with more warnings prevents no carry.
@@ -149,5 +187,5 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs book paper sbom help carry build quick test test-robot verify firmware emulate test-firmware lint format \
-	soak fuzz bench stubs lock clean
+.PHONY: docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
+	test-firmware lint format soak fuzz bench stubs lock clean

@@ -15,6 +15,7 @@
 #include "palmbots/sim/metrics.hpp"
 #include "palmbots/sim/multilevel_splitting.hpp"
 #include "palmbots/sim/no_controller.hpp"
+#include "palmbots/sim/pushes.hpp"
 #include "palmbots/sim/radio.hpp"
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"

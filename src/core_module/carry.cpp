@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole carries: one with everything that was seen, or many with their metrics.
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -18,10 +19,13 @@ namespace palmbots::bindings {
 
 namespace {
 
+using Forks = std::vector<Fork>;
+
 template <class Real, class Team>
-Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team) {
+Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
+             const Forks& forks = {}) {
   Carry<Real, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(record));
-  carry.run();
+  carry.run(forks);
   Run run = run_of(carry);
   run.hash = carry.recorder().hash();
   run.rows = carry.recorder().take_rows();
@@ -31,12 +35,13 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team) {
 
 // A built-in controller by its name.
 template <class Real>
-Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed, bool record) {
+Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed, bool record,
+              const Forks& forks) {
   if (!is_controller(name)) {
     throw std::invalid_argument("controller: one of " + controller_list());
   }
   return visit_team(
-      name, [&](auto make) { return run_team<Real>(spec, seed, record, make(spec, seed)); });
+      name, [&](auto make) { return run_team<Real>(spec, seed, record, make(spec, seed), forks); });
 }
 
 bool is_single(const std::string& precision) {
@@ -46,45 +51,59 @@ bool is_single(const std::string& precision) {
 }
 
 Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
-        const std::string& precision, bool record) {
+        const std::string& precision, bool record,
+        const std::vector<std::pair<double, std::uint64_t>>& forks) {
+  Forks at_ticks;
+  for (const auto& [seconds, fork_seed] : forks) {
+    at_ticks.push_back({static_cast<std::uint32_t>(seconds / spec.period + 0.5), fork_seed});
+  }
   const bool single = is_single(precision);
   if (nb::isinstance<nb::str>(controller)) {
     const auto name = nb::cast<std::string>(controller);
     const nb::gil_scoped_release release;
-    return single ? run_named<float>(spec, name, seed, record)
-                  : run_named<double>(spec, name, seed, record);
+    return single ? run_named<float>(spec, name, seed, record, at_ticks)
+                  : run_named<double>(spec, name, seed, record, at_ticks);
   }
   if (nb::isinstance<Machines>(controller)) {
     const Machines& machines = nb::cast<const Machines&>(controller);  // the caller holds them
     const nb::gil_scoped_release release;
-    return single ? run_team<float>(spec, seed, record, machine_team(machines, spec, seed))
-                  : run_team<double>(spec, seed, record, machine_team(machines, spec, seed));
+    return single
+               ? run_team<float>(spec, seed, record, machine_team(machines, spec, seed), at_ticks)
+               : run_team<double>(spec, seed, record, machine_team(machines, spec, seed), at_ticks);
+  }
+  if (nb::isinstance<RowPolicy>(controller)) {
+    const RowPolicy& policy = nb::cast<const RowPolicy&>(controller);
+    const nb::gil_scoped_release release;
+    const RowPolicyTeam team(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed),
+                             policy);
+    return single ? run_team<float>(spec, seed, record, team, at_ticks)
+                  : run_team<double>(spec, seed, record, team, at_ticks);
   }
   if (nb::isinstance<OptimalController>(controller)) {
     const auto& optimal = nb::cast<const OptimalController&>(controller);
     const nb::gil_scoped_release release;
     OptimalTeam team(optimal.policy, spec, optimal.may_stop);
-    return single ? run_team<float>(spec, seed, record, team)
-                  : run_team<double>(spec, seed, record, team);
+    return single ? run_team<float>(spec, seed, record, team, at_ticks)
+                  : run_team<double>(spec, seed, record, team, at_ticks);
   }
   if (nb::isinstance<LinearFeedback>(controller)) {
     const LinearFeedback feedback = nb::cast<const LinearFeedback&>(controller);
     const nb::gil_scoped_release release;
     LinearTeam team(feedback, spec);
-    return single ? run_team<float>(spec, seed, record, team)
-                  : run_team<double>(spec, seed, record, team);
+    return single ? run_team<float>(spec, seed, record, team, at_ticks)
+                  : run_team<double>(spec, seed, record, team, at_ticks);
   }
   if (nb::isinstance<RemoteControllers>(controller)) {
-    return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed,
-                            [&](auto team) {
-                              return single ? run_team<float>(spec, seed, record, std::move(team))
-                                            : run_team<double>(spec, seed, record, std::move(team));
-                            });
+    return with_remote_team(
+        nb::cast<const RemoteControllers&>(controller), spec, seed, [&](auto team) {
+          return single ? run_team<float>(spec, seed, record, std::move(team), at_ticks)
+                        : run_team<double>(spec, seed, record, std::move(team), at_ticks);
+        });
   }
   DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
                                          seed, leader_of(spec), Faults::of(spec, seed));
-  return single ? run_team<float>(spec, seed, true, std::move(team))
-                : run_team<double>(spec, seed, true, std::move(team));
+  return single ? run_team<float>(spec, seed, true, std::move(team), at_ticks)
+                : run_team<double>(spec, seed, true, std::move(team), at_ticks);
 }
 
 // Columns of the trace: one entry a row, or one for each side.
@@ -243,9 +262,11 @@ void bind_carry(nb::module_& m) {
       .def_prop_ro("trace_hash", [](const Run& r) { return hex(r.hash); });
 
   m.def("run", &run, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"), nb::arg("precision"),
-        nb::arg("record"),
-        "One carry. controller: a name, Machines, an OptimalController, LinearFeedback, "
-        "RemoteControllers, or a pair of Python step functions.");
+        nb::arg("record"), nb::arg("forks") = std::vector<std::pair<double, std::uint64_t>>{},
+        "One carry. controller: a name, Machines, a RowPolicy, an OptimalController, "
+        "LinearFeedback, RemoteControllers, or a pair of Python step functions. forks: times [s] "
+        "in their order, from which on the carry continues with the random numbers of another "
+        "seed.");
 }
 
 }  // namespace palmbots::bindings

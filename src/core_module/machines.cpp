@@ -2,6 +2,9 @@
 // Controllers whose table is data, made from Python and one step at a time.
 #include "machines.hpp"
 
+#include "palmbots/control/row_policy.hpp"
+
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -29,6 +32,23 @@ Enum named(std::string_view name, Enum last) {
     if (name == name_of(static_cast<Enum>(i))) return static_cast<Enum>(i);
   }
   throw std::invalid_argument("table: no value has the name " + std::string(name));
+}
+
+// A row of a policy: the palms and the drives of both robots, left first.
+using PolicyRowTuple =
+    std::tuple<std::pair<std::string, std::string>, std::pair<std::string, std::string>>;
+
+RowPolicy row_policy_of(const std::vector<PolicyRowTuple>& given) {
+  if (given.size() != RowPolicy::row_count) {
+    throw std::invalid_argument("rows: one for each pair of signs");
+  }
+  RowPolicy::Rows rows{};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& [palms, drives] = given[i];
+    rows[i] = {{named(palms.first, Palm::shallow), named(palms.second, Palm::shallow)},
+               {named(drives.first, Move::closer), named(drives.second, Move::closer)}};
+  }
+  return RowPolicy(rows);
 }
 
 std::uint8_t number(int state) {
@@ -96,6 +116,17 @@ void bind_machines(nb::module_& m) {
             return nb::bytes(&self.tables[side], sizeof(MachineTable));
           },
           nb::arg("side"), "The table of a robot as the firmware of a board has it in its memory.");
+
+  nb::class_<RowPolicy>(m, "RowPolicy",
+                        "The station's program as nine rows (control/row_policy.hpp).")
+      .def(
+          "__init__",
+          [](RowPolicy* self, const std::vector<PolicyRowTuple>& rows) {
+            new (self) RowPolicy(row_policy_of(rows));
+          },
+          nb::arg("rows"),
+          "Rows ((palm, palm), (drive, drive)), left first, in the order (+, +), (+, 0), (+, -), "
+          "(0, +) to (-, -).");
 
   nb::class_<Robot>(m, "MachineRobot", "One robot whose controller is a table.")
       .def(

@@ -30,6 +30,7 @@ void fill(const std::vector<Item>& items, std::size_t& count, std::array<Store, 
 using VertexItem = std::tuple<double, double, double>;
 using ZoneItem = std::tuple<int, double, double>;
 using BumpItem = std::tuple<std::uint32_t, bool, double, double>;
+using PushItem = std::tuple<std::uint32_t, double, double, double>;
 using OutageItem = std::tuple<std::uint32_t, double, double>;
 using MessageFaultItem = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, double>;
 using FaultItem = std::tuple<std::uint32_t, std::uint32_t, double, double, std::int32_t, double>;
@@ -228,6 +229,23 @@ void bind_spec(nb::module_& m) {
                                   std::get<3>(b)};
                 });
           })
+      .def_prop_rw(
+          "pushes",
+          [](const Spec& s) {
+            std::vector<PushItem> items;
+            for (std::size_t i = 0; i < s.push_count; ++i) {
+              const PushSpec& p = s.pushes[i];
+              items.emplace_back(p.side, p.at, p.lasts, p.speed);
+            }
+            return items;
+          },
+          [](Spec& s, const std::vector<PushItem>& items) {
+            fill<PushItem, max_pushes, PushSpec>(
+                items, s.push_count, s.pushes, "pushes", [](const PushItem& p) {
+                  return PushSpec{std::get<0>(p), std::get<1>(p), std::get<2>(p), std::get<3>(p)};
+                });
+          },
+          "(side, at, lasts, speed) in s and m/s, outward.")
       .def_rw("bump_rate", &Spec::bump_rate)
       .def_rw("bump_max", &Spec::bump_max)
       .def_rw("safe_reach", &Spec::safe_reach)

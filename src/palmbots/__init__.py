@@ -134,6 +134,9 @@ _LAZY = {
 _OPTIMAL = "palmbots.optimum.optimal_controllers"
 _offer_entry("world", "mujoco", "palmbots.mujoco.carry_runner:WORLD")
 _offer_entry("controller file", ".toml", "palmbots.derivation.policy_controller:load_policy")
+_offer_entry(
+    "controller file", ".toml@station", "palmbots.derivation.policy_controller:load_station_policy"
+)
 _offer_entry("reference controller", "optimal", f"{_OPTIMAL}:OPTIMAL")
 _offer_entry("reference controller", "optimal-stopping", f"{_OPTIMAL}:OPTIMAL_STOPPING")
 _LINEAR = "palmbots.optimum.linear_controllers"

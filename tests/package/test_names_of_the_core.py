@@ -60,7 +60,7 @@ def test_alias_has_the_names_of_the_core(name: str) -> None:
     ("table", "names"),
     [
         (timeline._MARKERS, (*MESSAGES, "Hello")),
-        (carry_report._REASONS, _core.drop_reasons[1:]),
+        (carry_report.REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
         (first_contact.MOTION_NAMES, contact_points.MOTION_CODES),
     ],

@@ -40,7 +40,7 @@ class Lockstep {
         for (Pack& pack : packs_) more = refill(pack, tick, more, next, done);
       }
       for (Pack& pack : packs_) {
-        if ((pack.busy & pack.has_bumps) != 0) apply_bumps(pack, tick, done);
+        if ((pack.busy & pack.is_jolted) != 0) apply_jolts(pack, tick, done);
       }
       think(tick);
       busy = 0;
@@ -79,7 +79,7 @@ class Lockstep {
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> palm_at_target;
     std::uint32_t has_false_readings = 0;  // lanes whose readings may be false
-    std::uint32_t has_bumps = 0;           // lanes whose carry has bumps
+    std::uint32_t is_jolted = 0;           // lanes whose carry has bumps or pushes
     std::uint32_t shaken = 0;              // lanes with a bump in this tick
     LaneRandomInputs<n> random{};
     PerSide<std::array<V, block_ticks>> noise;
@@ -133,7 +133,8 @@ class Lockstep {
     }
     pack.has_false_readings = (pack.has_false_readings & ~(1U << l)) | (one.reads_truly() ? 0U : 1U)
                                                                            << l;
-    pack.has_bumps = (pack.has_bumps & ~(1U << l)) | (Bumps::any(one.spec_) ? 1U : 0U) << l;
+    const bool jolts = Bumps::any(one.spec_) || Pushes::any(one.spec_);
+    pack.is_jolted = (pack.is_jolted & ~(1U << l)) | (jolts ? 1U : 0U) << l;
     // The least Real that is not less than the distance.
     auto goal = Real(one.spec_.distance);
     if (double(goal) < one.spec_.distance) {
@@ -269,16 +270,16 @@ class Lockstep {
     done(lane.index, *lane.carry);
   }
 
-  // Applies the bumps of a tick, before anything else.
+  // Applies the pushes and the bumps of a tick, before anything else.
   template <class Done>
-  [[gnu::noinline]] void apply_bumps(Pack& pack, std::uint64_t tick, Done& done) {
-    for_each_bit(pack.busy & pack.has_bumps, [&](int l) {
-      Lane& lane = pack.lanes[static_cast<std::size_t>(l)];
-      One& one = *lane.carry;
-      const auto own_tick = static_cast<std::uint32_t>(tick - lane.start);
+  [[gnu::noinline]] void apply_jolts(Pack& pack, std::uint64_t tick, Done& done) {
+    for_each_bit(pack.busy & pack.is_jolted, [&](int l) {
+      One& one = follow(pack, l, tick);
+      for (const std::size_t side : {left, right})
+        pack.robots.wheels[side].bias.raw[l] = one.pushed_bias(one.tick_, side);
       const double midpoint = pack.robots.midpoint.raw[l];
       const double together = pack.robots.together.raw[l];
-      if (!one.bumps_.due(one.spec_, own_tick, midpoint, together)) return;
+      if (!one.bumps_.due(one.spec_, one.tick_, midpoint, together)) return;
       take(pack, kinematics(pack, tick), l, tick);
       if (!one.open()) return finish_lane(pack, l, done);
       put_state(pack, l, one.world_.state());

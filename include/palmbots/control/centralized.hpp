@@ -19,6 +19,7 @@ class Centralized {
  public:
   static constexpr int left = 0;
   static constexpr int right = 1;
+  static constexpr bool half_moves = true;  // both robots move, at half the correction speed each
 
   // What a robot reports.
   struct Report {

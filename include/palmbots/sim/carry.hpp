@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "palmbots/sim/bumps.hpp"
 #include "palmbots/sim/random_streams.hpp"
@@ -14,6 +15,12 @@
 #include "palmbots/world/quasistatic_world.hpp"
 
 namespace palmbots {
+
+// From this tick on, a carry continues with the random numbers of another seed.
+struct Fork {
+  std::uint32_t tick;
+  std::uint64_t seed;
+};
 
 // One carry with the quasistatic world. Team is one of sim/team.hpp, Recorder one of
 // sim/recorder.hpp.
@@ -42,10 +49,13 @@ class Carry : public RobotPair<Real, Team> {
     bumps_.draw_block(spec_, seed, first);
   }
 
-  // Runs to the end.
-  void run() {
+  // Runs to the end, with forks at given ticks in their order.
+  void run(std::span<const Fork> forks = {}) {
     begin();
     while (!this->done()) {
+      for (; !forks.empty() && forks.front().tick <= tick_; forks = forks.subspan(1)) {
+        fork(forks.front().seed);
+      }
       recorder_.make_room();
       tick();
     }
@@ -75,6 +85,7 @@ class Carry : public RobotPair<Real, Team> {
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
     statistics_.add(world_.touched());
+    push();
     const Actuation<Real> act =
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);
@@ -110,7 +121,7 @@ class Carry : public RobotPair<Real, Team> {
 
   using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
-  using Base::notice, Base::rank;
+  using Base::next_push_, Base::notice, Base::push, Base::pushed_bias, Base::rank;
   using Base::read, Base::reads_truly, Base::statistics_, Base::team_, Base::tick_,
       Base::next_decision_tick_;
 

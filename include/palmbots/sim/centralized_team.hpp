@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Team of the centralized algorithm: two robots that report to a station every tick and execute the
-// command in its newest packet.
+// Team with a station: two robots that report to it every tick and execute the command in its newest
+// packet. The station runs the centralized algorithm, or the rows of a policy.
 //
 // The robots' reports and the station's commands answer each other, so only a station that has not
 // yet heard both robots sends a hello (sim/session_link.hpp).
@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "palmbots/control/centralized.hpp"
+#include "palmbots/control/row_policy.hpp"
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/session_link.hpp"
 #include "palmbots/sim/team.hpp"
@@ -40,20 +41,36 @@ inline CorrectionActivity activity_of_case(int number, std::size_t side) {
   return {static_cast<char>('0' + number), part.robot, part.assistant, part.sense};
 }
 
-// Station, robots and the links between them.
-class CentralizedTeam {
+// What the station's program does at the moment. The left robot stands for both.
+inline CorrectionActivity activity_of_station(const Centralized& station, std::size_t side) {
+  return activity_of_case(station.current(), side);
+}
+inline CorrectionActivity activity_of_station(const RowPolicy& station, std::size_t side) {
+  if (side != left || station.current() == 0) return {};
+  const PerSide<std::int8_t> sense{static_cast<std::int8_t>(station.sense(0)),
+                                   static_cast<std::int8_t>(station.sense(1))};
+  const bool both = sense[left] != 0 && sense[right] != 0;
+  const std::int8_t robot = both ? CorrectionActivity::both : (sense[left] != 0 ? 0 : 1);
+  return {static_cast<char>('0' + station.current()), robot, CorrectionActivity::nobody, sense};
+}
+
+// Station, robots and the links between them. A Station provides step(reports) →
+// Centralized::Output, current() and activity_of_station().
+template <class Station>
+class StationTeam {
  public:
-  static constexpr bool half_moves = true;  // both robots move, at half the correction speed each
+  static constexpr bool half_moves = Station::half_moves;
   static constexpr bool expects_turns = false;
   LinkTotals link_totals{};
 
-  CentralizedTeam(const Channel& channel, std::uint64_t seed, std::size_t leader,
-                  const Faults& faults = {})
+  StationTeam(const Channel& channel, std::uint64_t seed, std::size_t leader,
+              const Faults& faults = {}, const Station& station = {})
       : radio_(channel, seed, leader),
         faults_(faults),
         may_rest_(channel.is_plain()),
         travel_(channel.longest()),
         judges_(needs_sessions(channel, faults)) {
+    now_.station = station;
     for (const std::size_t side : {left, right}) establish(robot_ends_[side], station_ends_[side]);
   }
 
@@ -131,13 +148,13 @@ class CentralizedTeam {
   MessageKind awaits(std::size_t) const { return MessageKind::none; }
 
   CorrectionActivity activity(std::size_t side) const {
-    return activity_of_case(now_.station.current(), side);
+    return activity_of_station(now_.station, side);
   }
 
  private:
   // Everything that is sent, received and commanded in a tick.
   struct Moment {
-    Centralized station;
+    Station station;
     PerSide<bool> heard{};             // the station has received from this robot
     Centralized::Report reports[2]{};  // the newest that the station has
     Centralized::Output station_output{};
@@ -201,6 +218,10 @@ class CentralizedTeam {
   PerSide<SessionEnd> station_ends_;
 };
 
+using CentralizedTeam = StationTeam<Centralized>;
+using RowPolicyTeam = StationTeam<RowPolicy>;
+
 static_assert(Team<CentralizedTeam>);
+static_assert(Team<RowPolicyTeam>);
 
 }  // namespace palmbots

@@ -104,6 +104,7 @@ class CoSimulation : public RobotPair<double, Team> {
     if (tick_ % block_ticks == 0) collect();
     const PerSide<double> random = noise();
     statistics_.add(observation_.touched);
+    push();
     const Actuation<double> act = actuate(robots_, set_points_, random);
     for (const std::size_t side : {left, right}) set_points_[side].angle = act.angles[side];
     recorder_.before(*this, sensed);
@@ -125,8 +126,9 @@ class CoSimulation : public RobotPair<double, Team> {
   const ObservedWorld& world() const { return world_; }
 
  private:
-  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::rank, Base::read;
+  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::push, Base::rank;
   using Base::metrics_, Base::robots_, Base::seed_, Base::statistics_, Base::think, Base::tick_;
+  using Base::read;
 
   // The words of a tick as `Carry` draws them: a draw of four words serves two robots for two
   // ticks.

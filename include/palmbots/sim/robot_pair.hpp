@@ -12,6 +12,7 @@
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/metrics.hpp"
+#include "palmbots/sim/pushes.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/team.hpp"
 
@@ -34,6 +35,7 @@ class RobotPair {
     }
     tactile_ = TactileSensor<Real>(zones, spec.zone_count, spec.false_rate);
     metrics_.settle_ticks = settle_ticks();
+    next_push_ = Pushes::next_change(spec_, 0);
     obey(commands_);
   }
 
@@ -111,6 +113,23 @@ class RobotPair {
       obey(commands);
     metrics_.note(tick_, team_);
     return are_new;
+  }
+
+  // The calibration error of a robot's wheels in a tick, with what pushes it, along the direction of
+  // travel [m/s].
+  Real pushed_bias(std::uint32_t tick, std::size_t side) const {
+    const Real added = outward<Real>(side) * Real(Pushes::speed(spec_, tick, side));
+    return Real(spec_.robots[side].bias) + robots_.travel_sense * added;
+  }
+
+  // To be called in every tick, before the wheels move: begins and ends the pushes.
+  [[gnu::always_inline]] void push() {
+    if (tick_ < next_push_) [[likely]]
+      return;
+    for (const std::size_t side : {left, right}) {
+      robots_.wheels[side].bias = pushed_bias(tick_, side);
+    }
+    next_push_ = Pushes::next_change(spec_, tick_ + 1);
   }
 
   void collect() { metrics_.collect(statistics_, tick_ - metrics_.samples); }
@@ -192,6 +211,7 @@ class RobotPair {
       0;  // the next tick at which the team is stepped regardless of the observations
   ContactStatistics<Real> statistics_{};
   std::uint32_t tick_ = 0;
+  std::uint32_t next_push_ = 0;  // the next tick at which a push begins or ends
   Metrics metrics_;
 
  private:

@@ -46,6 +46,15 @@ struct BumpSpec {
   double shift = 0;  // [m], outward
 };
 
+// A time during which something pushes one robot: its speed changes by `speed` outward. Brakes
+// hold against a push.
+struct PushSpec {
+  std::uint32_t side = 0;
+  double at = 0;     // [s]
+  double lasts = 0;  // [s]
+  double speed = 0;  // [m/s]
+};
+
 // How a robot, a sensor or the station fails. The number is part of the spec: append, never
 // renumber.
 enum class FaultKind : std::uint32_t {
@@ -83,6 +92,7 @@ struct MessageFaultSpec {
 
 inline constexpr std::size_t max_faults = 32;
 inline constexpr std::size_t max_bumps = 64;
+inline constexpr std::size_t max_pushes = 16;
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 
 // The complete specification of one carry: lengths in m, times in s, angles in rad.
@@ -131,8 +141,10 @@ struct Spec {
   double start[2]{};
   std::array<BumpSpec, max_bumps> bumps{};
   std::size_t bump_count = 0;
-  double bump_rate = 0;    // random bumps per metre and robot
-  double bump_max = 0;     // largest random shift [m]
+  double bump_rate = 0;  // random bumps per metre and robot
+  double bump_max = 0;   // largest random shift [m]
+  std::array<PushSpec, max_pushes> pushes{};
+  std::size_t push_count = 0;
   double safe_reach = -1;  // see ModelParams; optional
 };
 

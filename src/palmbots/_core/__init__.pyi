@@ -366,6 +366,13 @@ class Spec:
     def bumps(self, arg: Sequence[tuple[int, bool, float, float]], /) -> None: ...
 
     @property
+    def pushes(self) -> list[tuple[int, float, float, float]]:
+        """(side, at, lasts, speed) in s and m/s, outward."""
+
+    @pushes.setter
+    def pushes(self, arg: Sequence[tuple[int, float, float, float]], /) -> None: ...
+
+    @property
     def bump_rate(self) -> float: ...
 
     @bump_rate.setter
@@ -634,6 +641,13 @@ class Machines:
 
     def image(self, side: int) -> bytes:
         """The table of a robot as the firmware of a board has it in its memory."""
+class RowPolicy:
+    """The station's program as nine rows (control/row_policy.hpp)."""
+
+    def __init__(self, rows: Sequence[tuple[tuple[str, str], tuple[str, str]]]) -> None:
+        """
+        Rows ((palm, palm), (drive, drive)), left first, in the order (+, +), (+, 0), (+, -), (0, +) to (-, -).
+        """
 
 class MachineRobot:
     """One robot whose controller is a table."""
@@ -725,9 +739,9 @@ class Run:
     @property
     def trace_hash(self) -> str: ...
 
-def run(spec: Spec, controller: object, seed: int, precision: str, record: bool) -> Run:
+def run(spec: Spec, controller: object, seed: int, precision: str, record: bool, forks: Sequence[tuple[float, int]] = []) -> Run:
     """
-    One carry. controller: a name, Machines, an OptimalController, LinearFeedback, RemoteControllers, or a pair of Python step functions.
+    One carry. controller: a name, Machines, a RowPolicy, an OptimalController, RemoteControllers, or a pair of Python step functions. forks: times [s] in their order, from which on the carry continues with the random numbers of another seed.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:

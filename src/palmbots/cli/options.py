@@ -83,7 +83,8 @@ ControllerOption = Annotated[
         "--controller",
         "-c",
         metavar="NAME",
-        help="Name (see palmbots controllers), module:Class, FILE.py:Class, or a policy FILE.toml.",
+        help="Name (see palmbots controllers), module:Class, FILE.py:Class, or a policy "
+        "FILE.toml or FILE.toml@station.",
     ),
 ]
 UnprovedOption = Annotated[

@@ -149,8 +149,8 @@ def _digest(maker: Any, file: Path | None) -> str | None:
 def hash_of_reference(reference: str, folder: str | None = None) -> str | None:
     """The SHA-256 of the file that a reference names, without running it; None: it is not found."""
     place, _, name = reference.rpartition(":")
-    if reference.endswith(".toml"):
-        path: Path | None = _path(reference, folder)
+    if reference.endswith((".toml", ".toml@station")):
+        path: Path | None = _path(reference.removesuffix("@station"), folder)
     elif _is_file(place):
         path = _path(place, folder)
     else:

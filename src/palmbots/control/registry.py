@@ -3,8 +3,9 @@
 
 Every other module asks here which controllers exist and what distinguishes them. A controller is
 given by its name, as a class with a ``step`` (`palmbots.control.Controller`), or as the text
-``module:Class``, ``FILE.py:Class`` or ``FILE.toml`` (a global policy). `resolve` turns each of
-these into a `ControllerEntry`.
+``module:Class``, ``FILE.py:Class``, ``FILE.toml`` (the algorithm derived from a global policy) or
+``FILE.toml@station`` (the policy itself, run by a station). `resolve` turns each of these into a
+`ControllerEntry`.
 """
 
 from __future__ import annotations
@@ -74,6 +75,8 @@ class ControllerEntry:
     """Makes the controller of one robot; None: it is not a controller in Python."""
     machines: tuple[Any, ...] | None = None
     """The tables of both robots, as the compiled core takes them; None: it is not from a policy."""
+    station_rows: tuple[Any, ...] | None = None
+    """The rows of a policy that a station runs, as the compiled core takes them."""
     source: ControllerSource | None = None
     """The Python class or the policy file; None: the compiled core has this controller."""
     policy_maker: Callable[[Any], _core.OptimalController | _core.LinearFeedback] | None = None
@@ -105,7 +108,12 @@ class ControllerEntry:
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled core has this controller."""
-        return self.maker is None and self.machines is None
+        return self.maker is None and not self.is_policy
+
+    @property
+    def is_policy(self) -> bool:
+        """Whether it comes from a policy file."""
+        return self.machines is not None or self.station_rows is not None
 
     @property
     def is_python(self) -> bool:
@@ -122,14 +130,16 @@ class ControllerEntry:
         new step function per robot."""
         if self.machines is not None:
             return _core.Machines(*self.machines)
+        if self.station_rows is not None:
+            return _core.RowPolicy(list(self.station_rows))
         if self.policy_maker is not None:
             return self.policy_maker(spec)
         return self.name if self.maker is None else make_controller_pair(self.maker)
 
 
 ControllerLike: TypeAlias = str | type[Controller] | Callable[[], Controller] | ControllerEntry
-"""A name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml``, or a class (or another callable) that
-makes one."""
+"""A name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml``, ``FILE.toml@station``, or a class (or
+another callable) that makes one."""
 
 _CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
 
@@ -144,6 +154,7 @@ _SHIPPED = _CONTROLLERS.names()
 # references, which no robot can run.
 _LOADERS: Registry[Callable[..., ControllerEntry]] = Registry("controller file")
 _REFERENCES: Registry[ControllerEntry] = Registry("reference controller")
+_FILES = (".toml", ".toml@station")
 
 
 def shipped_names() -> tuple[str, ...]:
@@ -181,7 +192,7 @@ def register(name: str, controller: ControllerLike) -> None:
 
 
 def _renamed(entry: ControllerEntry, name: str) -> ControllerEntry:
-    if entry.machines is not None:
+    if entry.is_policy:
         return replace(entry, name=name)
     if entry.maker is None:
         raise PalmbotsError(f"controller: {entry.name} is shipped; allowed: a class with a step")
@@ -219,12 +230,13 @@ def resolve(
         if ":" in controller and controller not in _CONTROLLERS:
             maker, source = load_class(controller, called, folder)
             return _python_entry(maker, None, source)
-        if controller.endswith(".toml") and controller not in _CONTROLLERS:
-            load = _LOADERS.get(".toml")
+        suffix = next((end for end in _FILES if controller.endswith(end)), None)
+        if suffix is not None and controller not in _CONTROLLERS:
+            load = _LOADERS.get(suffix)
             return load(controller, called=called, folder=folder, unproved=unproved)
         if controller in _REFERENCES:
             return _REFERENCES.get(controller)
-        files = ("module:Class", "FILE.py:Class", "FILE.toml")
+        files = ("module:Class", "FILE.py:Class", "FILE.toml", "FILE.toml@station")
         one_of(called, controller, (*controller_names(), *files))
         return _CONTROLLERS.get(controller)
     return _python_entry(controller, None, None)
@@ -300,7 +312,7 @@ def recover(
             f"controller: {source.reference} has changed since the log was written; pass "
             f"controller={name} to run the present version"
         )
-    if source.reference.endswith(".toml"):  # the log says what ran, so it runs again
+    if source.reference.endswith(_FILES):  # the log says what ran, so it runs again
         return resolve(source.reference, folder=place, unproved=True)
     maker, _ = load_class(source.reference, folder=place)
     return _python_entry(maker, name, source)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Policy files as controllers: the derived algorithm, checked before it runs.
 
-The registry of controllers calls `load_policy` for every name that ends with ``.toml``.
+The registry of controllers calls `load_policy` for every name that ends with ``.toml``, and
+`load_station_policy` for every name that ends with ``.toml@station``.
 """
 
 import hashlib
@@ -12,12 +13,12 @@ from typing import Any
 from palmbots.control.python_source import ControllerSource, refuse_pipe
 from palmbots.control.registry import ControllerEntry
 from palmbots.derivation.distributed_algorithm import Machine, machines_of
-from palmbots.derivation.global_policy import Angles
+from palmbots.derivation.global_policy import Angles, signs_text
 from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.verification import MEANINGS, Verification, verify
 from palmbots.errors import PalmbotsError
 
-__all__ = ["PolicyNotProved", "load_policy"]
+__all__ = ["PolicyNotProved", "load_policy", "load_station_policy"]
 
 _CASES = {"a": "own p > 0", "c": "assists its partner", "d": "own p < 0"}
 
@@ -83,6 +84,41 @@ def load_policy(
         assisted_cases=tuple(sorted({s.case for s in states if s.name.endswith("_ask")})),
         machines=data,
         source=ControllerSource(path, hashlib.sha256(place.read_bytes()).hexdigest()),
+    )
+
+
+def load_station_policy(
+    name: str,
+    *,
+    called: str = "controller",
+    folder: str | None = None,
+    unproved: bool = False,
+) -> ControllerEntry:
+    """The controller in which a station runs the rows of a policy file, as it runs Table 1.
+
+    Args:
+        name: the file with the suffix ``@station``.
+        called: how messages name the argument.
+        folder: where a relative path is looked up; None: the working directory.
+        unproved: without effect: nothing is derived, so there is nothing to check.
+
+    Raises:
+        PalmbotsError: the file cannot be read or is no policy.
+    """
+    path = name.removesuffix("@station")
+    place = Path(folder or ".") / path
+    refuse_pipe(place, called)
+    table = read_policy(place)
+    rows = tuple((row.palms, row.drives) for row in table.rows.values())
+    numbered = enumerate(table.rows, start=1)
+    return ControllerEntry(
+        Path(path).name + "@station",
+        table.description or f"a station that runs the policy {Path(path).name}",
+        team="station",
+        messages=("report", "command"),
+        cases={str(k): signs_text(signs) for k, signs in numbered if signs != (0, 0)},
+        station_rows=rows,
+        source=ControllerSource(name, hashlib.sha256(place.read_bytes()).hexdigest()),
     )
 
 

@@ -128,11 +128,13 @@ def _parse(data: bytes) -> Log:
 
 def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     fields: dict[str, Any] = {name: facts[name] for name in TEXT_FACTS}
+    facts = {"forks": "[]"} | facts  # logs of earlier versions have none
     fields |= {name: json.loads(facts[name]) for name in JSON_FACTS}
     links, bounds, source = fields["links"], fields["bounds"], fields["controller_source"]
     fields["links"] = {name: LinkStatistics(**counts) for name, counts in links.items()}
     fields["bounds"] = None if bounds is None else Bounds(**bounds)
     fields["controller_source"] = None if source is None else ControllerSource(**source)
+    fields["forks"] = tuple((at_s, seed) for at_s, seed in fields["forks"])
     fields["warnings"] = tuple(fields["warnings"])
     events = json.loads(facts["contact_events"])
     fields["contact_events"] = tuple(ContactEvent(**event) for event in events)

@@ -41,7 +41,7 @@ TEXT_FACTS = ("controller", "world", "precision", "version", "outcome", "trace_h
 JSON_FACTS = (
     "seed", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
     "messages_lost", "waiting_s", "bump_count", "warnings", "links", "bounds", "lateral_peak_m",
-    "correction_count", "controller_source",
+    "correction_count", "controller_source", "forks",
 )  # fmt: skip
 
 _SCENE_INTERVAL_S = 0.04  # between two poses for the three-dimensional viewers

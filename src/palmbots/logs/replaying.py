@@ -108,6 +108,7 @@ def replay(
             world=log.world,
             precision=log.precision,
             seed=log.seed,
+            forks=log.forks,
             record=True,
         )
     except PalmbotsError as error:

@@ -103,6 +103,8 @@ class Scene(Section):
             table[section] |= sides
         for bump in table["bumps"]["script"]:
             bump["robot"] = _other(bump["robot"])
+        for push in table["bumps"]["pushes"]:
+            push["robot"] = _other(push["robot"])
         for outage in table["radio"]["outages"]:
             if outage["sender"] != "station":
                 outage["sender"] = _other(outage["sender"])

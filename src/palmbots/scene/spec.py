@@ -94,6 +94,10 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
         )
         for bump in scene.bumps.script
     ]
+    spec.pushes = [
+        (SIDES.index(push.robot), push.at_s, push.duration_s, push.speed_m_s)
+        for push in scene.bumps.pushes
+    ]
     spec.bump_rate = scene.bumps.rate_per_m
     spec.bump_max = scene.bumps.max_shift_m
     spec.start = (scene.start.left_m, scene.start.right_m)

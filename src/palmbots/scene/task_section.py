@@ -9,6 +9,7 @@ from palmbots._types import Side
 from palmbots.scene.fields import (
     Angle,
     Duration,
+    Lasting,
     Moment,
     Place,
     Range,
@@ -20,13 +21,14 @@ from palmbots.scene.fields import (
 from palmbots.scene.path_section import Path
 from palmbots.scene.section import Section
 
-__all__ = ["Bump", "Bumps", "Direction", "Start", "Task"]
+__all__ = ["Bump", "Bumps", "Direction", "Push", "Start", "Task"]
 
 Direction = Literal["forward", "backward"]
 
 Jolt = Annotated[float, BeforeValidator(Range("m", least=0, most=1))]
 Distance = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10_000))]
 Travel = Annotated[float, BeforeValidator(Range("m", least=0, most=10_000))]
+PushSpeed = Annotated[float, BeforeValidator(Range("m/s", least=-1, most=1))]
 Lag = Annotated[float, BeforeValidator(Range("s", least=0, most=1000))]
 Density = Annotated[float, BeforeValidator(Range("bumps per metre", least=0, most=100))]
 
@@ -57,11 +59,35 @@ Script = Annotated[
 ]
 
 
+class Push(Section):
+    """A time during which something pushes a robot."""
+
+    robot: Side
+    """The robot that is pushed."""
+    at_s: Moment
+    """When it begins."""
+    duration_s: Lasting
+    speed_m_s: PushSpeed
+    """What the push adds to the robot's speed; > 0 is outward, away from the partner. A robot that
+    holds its brakes does not move."""
+
+
+PushScript = Annotated[
+    tuple[Push, ...],
+    BeforeValidator(
+        from_list("a list of at most 16 tables {robot, at_s, duration_s, speed_m_s}", 0, 16)
+    ),
+]
+
+
 class Bumps(Section):
-    """[bumps] Bumps of the floor, which shift the contacts."""
+    """[bumps] Bumps of the floor, which shift the contacts, and pushes of the robots."""
 
     script: Script = ()
     """Bumps that happen in every carry: a list of tables {robot, at_m or at_s, shift_m}."""
+    pushes: PushScript = ()
+    """Times during which something pushes a robot, in every carry: a list of tables {robot, at_s,
+    duration_s, speed_m_s}."""
     rate_per_m: Density = 0.0
     """Mean number of random bumps per metre and robot."""
     max_shift_m: Jolt = 0.004

@@ -94,7 +94,7 @@ def run_batch(
             the bytes of all of them, one after the other (`Spec.to_bytes`).
         spec_index: one index into `specs` per carry.
         seeds: one seed per carry.
-        controller: a name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml`` or a class.
+        controller: as in `palmbots.carry`.
         precision: ``double`` or ``float``.
         threads: worker threads; results do not depend on it. Carries that do not run in lockstep
             use one.
@@ -112,7 +112,7 @@ def run_batch(
             if entry.is_python or entry.is_reference:
                 raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
             specs = _core.Spec.list_from_bytes(specs)
-        workers = threads if entry.machines is not None else 1
+        workers = threads if entry.is_policy else 1
         return _run_singly(specs, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
     run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The quasistatic world: the compiled core runs the whole carry."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import palmbots._core as _core
@@ -22,10 +22,11 @@ def run(
     record: bool = False,
     on_tick: Callable[[Any], None] | None = None,
     on_progress: Callable[[float], None] | None = None,
+    forks: Sequence[tuple[float, int]] = (),
 ) -> WorldRun:
     """Run one carry; it takes milliseconds, so the callbacks are not called."""
     core = prepared.controller.for_core(prepared.spec)
-    return WorldRun(_core.run(prepared.spec, core, seed, precision, record))
+    return WorldRun(_core.run(prepared.spec, core, seed, precision, record, list(forks)))
 
 
 class QuasistaticEpisode:
@@ -55,5 +56,6 @@ WORLD = WorldEntry(
     driven=DrivenQuasistatic,
     precisions=PRECISIONS,
     supports_bumps=True,
+    supports_forks=True,
     supports_references=True,
 )

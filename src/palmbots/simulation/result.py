@@ -149,6 +149,8 @@ class Carry(Result):
     lateral_peak_m: dict[str, float] | None = None
     """The largest lateral contact coordinate: how far the middle of each contact edge moved across
     its palm, to the left seen from the left robot to the right one (None in a planar world)."""
+    forks: tuple[tuple[float, int], ...] = ()
+    """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
     controller_source: ControllerSource | None = None
     """Where a Python controller is defined; None: the controller is a shipped one."""
     controller_entry: ControllerEntry | None = field(default=None, compare=False)
@@ -159,7 +161,8 @@ class Carry(Result):
         way = f"{self.distance_m:.2f} of {self.scene.task.distance_m:.2f} m in {self.time_s:.1f} s"
         reason = "" if self.reason is None else f" ({self.reason})"
         place = self.precision if self.world == "quasistatic" else self.world
-        return f"{self.outcome}{reason}: {way}, {self.controller}, seed {self.seed}, {place}"
+        seeds = "".join(f", {seed} from {at_s:g} s" for at_s, seed in self.forks)
+        return f"{self.outcome}{reason}: {way}, {self.controller}, seed {self.seed}{seeds}, {place}"
 
     def facts(self) -> dict[str, str]:
         """The main figures."""
@@ -224,13 +227,20 @@ class Carry(Result):
             "world": self.world,
             "precision": self.precision,
             "seed": self.seed,
+            "forks": [list(fork) for fork in self.forks],
             "version": self.version,
             "scene": self.scene.model_dump(),
         }
 
 
 def make_carry(
-    prepared: Prepared, seed: int, run: WorldRun, *, record: bool, precision: str = "double"
+    prepared: Prepared,
+    seed: int,
+    run: WorldRun,
+    *,
+    record: bool,
+    precision: str = "double",
+    forks: tuple[tuple[float, int], ...] = (),
 ) -> Carry:
     """The result of a carry that a world has run, with its trace if `record`."""
     measured, entry = run.measured, prepared.controller
@@ -241,6 +251,7 @@ def make_carry(
         world=prepared.world.name,
         precision=precision,
         seed=seed,
+        forks=forks,
         version=__version__,
         outcome=measured.outcome,
         reason=measured.reason,

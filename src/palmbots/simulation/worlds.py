@@ -68,6 +68,8 @@ class WorldEntry:
     precisions: tuple[str, ...] = ("double",)
     supports_curved: bool = False
     supports_bumps: bool = False
+    supports_forks: bool = False
+    """A carry can continue with the random numbers of another seed (`palmbots.carry`)."""
     supports_references: bool = False
     """Controllers with full information can read its state (`ControllerEntry.is_reference`)."""
     is_stepped: bool = False

@@ -42,6 +42,14 @@ def carry(
     world: WorldOption = "quasistatic",
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
+    forks: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fork",
+            metavar="TIME:SEED",
+            help="From this time [s] on, use the random numbers of another seed (repeatable).",
+        ),
+    ] = None,
     changes: SetOption = None,
     out: Annotated[
         Path | None, output_option("Write figures, animation and log to this folder.")
@@ -86,6 +94,7 @@ def carry(
     prepared = prepare(chosen, entry, world)
     check_precision(prepared.world, precision)
     seed_of(seed)
+    forked = [_fork(text) for text in forks or ()]
     video_file = mujoco_outputs.video_file(out) if video and out is not None else None
     early_warnings = warnings_before(chosen, prepared.controller)
     limits = () if prepared.controller.team == "none" else self_check(chosen)
@@ -105,6 +114,7 @@ def carry(
             world=world,
             precision=precision,
             seed=seed,
+            forks=forked,
             record=out is not None,
             on_progress=report,
             on_tick=show,
@@ -130,6 +140,17 @@ def carry(
         hint = explain(chosen, entry.name, scene, changes) if explain else None
         carry_report(result, scene, late_warnings, written, removed, hint)
     return DONE if result.outcome == "delivered" else FAILED
+
+
+def _fork(text: str) -> tuple[float, int]:
+    """The time and the seed of a ``--fork``."""
+    at_s, _, seed = text.partition(":")
+    try:
+        return float(at_s), int(seed)
+    except ValueError:
+        raise PalmbotsError(
+            f"--fork: value is {text}; allowed: TIME:SEED, a time in s and a whole number"
+        ) from None
 
 
 def _check_options(

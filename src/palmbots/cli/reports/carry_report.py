@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from palmbots.logs.replaying import ReplayResult
     from palmbots.simulation.result import Carry
 
-__all__ = ["carry_report", "replay_report"]
+__all__ = ["REASONS", "carry_report", "replay_report"]
 
 NEARLY = 0.8
 """The part of the half palm beyond which a contact nearly left it."""
 
-_REASONS = {
+REASONS = {
     "off-palm": "a contact left its palm at an end or a side",
     "sliding": "no squeeze force balances the object: it slides on both palms",
     "flush": "a palm and an edge of the object coincide",
@@ -64,7 +64,7 @@ def carry_report(
     head.append(f"   {scene_name}, {carry.controller}, seed {carry.seed}, {kind}", style=QUIET)
     console.print(head)
     if carry.reason is not None:
-        console.print(indented(f"{carry.reason}: {_REASONS[carry.reason]}"))
+        console.print(indented(f"{carry.reason}: {REASONS[carry.reason]}"))
     elif carry.outcome == "stalled":
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""

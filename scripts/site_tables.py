@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Write what the page says in words, and the built-in scenes, as JSON files.
+
+    .venv/bin/python scripts/site_tables.py FOLDER
+
+Names, symbols and meanings come from the package's own tables, so the page cannot contradict it.
+"""
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, BeforeValidator
+
+import palmbots._core as _core
+from palmbots._util.atomic_files import write_whole
+from palmbots._version import __version__
+from palmbots.cli.reports.carry_report import REASONS
+from palmbots.control.registry import describe, shipped_names
+from palmbots.derivation.global_policy import table_1
+from palmbots.geometry import robot_dimensions
+from palmbots.mechanics.mode_analysis import CONTACT_MODES
+from palmbots.scene.faults_section import Fault
+from palmbots.scene.fields import Range
+from palmbots.scene.key_reference import built_in_meanings, scene_keys
+from palmbots.scene.object_library import object_names
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.stability.angle_grid import QUANTITIES
+from palmbots.stability.linear_conditions import text_of
+from palmbots.viz.style import controller_looks
+
+ROOT = Path(__file__).parent.parent
+_STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
+_CELL = re.compile(r"^([+-]\d+) (.*)$")
+
+
+def limits(model: type[BaseModel], section: str) -> dict[str, list[float | None]]:
+    """The limits of the numbers of a section by dotted key: least, most, above, below."""
+    found: dict[str, list[float | None]] = {}
+    for name, field in model.model_fields.items():
+        default = field.get_default(call_default_factory=True)
+        if isinstance(default, BaseModel):
+            found |= limits(type(default), f"{section}{name}.")
+            continue
+        entry = _range([*field.metadata, *getattr(field.annotation, "__args__", ())])
+        if entry is not None:
+            found[f"{section}{name}"] = [entry.least, entry.most, entry.above, entry.below]
+    return found
+
+
+def _range(annotations: list[Any]) -> Range | None:
+    for annotation in annotations:
+        if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, Range):
+            return annotation.func
+        inner = _range(list(getattr(annotation, "__metadata__", ())))
+        if inner is not None:
+            return inner
+    return None
+
+
+def counterexample(path: Path) -> dict[str, Any]:
+    """A transcript of the model checker as steps, and the scene in which it can be carried."""
+    title, *lines = path.read_text("utf-8").splitlines()
+    steps: list[dict[str, Any]] = []
+    before: list[str] = []
+    loop: int | None = None
+    for line in lines:
+        step = _STEP.match(line)
+        if step:
+            robots = [_robot(step[2]), _robot(step[3])]
+            steps.append({"before": before, "robots": robots})
+            before = []
+        elif "from here for ever" in line:
+            loop = len(steps)
+        elif line.strip():
+            before.append(line.strip())
+    what, _, claim = title.rpartition(": ")
+    scene = path.with_suffix(".toml")
+    return {
+        "name": path.stem,
+        "title": what,
+        "claim": claim.removesuffix(" is violated"),
+        "steps": steps,
+        "after": before,
+        "loop": loop,
+        "scene": load_scene(scene).model_dump() if scene.exists() else None,
+    }
+
+
+def _robot(text: str) -> dict[str, Any]:
+    """The cell of a contact, if the model has cells, and what the robot does."""
+    cell = _CELL.match(text)
+    if cell is None:
+        return {"cell": None, "does": " ".join(text.split())}
+    return {"cell": int(cell[1]), "does": " ".join(cell[2].split())}
+
+
+def controllers() -> list[dict[str, Any]]:
+    """The shipped controllers in the order of the core."""
+    looks = controller_looks(shipped_names())
+    found = []
+    for name in shipped_names():
+        entry = describe(name)
+        found.append(
+            {
+                "name": name,
+                "description": entry.description,
+                "team": entry.team,
+                "usesRadio": entry.uses_radio,
+                "isPeriodic": entry.is_periodic,
+                "cases": dict(entry.cases),
+                "messages": list(entry.messages),
+                "colour": looks[name].colour,
+            }
+        )
+    return found
+
+
+def tables() -> dict[str, Any]:
+    """Everything."""
+    scenes = built_in_meanings("scenes")
+    objects = built_in_meanings("objects")
+    return {
+        "version": __version__,
+        "controllers": controllers(),
+        "scenes": [
+            {"name": name, "meaning": meaning, "scene": load_scene(name).model_dump()}
+            for name, meaning in scenes.items()
+        ],
+        "objects": [
+            {
+                "name": name,
+                "meaning": objects[name],
+                "object": load_scene("paper", {"object": name}).object.model_dump(),
+            }
+            for name in object_names()
+        ],
+        "keys": [
+            {"name": k.name, "unit": k.unit, "meaning": k.meaning}
+            for k in scene_keys()
+            if not k.name.startswith("mujoco.")
+        ],
+        "limits": limits(Scene, ""),
+        "outcomes": list(_core.carry_outcomes),
+        "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
+        "modes": ["-".join(mode) for mode in CONTACT_MODES],
+        "faultKinds": list(Fault.model_fields["kind"].annotation.__args__),
+        "bindings": {
+            f"{number}.{name}": text_of(number, name)
+            for number in (1, 2)
+            for name in ("first", "second", "lift_left", "lift_right", "wedged")
+        },
+        "bindingNames": ["nothing", "first", "second", "lift_left", "lift_right", "wedged"],
+        "quantities": {
+            name: {"number": n, "most": most if math.isfinite(most) else 10.0, "unit": unit,
+                   "name": text}
+            for name, (n, most, unit, _, text) in QUANTITIES.items()
+        },
+        "table1": [
+            {
+                "signs": list(case.signs),
+                "palms": list(case.palms),
+                "moves": [f"{move.direction} until {move.end}" for move in case.moves],
+            }
+            for case in table_1()
+        ],
+        "robot": {
+            name.lower(): getattr(robot_dimensions, name) for name in robot_dimensions.__all__
+        },
+    }  # fmt: skip
+
+
+def counterexamples() -> list[dict[str, Any]]:
+    """All pinned counterexamples of the model checker."""
+    folder = ROOT / "verify" / "counterexamples"
+    return [
+        counterexample(path) for path in sorted(folder.glob("*.txt"), key=lambda path: path.stem)
+    ]
+
+
+def main() -> None:
+    """Write the files."""
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in (("tables", tables()), ("counterexamples", counterexamples())):
+        text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+        write_whole(folder / f"{name}.json", text + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// The core of the page: a C interface over the shipped headers, compiled to WebAssembly.
+//
+// The page writes numbers into input(), calls a function and reads numbers from the array that it
+// returned; length() is the number of entries. The functions keep one scene, one policy and one
+// recorded carry. site/src/shared/core.ts is the other side.
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "palmbots/stability/tolerance.hpp"
+#include "recorded_carry.hpp"
+#include "scene_stream.hpp"
+#include "statics_of_state.hpp"
+
+#define PAGE_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+
+namespace {
+
+using namespace palmbots;
+
+constexpr std::size_t input_capacity = 4096;
+constexpr std::size_t policy_controller = controller_infos.size();
+
+std::array<double, input_capacity> given;
+Spec scene;
+RowPolicy policy;
+std::vector<Fork> forks;
+page::RecordedCarry carry;
+page::Tally tally;
+std::vector<double> answer;
+std::size_t answer_length = 0;
+
+page::NumberStream arguments() { return page::NumberStream(given.data()); }
+
+const double* give(const std::vector<double>& numbers) {
+  answer_length = numbers.size();
+  return numbers.data();
+}
+
+// Calls visit(make) with what makes the team of a controller: one of the registry by its number, or
+// after them the rows of a policy.
+template <class Visit>
+void with_controller(std::uint32_t number, Visit&& visit) {
+  if (number >= policy_controller) {
+    visit([](const Spec& spec, std::uint64_t seed) {
+      return RowPolicyTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed), policy);
+    });
+    return;
+  }
+  visit_team(controller_infos[number].name, [&](auto make) { visit(make); });
+}
+
+PerSide<AnglePair<double>> scene_angles() {
+  PerSide<AnglePair<double>> angles{};
+  for (const std::size_t side : {left, right}) {
+    angles[side] = {PalmAngle<double>::at(scene.palms[side].shallow),
+                    PalmAngle<double>::at(scene.palms[side].steep)};
+  }
+  return angles;
+}
+
+Region<double> square_region(double half) {
+  return {Interval<double>{-half, half}, Interval<double>{-half, half}};
+}
+
+}  // namespace
+
+PAGE_EXPORT(input) double* input() { return given.data(); }
+PAGE_EXPORT(length) std::uint32_t length() { return static_cast<std::uint32_t>(answer_length); }
+
+// Names for people: of a kind of message, and of a kind of contact event.
+PAGE_EXPORT(message_name) const char* message_name(std::uint32_t kind) {
+  return name_of(static_cast<MessageKind>(kind % message_kinds));
+}
+
+// Wilson's 95 % interval of the rate of k events in n, as palmbots._util.confidence_intervals.wilson.
+PAGE_EXPORT(wilson) const double* wilson(double k, double n) {
+  constexpr double z = 1.959963984540054;
+  const double rate = k / n;
+  const double spread = z * std::sqrt(rate * (1 - rate) / n + z * z / (4 * n * n));
+  const double centre = rate + z * z / (2 * n);
+  const double scale = 1 + z * z / n;
+  answer = {k == 0 ? 0.0 : (centre - spread) / scale, k == n ? 1.0 : (centre + spread) / scale};
+  return give(answer);
+}
+
+PAGE_EXPORT(controller_count) std::uint32_t controller_count() {
+  return static_cast<std::uint32_t>(policy_controller);
+}
+
+// Takes the scene from the input (scene_stream.hpp).
+PAGE_EXPORT(set_scene) void set_scene() { scene = page::read_scene(arguments()); }
+
+// Takes nine rows: palms (0 steep, 1 shallow) and drives (0 hold, 1 away, 2 closer), left first.
+PAGE_EXPORT(set_policy) void set_policy() {
+  page::NumberStream in = arguments();
+  RowPolicy::Rows rows{};
+  for (RowPolicy::Row& row : rows) {
+    for (Palm& palm : row.palms) palm = static_cast<Palm>(in.whole() % 2);
+    for (Move& drive : row.drives) drive = static_cast<Move>(in.whole() % 3);
+  }
+  policy = RowPolicy(rows);
+}
+
+// Takes pairs of a time [s] and a seed.
+PAGE_EXPORT(set_forks) void set_forks() {
+  page::NumberStream in = arguments();
+  forks.resize(in.count(64));
+  for (Fork& fork : forks) {
+    fork.tick = static_cast<std::uint32_t>(in.next() / scene.period + 0.5);
+    fork.seed = static_cast<std::uint64_t>(in.next());
+  }
+}
+
+// Why a controller cannot keep its time bounds in the scene: 0: it can, else the beacon period is too
+// short (1), the lease is too short (2) or too long (3).
+PAGE_EXPORT(timing_problem) std::uint32_t timing_problem(std::uint32_t controller) {
+  if (controller >= policy_controller || !controller_infos[controller].has_time_bounds) return 0;
+  return static_cast<std::uint32_t>(resilient_timing_of(scene).problem);
+}
+
+// Carries once. Returns metrics; rows(), messages() and so on give the rest.
+PAGE_EXPORT(run) const double* run(std::uint32_t controller, double seed) {
+  with_controller(controller, [&](auto make) {
+    const auto whole = static_cast<std::uint64_t>(seed);
+    carry = page::record(scene, whole, make(scene, whole), forks);
+  });
+  return give(carry.metrics);
+}
+PAGE_EXPORT(rows) const double* rows() { return give(carry.rows); }
+PAGE_EXPORT(messages) const double* messages() { return give(carry.messages); }
+PAGE_EXPORT(corrections) const double* corrections() { return give(carry.corrections); }
+PAGE_EXPORT(contact_events) const double* contact_events() { return give(carry.contact_events); }
+
+// The places (placement.hpp) at a row of a carry, which the input holds.
+PAGE_EXPORT(places) const double* places() {
+  const double* row = given.data();
+  page::Pose pose{};
+  for (const std::size_t side : {left, right}) {
+    pose.configuration.contacts[side] = row[1 + side];
+    pose.configuration.palms[side] = PalmAngle<double>::at(row[3 + side]);
+    pose.configuration.lift[side] = row[18 + side];
+  }
+  pose.configuration.separation = row[9];
+  pose.midpoint = row[10];
+  pose.object_sine = sin_cos(row[11]).sin;
+  answer.clear();
+  page::append_places(scene, pose, answer);
+  return give(answer);
+}
+
+// Carries seeds first … first + n − 1 and adds them up: carries, drops, stalls, mean square contact
+// coordinate [m²], messages per metre, corrections.
+PAGE_EXPORT(clear_tally) void clear_tally() { tally = {}; }
+PAGE_EXPORT(add_to_tally)
+const double* add_to_tally(std::uint32_t controller, double first, std::uint32_t n) {
+  with_controller(controller, [&](auto make) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const auto seed = static_cast<std::uint64_t>(first) + i;
+      tally.add(scene, seed, make(scene, seed));
+    }
+  });
+  const double each = tally.carries > 0 ? tally.carries : 1;
+  answer = {tally.carries,
+            tally.dropped,
+            tally.stalled,
+            tally.square_sum / (2 * each),
+            tally.messages_per_m / each,
+            tally.corrections / each};
+  return give(answer);
+}
+
+// The mechanics of one state: palm angles [rad] and contacts [m], left first.
+PAGE_EXPORT(statics)
+const double* statics(double theta_left, double theta_right, double p_left, double p_right) {
+  answer.clear();
+  page::StaticsOfState(scene).append({{theta_left, theta_right}, {p_left, p_right}}, answer);
+  return give(answer);
+}
+
+PAGE_EXPORT(mode_map)
+const double* mode_map(double theta_left, double theta_right, std::uint32_t closing,
+                       std::uint32_t n, double reach) {
+  answer.clear();
+  page::StaticsOfState(scene).append_mode_map({theta_left, theta_right}, closing != 0, n, reach,
+                                              answer);
+  return give(answer);
+}
+
+PAGE_EXPORT(com_map)
+const double* com_map(double x_low, double x_high, double y_low, double y_high, std::uint32_t nx,
+                      std::uint32_t ny) {
+  answer.clear();
+  page::StaticsOfState(scene).append_com_map(scene_angles(), {x_low, x_high}, {y_low, y_high}, nx,
+                                             ny, answer);
+  return give(answer);
+}
+
+// What limits the scene's own angles over contacts within ± half [m].
+PAGE_EXPORT(limits) const double* limits(double half) {
+  answer.clear();
+  page::StaticsOfState(scene).append_limits(scene_angles(), square_region(half), answer);
+  return give(answer);
+}
+
+// Tolerance of a quantity and clearance [rad] at n × n pairs of angles [rad], shallow outermost, with
+// contacts within ± half [m]. −∞: steep is not above shallow, or the clearance was not computed.
+PAGE_EXPORT(tolerance_map)
+const double* tolerance_map(double from, double step, std::uint32_t n, std::uint32_t quantity,
+                            double most, double half) {
+  const page::StaticsOfState statics_of(scene);
+  const OperatingEnvelope<double> envelope = statics_of.envelope(square_region(half));
+  const double x = statics_of.model().object.com_left;
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  answer.assign(2 * std::size_t{n} * n, none);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto shallow = PalmAngle<double>::at(from + step * i);
+    for (std::uint32_t j = i + 1; j < n; ++j) {
+      const AnglePair<double> pair{shallow, PalmAngle<double>::at(from + step * j)};
+      const std::size_t at = 2 * (std::size_t{i} * n + j);
+      answer[at] = tolerance<double>(envelope, {x, x}, static_cast<Quantity>(quantity % 5), most,
+                                     {pair, pair});
+      if (answer[at] >= 0) answer[at + 1] = clearance_margin<double>(envelope, {pair, pair});
+    }
+  }
+  return give(answer);
+}

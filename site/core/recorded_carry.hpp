@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// One carry of the shipped core with everything that the page draws, as flat arrays of numbers.
+#pragma once
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "palmbots/sim/recorder.hpp"
+#include "palmbots/sim/team_registry.hpp"
+
+namespace palmbots::page {
+
+using Numbers = std::vector<double>;
+
+// Times in s, lengths in m, angles in rad; pairs are left, right.
+struct RecordedCarry {
+  // Rows of 20: time, contacts, palm angles, speeds, commanded speeds, separation, midpoint, object
+  // angle, signs, cases (character codes), motions, lifts.
+  static constexpr std::size_t row_width = 20;
+  Numbers rows;
+  // Rows of 6: sent, received (not a number: lost), sender, receiver, kind (−1: hello), number among
+  // all that the sender transmits.
+  Numbers messages;
+  // Rows of 5: robot (2: both), case, assistant (−1: nobody), start, end.
+  Numbers corrections;
+  // Rows of 4: side, kind, start, end.
+  Numbers contact_events;
+  // Outcome, drop reason, time, distance, contact rms and peak, messages sent and lost, waiting
+  // times, number of corrections, of bumps, the trace hash (high and low word), for how long each
+  // robot has waited at the end and for which message.
+  Numbers metrics;
+};
+
+namespace detail {
+
+inline void append_row(const Row& row, double time, Numbers& out) {
+  out.push_back(time);
+  for (const auto* pair : {&row.contact, &row.palm, &row.speed, &row.commanded}) {
+    out.insert(out.end(), {(*pair)[left], (*pair)[right]});
+  }
+  out.insert(out.end(), {row.separation, row.midpoint, std::asin(row.object)});
+  out.insert(out.end(), {double(row.sign[left]), double(row.sign[right])});
+  out.insert(out.end(), {double(row.name[left]), double(row.name[right])});
+  out.insert(out.end(), {double(row.motion[left]), double(row.motion[right])});
+  out.insert(out.end(), {row.lift[left], row.lift[right]});
+}
+
+template <class Carry>
+void append_metrics(const Carry& carry, Numbers& out) {
+  const Metrics& m = carry.metrics();
+  const double period = carry.spec().period;
+  const std::uint64_t hash = carry.recorder().hash();
+  out = {double(m.outcome), double(m.reason), m.time_ticks * period,
+         double(carry.midpoint()) * carry.spec().direction};
+  out.insert(out.end(), {m.rms(left), m.rms(right), m.peak[left], m.peak[right]});
+  out.insert(out.end(),
+             {double(carry.team().link_totals.sent), double(carry.team().link_totals.lost)});
+  out.insert(out.end(), {m.waiting_ticks[left] * period, m.waiting_ticks[right] * period,
+                         double(m.corrections), double(m.bumps), double(hash >> 32),
+                         double(hash & 0xFFFFFFFFU)});
+  for (const std::size_t side : {left, right}) {
+    const double waits = m.time_ticks * period - double(m.waits_since[side]) * period;
+    out.push_back(waits > 0 ? waits : 0);
+    out.push_back(double(carry.team().awaits(side)));
+  }
+}
+
+}  // namespace detail
+
+// Runs one carry to its end.
+template <class Team>
+RecordedCarry record(const Spec& spec, std::uint64_t seed, Team team,
+                     const std::vector<Fork>& forks) {
+  Carry<double, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(true));
+  carry.run(forks);
+  RecordedCarry kept;
+  const Metrics& m = carry.metrics();
+  detail::append_metrics(carry, kept.metrics);
+  const std::vector<Row> rows = carry.recorder().take_rows();
+  const double end = m.time_ticks * spec.period;
+  kept.rows.reserve(rows.size() * RecordedCarry::row_width);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    detail::append_row(rows[k], k + 1 < rows.size() ? double(k) * spec.period : end, kept.rows);
+  }
+  PerSide<std::uint32_t> numbers{};
+  for (const SentMessage& message : carry.recorder().take_sent_messages()) {
+    const double received = message.received == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                  : double(message.received) * spec.period;
+    const double kind = message.is_hello ? -1 : double(message.kind);
+    kept.messages.insert(kept.messages.end(),
+                         {double(message.sent) * spec.period, received, double(message.sender),
+                          double(message.receiver), kind, double(++numbers[message.sender % 2])});
+  }
+  const std::uint32_t listed = m.corrections < max_corrections ? m.corrections : max_corrections;
+  for (std::uint32_t i = 0; i < listed; ++i) {
+    const Correction& c = m.rows[i];
+    const double stop = double(c.end) < m.time_ticks ? double(c.end) : m.time_ticks;
+    kept.corrections.insert(kept.corrections.end(),
+                            {double(c.robot), double(c.name), double(c.assistant),
+                             double(c.start) * spec.period, stop * spec.period});
+  }
+  const std::uint32_t events =
+      m.contact_events < max_contact_events ? m.contact_events : max_contact_events;
+  for (std::uint32_t i = 0; i < events; ++i) {
+    const ContactEventRow& e = m.contact_event_rows[i];
+    kept.contact_events.insert(
+        kept.contact_events.end(),
+        {double(e.side), double(e.kind), e.start * spec.period, e.end * spec.period});
+  }
+  return kept;
+}
+
+// Counts of many carries, one after the other.
+struct Tally {
+  double carries = 0;
+  double dropped = 0;
+  double stalled = 0;
+  double square_sum = 0;  // of both contact coordinates, as the rate of each carry [m²]
+  double messages_per_m = 0;
+  double corrections = 0;
+
+  template <class Team>
+  void add(const Spec& spec, std::uint64_t seed, Team team) {
+    Carry<double, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(false));
+    carry.run();
+    const Metrics& m = carry.metrics();
+    carries += 1;
+    dropped += m.outcome == Outcome::dropped ? 1 : 0;
+    stalled += m.outcome == Outcome::stalled ? 1 : 0;
+    square_sum += m.rms(left) * m.rms(left) + m.rms(right) * m.rms(right);
+    const double way = double(carry.midpoint()) * spec.direction;
+    messages_per_m += way > 0 ? carry.team().link_totals.sent / way : 0;
+    corrections += m.corrections;
+  }
+};
+
+}  // namespace palmbots::page

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// A canvas as wide as its place, at the resolution of the screen, drawn anew when a signal changes.
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { palette } from "./theme";
+
+export interface Surface {
+  context: CanvasRenderingContext2D;
+  width: number; // CSS pixels
+  height: number;
+}
+
+interface Props {
+  height: number | ((width: number) => number);
+  draw: (surface: Surface) => void; // reads the signals on which it depends
+  label: string;
+  id?: string;
+  class?: string;
+  onPointerDown?: (event: PointerEvent) => void;
+  onPointerMove?: (event: PointerEvent) => void;
+  onPointerUp?: (event: PointerEvent) => void;
+  onKeyDown?: (event: KeyboardEvent) => void;
+}
+
+export function Canvas(props: Props) {
+  const place = useRef<HTMLCanvasElement>(null);
+  const draw = useRef(props.draw);
+  draw.current = props.draw;
+  const size = useRef({ width: 0, height: 0 });
+  const again = useRef(() => {});
+
+  useEffect(() => {
+    const canvas = place.current!;
+    const context = canvas.getContext("2d")!;
+    const paint = () => {
+      const { width, height } = size.current;
+      void palette.value;
+      if (width === 0) return;
+      const ratio = canvas.width / width;
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      context.clearRect(0, 0, width, height);
+      draw.current({ context, width, height });
+    };
+    let stop = () => {};
+    const start = () => {
+      stop();
+      stop = effect(paint);
+    };
+    again.current = start;
+    const observer = new ResizeObserver(() => {
+      const width = canvas.clientWidth;
+      const height = typeof props.height === "number" ? props.height : props.height(width);
+      const ratio = window.devicePixelRatio || 1;
+      size.current = { width, height };
+      canvas.style.height = `${height}px`;
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      start();
+    });
+    observer.observe(canvas);
+    return () => {
+      observer.disconnect();
+      stop();
+    };
+  }, []);
+  // The parent was rendered again: what it draws may depend on more than signals.
+  useEffect(() => again.current());
+
+  return (
+    <canvas
+      ref={place}
+      id={props.id}
+      class={props.class}
+      role="img"
+      aria-label={props.label}
+      tabIndex={props.onKeyDown ? 0 : undefined}
+      onPointerDown={props.onPointerDown}
+      onPointerMove={props.onPointerMove}
+      onPointerUp={props.onPointerUp}
+      onPointerCancel={props.onPointerUp}
+      onKeyDown={props.onKeyDown}
+    />
+  );
+}

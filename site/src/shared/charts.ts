@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Charts over time: contacts, palms, and the sequence of messages. All share one time axis.
+import type { Correction, Message, Recorded } from "./core";
+import { ROW } from "./core";
+import type { Surface } from "./canvas";
+import { type Palette, sideColour } from "./theme";
+
+export const LEFT_MARGIN = 46;
+export const RIGHT_MARGIN = 10;
+
+export interface TimeAxis {
+  from: number;
+  to: number;
+  width: number;
+}
+
+export function timeX(axis: TimeAxis, time: number): number {
+  const inner = axis.width - LEFT_MARGIN - RIGHT_MARGIN;
+  return LEFT_MARGIN + ((time - axis.from) / (axis.to - axis.from)) * inner;
+}
+
+export function timeAt(axis: TimeAxis, x: number): number {
+  const inner = axis.width - LEFT_MARGIN - RIGHT_MARGIN;
+  return axis.from + ((x - LEFT_MARGIN) / inner) * (axis.to - axis.from);
+}
+
+export function niceStep(span: number, most: number): number {
+  const raw = span / most;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  return power * ([1, 2, 5, 10].find((k) => k * power >= raw) ?? 10);
+}
+
+function label(
+  c: CanvasRenderingContext2D, words: string, x: number, y: number, colour: string,
+  align: CanvasTextAlign = "right", weight = 400, size = 11,
+): void {
+  c.font = `${weight} ${size}px system-ui, sans-serif`;
+  c.fillStyle = colour;
+  c.textAlign = align;
+  c.textBaseline = "middle";
+  c.fillText(words, x, y);
+}
+
+function line(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+  c.beginPath();
+  c.moveTo(x0, y0);
+  c.lineTo(x1, y1);
+  c.stroke();
+}
+
+// Draws inside the plot only: the axis may show a part of the carry.
+export function clipped(surface: Surface, draw: () => void): void {
+  const c = surface.context;
+  c.save();
+  c.beginPath();
+  c.rect(LEFT_MARGIN, 0, surface.width - LEFT_MARGIN - RIGHT_MARGIN, surface.height);
+  c.clip();
+  draw();
+  c.restore();
+}
+
+export function drawTimeTicks(surface: Surface, p: Palette, axis: TimeAxis, labels: boolean): void {
+  const c = surface.context;
+  const step = niceStep(axis.to - axis.from, Math.max(3, surface.width / 110));
+  const base = labels ? surface.height - 18 : surface.height;
+  c.lineWidth = 1;
+  for (let t = Math.ceil(axis.from / step) * step; t <= axis.to + 1e-9; t += step) {
+    const x = Math.round(timeX(axis, t)) + 0.5;
+    c.strokeStyle = p.rule;
+    line(c, x, 0, x, base);
+    if (labels) label(c, `${Number(t.toFixed(3))} s`, x, base + 10, p.quiet, "center");
+  }
+}
+
+// A curve of the rows: column `at`, times `factor`.
+function curve(
+  surface: Surface, axis: TimeAxis, rows: Float64Array, at: number, y: (value: number) => number,
+): void {
+  const c = surface.context;
+  const count = rows.length / ROW.width;
+  // At most about two points a pixel.
+  const period = count > 1 ? rows[ROW.width]! - rows[0]! : 1;
+  const first = Math.max(0, Math.floor(axis.from / period) - 1);
+  const until = Math.min(count, Math.ceil(axis.to / period) + 2);
+  const skip = Math.max(1, Math.floor((until - first) / (2 * surface.width)));
+  c.beginPath();
+  for (let k = first; k < until; k += skip) {
+    const row = k * ROW.width;
+    const px = timeX(axis, rows[row]!);
+    const py = y(rows[row + at]!);
+    if (k === first) c.moveTo(px, py);
+    else c.lineTo(px, py);
+  }
+  if (until < count) {
+    c.stroke();
+    return;
+  }
+  const last = (count - 1) * ROW.width;
+  c.lineTo(timeX(axis, rows[last]!), y(rows[last + at]!));
+  c.stroke();
+}
+
+const DASHES = [[], [6, 3]];
+
+export interface Band {
+  from: number;
+  to: number;
+}
+
+// Contacts in mm: both palms, the zero zone, the ends of the palms.
+export function drawContacts(
+  surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, ghost: Recorded | null, zero: Band,
+  half: number,
+): void {
+  const c = surface.context;
+  const largest = Math.max(0.02, 1.15 * Math.max(...run.peak, ...(ghost?.peak ?? [0])));
+  const reach = Math.min(largest, 1.12 * half);
+  const y = (value: number) => surface.height / 2 - (value / reach) * (surface.height / 2 - 6);
+  c.fillStyle = p.zeroPale;
+  c.fillRect(LEFT_MARGIN, y(zero.to), surface.width - LEFT_MARGIN - RIGHT_MARGIN, y(zero.from) - y(zero.to));
+  drawTimeTicks(surface, p, axis, false);
+  const step = niceStep(2000 * reach, 5);
+  for (let mm = -Math.floor((1000 * reach) / step) * step; mm <= 1000 * reach; mm += step) {
+    c.strokeStyle = p.rule;
+    c.lineWidth = 1;
+    line(c, LEFT_MARGIN, y(mm / 1000), surface.width - RIGHT_MARGIN, y(mm / 1000));
+    label(c, `${mm > 0 ? "+" : ""}${mm}`.replace("-", "−"), LEFT_MARGIN - 6, y(mm / 1000), p.quiet);
+  }
+  if (reach >= half) {
+    c.strokeStyle = p.drop;
+    c.setLineDash([2, 3]);
+    for (const end of [-half, half]) line(c, LEFT_MARGIN, y(end), surface.width - RIGHT_MARGIN, y(end));
+    c.setLineDash([]);
+  }
+  for (const [rows, alpha] of [[ghost?.rows, 0.3], [run.rows, 1]] as const) {
+    if (!rows) continue;
+    for (const side of [0, 1]) {
+      c.globalAlpha = alpha;
+      c.strokeStyle = sideColour(p, side);
+      c.lineWidth = 1.6;
+      c.setLineDash(DASHES[side]!);
+      clipped(surface, () => curve(surface, axis, rows, ROW.contact + side, y));
+    }
+  }
+  c.setLineDash([]);
+  c.globalAlpha = 1;
+}
+
+export function drawPalms(surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, angles: Band): void {
+  const c = surface.context;
+  const degrees = 180 / Math.PI;
+  const margin = Math.max(1, 0.25 * (angles.to - angles.from));
+  const y = (radians: number) =>
+    surface.height - 5 -
+    ((radians * degrees - angles.from + margin) / (angles.to - angles.from + 2 * margin)) *
+      (surface.height - 10);
+  drawTimeTicks(surface, p, axis, false);
+  for (const angle of [angles.from, angles.to]) {
+    c.strokeStyle = p.rule;
+    line(c, LEFT_MARGIN, y(angle / degrees), surface.width - RIGHT_MARGIN, y(angle / degrees));
+    label(c, `${angle}°`.replace("-", "−"), LEFT_MARGIN - 6, y(angle / degrees), p.quiet);
+  }
+  for (const side of [0, 1]) {
+    c.strokeStyle = sideColour(p, side);
+    c.lineWidth = 1.6;
+    c.setLineDash(DASHES[side]!);
+    clipped(surface, () => curve(surface, axis, run.rows, ROW.palm + side, y));
+  }
+  c.setLineDash([]);
+}
+
+export const LANES = [26, 104] as const; // y of the robots' lines in the sequence chart
+export const SEQUENCE_HEIGHT = 150;
+
+function drawCorrection(surface: Surface, p: Palette, axis: TimeAxis, item: Correction): void {
+  const c = surface.context;
+  const x0 = timeX(axis, item.start);
+  const x1 = Math.max(timeX(axis, item.end), x0 + 2);
+  const bar = (side: number, solid: boolean) => {
+    const y = LANES[side]! - 8;
+    c.fillStyle = solid ? sideColour(p, item.robot) : p.background;
+    c.strokeStyle = sideColour(p, item.robot);
+    c.lineWidth = 1.2;
+    c.fillRect(x0, y, x1 - x0, 16);
+    c.strokeRect(x0, y, x1 - x0, 16);
+    if (x1 - x0 > 14 && solid) {
+      label(c, item.name, (x0 + x1) / 2, y + 8.5, p.background, "center", 650);
+    }
+  };
+  if (item.robot === 2) {
+    bar(0, true);
+    bar(1, true);
+  } else {
+    bar(item.robot, true);
+    if (item.assistant >= 0 && item.assistant !== item.robot) bar(item.assistant, false);
+  }
+}
+
+export interface Arrow {
+  message: Message;
+  x0: number;
+  y0: number;
+  x1: number;
+  y1: number;
+}
+
+export function arrowsOf(axis: TimeAxis, messages: Message[], latency: number): Arrow[] {
+  return messages.map((message) => {
+    const lost = Number.isNaN(message.received);
+    const share = lost ? 0.5 : 1;
+    const arrival = lost ? message.sent + latency * share : message.received;
+    const [y0, y1] = [LANES[message.sender]!, LANES[message.receiver]!];
+    const inset = Math.sign(y1 - y0) * 9;
+    return {
+      message,
+      x0: timeX(axis, message.sent),
+      y0: y0 + inset,
+      x1: timeX(axis, arrival),
+      y1: lost ? y0 + (y1 - y0) * share : y1 - inset,
+    };
+  });
+}
+
+// The lanes of both robots with corrections, and an arrow for each message.
+export function drawSequence(
+  surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, latency: number,
+  chosen: number | null, isPeriodic: boolean,
+): void {
+  const c = surface.context;
+  drawTimeTicks(surface, p, axis, true);
+  for (const side of [0, 1]) {
+    c.strokeStyle = sideColour(p, side);
+    c.lineWidth = 1.5;
+    line(c, LEFT_MARGIN, LANES[side]!, surface.width - RIGHT_MARGIN, LANES[side]!);
+    label(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, LANES[side]!, sideColour(p, side), "right", 600);
+  }
+  clipped(surface, () => {
+    for (const item of run.corrections) {
+      if (item.end >= axis.from && item.start <= axis.to) drawCorrection(surface, p, axis, item);
+    }
+    drawArrows(surface, p, axis, run, latency, chosen, isPeriodic);
+  });
+}
+
+function drawArrows(
+  surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, latency: number,
+  chosen: number | null, isPeriodic: boolean,
+): void {
+  const c = surface.context;
+  const busyUntil = [-1e9, -1e9];
+  arrowsOf(axis, run.messages, latency).forEach((arrow, index) => {
+    if (arrow.x1 < LEFT_MARGIN || arrow.x0 > surface.width) return;
+    const { message } = arrow;
+    const lost = Number.isNaN(message.received);
+    const isChosen = index === chosen;
+    c.strokeStyle = lost ? p.drop : isChosen ? p.ink : p.quiet;
+    c.fillStyle = c.strokeStyle;
+    c.lineWidth = isChosen ? 2.6 : isPeriodic ? 0.7 : 1.3;
+    line(c, arrow.x0, arrow.y0, arrow.x1, arrow.y1);
+    const turn = Math.atan2(arrow.y1 - arrow.y0, arrow.x1 - arrow.x0);
+    c.beginPath();
+    if (lost) {
+      c.lineWidth = 2;
+      line(c, arrow.x1 - 4, arrow.y1 - 4, arrow.x1 + 4, arrow.y1 + 4);
+      line(c, arrow.x1 - 4, arrow.y1 + 4, arrow.x1 + 4, arrow.y1 - 4);
+    } else if (!isPeriodic || isChosen) {
+      for (const side of [-1, 1]) {
+        c.moveTo(arrow.x1, arrow.y1);
+        c.lineTo(arrow.x1 - 7 * Math.cos(turn + 0.4 * side), arrow.y1 - 7 * Math.sin(turn + 0.4 * side));
+      }
+      c.stroke();
+    }
+    const middle = Math.max(arrow.x0, arrow.x1);
+    const lane = message.sender;
+    if (isChosen || (!isPeriodic && middle > busyUntil[lane]! + 8)) {
+      const wide = c.measureText(message.kind).width;
+      const y = lane === 0 ? 54 : 78;
+      label(c, message.kind, middle + 6, y, lost ? p.drop : p.ink, "left", isChosen ? 650 : 400);
+      busyUntil[lane] = middle + 6 + wide;
+    }
+  });
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command lines that reproduce at home what a view shows.
+import type { Fork, PolicyRow } from "./core";
+import type { Overrides } from "./scene";
+import { OWN_ROWS, SIGN_PAIRS } from "./state";
+import { tomlValue } from "./toml";
+
+export const POLICY_FILE = "rows.toml";
+export const SCENE_FILE = "scene.toml";
+
+// A word of a POSIX shell.
+function quoted(word: string): string {
+  return /^[\w./:=,@+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`;
+}
+
+export function controllerWord(name: string): string {
+  return name === OWN_ROWS ? `${POLICY_FILE}@station` : name;
+}
+
+export function settings(overrides: Overrides): string[] {
+  return Object.entries(overrides).flatMap(([key, value]) => [
+    "--set",
+    quoted(`${key}=${typeof value === "string" ? value : tomlValue(value)}`),
+  ]);
+}
+
+// A scene whose outline is the visitor's own is a file: as a word it would be too long.
+export function needsFile(overrides: Overrides): boolean {
+  return "object.vertices_m" in overrides;
+}
+
+export function sceneWords(base: string, overrides: Overrides): string[] {
+  return needsFile(overrides) ? [SCENE_FILE] : [base, ...settings(overrides)];
+}
+
+export function carryCommand(
+  base: string, overrides: Overrides, controller: string, seed: number, forks: Fork[],
+): string {
+  const words = ["palmbots", "carry", ...sceneWords(base, overrides)];
+  words.push("--controller", controllerWord(controller), "--seed", String(seed));
+  for (const fork of forks) words.push("--fork", `${fork.at}:${fork.seed}`);
+  return words.join(" ");
+}
+
+export function policyFile(rows: PolicyRow[]): string {
+  const lines = rows.map((row, k) => {
+    const pair = (words: [string, string]) => `["${words[0]}", "${words[1]}"]`;
+    return `"${SIGN_PAIRS[k]}" = { palms = ${pair(row.palms)}, drives = ${pair(row.drives)} }`;
+  });
+  return ['description = "rows from the page"', "", "[rows]", ...lines, ""].join("\n");
+}

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shipped core, compiled to WebAssembly (site/core/core.cpp).
+import address from "../generated/core.wasm?url";
+import type { Scene } from "./tables";
+import { sceneNumbers } from "./scene";
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  _initialize(): void;
+  input(): number;
+  length(): number;
+  message_name(kind: number): number;
+  wilson(k: number, n: number): number;
+  set_scene(): void;
+  set_policy(): void;
+  set_forks(): void;
+  timing_problem(controller: number): number;
+  run(controller: number, seed: number): number;
+  rows(): number;
+  messages(): number;
+  corrections(): number;
+  contact_events(): number;
+  places(): number;
+  clear_tally(): void;
+  add_to_tally(controller: number, first: number, n: number): number;
+  statics(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
+  mode_map(thetaLeft: number, thetaRight: number, closing: number, n: number, reach: number): number;
+  com_map(x0: number, x1: number, y0: number, y1: number, nx: number, ny: number): number;
+  limits(half: number): number;
+  tolerance_map(
+    from: number, step: number, n: number, quantity: number, most: number, half: number,
+  ): number;
+}
+
+export interface Fork {
+  at: number;
+  seed: number;
+}
+
+// A row of a policy: palms and drives of the left and the right robot.
+export interface PolicyRow {
+  palms: [string, string];
+  drives: [string, string];
+}
+
+export const PALMS = ["steep", "shallow"];
+export const DRIVES = ["hold", "away", "closer"];
+
+export const ROW = {
+  width: 20, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
+  object: 11, sign: 12, name: 14, motion: 16, lift: 18,
+} as const;
+
+export interface Message {
+  sent: number;
+  received: number; // NaN: lost
+  sender: number;
+  receiver: number;
+  kind: string;
+  number: number; // among all that the sender transmits, from 1
+}
+
+export interface Correction {
+  robot: number; // 2: both
+  name: string;
+  assistant: number; // −1: nobody
+  start: number;
+  end: number;
+}
+
+export interface Recorded {
+  outcome: number;
+  reason: number;
+  time: number;
+  distance: number;
+  rms: [number, number];
+  peak: [number, number];
+  sent: number;
+  lost: number;
+  waiting: [number, number];
+  correctionCount: number;
+  hash: string;
+  rows: Float64Array;
+  count: number;
+  messages: Message[];
+  corrections: Correction[];
+  hanging: { since: number; awaits: string }[];
+}
+
+export interface Tally {
+  carries: number;
+  dropped: number;
+  stalled: number;
+  meanSquare: number;
+  messagesPerM: number;
+  corrections: number;
+}
+
+// The mechanics of one state; indices of modes as in tables.modes, −1: not held, −2: jammed.
+export interface Statics {
+  reaches: boolean;
+  reason: number;
+  squeeze: [number, number][];
+  feasible: boolean[];
+  closing: number;
+  opening: number;
+  margin: number;
+  wedged: boolean[];
+  objectAngle: number;
+  separation: number;
+  cones: { x: number; y: number; height: number }[][]; // per side: up, down
+  places: Float64Array;
+}
+
+export interface Limit {
+  property: number;
+  shallow: number;
+  holds: boolean;
+  low: number;
+  high: number;
+  lowBy: number;
+  highBy: number;
+}
+
+// The C++ library refers to these in order to print why it aborts. The core prints nothing.
+const refuse = () => {
+  throw new Error("the core stopped");
+};
+const IMPORTS = {
+  wasi_snapshot_preview1: { fd_close: refuse, fd_seek: refuse, fd_write: refuse },
+};
+
+function pairs<T>(numbers: Float64Array, width: number, make: (row: Float64Array) => T): T[] {
+  const found: T[] = [];
+  for (let at = 0; at < numbers.length; at += width) {
+    found.push(make(numbers.subarray(at, at + width)));
+  }
+  return found;
+}
+
+export class Core {
+  private scene: Scene | null = null;
+
+  private constructor(private readonly wasm: Exports) {}
+
+  static async load(): Promise<Core> {
+    const { instance } = await WebAssembly.instantiateStreaming(fetch(address), IMPORTS);
+    const wasm = instance.exports as unknown as Exports;
+    wasm._initialize();
+    return new Core(wasm);
+  }
+
+  private put(numbers: number[]): void {
+    new Float64Array(this.wasm.memory.buffer, this.wasm.input(), numbers.length).set(numbers);
+  }
+
+  // The array that a call returned: a copy, because the next call may move it.
+  private take(at: number): Float64Array {
+    return new Float64Array(this.wasm.memory.buffer, at, this.wasm.length()).slice();
+  }
+
+  private text(at: number): string {
+    const bytes = new Uint8Array(this.wasm.memory.buffer, at, 64);
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+
+  setScene(scene: Scene): void {
+    if (this.scene === scene) return;
+    this.scene = scene;
+    this.put(sceneNumbers(scene));
+    this.wasm.set_scene();
+  }
+
+  setPolicy(rows: PolicyRow[]): void {
+    this.put(
+      rows.flatMap((row) => [
+        ...row.palms.map((p) => PALMS.indexOf(p)),
+        ...row.drives.map((d) => DRIVES.indexOf(d)),
+      ]),
+    );
+    this.wasm.set_policy();
+  }
+
+  // Why a controller refuses the scene; empty if it does not.
+  refusal(controller: number): string {
+    return [
+      "", "radio.beacon_s is shorter than control.period_s",
+      "radio.lease_s is too short for this radio", "no lease fits: the radio is too slow, or the palms are too short for a robot that waits so long",
+    ][this.wasm.timing_problem(controller)]!;
+  }
+
+  // One carry of the scene.
+  run(controller: number, seed: number, forks: Fork[] = []): Recorded {
+    this.put([forks.length, ...forks.flatMap((f) => [f.at, f.seed])]);
+    this.wasm.set_forks();
+    const m = this.take(this.wasm.run(controller, seed));
+    const kind = (k: number) => (k < 0 ? "Hello" : this.text(this.wasm.message_name(k)));
+    const word = (value: number) => value.toString(16).padStart(8, "0");
+    const rows = this.take(this.wasm.rows());
+    return {
+      outcome: m[0]!, reason: m[1]!, time: m[2]!, distance: m[3]!,
+      rms: [m[4]!, m[5]!], peak: [m[6]!, m[7]!], sent: m[8]!, lost: m[9]!,
+      waiting: [m[10]!, m[11]!], correctionCount: m[12]!,
+      hash: word(m[14]!) + word(m[15]!),
+      rows,
+      count: rows.length / ROW.width,
+      messages: pairs(this.take(this.wasm.messages()), 6, (r) => ({
+        sent: r[0]!, received: r[1]!, sender: r[2]!, receiver: r[3]!, kind: kind(r[4]!),
+        number: r[5]!,
+      })),
+      corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
+        robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
+      })),
+      hanging: [0, 1].map((side) => ({
+        since: m[16 + 2 * side]!,
+        awaits: kind(Math.max(0, m[17 + 2 * side]!)),
+      })),
+    };
+  }
+
+  // World coordinates (PLACES) at row `k` of a carry of the scene.
+  places(scene: Scene, run: Recorded, k: number): Float64Array {
+    this.setScene(scene);
+    const at = Math.min(Math.max(k, 0), run.count - 1) * ROW.width;
+    this.put(Array.from(run.rows.subarray(at, at + ROW.width)));
+    return this.take(this.wasm.places());
+  }
+
+  clearTally(): void {
+    this.wasm.clear_tally();
+  }
+
+  addToTally(controller: number, first: number, n: number): Tally {
+    const t = this.take(this.wasm.add_to_tally(controller, first, n));
+    return {
+      carries: t[0]!, dropped: t[1]!, stalled: t[2]!, meanSquare: t[3]!, messagesPerM: t[4]!,
+      corrections: t[5]!,
+    };
+  }
+
+  wilson(events: number, n: number): [number, number] {
+    const ends = this.take(this.wasm.wilson(events, n));
+    return [ends[0]!, ends[1]!];
+  }
+
+  statics(theta: [number, number], p: [number, number]): Statics {
+    const a = this.take(this.wasm.statics(theta[0], theta[1], p[0], p[1]));
+    const edge = (at: number) => ({ x: a[at]!, y: a[at + 1]!, height: a[at + 2]! });
+    return {
+      reaches: a[0] === 1,
+      reason: a[1]!,
+      squeeze: [[a[2]!, a[3]!], [a[4]!, a[5]!]],
+      feasible: Array.from(a.subarray(6, 15), (value) => value === 1),
+      closing: a[15]!, opening: a[16]!, margin: a[17]!,
+      wedged: [a[18] === 1, a[19] === 1],
+      objectAngle: a[20]!, separation: a[21]!,
+      cones: [[edge(22), edge(25)], [edge(28), edge(31)]],
+      places: a.slice(34),
+    };
+  }
+
+  modeMap(theta: [number, number], closing: boolean, n: number, reach: number): Float64Array {
+    return this.take(this.wasm.mode_map(theta[0], theta[1], closing ? 1 : 0, n, reach));
+  }
+
+  comMap(x: [number, number], y: [number, number], nx: number, ny: number): Float64Array {
+    return this.take(this.wasm.com_map(x[0], x[1], y[0], y[1], nx, ny));
+  }
+
+  limits(half: number): Limit[] {
+    const a = this.take(this.wasm.limits(half));
+    return [0, 1, 2, 3].map((k) => ({
+      property: k < 2 ? 1 : 2, shallow: k % 2, holds: a[5 * k] === 1, low: a[5 * k + 1]!,
+      high: a[5 * k + 2]!, lowBy: a[5 * k + 3]!, highBy: a[5 * k + 4]!,
+    }));
+  }
+
+  // Tolerance and clearance of n × n pairs of angles, alternating; shallow is the outer index.
+  toleranceMap(
+    from: number, step: number, n: number, quantity: number, most: number, half: number,
+  ): Float64Array {
+    return this.take(this.wasm.tolerance_map(from, step, n, quantity, most, half));
+  }
+}
+
+// Places of the points in the array of `places`: x, y of the left one, then of the right one.
+export const PLACES = { pivot: 0, inner: 4, outer: 8, contact: 12, com: 16, outline: 18 } as const;

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes: nested tables as in a scene file, overrides by dotted key, and the numbers for the core.
+//
+// The core converts the numbers (site/core/scene_stream.hpp reads them in this order). Defaults and
+// limits come from the package.
+import { type Json, type Scene, SIDES, tables } from "./tables";
+
+export type Overrides = Record<string, Json>;
+
+const PAPER = tables.scenes.find((s) => s.name === "paper")!.scene;
+
+export function builtInScene(name: string): Scene {
+  return tables.scenes.find((s) => s.name === name)?.scene ?? PAPER;
+}
+
+export function get(scene: Json, key: string): Json | undefined {
+  let at: Json | undefined = scene;
+  for (const part of key.split(".")) {
+    if (typeof at !== "object" || Array.isArray(at)) return undefined;
+    at = at[part];
+  }
+  return at;
+}
+
+function set(scene: Scene, key: string, value: Json): void {
+  const parts = key.split(".");
+  let at: { [key: string]: Json } = scene;
+  for (const part of parts.slice(0, -1)) {
+    const next = at[part];
+    at[part] = typeof next === "object" && !Array.isArray(next) ? { ...next } : {};
+    at = at[part] as { [key: string]: Json };
+  }
+  at[parts.at(-1)!] = value;
+}
+
+// The scene of a built-in name with overrides on top. `object` may be the name of an object.
+export function sceneOf(name: string, overrides: Overrides): Scene {
+  const scene = structuredClone(builtInScene(name));
+  for (const [key, value] of Object.entries(overrides)) {
+    const named = key === "object" && tables.objects.find((o) => o.name === value)?.object;
+    set(scene, key, named ? structuredClone(named) : value);
+  }
+  return scene;
+}
+
+function number(scene: Json, key: string): number {
+  return get(scene, key) as number;
+}
+
+function list(scene: Json, key: string): { [key: string]: Json }[] {
+  return (get(scene, key) ?? []) as { [key: string]: Json }[];
+}
+
+// A key of one side: its own value, or that of both.
+export function ofSide(scene: Scene, section: string, side: string, name: string): number {
+  return (get(scene, `${section}.${side}.${name}`) ?? get(scene, `${section}.${name}`)) as number;
+}
+
+const EFFECTS = ["lost", "delayed", "duplicated"];
+const SENDERS = [...SIDES, "station"];
+const SIGNS: Record<string, number> = { "-": -1, "0": 0, "+": 1 };
+const PALM = ["length_m", "pivot_offset_m", "friction", "shallow_deg", "steep_deg", "rate_deg_s"];
+const ROBOT = [
+  "speed_m_s", "correction_m_s", "acceleration_m_s2", "max_speed_m_s", "noise_m_s", "noise_tau_s",
+  "bias_m_s", "clock_ppm",
+];
+
+const place = (side: Json | undefined) => Math.max(0, SENDERS.indexOf(side as string));
+const counted = (rows: number[][]) => [rows.length, ...rows.flat()];
+
+function zones(scene: Scene): number[] {
+  const given = get(scene, "tactile.zones") as { [key: string]: Json }[] | undefined;
+  if (given) {
+    return counted(
+      given.map((z) => [SIGNS[z.sign as string]!, z.from_m as number, z.to_m as number]),
+    );
+  }
+  const half = number(scene, "tactile.zero_half_width_m");
+  return counted([
+    [-1, -Infinity, -half],
+    [0, -half, half],
+    [1, half, Infinity],
+  ]);
+}
+
+// The numbers of a scene for the core.
+export function sceneNumbers(scene: Scene): number[] {
+  const vertices = get(scene, "object.vertices_m") as number[][];
+  const n = (key: string) => number(scene, key);
+  const flag = (key: string) => (get(scene, key) ? 1 : 0);
+  return [
+    ...counted(vertices),
+    ...(get(scene, "object.contacts") as number[]),
+    ...(get(scene, "object.com_m") as number[]),
+    ...SIDES.flatMap((side) => PALM.map((name) => ofSide(scene, "palm", side, name))),
+    ...SIDES.flatMap((side) => ROBOT.map((name) => ofSide(scene, "robot", side, name))),
+    ...zones(scene),
+    n("tactile.false_rate"),
+    n("control.period_s"),
+    flag("control.brake"),
+    get(scene, "control.start") === "touch" ? 1 : 0,
+    n("control.watchdog_s"),
+    n("radio.latency_s"), n("radio.jitter_s"), n("radio.loss"), n("radio.duplicate"),
+    n("radio.corruption"),
+    flag("radio.reorder"),
+    flag("radio.sessions"),
+    n("radio.burst_fraction"), n("radio.burst_s"), n("radio.airtime_s"), n("radio.beacon_s"),
+    (get(scene, "radio.lease_s") as number | undefined) ?? 0,
+    ...counted(
+      list(scene, "radio.outages").map((o) => [
+        place(o.sender), o.start_s as number, o.end_s as number,
+      ]),
+    ),
+    ...counted(
+      list(scene, "radio.script").map((m) => [
+        place(m.sender), m.message as number, EFFECTS.indexOf(m.effect as string),
+        (m.delay_s as number | undefined) ?? 0,
+      ]),
+    ),
+    ...counted(
+      list(scene, "faults.script").map((f) => [
+        tables.faultKinds.indexOf(f.kind as string), place(f.robot), f.at_s as number,
+        f.duration_s as number, SIGNS[(f.stuck_at as string | undefined) ?? "0"]!,
+        (f.probability as number | undefined) ?? 0,
+      ]),
+    ),
+    n("faults.random_reboots"),
+    n("faults.reboot_s"),
+    ...counted(
+      list(scene, "bumps.script").map((b) => [
+        place(b.robot), b.at_s === undefined ? 0 : 1, (b.at_s ?? b.at_m ?? 0) as number,
+        b.shift_m as number,
+      ]),
+    ),
+    ...counted(
+      list(scene, "bumps.pushes").map((p) => [
+        place(p.robot), p.at_s as number, p.duration_s as number, p.speed_m_s as number,
+      ]),
+    ),
+    n("bumps.rate_per_m"), n("bumps.max_shift_m"),
+    n("start.left_m"), n("start.right_m"),
+    n("task.distance_m"),
+    get(scene, "task.direction") === "backward" ? -1 : 1,
+    n("task.slope_deg"),
+    flag("task.inertia"),
+    n("task.inertia_tau_s"),
+    (get(scene, "task.timeout_s") as number | undefined) ?? NaN,
+  ];
+}
+
+// All leaves of a table by dotted key; a list is one leaf.
+function leaves(table: Json, prefix = ""): [string, Json][] {
+  if (typeof table !== "object" || Array.isArray(table)) return [[prefix, table]];
+  return Object.entries(table).flatMap(([key, value]) =>
+    leaves(value, prefix ? `${prefix}.${key}` : key),
+  );
+}
+
+const KNOWN = new Set([
+  ...tables.keys.map((k) => k.name),
+  ...leaves(PAPER).map(([key]) => key),
+]);
+
+function isKnown(key: string): boolean {
+  const both = key.replace(/^(palm|robot)\.(left|right)\./, "$1.");
+  return KNOWN.has(both) || key.startsWith("mujoco.") || key.startsWith("task.path");
+}
+
+function outside(key: string, value: number): boolean {
+  const [least, most, above, below] = tables.limits[
+    key.replace(/^(palm|robot)\.(left|right)\./, "$1.")
+  ] ?? [null, null, null, null];
+  return (
+    !Number.isFinite(value) ||
+    (least != null && value < least) ||
+    (most != null && value > most) ||
+    (above != null && value <= above) ||
+    (below != null && value >= below)
+  );
+}
+
+// What an outline without contacts or COM has: the ends of its level lower side, and its centroid.
+function completed(object: { [key: string]: Json }): { [key: string]: Json } {
+  const vertices = object.vertices_m as number[][] | undefined;
+  if (!vertices) return object;
+  if (!Array.isArray(vertices) || vertices.length < 3 || vertices.length > 32) {
+    throw new Error("object.vertices_m: allowed: a list of 3 to 32 points [x, y]");
+  }
+  const filled = { ...object };
+  if (!filled.contacts) {
+    const low = Math.min(...vertices.map((v) => v[1]!)) + 1e-9;
+    const lowest = vertices.map((_, k) => k).filter((k) => vertices[k]![1]! <= low);
+    if (lowest.length < 2) {
+      throw new Error("object.contacts: is not set, and one vertex alone is lowest");
+    }
+    const x = (k: number) => vertices[k]![0]!;
+    lowest.sort((a, b) => x(a) - x(b));
+    filled.contacts = [lowest[0]!, lowest.at(-1)!];
+  }
+  if (!filled.com_m) {
+    const [ox, oy] = vertices[0] as [number, number];
+    let area = 0;
+    let mx = 0;
+    let my = 0;
+    vertices.forEach((v, k) => {
+      const next = vertices[(k + 1) % vertices.length]!;
+      const [ax, ay, bx, by] = [v[0]! - ox, v[1]! - oy, next[0]! - ox, next[1]! - oy];
+      const cross = ax * by - bx * ay;
+      area += cross / 2;
+      mx += (cross * (ax + bx)) / 6;
+      my += (cross * (ay + by)) / 6;
+    });
+    const round = (value: number) => Number(value.toFixed(12));
+    filled.com_m = [round(ox + mx / area), round(oy + my / area)];
+  }
+  return filled;
+}
+
+// The overrides that turn the scene `paper` into the one of a scene file. Throws an Error with one
+// line for a person.
+export function overridesOf(file: Scene): Overrides {
+  const found: Overrides = {};
+  const given = { ...file };
+  if (typeof given.object === "string") {
+    if (!tables.objects.some((o) => o.name === given.object)) {
+      throw new Error(`object: "${given.object}" is no built-in object`);
+    }
+    found.object = given.object;
+    delete given.object;
+  } else if (given.object) {
+    given.object = completed(given.object as { [key: string]: Json });
+  }
+  for (const [key, value] of leaves(given)) {
+    if (!isKnown(key)) throw new Error(`${key}: is no key of a scene`);
+    if (typeof value === "number" && outside(key, value)) {
+      throw new Error(`${key}: value ${value} is outside the limits`);
+    }
+    const usual = get(PAPER, key);
+    if (usual !== undefined && typeof usual !== typeof value) {
+      throw new Error(`${key}: value ${JSON.stringify(value)} is of the wrong kind`);
+    }
+    if (JSON.stringify(usual) !== JSON.stringify(value)) found[key] = value;
+  }
+  return found;
+}

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws the pair from the side: robots, palms, object, contacts, friction cones, a message in flight.
+//
+// World coordinates are in metres, x forward and y up; the core places every point.
+import { PLACES } from "./core";
+import { type Palette, sideColour } from "./theme";
+import { tables } from "./tables";
+import type { Surface } from "./canvas";
+
+const { pivot_height, body_size, body_gap, ground_clearance, wheel_radius, shoulder_inset } =
+  tables.robot as Record<string, number>;
+
+export interface View {
+  scale: number; // pixels per metre
+  x: (worldX: number) => number;
+  y: (worldY: number) => number;
+  worldX: (pixel: number) => number;
+}
+
+export interface Flight {
+  from: number; // side
+  share: number; // of the way
+  name: string;
+  lost: boolean;
+}
+
+export interface SidePicture {
+  places: Float64Array;
+  motion?: [number, number]; // of the contacts: up 1, sticks 0, down −1
+  tags?: [string, string]; // on the robots' bodies
+  off?: [boolean, boolean];
+  zones?: { from: number; to: number }; // the zero zone along each palm [m]
+  flights?: Flight[];
+  cones?: { x: number; y: number; height: number }[][];
+  gravity?: boolean;
+  labels?: boolean;
+  floor?: boolean;
+  dropped?: boolean;
+}
+
+export function lowestPoint(places: Float64Array): number {
+  let low = -pivot_height!;
+  for (let i = PLACES.outline + 1; i < places.length; i += 2) low = Math.min(low, places[i]! - 0.05);
+  return low;
+}
+
+// A view that shows the whole pair, centred on it.
+export function viewOf(surface: Surface, places: Float64Array, robots = true): View {
+  const middle = (places[PLACES.pivot]! + places[PLACES.pivot + 2]!) / 2;
+  let half = 0;
+  let top = 0;
+  for (let i = 0; i < places.length; i += 2) {
+    half = Math.max(half, Math.abs(places[i]! - middle));
+    top = Math.max(top, places[i + 1]!);
+  }
+  const margin = robots ? body_gap! + body_size! + 0.1 : 0.06;
+  const bottom = robots ? lowestPoint(places) : -0.1;
+  const wide = 2 * (half + (robots ? Math.max(0, margin - 0.075) : margin));
+  const tall = top - bottom + (robots ? 0.1 : 0.12);
+  const scale = Math.min(surface.width / wide, surface.height / tall);
+  const base = surface.height - (robots ? 26 : 20);
+  return {
+    scale,
+    x: (worldX) => surface.width / 2 + (worldX - middle) * scale,
+    y: (worldY) => base - (worldY - bottom) * scale,
+    worldX: (pixel) => middle + (pixel - surface.width / 2) / scale,
+  };
+}
+
+function path(c: CanvasRenderingContext2D, points: [number, number][], close = true): void {
+  c.beginPath();
+  points.forEach(([x, y], i) => (i === 0 ? c.moveTo(x, y) : c.lineTo(x, y)));
+  if (close) c.closePath();
+}
+
+function text(
+  c: CanvasRenderingContext2D, words: string, x: number, y: number, colour: string, size = 12,
+  align: CanvasTextAlign = "center", weight = 400,
+): void {
+  c.fillStyle = colour;
+  c.font = `${weight} ${size}px system-ui, sans-serif`;
+  c.textAlign = align;
+  c.textBaseline = "middle";
+  c.fillText(words, x, y);
+}
+
+function drawFloor(surface: Surface, view: View, p: Palette, level: number): void {
+  const c = surface.context;
+  const y = view.y(level);
+  c.fillStyle = p.ground;
+  c.fillRect(0, y, surface.width, surface.height - y);
+  c.strokeStyle = p.rule;
+  c.lineWidth = 1;
+  path(c, [[0, y + 0.5], [surface.width, y + 0.5]], false);
+  c.stroke();
+  const step = 0.1;
+  const first = Math.ceil(view.worldX(0) / step);
+  for (let k = first; k * step < view.worldX(surface.width); ++k) {
+    const x = view.x(k * step);
+    const whole = k % 5 === 0;
+    path(c, [[x, y], [x, y + (whole ? 8 : 4)]], false);
+    c.strokeStyle = p.quiet;
+    c.stroke();
+    if (whole) text(c, `${(k * step).toFixed(1)} m`, x, y + 16, p.quiet, 11);
+  }
+}
+
+function drawRobot(
+  surface: Surface, view: View, p: Palette, picture: SidePicture, side: number, level: number,
+): void {
+  const c = surface.context;
+  const { places } = picture;
+  const out = side === 0 ? -1 : 1;
+  const colour = sideColour(p, side);
+  const px = places[PLACES.pivot + 2 * side]!;
+  const off = picture.off?.[side] ?? false;
+  const near = px + out * body_gap!;
+  const top = level + ground_clearance! + body_size!;
+  const x0 = Math.min(view.x(near), view.x(near + out * body_size!));
+  c.globalAlpha = off ? 0.45 : 1;
+  // arm, from the shoulder to the pivot
+  c.strokeStyle = p.quiet;
+  c.lineWidth = Math.max(3, 0.014 * view.scale);
+  c.lineCap = "round";
+  path(
+    c,
+    [
+      [view.x(near + out * shoulder_inset!), view.y(top - shoulder_inset!)],
+      [view.x(px), view.y(0)],
+    ],
+    false,
+  );
+  c.stroke();
+  // body and wheels
+  c.fillStyle = p.body;
+  c.strokeStyle = colour;
+  c.lineWidth = 2;
+  c.beginPath();
+  c.roundRect(x0, view.y(top), body_size! * view.scale, body_size! * view.scale, 6);
+  c.fill();
+  c.stroke();
+  for (const share of [0.25, 0.75]) {
+    const wx = near + out * body_size! * share;
+    const radius = wheel_radius! * view.scale;
+    const turn = (side === 0 ? px : px) / wheel_radius!;
+    c.beginPath();
+    c.arc(view.x(wx), view.y(level + wheel_radius!), radius, 0, 2 * Math.PI);
+    c.fillStyle = p.background;
+    c.fill();
+    c.stroke();
+    path(
+      c,
+      [
+        [view.x(wx) - radius * Math.cos(turn), view.y(level + wheel_radius!) - radius * Math.sin(turn)],
+        [view.x(wx) + radius * Math.cos(turn), view.y(level + wheel_radius!) + radius * Math.sin(turn)],
+      ],
+      false,
+    );
+    c.lineWidth = 1;
+    c.stroke();
+    c.lineWidth = 2;
+  }
+  const tag = off ? "off" : picture.tags?.[side];
+  const bodyX = x0 + (body_size! * view.scale) / 2;
+  if (tag) {
+    const size = Math.max(12, Math.min(22, 0.075 * view.scale));
+    text(c, tag, bodyX, view.y(top - 0.055), colour, size, "center", 650);
+  }
+  c.globalAlpha = 1;
+  if (picture.labels) {
+    text(c, side === 0 ? "left robot" : "right robot", bodyX, view.y(top) - 11, p.quiet, 12);
+  }
+}
+
+function drawPalm(
+  surface: Surface, view: View, p: Palette, picture: SidePicture, side: number,
+): void {
+  const c = surface.context;
+  const { places } = picture;
+  const at = (start: number): [number, number] => [
+    view.x(places[start + 2 * side]!),
+    view.y(places[start + 2 * side + 1]!),
+  ];
+  const [ix, iy] = at(PLACES.inner);
+  const [ox, oy] = at(PLACES.outer);
+  const width = Math.max(4, 0.012 * view.scale);
+  // The line lies below the surface of the palm.
+  const length = Math.hypot(ox - ix, oy - iy);
+  const [nx, ny] = [((iy - oy) / length) * (side === 0 ? -1 : 1), ((ox - ix) / length) * (side === 0 ? -1 : 1)];
+  const down: [number, number] = ny > 0 ? [nx, ny] : [-nx, -ny];
+  const shift = (x: number, y: number): [number, number] => [
+    x + (down[0] * width) / 2,
+    y + (down[1] * width) / 2,
+  ];
+  c.lineCap = "butt";
+  c.lineWidth = width;
+  c.strokeStyle = sideColour(p, side);
+  path(c, [shift(ix, iy), shift(ox, oy)], false);
+  c.stroke();
+  if (picture.zones) {
+    const metres = length / view.scale;
+    const share = (q: number) => Math.min(1, Math.max(0, 0.5 + q / metres));
+    const along = (s: number): [number, number] => shift(ix + (ox - ix) * s, iy + (oy - iy) * s);
+    c.strokeStyle = p.zeroPale;
+    c.lineWidth = Math.max(2, width - 3);
+    path(c, [along(share(picture.zones.from)), along(share(picture.zones.to))], false);
+    c.stroke();
+  }
+  const [px, py] = at(PLACES.pivot);
+  c.beginPath();
+  c.arc(px, py + width / 2, Math.max(3, 0.009 * view.scale), 0, 2 * Math.PI);
+  c.fillStyle = p.background;
+  c.strokeStyle = p.ink;
+  c.lineWidth = 1.5;
+  c.fill();
+  c.stroke();
+}
+
+function drawObject(surface: Surface, view: View, p: Palette, picture: SidePicture): void {
+  const c = surface.context;
+  const { places } = picture;
+  const corners: [number, number][] = [];
+  for (let i = PLACES.outline; i < places.length; i += 2) {
+    corners.push([view.x(places[i]!), view.y(places[i + 1]!)]);
+  }
+  path(c, corners);
+  c.fillStyle = p.object;
+  c.globalAlpha = picture.cones ? 0.55 : 0.92;
+  c.fill();
+  c.globalAlpha = 1;
+  c.strokeStyle = picture.dropped ? p.drop : p.objectEdge;
+  c.lineWidth = picture.dropped ? 2.5 : 1.5;
+  c.lineJoin = "round";
+  c.stroke();
+}
+
+function drawCom(surface: Surface, view: View, p: Palette, places: Float64Array): void {
+  const c = surface.context;
+  const x = view.x(places[PLACES.com]!);
+  const y = view.y(places[PLACES.com + 1]!);
+  const r = Math.max(5, 0.016 * view.scale);
+  c.beginPath();
+  c.arc(x, y, r, 0, 2 * Math.PI);
+  c.fillStyle = p.background;
+  c.fill();
+  c.strokeStyle = p.ink;
+  c.lineWidth = 1.3;
+  c.stroke();
+  c.fillStyle = p.ink;
+  for (const start of [0, Math.PI]) {
+    c.beginPath();
+    c.moveTo(x, y);
+    c.arc(x, y, r, start, start + Math.PI / 2);
+    c.fill();
+  }
+}
+
+function drawContacts(surface: Surface, view: View, p: Palette, picture: SidePicture): void {
+  const c = surface.context;
+  const { places } = picture;
+  for (const side of [0, 1]) {
+    const x = view.x(places[PLACES.contact + 2 * side]!);
+    const y = view.y(places[PLACES.contact + 2 * side + 1]!);
+    const motion = picture.motion?.[side] ?? 0;
+    c.beginPath();
+    c.arc(x, y, Math.max(4, 0.011 * view.scale), 0, 2 * Math.PI);
+    c.fillStyle = motion === 0 ? p.zero : p.slides;
+    c.fill();
+    c.strokeStyle = p.ink;
+    c.lineWidth = 1.2;
+    c.stroke();
+    if (motion !== 0) {
+      const ox = places[PLACES.outer + 2 * side]! - places[PLACES.inner + 2 * side]!;
+      const oy = places[PLACES.outer + 2 * side + 1]! - places[PLACES.inner + 2 * side + 1]!;
+      const length = Math.hypot(ox, oy);
+      const [ux, uy] = [(motion * ox) / length, (-motion * oy) / length];
+      const lift = Math.max(16, 0.05 * view.scale);
+      const reach = Math.max(12, 0.035 * view.scale);
+      const [bx, by] = [x, y + lift];
+      c.strokeStyle = p.ink;
+      c.fillStyle = p.ink;
+      c.lineWidth = 1.6;
+      path(c, [[bx - ux * reach, by - uy * reach], [bx + ux * reach, by + uy * reach]], false);
+      c.stroke();
+      path(c, [
+        [bx + ux * (reach + 6), by + uy * (reach + 6)],
+        [bx + ux * reach - uy * 4, by + uy * reach + ux * 4],
+        [bx + ux * reach + uy * 4, by + uy * reach - ux * 4],
+      ]);
+      c.fill();
+    }
+  }
+}
+
+// The cones as wedges, and the line of gravity.
+function drawCones(surface: Surface, view: View, p: Palette, picture: SidePicture): void {
+  const c = surface.context;
+  const { places, cones } = picture;
+  if (!cones) return;
+  const reach = 0.42 * view.scale;
+  for (const side of [0, 1]) {
+    const x = view.x(places[PLACES.contact + 2 * side]!);
+    const y = view.y(places[PLACES.contact + 2 * side + 1]!);
+    const ends = cones[side]!.map((edge): [number, number] => {
+      const length = Math.hypot(edge.x, edge.y);
+      return [x + (edge.x / length) * reach, y - (edge.y / length) * reach];
+    });
+    path(c, [[x, y], ...ends]);
+    c.fillStyle = sideColour(p, side);
+    c.globalAlpha = 0.16;
+    c.fill();
+    c.globalAlpha = 1;
+    c.strokeStyle = sideColour(p, side);
+    c.lineWidth = 1.4;
+    ends.forEach((end, k) => {
+      c.setLineDash(k === 0 ? [] : [6, 4]); // the edge on which a contact slides down is dashed
+      path(c, [[x, y], end], false);
+      c.stroke();
+    });
+    c.setLineDash([]);
+  }
+}
+
+function drawGravity(surface: Surface, view: View, p: Palette, places: Float64Array): void {
+  const c = surface.context;
+  const x = view.x(places[PLACES.com]!);
+  c.strokeStyle = p.ink;
+  c.lineWidth = 1.2;
+  c.setLineDash([2, 4]);
+  path(c, [[x, 8], [x, surface.height - 8]], false);
+  c.stroke();
+  c.setLineDash([]);
+}
+
+function drawFlights(
+  surface: Surface, view: View, p: Palette, picture: SidePicture, level: number,
+): void {
+  const c = surface.context;
+  const { places } = picture;
+  const top = level + ground_clearance! + body_size!;
+  const end = (side: number) => {
+    const out = side === 0 ? -1 : 1;
+    return view.x(places[PLACES.pivot + 2 * side]! + out * (body_gap! + body_size! / 2));
+  };
+  const height = view.y(top) - 30;
+  for (const flight of picture.flights ?? []) {
+    const [from, to] = [end(flight.from), end(1 - flight.from)];
+    const share = flight.lost ? Math.min(flight.share, 0.5) : flight.share;
+    const x = from + (to - from) * share;
+    const y = Math.max(14, height - 4 * share * (1 - share) * Math.min(60, 0.25 * view.scale));
+    c.globalAlpha = flight.lost ? Math.max(0, 1 - flight.share) : 1;
+    c.font = "600 11px system-ui, sans-serif";
+    const wide = c.measureText(flight.name).width + 14;
+    c.fillStyle = flight.lost ? p.drop : p.ink;
+    c.beginPath();
+    c.roundRect(x - wide / 2, y - 9, wide, 18, 9);
+    c.fill();
+    text(c, flight.name, x, y + 0.5, p.background, 11, "center", 600);
+    c.globalAlpha = 1;
+  }
+}
+
+export function drawSide(
+  surface: Surface, view: View, p: Palette, picture: SidePicture, level: number, robots = true,
+): void {
+  if (robots) drawFloor(surface, view, p, level);
+  if (robots) for (const side of [0, 1]) drawRobot(surface, view, p, picture, side, level);
+  drawObject(surface, view, p, picture);
+  drawCones(surface, view, p, picture);
+  if (picture.gravity) drawGravity(surface, view, p, picture.places);
+  for (const side of [0, 1]) drawPalm(surface, view, p, picture, side);
+  drawContacts(surface, view, p, picture);
+  drawCom(surface, view, p, picture.places);
+  if (robots) drawFlights(surface, view, p, picture, level);
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The package's own names, symbols and meanings. scripts/site_tables.py writes them at build time.
+import data from "../generated/tables.json";
+
+export type Json = string | number | boolean | Json[] | { [key: string]: Json };
+export type Scene = { [section: string]: Json };
+
+export interface ControllerInfo {
+  name: string;
+  description: string;
+  team: string;
+  usesRadio: boolean;
+  isPeriodic: boolean;
+  cases: Record<string, string>;
+  messages: string[];
+  colour: string;
+}
+
+interface Tables {
+  version: string;
+  controllers: ControllerInfo[];
+  scenes: { name: string; meaning: string; scene: Scene }[];
+  objects: { name: string; meaning: string; object: Json }[];
+  keys: { name: string; unit: string; meaning: string }[];
+  limits: Record<string, (number | null)[]>;
+  outcomes: string[];
+  dropReasons: [string, string][];
+  modes: string[];
+  faultKinds: string[];
+  bindings: Record<string, string>;
+  bindingNames: string[];
+  quantities: Record<string, { number: number; most: number; unit: string; name: string }>;
+  table1: { signs: number[]; palms: string[]; moves: string[] }[];
+  robot: Record<string, number>;
+}
+
+export const tables = data as unknown as Tables;
+
+export const SIDES = ["left", "right"] as const;
+export type Side = 0 | 1;
+
+// Colours that readers with any colour vision can tell apart (Okabe and Ito); those of viz/style.py.
+export const HUE = ["#0072B2", "#D55E00"] as const;
+
+export function controllerInfo(name: string): ControllerInfo | undefined {
+  return tables.controllers.find((c) => c.name === name);
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Colours of the drawings, from the style sheet, so that light and dark have one source.
+import { signal } from "@preact/signals";
+
+export interface Palette {
+  ink: string;
+  quiet: string;
+  rule: string;
+  ground: string;
+  object: string;
+  objectEdge: string;
+  left: string;
+  right: string;
+  both: string;
+  zero: string;
+  zeroPale: string;
+  slides: string;
+  drop: string;
+  background: string;
+  body: string;
+}
+
+const NAMES = [
+  "ink", "quiet", "rule", "ground", "object", "objectEdge", "left", "right", "both", "zero",
+  "zeroPale", "slides", "drop", "background", "body",
+] as const;
+
+function read(): Palette {
+  const style = getComputedStyle(document.documentElement);
+  const entries = NAMES.map((name) => {
+    const variable = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
+    return [name, style.getPropertyValue(`--${variable}`).trim()];
+  });
+  return Object.fromEntries(entries) as unknown as Palette;
+}
+
+export const palette = signal<Palette>(read());
+export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
+
+const dark = matchMedia("(prefers-color-scheme: dark)");
+dark.addEventListener("change", () => {
+  palette.value = read();
+});
+
+export function toggleTheme(): void {
+  const root = document.documentElement;
+  const isDark = root.dataset.theme ? root.dataset.theme === "dark" : dark.matches;
+  root.dataset.theme = isDark ? "light" : "dark";
+  palette.value = read();
+}
+
+export function sideColour(p: Palette, side: number): string {
+  return side === 0 ? p.left : side === 1 ? p.right : p.both;
+}

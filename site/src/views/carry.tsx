@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Carry: one carry to watch, to scrub through, to fork and to disturb.
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Field, AtHome, ControllerChoice, Disturbances, SceneChoice, caseMeaning, setController } from "./parts";
+import { PlayerBar, playerKeys } from "./player_bar";
+import { saveFilm, savePicture } from "./save";
+import { Charts } from "./sequence";
+import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
+import { carryCommand } from "../shared/command";
+import { ROW, type Recorded } from "../shared/core";
+import { caseAt, pair, rowAt } from "../shared/row";
+import { get } from "../shared/scene";
+import {
+  append, base, controller, forks, go, overrides, player, recorded, refusal, scene, seed,
+  setKey,
+} from "../shared/state";
+import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
+
+const NUDGE_M = 0.012;
+
+export function outcomeText(run: Recorded): string {
+  const name = tables.outcomes[run.outcome]!;
+  if (name === "dropped") return `dropped after ${run.time.toFixed(1)} s: ${tables.dropReasons[run.reason]![1]}`;
+  if (name === "stalled") return `stalled: time limit reached at ${run.time.toFixed(1)} s`;
+  return `delivered: ${run.distance.toFixed(2)} m in ${run.time.toFixed(1)} s`;
+}
+
+function Status() {
+  const run = recorded.value;
+  if (refusal.value) {
+    return (
+      <p class="status refusal">
+        {controller.value} refuses this scene: {refusal.value}
+      </p>
+    );
+  }
+  if (!run) return <p class="status">…</p>;
+  const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
+  const ended = row === run.count - 1;
+  const contact = pair(run, row, ROW.contact);
+  const does = SIDES.map((side, k) => {
+    if (offAt(scene.value, player.time.value)[k]) return `${side}: switched off`;
+    const letter = caseAt(run, row, k);
+    const mm = (1000 * contact[k]!).toFixed(1).replace("-", "−");
+    return `${side} p = ${mm} mm${letter ? `, (${letter}) ${caseMeaning(controller.value, letter)}` : ""}`;
+  });
+  return (
+    <div class="status">
+      <span class="left-text">{does[0]}</span>
+      <strong class={ended ? (run.outcome === 1 ? "good" : "bad") : ""}>
+        {ended ? outcomeText(run) : `${run.rows[row * ROW.width + ROW.midpoint]!.toFixed(2)} m`.replace("-", "−")}
+      </strong>
+      <span class="right-text">{does[1]}</span>
+    </div>
+  );
+}
+
+function switchRobot(side: 0 | 1): void {
+  const time = Number(player.time.peek().toFixed(2));
+  const script = get(scene.peek(), "faults.script") as { [key: string]: Json }[];
+  if (!offAt(scene.peek(), time)[side]) {
+    append("faults.script", { kind: "reboot", robot: SIDES[side], at_s: time, duration_s: 2 });
+    return;
+  }
+  // Switch it on again now.
+  const next = script.map((f) => {
+    const start = Number(f.at_s);
+    const covers = f.robot === SIDES[side] && time >= start && time < start + Number(f.duration_s);
+    return covers ? { ...f, duration_s: Number(Math.max(0.01, time - start).toFixed(2)) } : f;
+  });
+  setKey("faults.script", next);
+}
+
+function fork(): void {
+  const at = Number(player.time.peek().toFixed(2));
+  const last = forks.peek().at(-1);
+  const others = forks.peek().filter((f) => f.at < at);
+  const next = last && last.at >= at ? last.seed + 1 : (forks.peek().at(-1)?.seed ?? seed.peek()) + 1;
+  forks.value = [...others, { at, seed: next }];
+}
+
+function Hands() {
+  const off = offAt(scene.value, player.time.value);
+  const changed = ["bumps.script", "bumps.pushes", "faults.script", "radio.script"].filter(
+    (key) => key in overrides.value,
+  );
+  return (
+    <div class="hands" role="group" aria-label="disturb the carry at this moment">
+      <span class="hint">Now:</span>
+      <button type="button" id="fork" onClick={fork} title="Continue from here with other random numbers">
+        fork the future
+      </button>
+      <button type="button" id="nudge-left" onClick={() => shiftObject(-NUDGE_M)} title="Moves the object 12 mm to the left; you can also drag it">
+        ← object
+      </button>
+      <button type="button" id="nudge-right" onClick={() => shiftObject(NUDGE_M)} title="Moves the object 12 mm to the right; you can also drag it">
+        object →
+      </button>
+      {SIDES.map((side, k) => (
+        <>
+          <button type="button" id={`push-${side}`} onClick={() => pushRobot(k as 0 | 1, NUDGE_M)} title="Pushes this robot 12 mm outward; you can also drag it">
+            pull {side}
+          </button>
+          <button type="button" id={`switch-${side}`} aria-pressed={off[k]} onClick={() => switchRobot(k as 0 | 1)}>
+            {off[k] ? `${side} on` : `${side} off`}
+          </button>
+        </>
+      ))}
+      {(changed.length > 0 || forks.value.length > 0) && (
+        <button
+          type="button"
+          id="undo"
+          onClick={() => {
+            for (const key of changed) setKey(key, undefined);
+            forks.value = [];
+          }}
+        >
+          undo all
+        </button>
+      )}
+    </div>
+  );
+}
+
+const busy = signal("");
+
+export function CarryView() {
+  const run = recorded.value;
+  const info = controllerInfo(controller.value);
+  useEffect(() => {
+    document.addEventListener("keydown", playerKeys);
+    return () => document.removeEventListener("keydown", playerKeys);
+  }, []);
+  return (
+    <>
+      <header class="lead">
+        <h1>Two robots, no gripper, one box</h1>
+        <p>
+          The box only rests on two palms. When the robots drift apart or together, one contact
+          slides. Tilting a palm decides <em>which</em>, and that is how they keep the box. New here?{" "}
+          <a
+            href="#stories"
+            onClick={(event) => {
+              event.preventDefault();
+              go("#stories");
+            }}
+          >
+            Begin with the stories.
+          </a>
+        </p>
+      </header>
+      <div class="choices">
+        <SceneChoice />
+        <ControllerChoice id="controller" value={controller.value} onChange={setController} />
+        <Field label="seed">
+          <input
+            type="number"
+            id="seed"
+            min={0}
+            step={1}
+            value={seed.value}
+            onChange={(event) => {
+              seed.value = Math.max(0, Math.floor(Number(event.currentTarget.value) || 0));
+              forks.value = [];
+            }}
+          />
+        </Field>
+        <label class="check">
+          <input
+            type="checkbox"
+            id="cones"
+            checked={showCones.value}
+            onChange={(event) => (showCones.value = event.currentTarget.checked)}
+          />
+          friction cones
+        </label>
+      </div>
+      <section class="panel" aria-label="the carry">
+        <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
+        <Status />
+        <PlayerBar />
+        <Hands />
+        <Charts />
+      </section>
+      <Disturbances />
+      <AtHome
+        lines={[carryCommand(base.value, overrides.value, controller.value, seed.value, forks.value)]}
+        hash={run?.hash}
+      />
+      <p class="row save">
+        <button type="button" id="save-picture" onClick={() => savePicture("stage")}>
+          save a picture
+        </button>
+        <button
+          type="button"
+          id="save-film"
+          disabled={busy.value !== ""}
+          onClick={async () => {
+            busy.value = "filming";
+            await saveFilm("stage").finally(() => (busy.value = ""));
+          }}
+        >
+          {busy.value || "save a film"}
+        </button>
+      </p>
+    </>
+  );
+}

@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mechanics: one state to take apart. Figures 3 to 6 of the paper, alive.
+import { computed, signal } from "@preact/signals";
+import { AtHome, SceneChoice } from "./parts";
+import { type Handle, Handles } from "./handles";
+import { zeroZone } from "./stage";
+import { Canvas, type Surface } from "../shared/canvas";
+import { sceneWords } from "../shared/command";
+import { PLACES, type Statics } from "../shared/core";
+import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from "../shared/mode_map";
+import { decision, modeName, modeWords } from "../shared/mode_words";
+import { type Xy, objectTransform } from "../shared/object_transform";
+import { drawCells } from "../shared/raster";
+import { get, ofSide } from "../shared/scene";
+import { type View, drawSide, viewOf } from "../shared/side_view";
+import { base, core, extraNumber, overrides, scene, setExtra, setKey } from "../shared/state";
+import { SIDES, tables } from "../shared/tables";
+import { type Palette, palette } from "../shared/theme";
+
+const DEGREE = Math.PI / 180;
+const MODE_CELLS = [0, 1, 2] as const;
+
+const usualTheta = (side: 0 | 1) =>
+  ofSide(scene.value, "palm", SIDES[side], side === 0 ? "shallow_deg" : "steep_deg");
+const theta = computed<[number, number]>(() => [
+  extraNumber("tl", usualTheta(0)), extraNumber("tr", usualTheta(1)),
+]);
+const contact = computed<[number, number]>(() => [extraNumber("pl", -20), extraNumber("pr", 0)]);
+const half = (side: 0 | 1) => ofSide(scene.value, "palm", SIDES[side], "length_m") / 2;
+
+const found = computed<Statics | null>(() => {
+  const machine = core.value;
+  if (!machine) return null;
+  machine.setScene(scene.value);
+  return machine.statics(
+    [theta.value[0] * DEGREE, theta.value[1] * DEGREE],
+    [contact.value[0] / 1000, contact.value[1] / 1000],
+  );
+});
+
+const map = (closing: boolean) =>
+  computed(() => {
+    const machine = core.value;
+    if (!machine) return null;
+    machine.setScene(scene.value);
+    return machine.modeMap([theta.value[0] * DEGREE, theta.value[1] * DEGREE], closing, MAP, REACH);
+  });
+const maps = { closing: map(true), opening: map(false) };
+
+function setTheta(side: 0 | 1, degrees: number): void {
+  const value = Math.round(10 * Math.min(60, Math.max(-20, degrees))) / 10;
+  setExtra(side === 0 ? "tl" : "tr", String(value), String(usualTheta(side)));
+}
+
+function setContact(side: 0 | 1, mm: number): void {
+  const most = 1000 * half(side);
+  const value = Math.round(2 * Math.min(most, Math.max(-most, mm))) / 2;
+  setExtra(side === 0 ? "pl" : "pr", String(value), side === 0 ? "-20" : "0");
+}
+
+const fine = (value: number) => Math.round(value * 2000) / 2000; // half a millimetre
+
+// Writes the outline explicitly, so that every part of it is the visitor's own from now on.
+function setObject(changes: { vertices_m?: Xy[]; com_m?: Xy }): void {
+  const object = get(scene.peek(), "object") as Record<string, unknown>;
+  const next = { ...overrides.peek() };
+  for (const key of Object.keys(next)) if (key.startsWith("object")) delete next[key];
+  for (const key of ["vertices_m", "contacts", "com_m", "mass_kg", "depth_m"]) {
+    next[`object.${key}`] = (changes[key as "com_m"] ?? object[key]) as never;
+  }
+  overrides.value = next;
+}
+
+const view = signal<View | null>(null);
+
+function mechanicsHeight(width: number): number {
+  return Math.round(Math.min(400, Math.max(260, width * 0.45)));
+}
+
+// A view of the pair that leaves room above for the cones.
+function draw(surface: Surface): void {
+  const f = found.value;
+  if (!f || !f.reaches) return;
+  const at = viewOf(surface, f.places, false);
+  // The handles lie over the drawing: they are moved only when the view changes.
+  const last = view.peek();
+  const same = last && last.scale === at.scale && last.x(0) === at.x(0) && last.y(0) === at.y(0);
+  if (!same) view.value = at;
+  drawSide(
+    surface, at, palette.value,
+    { places: f.places, zones: zeroZone(scene.value), cones: f.cones, gravity: true },
+    0, false,
+  );
+  drawCrossings(surface, at, palette.value, f);
+}
+
+// Where the line of gravity meets the edges of the cones: L and R of Figure 4, where they are shown.
+function drawCrossings(surface: Surface, at: View, p: Palette, f: Statics): void {
+  const c = surface.context;
+  const x = at.x(f.places[PLACES.com]!);
+  const names = [["L₁", "L₂"], ["R₂", "R₁"]];
+  const spots: number[] = [];
+  f.cones.forEach((edges, side) =>
+    edges.forEach((edge, k) => {
+      const y = at.y(edge.height);
+      const below = edge.height < f.places[PLACES.contact + 2 * side + 1]!;
+      if (below || y < 6 || y > surface.height - 6 || !Number.isFinite(y)) return;
+      c.beginPath();
+      c.arc(x, y, 3.5, 0, 2 * Math.PI);
+      c.fillStyle = side === 0 ? p.left : p.right;
+      c.fill();
+      c.font = "600 12px system-ui, sans-serif";
+      c.textBaseline = "middle";
+      c.textAlign = side === 0 ? "right" : "left";
+      const shift = spots.some((other) => Math.abs(other - y) < 12) ? 12 : 0;
+      c.fillText(names[side]![k]!, x + (side === 0 ? -9 : 9), y + shift);
+      spots.push(y);
+    }),
+  );
+}
+
+function handles(): Handle[] {
+  const at = view.value;
+  const f = found.value;
+  if (!at || !f || !f.reaches) return [];
+  const places = f.places;
+  const frame = objectTransform(scene.value, places);
+  const world = (x: number, y: number): Xy => {
+    const origin = at.y(0);
+    return [at.worldX(x), (origin - y) / at.scale];
+  };
+  const list: Handle[] = [];
+  const vertices = get(scene.value, "object.vertices_m") as Xy[];
+  vertices.forEach((vertex, k) => {
+    const [x, y] = frame.toWorld(vertex);
+    list.push({
+      id: `corner-${k}`, label: `corner ${k + 1} of the object`, kind: "corner", x: at.x(x), y: at.y(y),
+      move: (px, py) => {
+        const [sx, sy] = frame.toScene(world(px, py));
+        setObject({ vertices_m: vertices.map((v, i): Xy => (i === k ? [fine(sx), fine(sy)] : v)) });
+      },
+    });
+  });
+  list.push({
+    id: "com", label: "centre of mass", kind: "com", x: at.x(places[PLACES.com]!),
+    y: at.y(places[PLACES.com + 1]!),
+    move: (px, py) => {
+      const [sx, sy] = frame.toScene(world(px, py));
+      setObject({ com_m: [fine(sx), fine(sy)] });
+    },
+  });
+  for (const side of [0, 1] as const) {
+    const out = side === 0 ? -1 : 1;
+    const point = (start: number): Xy => [places[start + 2 * side]!, places[start + 2 * side + 1]!];
+    const [inner, outer] = [point(PLACES.inner), point(PLACES.outer)];
+    const middle: Xy = [(inner[0] + outer[0]) / 2, (inner[1] + outer[1]) / 2];
+    list.push({
+      id: `palm-${SIDES[side]}`, label: `angle of the ${SIDES[side]} palm`, kind: "palm",
+      x: at.x(outer[0]), y: at.y(outer[1]),
+      move: (px, py) => {
+        const [wx, wy] = world(px, py);
+        setTheta(side, Math.atan2(wy - middle[1], out * (wx - middle[0])) / DEGREE);
+      },
+    });
+    const [cx, cy] = point(PLACES.contact);
+    list.push({
+      id: `contact-${SIDES[side]}`, label: `contact on the ${SIDES[side]} palm`, kind: "contact",
+      x: at.x(cx), y: at.y(cy) + 13,
+      move: (px, py) => {
+        const [wx, wy] = world(px, py - 13);
+        const length = Math.hypot(outer[0] - inner[0], outer[1] - inner[1]);
+        const u: Xy = [(outer[0] - inner[0]) / length, (outer[1] - inner[1]) / length];
+        // The pair moves along with the contact: measure from where the palm is now.
+        setContact(side, 1000 * ((wx - middle[0]) * u[0] + (wy - middle[1]) * u[1]));
+      },
+    });
+  }
+  const edge = f.cones[0]![0]!;
+  const length = Math.hypot(edge.x, edge.y);
+  const [ax, ay] = [places[PLACES.contact]!, places[PLACES.contact + 1]!];
+  // As far along the edge as there is room above.
+  const room = (at.y(ay) - 18) / at.scale / Math.max(0.2, edge.y / length);
+  const reach = Math.max(0.05, Math.min(0.42, room));
+  list.push({
+    id: "cone", label: "half angle of the friction cones", kind: "cone",
+    x: at.x(ax + (edge.x / length) * reach), y: at.y(ay + (edge.y / length) * reach),
+    move: (px, py) => {
+      const [wx, wy] = world(px, py);
+      const lean = Math.atan2(wx - ax, wy - ay);
+      const phi = Math.min(1.2, Math.max(0.01, lean - theta.peek()[0] * DEGREE));
+      setKey("palm.friction", Number(Math.tan(phi).toFixed(3)));
+    },
+  });
+  return list;
+}
+
+function State() {
+  const slider = (
+    label: string, id: string, value: number, low: number, high: number, step: number, unit: string,
+    change: (value: number) => void,
+  ) => (
+    <label class="slider">
+      <span>
+        {label} <output>{value.toFixed(1).replace("-", "−")} {unit}</output>
+      </span>
+      <input type="range" id={id} min={low} max={high} step={step} value={value}
+        onInput={(event) => change(Number(event.currentTarget.value))} />
+    </label>
+  );
+  const friction = Number(get(scene.value, "palm.friction"));
+  return (
+    <div class="sliders tight">
+      {slider("θ_L", "theta-left", theta.value[0], -10, 50, 0.5, "°", (v) => setTheta(0, v))}
+      {slider("θ_R", "theta-right", theta.value[1], -10, 50, 0.5, "°", (v) => setTheta(1, v))}
+      {slider("p_L", "p-left", contact.value[0], -1000 * half(0), 1000 * half(0), 0.5, "mm", (v) => setContact(0, v))}
+      {slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
+      <label class="slider">
+        <span>friction μ <output>{friction.toFixed(2)}</output></span>
+        <input type="range" id="friction" min={0.05} max={1.2} step={0.01} value={friction}
+          onInput={(event) => setKey("palm.friction", Number(event.currentTarget.value))} />
+      </label>
+    </div>
+  );
+}
+
+// The squeezes that each contact can carry, on one axis. The ends decide which contact slides.
+function Squeezes(props: { f: Statics }) {
+  const { f } = props;
+  const finite = f.squeeze.flat().filter(Number.isFinite);
+  const low = Math.min(-0.05, ...finite.map((v) => v * 1.15));
+  const high = Math.max(0.3, ...finite.map((v) => v * 1.15));
+  const x = (h: number) => 34 + (Math.min(high, Math.max(low, h)) - low) / (high - low) * 420;
+  const both = [
+    Math.max(f.squeeze[0]![0], f.squeeze[1]![0]), Math.min(f.squeeze[0]![1], f.squeeze[1]![1]),
+  ] as const;
+  const held = both[0] <= both[1];
+  return (
+    <svg class="squeezes" viewBox="0 0 470 122" role="img"
+      aria-label={`squeezes that the left contact can carry: ${f.squeeze[0]!.map((v) => v.toFixed(3)).join(" to ")} weights, the right one: ${f.squeeze[1]!.map((v) => v.toFixed(3)).join(" to ")}`}>
+      {held && (
+        <rect x={x(both[0])} y="8" width={Math.max(1, x(both[1]) - x(both[0]))} height="70" fill="var(--zero-pale)" />
+      )}
+      {f.squeeze.map(([from, to], side) => (
+        <g>
+          <text x="24" y={26 + 30 * side} text-anchor="end" class="label" fill={side === 0 ? "var(--left)" : "var(--right)"}>
+            I{side === 0 ? "ʟ" : "ʀ"}
+          </text>
+          <line x1={x(from)} x2={x(to)} y1={22 + 30 * side} y2={22 + 30 * side} stroke={side === 0 ? "var(--left)" : "var(--right)"} stroke-width="7" />
+        </g>
+      ))}
+      <line x1="34" x2="454" y1="82" y2="82" stroke="var(--edge)" />
+      {[0, 0.1, 0.2, 0.3, 0.5, 1, 2].filter((v) => v > low && v < high).map((v) => (
+        <g>
+          <line x1={x(v)} x2={x(v)} y1="79" y2="85" stroke="var(--edge)" />
+          <text x={x(v)} y="97" text-anchor="middle" class="tick">{v}</text>
+        </g>
+      ))}
+      <text x="454" y="116" text-anchor="end" class="tick">squeeze H [weights]</text>
+      {held && f.opening >= 0 && <Arrow x={x(both[0])} direction={-1} />}
+      {held && f.closing >= 0 && <Arrow x={x(both[1])} direction={1} />}
+    </svg>
+  );
+}
+
+function Arrow(props: { x: number; direction: number }) {
+  const tip = props.x + 3 * props.direction;
+  return (
+    <path d={`M${tip - 12 * props.direction} 67 L${tip} 67 m${-5 * props.direction} -4 l${5 * props.direction} 4 l${-5 * props.direction} 4`}
+      fill="none" stroke="var(--ink)" stroke-width="1.6" />
+  );
+}
+
+function NineModes(props: { f: Statics }) {
+  const { f } = props;
+  const title = ["ST", "SL", "SR"];
+  // The core orders the motions of a contact as sticks, up, down; up is SL left and SR right.
+  const leftAt = [0, 1, 2];
+  const rightAt = [0, 2, 1];
+  return (
+    <table class="modes">
+      <caption>Nine contact modes: which balance, and which one happens</caption>
+      <thead>
+        <tr>
+          <th>left ↓ right →</th>
+          {title.map((name) => <th>{name}</th>)}
+        </tr>
+      </thead>
+      <tbody>
+        {MODE_CELLS.map((l) => (
+          <tr>
+            <th scope="row">{title[l]}</th>
+            {MODE_CELLS.map((r) => {
+              const mode = 3 * leftAt[l]! + rightAt[r]!;
+              const happens = [f.closing === mode ? "closing" : "", f.opening === mode ? "opening" : ""].filter(Boolean);
+              return (
+                <td class={happens.length ? "happens" : f.feasible[mode] ? "feasible" : "no"}>
+                  {f.feasible[mode] ? happens.join(", ") || "balances" : "–"}
+                </td>
+              );
+            })}
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function ModeMap(props: { closing: boolean }) {
+  const values = props.closing ? maps.closing : maps.opening;
+  const seen = [...new Set(values.value ?? [])];
+  const pick = (event: PointerEvent) => {
+    if (event.buttons === 0) return;
+    const place = event.currentTarget as HTMLElement;
+    const rect = place.getBoundingClientRect();
+    place.setPointerCapture(event.pointerId);
+    const size = mapSize(rect);
+    setContact(0, (2 * ((event.clientX - rect.left - MAP_LEFT) / size) - 1) * 1000 * REACH * half(0));
+    setContact(1, (1 - 2 * ((event.clientY - rect.top - MAP_TOP) / size)) * 1000 * REACH * half(1));
+  };
+  const name = props.closing ? "driven together" : "driven apart";
+  return (
+    <figure class="map">
+      <figcaption>{name}</figcaption>
+      <Canvas
+        id={props.closing ? "map-closing" : "map-opening"}
+        height={(width) => Math.min(width, 300)}
+        label={`map of the contact mode when ${name}, over both contact positions`}
+        onPointerDown={pick}
+        onPointerMove={pick}
+        draw={(s) => {
+          if (!values.value) return;
+          const size: [number, number] = [1000 * half(0), 1000 * half(1)];
+          const palms = { pL: [-size[0], size[0]] as [number, number], pR: [-size[1], size[1]] as [number, number] };
+          drawModeMap(s, palette.value, values.value, size, [palms], contact.value);
+        }}
+      />
+      <ul class="key">
+        {seen.sort((a, b) => b - a).map((mode) => (
+          <li>
+            <i style={{ background: modeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {modeName(mode)}
+          </li>
+        ))}
+      </ul>
+    </figure>
+  );
+}
+
+// Figure 6: the COMs for which the properties hold over the whole palms, drawn on the object.
+function drawCom(surface: Surface): void {
+  const machine = core.value;
+  if (!machine) return;
+  const p = palette.value;
+  const c = surface.context;
+  const vertices = get(scene.value, "object.vertices_m") as Xy[];
+  const contacts = get(scene.value, "object.contacts") as [number, number];
+  const [a, b] = [vertices[contacts[0]]!, vertices[contacts[1]]!];
+  const width = Math.hypot(b[0] - a[0], b[1] - a[1]);
+  const [ex, ey] = [(b[0] - a[0]) / width, (b[1] - a[1]) / width];
+  const inFrame = ([x, y]: Xy): Xy => [
+    (x - a[0]) * ex + (y - a[1]) * ey, (y - a[1]) * ex - (x - a[0]) * ey,
+  ];
+  const points = vertices.map(inFrame);
+  const xs = points.map((v) => v[0]);
+  const ys = points.map((v) => v[1]);
+  const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  machine.setScene(scene.value);
+  const [nx, ny] = [180, 90];
+  const bits = machine.comMap([x0, x1], [y0, y1], nx, ny);
+  const scale = Math.min((surface.width - 20) / (x1 - x0), (surface.height - 20) / (y1 - y0));
+  const [left, top] = [(surface.width - scale * (x1 - x0)) / 2, (surface.height - scale * (y1 - y0)) / 2];
+  const at = ([x, y]: Xy): Xy => [left + (x - x0) * scale, top + (y1 - y) * scale];
+  c.save();
+  c.beginPath();
+  points.forEach((point, k) => (k === 0 ? c.moveTo(...at(point)) : c.lineTo(...at(point))));
+  c.closePath();
+  c.fillStyle = p.ground;
+  c.fill();
+  c.clip();
+  const box = { x: left, y: top, width: scale * (x1 - x0), height: scale * (y1 - y0) };
+  drawCells(c, box, nx, ny, (k) => {
+    const bit = bits[k]!;
+    if (bit === 0) return null;
+    return bit === 3 ? [p.zero, 0.6] : bit === 1 ? [p.left, 0.28] : [p.right, 0.28];
+  });
+  c.restore();
+  c.strokeStyle = p.objectEdge;
+  c.lineWidth = 1.5;
+  c.beginPath();
+  points.forEach((point, k) => (k === 0 ? c.moveTo(...at(point)) : c.lineTo(...at(point))));
+  c.closePath();
+  c.stroke();
+  const [mx, my] = at(inFrame(get(scene.value, "object.com_m") as Xy));
+  c.beginPath();
+  c.arc(mx, my, 5, 0, 2 * Math.PI);
+  c.fillStyle = p.background;
+  c.fill();
+  c.strokeStyle = p.ink;
+  c.lineWidth = 2;
+  c.stroke();
+}
+
+export function MechanicsView() {
+  const f = found.value;
+  const words = sceneWords(base.value, overrides.value).join(" ");
+  const numbers = [
+    "--theta-left-deg", theta.value[0], "--theta-right-deg", theta.value[1],
+    "--p-left-m", contact.value[0] / 1000, "--p-right-m", contact.value[1] / 1000,
+  ].join(" ");
+  return (
+    <>
+      <header class="lead">
+        <h1>Which contact slides?</h1>
+        <p>
+          Drag anything: the centre of mass, the corners, a palm, a contact, an edge of the cones. The
+          squeeze H, the force with which the palms press the object inward, decides.
+        </p>
+      </header>
+      <div class="choices">
+        <SceneChoice />
+        <button type="button" id="reset" onClick={() => {
+          overrides.value = {};
+          for (const name of ["tl", "tr", "pl", "pr"]) setExtra(name, "", "");
+        }}>
+          reset
+        </button>
+      </div>
+      <section class="panel" aria-label="one state">
+        <div class="stage over">
+          <Canvas id="mechanics" height={mechanicsHeight} draw={draw}
+            label="object, palms, friction cones and line of gravity of one state" />
+          <Handles handles={handles()} />
+          {f && !f.reaches && <p class="status refusal">The object does not reach from palm to palm.</p>}
+          {f && f.reaches && f.reason > 0 && (
+            <p class="status refusal">{tables.dropReasons[f.reason]![0]}: {tables.dropReasons[f.reason]![1]}</p>
+          )}
+        </div>
+        <State />
+      </section>
+      {f && f.reaches && (
+        <>
+          <div class="columns">
+            <section>
+              <h2>Driven together: {modeName(f.closing)}</h2>
+              <p id="closing-words">{sentence(modeWords(f.closing))} {decision(f, true)}</p>
+              <h2>Driven apart: {modeName(f.opening)}</h2>
+              <p id="opening-words">{sentence(modeWords(f.opening))} {decision(f, false)}</p>
+              <p class="note">
+                Both friction cones may shrink by {(f.margin / DEGREE).toFixed(2).replace("-", "−")}° before the object slides.
+              </p>
+            </section>
+            <section>
+              <Squeezes f={f} />
+              <NineModes f={f} />
+              <p class="note">ST sticks, SL slides to the left, SR slides to the right.</p>
+            </section>
+          </div>
+          <section>
+            <h2>Every pair of contacts</h2>
+            <p class="note">
+              At these palm angles, as in Figure 5 of the paper: the region of a mode is a band, and the square is the contacts that the palms allow. Drag the dot.
+            </p>
+            <div class="columns">
+              <ModeMap closing />
+              <ModeMap closing={false} />
+            </div>
+          </section>
+          <section>
+            <h2>Every centre of mass</h2>
+            <p class="note">
+              Where it may lie so that, with the scene's two angles and the contacts anywhere on the
+              palms, closing slides the shallow contact up (property 1) and opening slides the steep
+              one down (property 2). Figure 6 of the paper.
+            </p>
+            <Canvas id="com-map" height={(width) => Math.min(280, Math.max(160, width * 0.4))} draw={drawCom}
+              label="region of centres of mass for which both properties hold, on the object" />
+            <ul class="key">
+              <li><i style="background: var(--zero); opacity: 0.6" /> both properties hold</li>
+              <li><i style="background: var(--left); opacity: 0.28" /> only property 1</li>
+              <li><i style="background: var(--right); opacity: 0.28" /> only property 2</li>
+            </ul>
+          </section>
+        </>
+      )}
+      <AtHome lines={[`palmbots modes ${words} ${numbers}`, `palmbots analyze ${words} --figures out`]} />
+    </>
+  );
+}
+
+function sentence(words: string): string {
+  return `${words[0]!.toUpperCase()}${words.slice(1)}.`;
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts that several views use: choices of scene and controller, sliders, the command line.
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useRef } from "preact/hooks";
+import { POLICY_FILE, SCENE_FILE, needsFile, policyFile } from "../shared/command";
+import { get, overridesOf } from "../shared/scene";
+import {
+  OWN_ROWS, base, controller, forks, overrides, player, policy, scene, setKey,
+} from "../shared/state";
+import { type Json, type Scene, controllerInfo, tables } from "../shared/tables";
+import { sceneFile } from "../shared/toml";
+
+export function Field(props: { label: string; children: ComponentChildren; hint?: string }) {
+  return (
+    <label class="field" title={props.hint}>
+      <span>{props.label}</span>
+      {props.children}
+    </label>
+  );
+}
+
+export function controllerTitle(name: string): string {
+  if (name === OWN_ROWS) return "nine rows of your own";
+  return controllerInfo(name)?.name ?? name;
+}
+
+export function ControllerChoice(props: {
+  value: string; onChange: (name: string) => void; label?: string; id?: string;
+}) {
+  return (
+    <Field label={props.label ?? "controller"} hint={controllerInfo(props.value)?.description}>
+      <select
+        id={props.id}
+        value={props.value}
+        onChange={(event) => props.onChange(event.currentTarget.value)}
+      >
+        {tables.controllers.map((c) => (
+          <option value={c.name}>{c.name}</option>
+        ))}
+        <option value={OWN_ROWS}>nine rows of your own</option>
+      </select>
+    </Field>
+  );
+}
+
+// The name of the object that is carried, or "" for one of a file.
+export function objectName(): string {
+  const named = overrides.value.object;
+  if (typeof named === "string") return named;
+  if ("object.vertices_m" in overrides.value) return "";
+  return "box";
+}
+
+export function SceneChoice() {
+  const meaning = tables.scenes.find((s) => s.name === base.value)?.meaning;
+  return (
+    <>
+      <Field label="scene" hint={meaning}>
+        <select
+          id="scene"
+          value={base.value}
+          onChange={(event) => {
+            base.value = event.currentTarget.value;
+            overrides.value = {};
+            forks.value = [];
+            player.seek(0);
+          }}
+        >
+          {tables.scenes.map((s) => (
+            <option value={s.name}>{s.name}</option>
+          ))}
+        </select>
+      </Field>
+      <Field label="object">
+        <select
+          id="object"
+          value={objectName()}
+          onChange={(event) => {
+            const next = { ...overrides.value };
+            for (const key of Object.keys(next)) if (key.startsWith("object")) delete next[key];
+            if (event.currentTarget.value !== "box") next.object = event.currentTarget.value;
+            overrides.value = next;
+          }}
+        >
+          {objectName() === "" && <option value="">from a file</option>}
+          {tables.objects.map((o) => (
+            <option value={o.name}>{o.name}</option>
+          ))}
+        </select>
+      </Field>
+    </>
+  );
+}
+
+export function KeySlider(props: {
+  name: string; label: string; min: number; max: number; step: number; unit?: string;
+  factor?: number; digits?: number;
+}) {
+  const factor = props.factor ?? 1;
+  const value = Number(get(scene.value, props.name)) * factor;
+  const meaning = tables.keys.find((k) => k.name === props.name)?.meaning;
+  return (
+    <label class="slider" title={meaning}>
+      <span>
+        {props.label} <output>{value.toFixed(props.digits ?? 0)}{props.unit ? ` ${props.unit}` : ""}</output>
+      </span>
+      <input
+        type="range"
+        data-key={props.name}
+        min={props.min}
+        max={props.max}
+        step={props.step}
+        value={value}
+        onInput={(event) => {
+          const next = Number((Number(event.currentTarget.value) / factor).toPrecision(12));
+          const usual = get(tables.scenes.find((s) => s.name === base.value)!.scene, props.name);
+          setKey(props.name, next === usual ? undefined : next);
+        }}
+      />
+    </label>
+  );
+}
+
+export function Disturbances() {
+  return (
+    <div class="sliders">
+      <KeySlider name="robot.noise_m_s" label="speed noise" min={0} max={40} step={1} factor={1000} unit="mm/s" />
+      <KeySlider name="radio.latency_s" label="radio latency" min={0} max={500} step={10} factor={1000} unit="ms" />
+      <KeySlider name="radio.loss" label="radio loss" min={0} max={50} step={1} factor={100} unit="%" />
+    </div>
+  );
+}
+
+export function download(name: string, data: Blob): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(data);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+// "The same at home": one or more command lines, and the files that they need.
+export function AtHome(props: {
+  lines: string[]; hash?: string; note?: ComponentChildren; files?: [string, string][];
+}) {
+  const copied = useSignal(false);
+  const lines = useRef<HTMLPreElement>(null);
+  const text = props.lines.join("\n");
+  const files = [...(props.files ?? [])];
+  if (needsFile(overrides.value) && text.includes(SCENE_FILE)) {
+    files.push([SCENE_FILE, sceneFile(overrides.value)]);
+  }
+  if (text.includes(POLICY_FILE)) files.push([POLICY_FILE, policyFile(policy.value)]);
+  return (
+    <section class="home" aria-label="the same at home">
+      <h2>The same at home</h2>
+      <pre class="command" tabIndex={0} ref={lines}>{text}</pre>
+      <p class="row">
+        <button
+          type="button"
+          onClick={async () => {
+            // Only a page from this machine or over HTTPS may write to the clipboard.
+            if (!navigator.clipboard) return getSelection()?.selectAllChildren(lines.current!);
+            await navigator.clipboard.writeText(text);
+            copied.value = true;
+            setTimeout(() => (copied.value = false), 1500);
+          }}
+        >
+          {copied.value ? "copied" : "copy"}
+        </button>
+        {files.map(([name, content]) => (
+          <button type="button" onClick={() => download(name, new Blob([content]))}>
+            save {name}
+          </button>
+        ))}
+        {props.hash && (
+          <span>
+            trace <code id="hash">{props.hash}</code>: your computer computes the same bits.
+          </span>
+        )}
+        {props.note && <span>{props.note}</span>}
+      </p>
+    </section>
+  );
+}
+
+export const dropError = { value: "" };
+
+// Opens a scene file that was dropped or chosen. Throws an Error with one line.
+export async function openScene(file: File): Promise<void> {
+  const { parse } = await import("smol-toml");
+  if (file.size > 200_000) throw new Error(`${file.name}: is too large for a scene`);
+  let table: Scene;
+  try {
+    table = JSON.parse(JSON.stringify(parse(await file.text()))) as Scene;
+  } catch (error) {
+    throw new Error(`${file.name}: ${(error as Error).message.split("\n")[0]}`);
+  }
+  let found: Record<string, Json>;
+  try {
+    found = overridesOf(table);
+  } catch (error) {
+    throw new Error(`${file.name}: ${(error as Error).message}`);
+  }
+  base.value = "paper";
+  overrides.value = found;
+  forks.value = [];
+  player.seek(0);
+}
+
+export function caseMeaning(name: string, letter: string): string {
+  return controllerInfo(name)?.cases[letter] ?? "";
+}
+
+export function setController(name: string): void {
+  controller.value = name;
+  forks.value = [];
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contacts, palms and messages over time, with one cursor. A message can be lost, delayed or copied.
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { Canvas } from "../shared/canvas";
+import {
+  LEFT_MARGIN, RIGHT_MARGIN, SEQUENCE_HEIGHT, type TimeAxis, arrowsOf, drawContacts, drawPalms,
+  drawSequence, timeAt,
+} from "../shared/charts";
+import type { Message, Recorded } from "../shared/core";
+import { get, ofSide } from "../shared/scene";
+import { append, before, controller, player, recorded, scene, setKey } from "../shared/state";
+import { type Json, SIDES, controllerInfo } from "../shared/tables";
+import { palette } from "../shared/theme";
+import { zeroZone } from "./stage";
+
+const chosen = signal<number | null>(null);
+const whole = signal(false);
+// While a finger drags the cursor, the axis stands still.
+const held = signal<TimeAxis | null>(null);
+const DELAY_S = 0.5;
+const PIXELS_PER_S = 85; // where the axis shows a part of the carry
+
+// The part of the carry that the charts show: all of it, or what lies around the cursor.
+function axis(run: Recorded, width: number): TimeAxis {
+  if (held.value) return { ...held.value, width };
+  const end = Math.max(run.time, before.value?.time ?? 0, 0.1);
+  const span = Math.max(4, width / PIXELS_PER_S);
+  if (whole.value || end <= span) return { from: 0, to: end, width };
+  const from = Math.min(Math.max(player.time.value - 0.4 * span, 0), end - span);
+  return { from, to: from + span, width };
+}
+
+export function faultOf(message: Message): { [key: string]: Json } | undefined {
+  const script = get(scene.value, "radio.script") as { [key: string]: Json }[];
+  return script.find((f) => f.sender === SIDES[message.sender] && f.message === message.number);
+}
+
+export function setFault(message: Message, effect: "lost" | "delayed" | "duplicated" | null): void {
+  const script = get(scene.value, "radio.script") as { [key: string]: Json }[];
+  const own = (f: { [key: string]: Json }) =>
+    f.sender === SIDES[message.sender] && f.message === message.number;
+  const rest = script.filter((f) => !own(f));
+  setKey("radio.script", rest.length > 0 ? rest : undefined);
+  if (effect === null) return;
+  append("radio.script", {
+    sender: SIDES[message.sender]!, message: message.number, effect,
+    ...(effect === "lost" ? {} : { delay_s: DELAY_S }),
+  });
+}
+
+export function Charts() {
+  const run = recorded.value;
+  const frame = useRef<HTMLDivElement>(null);
+  if (!run) return null;
+  const of = scene.value;
+  const info = controllerInfo(controller.value);
+  const latency = Number(get(of, "radio.latency_s"));
+  const half = Math.max(...SIDES.map((side) => ofSide(of, "palm", side, "length_m"))) / 2;
+  const angles = SIDES.flatMap((side) => [
+    ofSide(of, "palm", side, "shallow_deg"), ofSide(of, "palm", side, "steep_deg"),
+  ]);
+  const band = { from: Math.min(...angles), to: Math.max(...angles) };
+  const talks = info?.usesRadio !== false && info?.team !== "station" && info !== undefined;
+
+  const scrub = (event: PointerEvent) => {
+    if (event.buttons === 0) return;
+    const place = event.currentTarget as HTMLElement;
+    const rect = place.getBoundingClientRect();
+    if (!held.value) {
+      held.value = axis(run, rect.width);
+      place.setPointerCapture(event.pointerId);
+    }
+    player.pause();
+    player.seek(timeAt(axis(run, rect.width), event.clientX - rect.left));
+  };
+  const release = () => {
+    held.value = null;
+  };
+  const pick = (event: PointerEvent) => {
+    const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
+    const [x, y] = [event.clientX - rect.left, event.clientY - rect.top];
+    const arrows = arrowsOf(axis(run, rect.width), run.messages, latency);
+    let best = -1;
+    let nearest = 14;
+    arrows.forEach((a, index) => {
+      const share = (y - a.y0) / (a.y1 - a.y0);
+      if (share < -0.1 || share > 1.1) return;
+      const gap = Math.abs(x - (a.x0 + (a.x1 - a.x0) * share));
+      if (gap < nearest) [nearest, best] = [gap, index];
+    });
+    chosen.value = best >= 0 ? best : null;
+    if (best >= 0) {
+      player.pause();
+    } else {
+      scrub(event);
+    }
+  };
+  const keys = (event: KeyboardEvent) => {
+    const step = event.shiftKey ? 0.1 : 0.01;
+    if (event.key === "ArrowLeft") player.step(-step);
+    else if (event.key === "ArrowRight") player.step(step);
+    else if (event.key === "Home") player.seek(0);
+    else if (event.key === "End") player.seek(run.time);
+    else if (event.key === "m" || event.key === "M") {
+      const count = run.messages.length;
+      if (count > 0) {
+        const next = chosen.value === null
+          ? Math.max(0, run.messages.findIndex((m) => m.sent >= player.time.value))
+          : (chosen.value + (event.key === "m" ? 1 : count - 1)) % count;
+        chosen.value = next;
+        player.seek(run.messages[next]!.sent);
+      }
+    } else return;
+    event.preventDefault();
+  };
+
+  return (
+    <div class="charts" ref={frame}>
+      <div class="legend">
+        <span class="left-key">left robot</span>
+        <span class="right-key">right robot</span>
+        <span class="zero-key">sensor reads 0</span>
+        <label class="check small">
+          <input
+            type="checkbox"
+            id="whole"
+            checked={whole.value}
+            onChange={(event) => (whole.value = event.currentTarget.checked)}
+          />
+          whole carry
+        </label>
+      </div>
+      <figure>
+        <figcaption>contacts p [mm], outward is up</figcaption>
+        <Canvas
+          id="contacts-chart"
+          height={132}
+          label="contact coordinates over time; the arrow keys move the cursor"
+          onPointerDown={scrub}
+          onPointerMove={scrub}
+          onPointerUp={release}
+          onKeyDown={keys}
+          draw={(s) =>
+            drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
+          }
+        />
+      </figure>
+      <figure>
+        <figcaption>palm angles</figcaption>
+        <Canvas
+          id="palms-chart"
+          height={66}
+          label="palm angles over time"
+          onPointerDown={scrub}
+          onPointerMove={scrub}
+          onPointerUp={release}
+          draw={(s) => drawPalms(s, palette.value, axis(run, s.width), run, band)}
+        />
+      </figure>
+      <figure>
+        <figcaption>
+          {talks ? "corrections and messages: click one" : "corrections"}
+        </figcaption>
+        <Canvas
+          id="sequence-chart"
+          height={SEQUENCE_HEIGHT}
+          label="corrections and messages of both robots; M selects the next message"
+          onPointerDown={pick}
+          onPointerMove={scrub}
+          onPointerUp={release}
+          onKeyDown={keys}
+          draw={(s) =>
+            drawSequence(
+              s, palette.value, axis(run, s.width), run, latency, chosen.value,
+              info?.isPeriodic ?? false,
+            )
+          }
+        />
+      </figure>
+      <Cursor run={run} frame={frame} />
+      <MessageCard run={run} />
+      {info?.team === "station" && (
+        <p class="note">The station hears both robots and answers in every control period.</p>
+      )}
+    </div>
+  );
+}
+
+// One line over all charts at the time of the player.
+function Cursor(props: { run: Recorded; frame: { current: HTMLDivElement | null } }) {
+  const width = props.frame.current?.clientWidth ?? 0;
+  const shown = axis(props.run, width || 800);
+  const share = Math.min(1, Math.max(0, (player.time.value - shown.from) / (shown.to - shown.from)));
+  const inner = `(100% - ${LEFT_MARGIN + RIGHT_MARGIN}px)`;
+  return <div class="cursor" style={{ left: `calc(${LEFT_MARGIN}px + ${share} * ${inner})` }} />;
+}
+
+function MessageCard(props: { run: Recorded }) {
+  if (chosen.value === null) return null;
+  const message = props.run.messages[chosen.value];
+  if (!message) return null;
+  const fault = faultOf(message);
+  const lost = Number.isNaN(message.received);
+  const effects = ["lost", "delayed", "duplicated"] as const;
+  const words = { lost: "lose it", delayed: `delay it by ${DELAY_S} s`, duplicated: "deliver it twice" };
+  return (
+    <div class="card" role="group" aria-label="the chosen message">
+      <p>
+        <strong>{message.kind}</strong> from the {SIDES[message.sender]} robot at{" "}
+        {message.sent.toFixed(2)} s{lost ? ", lost" : `, received at ${message.received.toFixed(2)} s`}
+      </p>
+      <p class="row">
+        {effects.map((effect) => (
+          <button
+            type="button"
+            data-effect={effect}
+            aria-pressed={fault?.effect === effect}
+            onClick={() => setFault(message, fault?.effect === effect ? null : effect)}
+          >
+            {words[effect]}
+          </button>
+        ))}
+        <button type="button" class="plain" onClick={() => (chosen.value = null)} aria-label="close">
+          ×
+        </button>
+      </p>
+    </div>
+  );
+}
+

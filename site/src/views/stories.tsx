@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stories: eight short scenes with one thing to do in each.
+import { signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { AtHome } from "./parts";
+import { PlayerBar, playerKeys } from "./player_bar";
+import { Charts } from "./sequence";
+import { Stage, showCones } from "./stage";
+import { outcomeText } from "./carry";
+import { carryCommand } from "../shared/command";
+import type { Overrides } from "../shared/scene";
+import {
+  base, controller, extraNumber, forks, overrides, player, recorded, seed, setExtra,
+} from "../shared/state";
+import { controllerInfo } from "../shared/tables";
+import { reducedMotion } from "../shared/theme";
+
+interface Start {
+  scene?: string;
+  controller?: string;
+  seed?: number;
+  set?: Overrides;
+  cones?: boolean;
+  at?: number;
+}
+
+interface Story {
+  title: string;
+  start: Start;
+  text: string;
+  task: string; // the one thing to do
+  actions: { label: string; act: Start }[];
+  after: string; // what the action shows
+  question?: { ask: string; answers: string[]; right: number };
+}
+
+const QUIET = { "robot.noise_m_s": 0 };
+const LOST_ACK = { "radio.script": [{ sender: "left", message: 1, effect: "lost" }] };
+const ONE_BUMP = {
+  ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.36,
+};
+
+export const STORIES: Story[] = [
+  {
+    title: "The paper's Figure 8",
+    start: { scene: "figure8" },
+    text:
+      "Seven bumps in six and a half seconds, retold from the paper. A negative contact is corrected by its own robot, case (d). For a positive one the robot asks its partner to tilt up, case (a); the partner assists, case (c).",
+    task: "Stop at 0.7 s and look at the arrows: TiltUp, Ack, TiltDown.",
+    actions: [{ label: "go to 0.7 s", act: { scene: "figure8", at: 0.7 } }],
+    after: "The left palm is shallow, so opening slides only the right contact. The right robot drives away until its contact is back.",
+  },
+  {
+    title: "A lost Ack",
+    start: { set: ONE_BUMP },
+    text:
+      "Table 2 waits for answers. One bump, one request, one answer, and everything is well. Now the answer gets lost.",
+    task: "Lose the Ack.",
+    actions: [{ label: "lose it", act: { set: { ...ONE_BUMP, ...LOST_ACK } } }],
+    after: "The right robot waits for the Ack, the left one for TiltDown, forever. The box arrives only because nothing else happens.",
+  },
+  {
+    title: "Leases",
+    start: { controller: "resilient", set: { ...ONE_BUMP, "radio.loss": 0.3 } },
+    text:
+      "The controller resilient repeats what it has to say in beacons, and acts on a beacon only for as long as a lease. Here three of ten messages are lost.",
+    task: "Silence the left robot for one and a half seconds.",
+    actions: [
+      {
+        label: "silence it",
+        act: {
+          controller: "resilient",
+          set: {
+            ...ONE_BUMP, "radio.loss": 0.3,
+            "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 2 }],
+          },
+        },
+      },
+    ],
+    after: "When the lease runs out the right robot stops and waits. It starts again when it hears its partner. Nobody waits forever.",
+  },
+  {
+    title: "Why the palms tilt",
+    start: { cones: true, controller: "none", set: { ...QUIET, "robot.right.bias_m_s": 0.008 }, at: 0.01 },
+    text:
+      "The right robot drives 8 mm/s too fast. With both palms steep the object decides which contact slides, and nobody corrects. Watch it walk off the palm.",
+    task: "Give the pair a controller.",
+    actions: [
+      { label: "distributed", act: { cones: true, controller: "distributed", set: { ...QUIET, "robot.right.bias_m_s": 0.008 } } },
+    ],
+    after: "A shallow palm has another friction cone than a steep one. So the robots choose the contact that slides.",
+  },
+  {
+    title: "Two robots without a radio",
+    start: { controller: "silent", seed: 3 },
+    text:
+      "The controller silent sends nothing. Each robot corrects by the sign of its own contact, and the palms make it work.",
+    task: "Double the noise.",
+    actions: [{ label: "noise 20 mm/s", act: { controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 } } }],
+    after: "It still corrects without a word. Compare counts how often it drops the box.",
+  },
+  {
+    title: "A reboot",
+    start: {
+      set: {
+        ...QUIET, "task.distance_m": 0.5,
+        "bumps.script": [
+          { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
+        ],
+        "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
+      },
+    },
+    text:
+      "The right robot reboots for 20 ms while it assists, and forgets that it does. Now one robot drives away and the other closer, forever: the contacts no longer move.",
+    task: "Let the same happen to the controller resilient.",
+    actions: [
+      {
+        label: "resilient",
+        act: {
+          controller: "resilient",
+          set: {
+            ...QUIET, "task.distance_m": 0.5,
+            "bumps.script": [
+              { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
+            ],
+            "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
+          },
+        },
+      },
+    ],
+    after: "The beacons of a robot that has booted say so. The partner lets go, and both begin anew.",
+  },
+  {
+    title: "A slope, and the edge of what is possible",
+    start: { set: { "task.slope_deg": 4 } },
+    text:
+      "On a slope gravity pulls the box towards one robot. At the paper's angles both properties hold up to 4.5°.",
+    task: "Make it 8°.",
+    actions: [{ label: "8°", act: { set: { "task.slope_deg": 8 } } }],
+    after: "Beyond the limit the wrong contact may slide, and corrections push the contact the wrong way. Design shows which angles stand a steeper floor.",
+  },
+  {
+    title: "Predict first, then watch",
+    start: {
+      set: { ...QUIET, "bumps.script": [{ robot: "left", at_s: 0.5, shift_m: -0.03 }], "task.distance_m": 0.3 },
+      at: 0.6,
+    },
+    text: "A bump has moved the left contact 30 mm inward: p_L < 0, and p_R is 0.",
+    task: "What will the robots do?",
+    actions: [],
+    after: "",
+    question: {
+      ask: "What will the robots do?",
+      answers: [
+        "The left robot tilts its own palm up and drives closer.",
+        "The left robot asks the right one to tilt up, then drives away.",
+        "The right robot tilts up and drives closer.",
+      ],
+      right: 0,
+    },
+  },
+];
+
+const done = signal(false);
+const answer = signal<number | null>(null);
+
+function begin(start: Start): void {
+  base.value = start.scene ?? "paper";
+  controller.value = start.controller ?? "distributed";
+  seed.value = start.seed ?? 0;
+  overrides.value = start.set ?? {};
+  forks.value = [];
+  showCones.value = start.cones ?? false;
+  player.seek(start.at ?? 0);
+}
+
+function run(start: Start): void {
+  const still = start.at !== undefined && start.at > 0.05;
+  if (still || reducedMotion.matches) player.pause();
+  else player.play();
+}
+
+// Whether the state is one that the present story has made: then it stays after a reload.
+function isOfStory(story: Story): boolean {
+  const same = (start: Start) =>
+    base.value === (start.scene ?? "paper") &&
+    controller.value === (start.controller ?? "distributed") &&
+    JSON.stringify(overrides.value) === JSON.stringify(start.set ?? {});
+  return same(story.start) || story.actions.some(({ act }) => same(act));
+}
+
+export function StoriesView() {
+  const place = Math.min(STORIES.length, Math.max(1, extraNumber("story", 1)));
+  const story = STORIES[place - 1]!;
+  useEffect(() => {
+    done.value = false;
+    answer.value = null;
+    if (!isOfStory(story) || player.time.peek() === 0) {
+      begin(story.start);
+      run(story.start);
+    }
+  }, [place]);
+  useEffect(() => {
+    document.addEventListener("keydown", playerKeys);
+    return () => document.removeEventListener("keydown", playerKeys);
+  }, []);
+  const carried = recorded.value;
+  const info = controllerInfo(controller.value);
+  return (
+    <>
+      <ol class="chapters" aria-label="stories">
+        {STORIES.map((item, k) => (
+          <li>
+            <button type="button" aria-current={k + 1 === place ? "step" : undefined}
+              onClick={() => setExtra("story", String(k + 1), "1")}>
+              {item.title}
+            </button>
+          </li>
+        ))}
+      </ol>
+      <header class="lead">
+        <h1>{story.title}</h1>
+        <p>{story.text}</p>
+      </header>
+      <div class="task">
+        {story.question ? <Question story={story} /> : (
+          <>
+            <strong>{story.task}</strong>
+            {story.actions.map(({ label, act }) => (
+              <button type="button" class="act" onClick={() => {
+                begin(act);
+                done.value = true;
+                run(act);
+              }}>
+                {label}
+              </button>
+            ))}
+            {done.value && (
+              <button type="button" class="plain" onClick={() => {
+                begin(story.start);
+                done.value = false;
+                run(story.start);
+              }}>
+                back to the beginning
+              </button>
+            )}
+          </>
+        )}
+      </div>
+      {done.value && story.after && <p class="after" role="status">{story.after}</p>}
+      <section class="panel" aria-label="the carry">
+        <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
+        <Ending />
+        <PlayerBar />
+        <Charts />
+      </section>
+      <AtHome
+        lines={[carryCommand(base.value, overrides.value, controller.value, seed.value, forks.value)]}
+        hash={carried?.hash}
+      />
+    </>
+  );
+}
+
+function Ending(): ComponentChildren {
+  const carried = recorded.value;
+  if (!carried || player.time.value < carried.time) return <p class="status">&nbsp;</p>;
+  const waits = carried.hanging
+    .map((h, side) => (h.since > 0.5 && h.awaits ? `the ${side ? "right" : "left"} robot still waits for ${h.awaits}` : ""))
+    .filter(Boolean);
+  return (
+    <p class="status ending">
+      <strong class={carried.outcome === 1 && waits.length === 0 ? "good" : "bad"}>
+        {[outcomeText(carried), ...waits].join("; ")}
+      </strong>
+    </p>
+  );
+}
+
+function Question(props: { story: Story }) {
+  const { ask, answers, right } = props.story.question!;
+  return (
+    <fieldset>
+      <legend>{ask}</legend>
+      {answers.map((words, k) => (
+        <label class="check">
+          <input type="radio" name="prediction" checked={answer.value === k}
+            onChange={() => {
+              answer.value = k;
+              player.seek(0.6);
+              if (!reducedMotion.matches) player.play();
+            }} />
+          {words}
+        </label>
+      ))}
+      {answer.value !== null && (
+        <p class="after" role="status">
+          {answer.value === right ? "Yes. " : "Look again. "}
+          A robot corrects a negative contact alone: with its own palm shallow and its partner's steep,
+          closing slides only its own contact, up.
+        </p>
+      )}
+    </fieldset>
+  );
+}
+

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pushes of robots: how far they move a robot, mirror symmetry, and the same bits in batches."""
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots.control.registry import shipped_names
+from palmbots.errors import SceneError
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import run_seeds
+
+PUSHES = [
+    {"robot": "left", "at_s": 0.5, "duration_s": 0.25, "speed_m_s": 0.08},
+    {"robot": "right", "at_s": 0.6, "duration_s": 0.3, "speed_m_s": -0.04},
+]
+SHORT = {"task.distance_m": 0.3}
+
+
+def separations(**keys: object) -> np.ndarray:
+    result = pb.carry("paper", "none", overrides={"robot.noise_m_s": 0.0, **SHORT, **keys})
+    assert result.trace is not None
+    return result.trace["separation"].to_numpy()
+
+
+def test_a_push_moves_its_robot_by_speed_times_duration() -> None:
+    moved = np.diff(separations(**{"bumps.pushes": PUSHES}))
+    expected = np.zeros_like(moved)
+    expected[50:75] += 0.01 * 0.08
+    expected[60:90] -= 0.01 * 0.04
+    np.testing.assert_allclose(moved, expected, atol=1e-15)
+    assert np.ptp(separations()) == 0  # without a push nothing moves
+
+
+def test_a_push_adds_to_a_calibration_error() -> None:
+    bias = {"robot.left.bias_m_s": 0.002}
+    both = separations(**{"bumps.pushes": PUSHES[:1]}, **bias)
+    alone = separations(**bias)
+    np.testing.assert_allclose(both[76] - alone[76], 0.08 * 0.25, atol=1e-12)
+
+
+def test_a_push_of_speed_zero_changes_no_bit() -> None:
+    still = [{**PUSHES[0], "speed_m_s": 0.0}]
+    with_push = pb.carry("paper", seed=4, overrides={**SHORT, "bumps.pushes": still})
+    assert with_push.trace_hash == pb.carry("paper", seed=4, overrides=SHORT).trace_hash
+
+
+def test_brakes_hold_a_robot_against_a_push() -> None:
+    off = [{"kind": "reboot", "robot": "right", "at_s": 0.1, "duration_s": 5.0}]
+    late = [{"robot": "right", "at_s": 2.0, "duration_s": 0.5, "speed_m_s": 0.05}]
+    keys = {"robot.noise_m_s": 0.0, "faults.script": off, "task.timeout_s": 3.0}
+    hashes = {
+        pb.carry("paper", "resilient", overrides={**keys, "bumps.pushes": pushes}).trace_hash
+        for pushes in ([], late)
+    }
+    assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("controller", ["distributed", "shared-sign"])
+def test_a_mirrored_push_gives_the_mirrored_trace(controller: str) -> None:
+    scene = load_scene("paper", {**SHORT, "bumps.pushes": PUSHES})
+    one = pb.carry(scene, controller, seed=2).trace
+    two = pb.carry(scene.mirrored(), controller, seed=2).trace
+    assert one is not None and two is not None
+    there, back = one["contact"].to_numpy(), two["contact"].to_numpy()
+    assert there.tobytes() == np.ascontiguousarray(back[:, ::-1]).tobytes()
+
+
+@pytest.mark.parametrize("controller", shipped_names())
+def test_batches_have_the_same_bits(controller: str) -> None:
+    scene = load_scene("paper", {**SHORT, "bumps.pushes": PUSHES})
+    columns = run_seeds(to_spec(scene), controller, 0, 70)
+    for seed in (0, 1, 35, 69):
+        one = pb.carry(scene, controller, seed=seed, record=False)
+        assert columns["time_s"][seed] == one.time_s
+        assert tuple(columns["contact_peak_m"][seed]) == tuple(one.contact_peak_m.values())
+        assert tuple(columns["contact_rms_m"][seed]) == tuple(one.contact_rms_m.values())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [({"speed_m_s": 3.0}, "speed_m_s"), ({"robot": "up"}, "robot"), ({"at_s": -1.0}, "at_s")],
+)
+def test_a_bad_push_is_refused(wrong: dict[str, object], named: str) -> None:
+    with pytest.raises(SceneError, match=named) as refused:
+        load_scene("paper", {"bumps.pushes": [{**PUSHES[0], **wrong}]})
+    assert "\n" not in str(refused.value)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Accessibility, small screens, the page without JavaScript, and its size."""
+
+import gzip
+import re
+
+import pytest
+from playwright.sync_api import expect
+
+from site_pages import ROOT, SITE, Open
+
+VIEWS = ("carry?t=2", "compare?t=2", "mechanics", "design", "stories?v.story=2", "proofs")
+AXE = ROOT / "site" / "node_modules" / "axe-core" / "axe.min.js"
+LARGEST = 300_000  # bytes, gzipped, of what the front page loads
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(open_page: Open, scheme: str) -> None:
+    page = open_page("#carry?t=2", scheme=scheme)
+    page.add_script_tag(path=AXE)
+    for view in VIEWS:
+        page.evaluate("view => { location.hash = view; }", view)
+        expect(page.locator("h1")).to_be_visible()
+        found = page.evaluate(
+            "() => axe.run(document, { resultTypes: ['violations'] }).then(r => r.violations.map("
+            "v => [v.id, v.nodes.map(n => n.html + ' ' + n.failureSummary)]))"
+        )
+        assert found == [], view
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_phone_shows_every_view(open_page: Open, view: str) -> None:
+    page = open_page(f"#{view}", width=390, height=844, touch=True)
+    expect(page.locator("h1")).to_be_visible()
+    wide = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+    assert wide <= 0
+    small = page.evaluate(
+        "() => [...document.querySelectorAll('button, select')].filter(e => !e.closest('.handles'))"
+        ".map(e => [e.id || e.innerText, e.getBoundingClientRect().height])"
+        ".filter(([, height]) => height > 0 && height < 24)"
+    )
+    assert small == []
+
+
+def test_a_phone_plays_by_touch(open_page: Open) -> None:
+    page = open_page("#carry?t=2", width=390, height=844, touch=True)
+    page.locator("#play").tap()
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+
+
+def test_the_theme_can_be_changed(open_page: Open) -> None:
+    page = open_page("#carry?t=2")
+    colour = "getComputedStyle(document.body).backgroundColor"
+    assert page.evaluate(colour) == "rgb(255, 255, 255)"
+    page.locator("#theme").click()
+    assert page.evaluate(colour) == "rgb(22, 25, 29)"
+
+
+def test_the_keyboard_reaches_everything(open_page: Open) -> None:
+    page = open_page("#carry?t=2")
+    seen = set()
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        seen.add(page.evaluate("document.activeElement.id || document.activeElement.innerText"))
+    assert {"scene", "controller", "seed", "play", "scrub", "fork", "contacts-chart"} <= seen
+    assert {"Compare", "Proofs", "theme", "scene-file"} <= seen
+
+
+def test_the_page_without_javascript(open_page: Open) -> None:
+    page = open_page(script=False)
+    expect(page.get_by_role("heading", name="Two robots, no gripper, one box")).to_be_visible()
+    images = page.get_by_role("img")
+    expect(images).to_have_count(5)
+    for k in range(5):
+        box = images.nth(k).bounding_box()
+        assert box is not None and box["height"] > 100  # it has arrived
+    assert "palmbots carry figure8" in page.content()
+
+
+def test_the_front_page_is_small() -> None:
+    """HTML, style, the script with what it imports at once, and the core."""
+    html = (SITE / "index.html").read_text()
+    names = set(re.findall(r"\./assets/[\w.-]+", html))
+    script = next(name for name in names if name.endswith(".js"))
+    code = (SITE / script).read_text()
+    names |= {f"./assets/{name}" for name in re.findall(r'from"\./([\w.-]+\.js)"', code)}
+    names |= {f"./assets/{path.name}" for path in (SITE / "assets").glob("core-*.wasm")}
+    size = sum(len(gzip.compress((SITE / name).read_bytes(), 9)) for name in names)
+    size += len(gzip.compress(html.encode(), 9))
+    assert 50_000 < size <= LARGEST

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The view Carry: playing, scrubbing, forking, disturbing, saving, and the URL."""
+
+import io
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+import palmbots as pb
+from commands import runner
+from site_pages import Open, command_of, hash_of, run_json
+
+FIGURE8 = {"scene": "figure8"}
+
+
+def seconds(page: Page) -> float:
+    return float(page.locator(".player .time").inner_text().removesuffix(" s"))
+
+
+def frames(page: Page, count: int) -> None:
+    """Let the browser draw this many frames."""
+    page.evaluate(
+        "n => new Promise(done => { const f = () => (n-- > 0 ? requestAnimationFrame(f) : done());"
+        " f(); })",
+        count,
+    )
+
+
+def overrides_of(page: Page) -> dict[str, Any]:
+    """The overrides that the command of the page sets."""
+    from palmbots.scene.overrides import parse_overrides
+
+    words = command_of(page)
+    return dict(parse_overrides([words[k + 1] for k, w in enumerate(words) if w == "--set"]))
+
+
+def assert_reproduced(page: Page, capsys: pytest.CaptureFixture[str]) -> None:
+    found = run_json(runner(capsys), command_of(page))
+    expect(page.locator("#hash")).to_have_text(found["trace_hash"])
+
+
+def test_it_moves_without_a_click_and_pauses_off_screen(open_page: Open) -> None:
+    page = open_page(height=420)
+    page.wait_for_function("() => parseFloat(document.querySelector('.time').innerText) > 0.2")
+    page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
+    frames(page, 12)
+    before = seconds(page)
+    frames(page, 12)
+    assert seconds(page) == before
+    page.evaluate("window.scrollTo(0, 0)")
+    page.wait_for_function(
+        f"() => parseFloat(document.querySelector('.time').innerText) > {before}"
+    )
+
+
+def test_it_stands_still_where_motion_is_unwelcome(open_page: Open) -> None:
+    page = open_page(motion="reduce")
+    frames(page, 10)
+    assert seconds(page) == 0
+    page.locator("#play").click()
+    page.wait_for_function("() => parseFloat(document.querySelector('.time').innerText) > 0.1")
+
+
+def test_play_pause_step_scrub_and_speed(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"t": 2}))
+    assert seconds(page) == 2
+    page.get_by_role("button", name="one step on").click()
+    assert seconds(page) == 2.01
+    page.get_by_role("button", name="one step back").click()
+    page.get_by_role("button", name="one step back").click()
+    assert seconds(page) == 1.99
+    page.locator("#scrub").fill("5")
+    assert seconds(page) == 5
+    page.locator("#scrub").fill("1.5")  # backwards
+    assert seconds(page) == 1.5
+    page.locator("#speed").select_option("50")
+    page.locator("#play").click()
+    expect(page.locator(".status strong")).to_contain_text("delivered")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "play")
+
+
+def test_keys(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"t": 1}))
+    page.locator("h1").click()
+    page.keyboard.press(".")
+    assert seconds(page) == 1.01
+    page.keyboard.press(",")
+    assert seconds(page) == 1
+    page.locator("#contacts-chart").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    assert seconds(page) == 1.1
+    page.keyboard.press("Home")
+    assert seconds(page) == 0
+    page.locator("h1").click()
+    page.keyboard.press("Space")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+
+
+def test_a_click_on_a_chart_moves_the_cursor(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 0.1}))
+    box = page.locator("#contacts-chart").bounding_box()
+    assert box is not None
+    share = (box["width"] / 2 - 46) / (box["width"] - 56)
+    page.locator("#contacts-chart").click(position={"x": box["width"] / 2, "y": 40})
+    assert seconds(page) == pytest.approx(share * pb.carry("figure8").time_s, abs=0.02)
+
+
+def test_forks(open_page: Open, capsys: pytest.CaptureFixture[str]) -> None:
+    page = open_page(hash_of("carry", {"t": 3, "seed": 4}))
+    first = page.locator("#hash").inner_text()
+    page.locator("#fork").click()
+    assert command_of(page)[-2:] == ["--fork", "3:5"]
+    second = page.locator("#hash").inner_text()
+    assert first != second
+    page.locator("#fork").click()  # another future from the same moment
+    assert command_of(page)[-2:] == ["--fork", "3:6"]
+    page.locator("#scrub").fill("6")
+    page.locator("#fork").click()
+    assert command_of(page)[-4:] == ["--fork", "3:6", "--fork", "6:7"]
+    assert_reproduced(page, capsys)
+    page.locator("#undo").click()
+    expect(page.locator("#hash")).to_have_text(first)
+
+
+@pytest.mark.parametrize(
+    ("effect", "entry"),
+    [
+        ("lost", {"effect": "lost"}),
+        ("delayed", {"effect": "delayed", "delay_s": 0.5}),
+        ("duplicated", {"effect": "duplicated", "delay_s": 0.5}),
+    ],
+)
+def test_messages(
+    open_page: Open, capsys: pytest.CaptureFixture[str], effect: str, entry: dict[str, object]
+) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 0.1}))
+    page.locator("#sequence-chart").focus()
+    page.keyboard.press("m")  # TiltUp
+    page.keyboard.press("m")  # Ack
+    expect(page.locator(".card")).to_contain_text("Ack from the left robot")
+    page.locator(f"[data-effect={effect}]").click()
+    assert overrides_of(page)["radio.script"] == [{"sender": "left", "message": 1, **entry}]
+    carried = pb.carry("figure8", overrides=overrides_of(page))
+    ack = next(m for m in carried.message_log if m.kind == "Ack")
+    assert (ack.received_s is None) == (effect == "lost")
+    assert_reproduced(page, capsys)
+    page.locator(f"[data-effect={effect}]").click()  # once more takes it back
+    expect(page.locator("#hash")).to_have_text(pb.carry("figure8").trace_hash)
+
+
+def test_a_message_is_chosen_by_a_click(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 0.1}))
+    box = page.locator("#sequence-chart").bounding_box()
+    assert box is not None
+    carried = pb.carry("figure8")
+    message = carried.message_log[0]
+    assert message.received_s is not None
+    middle = (message.sent_s + message.received_s) / 2
+    x = 46 + (box["width"] - 56) * middle / carried.time_s
+    page.locator("#sequence-chart").click(position={"x": x, "y": 65})
+    expect(page.locator(".card")).to_contain_text("TiltUp from the right robot")
+
+
+def drag(page: Page, x: float, y: float, by: float) -> None:
+    box = page.locator("#stage").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+    page.mouse.down()
+    page.mouse.move(box["x"] + x * box["width"] + by / 2, box["y"] + y * box["height"])
+    page.mouse.move(box["x"] + x * box["width"] + by, box["y"] + y * box["height"])
+    page.mouse.up()
+
+
+def test_dragging_the_object_shifts_both_contacts(
+    open_page: Open, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = open_page(hash_of("carry", {"t": 2}))
+    drag(page, 0.5, 0.2, 15)
+    left, right = overrides_of(page)["bumps.script"]
+    assert (left["robot"], right["robot"], left["at_s"]) == ("left", "right", 2)
+    assert right["shift_m"] == -left["shift_m"] > 0
+    assert_reproduced(page, capsys)
+
+
+def test_dragging_a_robot_pushes_it(open_page: Open, capsys: pytest.CaptureFixture[str]) -> None:
+    page = open_page(hash_of("carry", {"t": 2}))
+    drag(page, 0.28, 0.75, -15)  # the left robot, outward
+    (push,) = overrides_of(page)["bumps.pushes"]
+    assert (push["robot"], push["at_s"]) == ("left", 2)
+    assert push["speed_m_s"] > 0
+    assert_reproduced(page, capsys)
+
+
+def test_robots_are_switched_off_and_on(
+    open_page: Open, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = open_page(hash_of("carry", {"t": 2, "controller": "resilient"}))
+    page.locator("#switch-left").click()
+    expect(page.locator("#switch-left")).to_have_text("left on")
+    page.locator("#scrub").fill("2.5")
+    page.locator("#switch-left").click()
+    (fault,) = overrides_of(page)["faults.script"]
+    assert fault == {"kind": "reboot", "robot": "left", "at_s": 2, "duration_s": 0.5}
+    assert_reproduced(page, capsys)
+
+
+def test_the_url_holds_the_whole_state(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"t": 2, "seed": 3}))
+    page.locator("#fork").click()
+    page.locator("#nudge-left").click()
+    page.locator("[data-key='robot.noise_m_s']").fill("17")
+    page.locator("#object").select_option("tray")
+    page.locator("#speed").select_option("5")
+    shown = page.locator("#hash").inner_text()
+    page.wait_for_function(
+        "() => location.hash.includes('tray') && location.hash.includes('speed=5')"
+    )
+    again = open_page(page.evaluate("location.hash"))
+    expect(again.locator("#hash")).to_have_text(shown)
+    assert seconds(again) == 2
+    assert again.locator("#speed").input_value() == "5"
+    assert command_of(again) == command_of(page)
+
+
+def test_back_and_forward(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    page.get_by_role("link", name="Mechanics").click()
+    expect(page.locator("h1")).to_have_text("Which contact slides?")
+    page.go_back()
+    expect(page.locator("#stage")).to_be_visible()
+
+
+def test_friction_cones_change_the_picture(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    picture = "() => document.getElementById('stage').toDataURL()"
+    before = page.evaluate(picture)
+    page.locator("#cones").check()
+    frames(page, 2)
+    assert page.evaluate(picture) != before
+
+
+def test_a_scene_file_opens(open_page: Open, tmp_path: Path) -> None:
+    scene = tmp_path / "own.toml"
+    scene.write_text(
+        "[object]\nvertices_m = [[0, 0], [0.3, 0], [0.3, 0.1], [0, 0.1]]\n[palm]\nfriction = 0.4\n"
+        "[robot.left]\nnoise_m_s = 0.004\n"
+    )
+    page = open_page("#mechanics")
+    page.locator("#scene-file").set_input_files(scene)
+    expect(page.locator("#hash")).to_have_text(pb.carry(scene).trace_hash)
+    expect(page.locator("#object")).to_have_value("")
+    with page.expect_download() as found:
+        page.get_by_role("button", name="save scene.toml").click()
+    saved = tmp_path / "saved.toml"
+    found.value.save_as(saved)
+    assert pb.carry(saved).trace_hash == pb.carry(scene).trace_hash
+    assert command_of(page)[:2] == ["carry", "scene.toml"]
+
+
+def test_a_scene_file_is_dropped_on_the_page(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    page.evaluate(
+        """() => {
+          const data = new DataTransfer();
+          data.items.add(new File(['[palm]\\nfriction = 0.35\\n'], 'dropped.toml'));
+          document.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true }));
+        }"""
+    )
+    expected = pb.carry(overrides={"palm.friction": 0.35}).trace_hash
+    expect(page.locator("#hash")).to_have_text(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[radio]\nlos = 1\n", "radio.los: is no key"),
+        ("[radio]\nloss = 3\n", "radio.loss: value 3 is outside"),
+        ("[radio\n", "bad.toml:"),
+        ('[radio]\nloss = "much"\n', "wrong kind"),
+        ('object = "moon"\n', "is no built-in object"),
+    ],
+)
+def test_a_bad_scene_file_gives_one_line(
+    open_page: Open, tmp_path: Path, text: str, words: str
+) -> None:
+    (tmp_path / "bad.toml").write_text(text)
+    page = open_page("#carry?t=1")
+    before = page.locator("#hash").inner_text()
+    page.locator("#scene-file").set_input_files(tmp_path / "bad.toml")
+    expect(page.get_by_role("alert")).to_contain_text(words)
+    assert page.locator("#hash").inner_text() == before
+
+
+def test_pictures_and_films(open_page: Open, tmp_path: Path) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.9, "speed": 2}))
+    with page.expect_download() as found:
+        page.locator("#save-picture").click()
+    found.value.save_as(tmp_path / "picture.png")
+    picture = Image.open(io.BytesIO((tmp_path / "picture.png").read_bytes())).convert("RGB")
+    assert picture.width > 600
+    assert len(picture.getcolors(1 << 24) or ()) > 20
+    with page.expect_download() as found:
+        page.locator("#save-film").click()
+    film = tmp_path / found.value.suggested_filename
+    found.value.save_as(film)
+    probed = subprocess.run(
+        ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
+         "-of", "json", str(film)],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert int(json.loads(probed.stdout)["streams"][0]["nb_read_frames"]) > 2
+
+
+def test_a_controller_that_refuses_the_scene_says_why(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"controller": "resilient"}, radio__latency_s=0.5))
+    expect(page.locator(".refusal")).to_contain_text("resilient refuses this scene")

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The views Compare, Mechanics, Design, Stories and Proofs."""
+
+import json
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+import palmbots as pb
+from commands import runner
+from palmbots._util.confidence_intervals import wilson
+from site_pages import ROOT, Open, command_of, hash_of, run_json
+
+COUNTEREXAMPLES = ROOT / "verify" / "counterexamples"
+
+
+def counted(page: Page) -> list[int]:
+    """The drops of both controllers, once all carries are counted."""
+    rows = page.locator("#counts tbody tr")
+    for k in (0, 1):
+        expect(rows.nth(k)).to_have_attribute("data-carries", "1000", timeout=60_000)
+    return [int(rows.nth(k).get_attribute("data-dropped") or -1) for k in (0, 1)]
+
+
+def test_compare_counts_what_the_command_counts(
+    open_page: Open, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = open_page(hash_of("compare", {"t": 1}, robot__noise_m_s=0.025, radio__loss=0.02))
+    drops = counted(page)
+    rows = run_json(runner(capsys), command_of(page))["rows"]
+    assert [row["controller"] for row in rows] == ["centralized", "distributed"]
+    assert drops == [round(1000 * row["drop_rate"]) for row in rows]
+    assert min(drops) > 0
+    ends = [f"{100 * end:.{2 if end < 0.1 else 1}f} %" for end in wilson(drops[0], 1000)]
+    shown = page.locator("#counts tbody tr").nth(0)
+    expect(shown).to_contain_text(f"{ends[0]} to {ends[1]}")
+    expect(shown).to_contain_text(f"{1000 * rows[0]['rms_m']:.1f} mm")
+
+
+def test_compare_runs_rows_of_ones_own(
+    open_page: Open, capsys: pytest.CaptureFixture[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    page = open_page(hash_of("compare", {"t": 1}, robot__noise_m_s=0.025))
+    page.locator("#controller-1").select_option("own-rows")
+    page.get_by_label("row ++, palm of the left robot").select_option("shallow")
+    page.get_by_label("row +0, drive of the right robot").select_option("hold")
+    drops = counted(page)
+    with page.expect_download() as found:
+        page.get_by_role("button", name="save rows.toml").click()
+    found.value.save_as(tmp_path / "rows.toml")
+    monkeypatch.chdir(tmp_path)
+    rows = run_json(runner(capsys), command_of(page))["rows"]
+    assert rows[1]["controller"] == "rows.toml@station"
+    assert drops == [round(1000 * row["drop_rate"]) for row in rows]
+    address = page.evaluate("location.hash")
+    again = open_page(address)
+    expect(again.get_by_label("row ++, palm of the left robot")).to_have_value("shallow")
+
+
+def test_compare_races_on_the_same_noise(open_page: Open) -> None:
+    page = open_page(hash_of("compare", {"t": 5, "v.a": "none", "v.b": "none"}))
+    pictures = [page.evaluate(f"document.getElementById('stage-{k}').toDataURL()") for k in (0, 1)]
+    assert pictures[0] == pictures[1]
+    page.locator("#controller-0").select_option("silent")
+    page.locator("#scrub").fill("12")
+    pictures = [page.evaluate(f"document.getElementById('stage-{k}').toDataURL()") for k in (0, 1)]
+    assert pictures[0] != pictures[1]
+
+
+STATES = [(5, 15, -20, 0), (15, 5, 30, -40), (15, 15, 10, 10), (25, 5, 60, 0), (0, 45, -70, 70)]
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_mechanics_names_the_modes(
+    open_page: Open, capsys: pytest.CaptureFixture[str], state: tuple[float, ...]
+) -> None:
+    page = open_page("#mechanics")
+    for name, value in zip(("theta-left", "theta-right", "p-left", "p-right"), state, strict=True):
+        page.locator(f"#{name}").fill(str(value))
+    found = pb.modes(
+        p_left_m=state[2] / 1000, p_right_m=state[3] / 1000, theta_left_deg=state[0],
+        theta_right_deg=state[1],
+    )  # fmt: skip
+    for what, mode in (("together", found.closing), ("apart", found.opening)):
+        heading = page.get_by_role("heading", name=f"Driven {what}")
+        if mode is not None:
+            expect(heading).to_contain_text("-".join(mode))
+        else:
+            expect(heading).to_contain_text("held" if found.margin_rad < 0 else "jammed")
+    balanced = page.locator(".modes td:not(.no)")
+    expect(balanced).to_have_count(len(found.feasible))
+    printed = run_json(runner(capsys), command_of(page))
+    assert printed["closing"] == (list(found.closing) if found.closing else None)
+    assert printed["p_left_m"] == state[2] / 1000
+
+
+def drag_handle(page: Page, name: str, dx: float, dy: float) -> None:
+    box = page.locator(f"#handle-{name}").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx / 2, y + dy / 2)
+    page.mouse.move(x + dx, y + dy)
+    page.mouse.up()
+
+
+def test_mechanics_can_be_dragged(open_page: Open) -> None:
+    page = open_page("#mechanics")
+    words = page.locator("#closing-words").inner_text
+    seen = {words()}
+    for name, dx, dy in (
+        ("com", 12, 0), ("corner-2", -10, 14), ("palm-left", 0, 10), ("contact-right", 14, 4),
+        ("cone", 20, 0),
+    ):  # fmt: skip
+        drag_handle(page, name, dx, dy)
+        if name != "corner-2":  # an upper corner does not touch a palm
+            assert words() not in seen, name
+        seen.add(words())
+    address = page.evaluate("location.hash")
+    page.wait_for_function("before => location.hash.includes('object.com_m')", arg=address)
+    page.locator("#reset").click()
+    expect(page.locator("#theta-left")).to_have_value("5")
+
+
+def test_mechanics_handles_obey_the_keyboard(open_page: Open) -> None:
+    page = open_page("#mechanics")
+    before = page.locator("#closing-words").inner_text()
+    page.locator("#handle-com").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    assert page.locator("#closing-words").inner_text() != before
+
+
+def test_mechanics_map_sets_the_contacts(open_page: Open) -> None:
+    page = open_page("#mechanics")
+    page.locator("#map-closing").click(position={"x": 140, "y": 120})
+    assert page.locator("#p-left").input_value() != "-20"
+
+
+def exports(page: Page, call: str) -> list[float]:
+    """The numbers that an export of the page's core returns for the scene `paper`."""
+    return page.evaluate(
+        """async call => {
+          const url = performance.getEntriesByType('resource').map(e => e.name)
+            .find(name => name.endsWith('.wasm'));
+          const stop = () => { throw new Error('stopped'); };
+          const wasi = { fd_close: stop, fd_seek: stop, fd_write: stop };
+          const { instance } = await WebAssembly.instantiateStreaming(
+            fetch(url), { wasi_snapshot_preview1: wasi });
+          const m = instance.exports;
+          m._initialize();
+          const inf = Infinity;
+          const palm = [0.15, 0, 0.3, 5, 15, 50];
+          const robot = [0.06, 0.03, 0.5, 0.2, 0.01, 0.5, 0, 0];
+          const scene = [4, 0, 0, .25, 0, .25, .16, 0, .16, 0, 1, .125, .04, ...palm, ...palm,
+            ...robot, ...robot, 3, -1, -inf, -.005, 0, -.005, .005, 1, .005, inf, 0, .01, 1, 0, .1,
+            .05, 0, 0, 0, 0, 0, 1, 0, .1, 0, .05, 0, 0, 0, 0, 0, .5, 0, 0, 0, .004, 0, 0, 1.5, 1,
+            0, 1, .05, NaN];
+          new Float64Array(m.memory.buffer, m.input(), scene.length).set(scene);
+          m.set_scene();
+          const at = eval(call)(m);
+          return Array.from(new Float64Array(m.memory.buffer, at, m.length()));
+        }""",
+        call,
+    )
+
+
+def test_maps_equal_those_of_the_package(open_page: Open) -> None:
+    import math
+
+    import numpy as np
+
+    from palmbots.mechanics.mode_analysis import modes_batch
+    from palmbots.scene.scene import load_scene
+    from palmbots.stability.problem import stability_problem
+
+    page = open_page("#carry?t=1")
+    shallow, steep = math.radians(5), math.radians(15)
+    places = 0.075 * 2.6 * ((np.arange(20) + 0.5) / 10 - 1)
+    left, right = np.meshgrid(places, places)
+    found = modes_batch(
+        width=0.25, com_x=0.125, com_y=0.04, theta_left=shallow, theta_right=steep,
+        p_left=left, p_right=right, friction_left=0.3, friction_right=0.3,
+    )  # fmt: skip
+    for closing, modes in ((1, found.closing), (0, found.opening)):
+        seen = exports(page, f"m => m.mode_map({shallow}, {steep}, {closing}, 20, 2.6)")
+        assert seen == modes.ravel().tolist()
+    problem = stability_problem(load_scene("paper"))
+    grid = np.radians(np.arange(0.0, 40.0, 4.0))
+    tolerance, clearance = problem.envelope().map(
+        grid, grid, (0.125, 0.125), 0, 10.0, np.empty((0, 0))
+    )
+    step = math.radians(4.0)
+    seen = np.array(exports(page, f"m => m.tolerance_map(0, {step}, 10, 0, 10, 0.075)")).reshape(
+        -1, 2
+    )
+    np.testing.assert_allclose(seen[:, 0], tolerance.ravel(), rtol=1e-9)
+    np.testing.assert_allclose(seen[:, 1], clearance.ravel(), rtol=1e-9)
+    for k, n in ((0, 50), (3, 50), (50, 50), (17, 1000)):
+        np.testing.assert_allclose(
+            exports(page, f"m => m.wilson({k}, {n})"), wilson(k, n), rtol=1e-12
+        )
+
+
+def test_the_permitted_coms_are_those_of_analyze(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    bits = exports(page, "m => m.com_map(0, 0.25, 0.0399, 0.0401, 1000, 1)")
+    both = [k * 0.25 / 1000 for k, bit in enumerate(bits) if bit == 3]
+    found = pb.analyze("paper").com_x_m
+    assert found is not None
+    assert (both[0], both[-1]) == pytest.approx(found, abs=3e-4)
+
+
+def test_design_shows_the_tolerance_of_a_pair(open_page: Open, tmp_path: Path) -> None:
+    page = open_page("#design")
+    found = pb.analyze("paper").com_x_m
+    assert found is not None
+    most = 1000 * min(0.125 - found[0], found[1] - 0.125)
+    expect(page.locator("#tolerance")).to_contain_text(f"±{most:.1f} mm")
+    expect(page.locator("#tolerance")).to_contain_text("0.55°")
+    page.locator("#design-map").focus()
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_role("heading", name="Shallow 5.5°, steep 15.5°")).to_be_visible()
+    page.locator("#region").fill("40")
+    assert command_of(page)[:5] == ["certify", "scene.toml", "--region-m", "-0.04", "0.04"]
+    with page.expect_download() as download:
+        page.get_by_role("button", name="save scene.toml").click()
+    download.value.save_as(tmp_path / "scene.toml")
+    scene = pb.load_scene(tmp_path / "scene.toml")
+    assert (scene.palm.shallow_deg, scene.palm.steep_deg) == (5.5, 15.5)
+    box = page.locator("#design-map").bounding_box()
+    assert box is not None
+    page.locator("#design-map").click(position={"x": 200, "y": 150})
+    expect(page.get_by_role("heading", name="Shallow 5.5°, steep 15.5°")).to_have_count(0)
+    for name in ("friction", "slope", "angle"):
+        page.locator("#quantity").select_option(name)
+        expect(page.locator("#tolerance")).not_to_be_empty()
+
+
+STORY_ENDS = {
+    2: "still waits for Ack",
+    4: "delivered",
+    6: "delivered",
+    7: "dropped",
+}
+
+
+@pytest.mark.parametrize("number", range(1, 9))
+def test_every_story_has_one_thing_to_do(
+    open_page: Open, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    page = open_page(hash_of("stories", {"v.story": number}))
+    title = page.locator(".chapters button").nth(number - 1).inner_text()
+    expect(page.locator("h1")).to_have_text(title)
+    if number == 8:
+        page.get_by_text("tilts its own palm up and drives closer").click()
+        expect(page.locator(".after")).to_contain_text("Yes.")
+        carried = pb.carry("paper", overrides={
+            "robot.noise_m_s": 0.0, "task.distance_m": 0.3,
+            "bumps.script": [{"robot": "left", "at_s": 0.5, "shift_m": -0.03}],
+        })  # fmt: skip
+        assert [(c.robot, c.case) for c in carried.corrections] == [("left", "d")]
+        return
+    before = page.locator("#hash").inner_text()
+    page.locator(".act").click()
+    expect(page.locator(".after")).to_be_visible()
+    found = run_json(runner(capsys), command_of(page))
+    expect(page.locator("#hash")).to_have_text(found["trace_hash"])
+    if number > 1:
+        assert page.locator("#hash").inner_text() != before
+    page.locator("#scrub").fill("1000")
+    expect(page.locator(".ending")).to_contain_text(STORY_ENDS.get(number, "delivered"))
+
+
+def test_the_texts_of_the_stories_are_true() -> None:
+    bias = {"robot.noise_m_s": 0.0, "robot.right.bias_m_s": 0.008}
+    assert pb.carry("paper", "none", overrides=bias).outcome == "dropped"
+    assert pb.carry("paper", "distributed", overrides=bias).outcome == "delivered"
+    assert pb.carry("paper", overrides={"task.slope_deg": 4.0}).outcome == "delivered"
+    slope = pb.analyze("paper").max_slope_deg
+    assert slope is not None and round(slope, 1) == 4.5
+
+
+def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
+    page = open_page("#proofs", motion="reduce")
+    expect(page.locator("#run")).to_be_visible()
+    names = page.locator("#run option").all_inner_texts()
+    assert names == sorted(path.stem for path in COUNTEREXAMPLES.glob("*.txt"))
+    for name in names:
+        page.locator("#run").select_option(name)
+        title = (COUNTEREXAMPLES / f"{name}.txt").read_text().splitlines()[0]
+        expect(page.locator(".claim strong")).to_contain_text(title.rsplit(": ", 1)[0])
+        page.locator("#scrub").fill("100000")
+        text = page.locator(".time").inner_text().split(" of ")
+        assert text[0] == text[1]
+        expect(page.locator(".robots p")).to_have_count(2)
+
+
+def test_a_counterexample_is_carried(open_page: Open) -> None:
+    page = open_page("#proofs?v.run=reboot-fight", motion="reduce")
+    page.locator("#carry-it").click()
+    carried = pb.carry(COUNTEREXAMPLES / "reboot-fight.toml")
+    expect(page.locator("#hash")).to_have_text(carried.trace_hash)
+
+
+def test_a_counterexample_moves_by_itself(open_page: Open) -> None:
+    page = open_page("#proofs")
+    expect(page.locator(".time")).to_contain_text("4 of 4")
+    assert json.loads(page.evaluate("JSON.stringify(document.title)"))

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of the page have in common: addresses, and the commands that the page prints."""
+
+import json
+import shlex
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from commands import Run
+
+ROOT = Path(__file__).resolve().parents[2]
+SITE = ROOT / "build" / "site"
+
+Open = Callable[..., Any]
+"""``open_page("#carry?seed=3", width=390, touch=True)``: a page at this address, with the core
+loaded; a `playwright.sync_api.Page`."""
+
+
+def hash_of(view: str, query: Mapping[str, object] | None = None, **keys: object) -> str:
+    """The address of a view; `keys` are overrides with `__` in place of the dot."""
+    pairs = [(name, str(value)) for name, value in (query or {}).items()]
+    pairs += [("set", f"{k.replace('__', '.')}={json.dumps(v)}") for k, v in keys.items()]
+    return f"#{view}?{urlencode(pairs)}" if pairs else f"#{view}"
+
+
+def go(page: Any, place: str) -> None:
+    """Open another address in the same page."""
+    page.evaluate("place => { location.hash = place; }", place)
+
+
+def command_of(page: Any, line: int = 0) -> list[str]:
+    """The words of a command that the page prints, without the name of the program."""
+    words = shlex.split(page.locator(".command").inner_text().splitlines()[line])
+    assert words[0] == "palmbots"
+    return words[1:]
+
+
+def run_json(run: Run, words: list[str]) -> dict[str, Any]:
+    """What the command prints as JSON."""
+    result = run(*words, "--json")
+    assert result.returncode in (0, 1), result.stderr
+    return json.loads(result.stdout)
