@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every controller under every condition: how often it drops the object, and what it costs.
 
-    .venv/bin/python benchmarks/bench_robustness.py [CARRIES [estimates]]      4000 by default
+    .venv/bin/python benchmarks/bench_robustness.py [CARRIES]      4000 by default
 
 A condition is one change of the default scene. Drops are counted at a speed noise of 1, 2 and
 3 cm/s, everything else at 2 cm/s; palm moves and wheel reversals in the traces of 100 carries.
-With `estimates` the drop rate at 1 cm/s is also estimated by splitting, which takes an hour more.
-Writes benchmarks/results/robustness.csv. Seeds are 0, 1, …; the counts depend on nothing but the
+bench_rare_drops.py estimates the small drop rates at 1 cm/s. Writes benchmarks/results/robustness.csv. Seeds are 0, 1, …; the counts depend on nothing but the
 version.
 """
 
@@ -20,7 +19,6 @@ import numpy as np
 
 import palmbots as pb
 from palmbots.control.registry import shipped_names
-from palmbots.errors import PalmbotsError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, available_cores, run_seeds
 from palmbots.simulation.prepare import prepare
@@ -93,15 +91,7 @@ def per_metre(scene: pb.Scene, controller: str) -> tuple[float, float]:
     return moves / distance, reversals / distance
 
 
-def estimated_rate(scene: pb.Scene, controller: str) -> str:
-    """The drop rate by splitting; empty: no carry drops, and none can be made to."""
-    try:
-        return f"{pb.estimate_drop_rate(scene, controller, relative_half_width=0.5).drop_rate:.2g}"
-    except PalmbotsError:
-        return ""
-
-
-def row(condition: Condition, controller: str, n: int, with_estimates: bool) -> dict[str, Any]:
+def row(condition: Condition, controller: str, n: int) -> dict[str, Any]:
     """One cell."""
     scene = scene_of(condition, 0.02)
     cell = many(scene, controller, n)
@@ -115,7 +105,6 @@ def row(condition: Condition, controller: str, n: int, with_estimates: bool) -> 
         "controller": controller,
         "carries": n,
         "dropped_1_cm_s": rare,
-        "estimated_1_cm_s": estimated_rate(calm, controller) if with_estimates else "",
         "dropped_2_cm_s": int((cell["outcome"] == DROPPED).sum()),
         "stalled_2_cm_s": int(n - delivered.sum() - (cell["outcome"] == DROPPED).sum()),
         "dropped_3_cm_s": int((noisy["outcome"] == DROPPED).sum()),
@@ -130,14 +119,13 @@ def row(condition: Condition, controller: str, n: int, with_estimates: bool) -> 
 def main() -> None:
     """Run all cells and write the file after each condition."""
     n = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
-    with_estimates = "estimates" in sys.argv[2:]
     rows: list[dict[str, Any]] = []
     for condition in CONDITIONS:
         for controller in shipped_names():
             if controller == "none":
                 continue
             try:
-                rows.append(row(condition, controller, n, with_estimates))
+                rows.append(row(condition, controller, n))
             except pb.SceneError as error:
                 print(f"{condition[0]}: {error}", flush=True)
                 rows.append({"condition": condition[0], "controller": controller, "carries": 0})

@@ -34,10 +34,6 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots compare --sweep radio.loss --values 0,0.01,0.05,0.1,0.2,0.4 --out out": {
         "losses.png": "out/compare.png"
     },
-    "palmbots compare --sweep robot.noise_m_s --values "
-    "0.005,0.01,0.015,0.02,0.025,0.03,0.035,0.04,0.045,0.05,0.055,0.06 -n 4000 --out out": {
-        "noise.png": "out/compare.png"
-    },
     "palmbots analyze --figures out": {
         "figure5.png": "out/figure5.png",
         "figure6.png": "out/figure6.png",
@@ -78,6 +74,13 @@ def task(path: Path) -> None:
     draw_task.draw(path)
 
 
+def noise(path: Path) -> None:
+    """Drop rates over the noise, from the results of benchmarks/bench_noise.py."""
+    import draw_noise
+
+    draw_noise.draw(path)
+
+
 def carry_3d(path: Path) -> None:
     """The still of `palmbots carry --world mujoco --video`, without the video."""
     from palmbots.mujoco import save_still
@@ -103,6 +106,7 @@ def design_law(path: Path) -> None:
 
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
     "design-law.png": design_law,
+    "noise.png": noise,
     "task.png": task,
     "carry-3d.png": carry_3d,
     "curve-3d.png": curve_3d,

@@ -8,8 +8,16 @@ PAGE = "docs/theory/robustness.md"
 RESULT = Path(__file__).parents[2] / "benchmarks" / "results" / "robustness.csv"
 
 
+SPEEDS = {"corrections": "corrections only", "stopping": "robots may stop"}
+
+
 def _rows() -> list[dict[str, str]]:
-    return list(csv.DictReader(RESULT.open(encoding="utf-8")))
+    return _read(RESULT.name)
+
+
+def _read(name: str) -> list[dict[str, str]]:
+    with RESULT.with_name(name).open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
 
 
 def _percent(row: dict[str, str], column: str) -> str:
@@ -32,6 +40,33 @@ def overview(column: str) -> str:
         of = {row["controller"]: row for row in rows if row["condition"] == condition}
         lines.append([condition, *(_percent(of[name], column) for name in names)])
     return _table(["dropped [%]", *(f"`{name}`" for name in names)], lines)
+
+
+def over_the_noise() -> str:
+    """The drop rates of all controllers and references at some noises."""
+    rows = _read("noise.csv")
+    noises = ("0.02", "0.03", "0.035", "0.04", "0.045", "0.05", "0.06")
+    lines = []
+    curves = dict.fromkeys((row["speeds"], row["controller"]) for row in rows)
+    for speeds, controller in sorted(curves, key=lambda curve: curve[0]):  # keeps the order within
+        of = {
+            row["noise_m_s"]: row
+            for row in rows
+            if (row["speeds"], row["controller"]) == (speeds, controller)
+        }
+        name = "bound of every controller" if controller == "bound" else f"`{controller}`"
+        cells = [_at(noise, of) for noise in noises]
+        lines.append([SPEEDS[speeds], name, *cells])
+    head = [f"{100 * float(noise):g} cm/s" for noise in noises]
+    return _table(["speeds", "dropped [%]", *head], lines)
+
+
+def _at(noise: str, rows: dict[str, dict[str, str]]) -> str:
+    """The drop rate at a noise [%]. A curve ends at the greatest noise at which nothing drops."""
+    if noise in rows:
+        return f"{100 * float(rows[noise]['rate']):.1f}"
+    zeros = [float(key) for key, row in rows.items() if float(row["rate"]) < 1e-6]
+    return "0.0" if float(noise) < max(zeros, default=0.0) else "–"
 
 
 def details() -> str:
@@ -67,6 +102,7 @@ def dynamic() -> str:
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     return {
+        "drops over the noise": over_the_noise(),
         "drops at 2 cm/s": overview("dropped_2_cm_s"),
         "drops at 3 cm/s": overview("dropped_3_cm_s"),
         "dynamic": dynamic(),

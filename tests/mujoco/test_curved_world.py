@@ -207,3 +207,15 @@ def test_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:
     again = replay(tmp_path / "carry.mcap")
     assert again.identical, again.difference
     assert again.log.lateral_peak_m == done.lateral_peak_m
+
+
+@pytest.mark.parametrize("controller", ["silent", "shared-sign"])
+@pytest.mark.parametrize("turn", ["left", "right"])
+def test_controllers_that_use_signs_carry_along_an_arc(controller: str, turn: str) -> None:
+    """They know nothing of the path: their palms still bring the contacts back."""
+    scene = load_scene(scene_with(turn=turn), {"task.distance_m": 0.5, "robot.noise_m_s": 0.01})
+    run = pb.carry(scene, controller, world="mujoco", seed=1, record=False)
+    assert run.outcome == "delivered"
+    assert max(run.contact_peak_m.values()) < 0.03
+    assert run.lateral_peak_m is not None
+    assert max(run.lateral_peak_m.values()) < scene.palm.width_m / 2

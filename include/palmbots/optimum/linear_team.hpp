@@ -73,7 +73,11 @@ class LinearTeam : public ReferenceTeam {
     PerSide<Command> commands =
         cheapest(speeds_, [&](double opening) { return magnitude(opening - wanted); });
     const double rate = magnitude(opening(speeds_) + error_);
-    steer_palms(angles_, contacts_, rate, turns_, period_, palms_);
+    // An estimated difference near zero changes its sign often. Palms that follow it hang about
+    // halfway, where the object decides which contact slides; so they complete their turns.
+    if (feedback_.exact || (sensed[left].palm_at_target && sensed[right].palm_at_target)) {
+      steer_palms(angles_, contacts_, rate, turns_, period_, palms_);
+    }
     for (const std::size_t side : {left, right}) commands[side].palm = palms_[side];
     return commands;
   }
