@@ -75,6 +75,7 @@ class Carry : public RobotPair<Real, Team> {
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
     statistics_.add(world_.touched());
+    this->let_palms_fall();
     const Actuation<Real> act =
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);

@@ -104,6 +104,7 @@ class CoSimulation : public RobotPair<double, Team> {
     if (tick_ % block_ticks == 0) collect();
     const PerSide<double> random = noise();
     statistics_.add(observation_.touched);
+    this->let_palms_fall();
     const Actuation<double> act = actuate(robots_, set_points_, random);
     for (const std::size_t side : {left, right}) set_points_[side].angle = act.angles[side];
     recorder_.before(*this, sensed);
