@@ -33,7 +33,9 @@ using BumpItem = std::tuple<std::uint32_t, bool, double, double>;
 using PushItem = std::tuple<std::uint32_t, double, double, double>;
 using OutageItem = std::tuple<std::uint32_t, double, double>;
 using MessageFaultItem = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, double>;
-using FaultItem = std::tuple<std::uint32_t, std::uint32_t, double, double, std::int32_t, double>;
+using FaultItem =
+    std::tuple<std::uint32_t, std::uint32_t, double, double, std::int32_t, double, std::uint64_t>;
+using DirectionItem = std::tuple<double, double, double>;
 
 }  // namespace
 
@@ -184,7 +186,7 @@ void bind_spec(nb::module_& m) {
             for (std::size_t i = 0; i < s.fault_count; ++i) {
               const FaultSpec& f = s.faults[i];
               items.emplace_back(static_cast<std::uint32_t>(f.kind), f.side, f.at, f.lasts, f.reads,
-                                 f.rate);
+                                 f.rate, f.marks);
             }
             return items;
           },
@@ -196,10 +198,11 @@ void bind_spec(nb::module_& m) {
                                    std::get<2>(f),
                                    std::get<3>(f),
                                    std::get<4>(f),
-                                   std::get<5>(f)};
+                                   std::get<5>(f),
+                                   std::get<6>(f)};
                 });
           },
-          "(kind, side, at, lasts, reads, rate) in s, in order of FaultKind.")
+          "(kind, side, at, lasts, reads, rate, marks) in s, in order of FaultKind.")
       .def_rw("distance", &Spec::distance)
       .def_rw("slope", &Spec::slope)
       .def_rw("inertia", &Spec::inertia)
@@ -249,6 +252,31 @@ void bind_spec(nb::module_& m) {
       .def_rw("bump_rate", &Spec::bump_rate)
       .def_rw("bump_max", &Spec::bump_max)
       .def_rw("safe_reach", &Spec::safe_reach)
+      .def_prop_rw(
+          "directions",
+          [](const Spec& s) {
+            std::vector<DirectionItem> items;
+            for (const DirectionSpec& d : s.directions) {
+              items.emplace_back(d.latency, d.jitter, d.loss);
+            }
+            return items;
+          },
+          [](Spec& s, const std::vector<DirectionItem>& items) {
+            if (items.size() != 3) throw std::invalid_argument("directions: three");
+            for (std::size_t i = 0; i < 3; ++i) {
+              const auto& [latency, jitter, loss] = items[i];
+              s.directions[i] = {latency, jitter, loss};
+            }
+          },
+          "(latency, jitter, loss) of what left, right and station send; < 0: as for all.")
+      .def_rw("replay", &Spec::replay)
+      .def_rw("replay_delay", &Spec::replay_delay)
+      .def_prop_ro(
+          "longest_delay", [](const Spec& s) { return s.longest_delay(); },
+          "The longest delay of any link [s].")
+      .def_prop_ro(
+          "may_go_limp", [](const Spec& s) { return may_go_limp(s); },
+          "A palm may go limp: carries of this spec do not run side by side.")
       .def(
           "to_bytes",
           [](const Spec& s) { return nb::bytes(reinterpret_cast<const char*>(&s), sizeof s); },

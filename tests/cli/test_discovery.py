@@ -34,7 +34,9 @@ def test_list_has_every_built_in_file_with_a_meaning(kind: str, here: Run) -> No
 
 def test_keys_lists_every_key_once(here: Run) -> None:
     rows = json.loads(here("keys", "--json").stdout)["keys"]
-    one_side = tuple(f"{s}.{side}." for s in ("palm", "robot") for side in ("left", "right"))
+    one_side = tuple(
+        f"{s}.{side}." for s in ("palm", "robot", "radio") for side in ("left", "right", "station")
+    )
     wanted = {key for key in dotted_keys(Scene) if not key.startswith(one_side)}
     assert len(rows) == len({row["name"] for row in rows})
     assert {row["name"] for row in rows} == wanted

@@ -25,9 +25,19 @@ FAULTS = (
     ' {kind="reboot", robot="right", at_s=12.0, duration_s=0.3}]',
 )
 DRIFT = ("robot.left.clock_ppm=20000.0", "robot.right.clock_ppm=-15000.0")
+OTHERS = (
+    "radio.left.latency_s=0.09", "radio.right.loss=0.1", "radio.replay=0.3",
+    'faults.script=[{kind="clock-rate", robot="left", at_s=2.0, duration_s=6.0, ppm=20000.0},'
+    ' {kind="clock-jump", robot="right", at_s=5.0, duration_s=0.8},'
+    ' {kind="reboot", robot="left", at_s=9.0, duration_s=0.5, limp_deg=9.0},'
+    ' {kind="reboot", robot="right", at_s=14.0, duration_s=0.5, loses_boot_counter=true}]',
+    "task.timeout_s=20.0",
+)  # fmt: skip
 CASES = {
     "resilient": ("resilient", ()),
     "resilient, everything": ("resilient", (*HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
+    "distributed, directions, replays, lost counter": ("distributed", OTHERS),
     "shared-sign, everything": ("shared-sign", (*HARD_RADIO, *FAULTS, *DRIFT)),
     "silent": ("silent", FAULTS),
     "distributed": ("distributed", ()),

@@ -27,6 +27,25 @@ REBOOTS = {
 }
 STATION_LOST = {"faults.script": [{"kind": "station-down", "at_s": 5.0, "duration_s": 1.0}]}
 DRIFT = {"robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0}
+DIRECTIONS = {
+    "radio.left.latency_s": 0.09, "radio.left.loss": 0.1, "radio.right.jitter_s": 0.03,
+    "radio.station.loss": 0.05,
+}  # fmt: skip
+REPLAY = {"radio.replay": 0.3, "radio.replay_within_s": 2.0}
+CLOCKS = {
+    "faults.script": [
+        {"kind": "clock-rate", "robot": "left", "at_s": 2.0, "duration_s": 6.0, "ppm": 20000.0},
+        {"kind": "clock-rate", "robot": "right", "at_s": 4.0, "duration_s": 6.0, "ppm": -15000.0},
+        {"kind": "clock-jump", "robot": "right", "at_s": 12.0, "duration_s": 0.8},
+    ]
+}
+LOST = {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5, "limp_deg": 0.0},
+        {"kind": "reboot", "robot": "right", "at_s": 8.0, "duration_s": 0.5,
+         "loses_boot_counter": True},
+    ]
+}  # fmt: skip
 
 
 class Programs:
@@ -91,8 +110,26 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
         STATION_LOST,
         DRIFT,
         HARD_RADIO | REBOOTS | DRIFT,
+        DIRECTIONS,
+        REPLAY,
+        CLOCKS,
+        LOST,
+        HARD_RADIO | DIRECTIONS | REPLAY | CLOCKS,
     ],
-    ids=["plain", "loss", "hard-radio", "reboots", "station-lost", "drift", "everything"],
+    ids=[
+        "plain",
+        "loss",
+        "hard-radio",
+        "reboots",
+        "station-lost",
+        "drift",
+        "everything",
+        "directions",
+        "replay",
+        "clocks",
+        "lost",
+        "everything else",
+    ],
 )
 @pytest.mark.parametrize(
     "controller",

@@ -150,11 +150,11 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
     assert spec.outages == [(2, 1.5, 2.5), (1, 0.5, 3.5)]
     assert spec.message_faults == [(1, 4, 1, 0.11), (0, 2, 0, 0.0), (0, 3, 2, 0.12)]
     assert spec.faults == [
-        (4, 0, 1.1, 0.21, 0, 0.0),
-        (2, 1, 1.2, 0.22, -1, 0.0),
-        (3, 0, 1.3, 0.23, 0, 0.4),
-        (1, 1, 1.4, 0.24, 0, 0.0),
-        (0, 0, 1.6, 0.25, 0, 0.0),
+        (4, 0, 1.1, 0.21, 0, 0.0, 0),
+        (2, 1, 1.2, 0.22, -1, 0.0, 0),
+        (3, 0, 1.3, 0.23, 0, 0.4, 0),
+        (1, 1, 1.4, 0.24, 0, 0.0, 0),
+        (0, 0, 1.6, 0.25, 0, 0.0, 0),
     ]
     assert (spec.random_reboots, spec.reboot, spec.watchdog) == (3, 0.7, 0.2)
     assert not spec.brake

@@ -45,7 +45,7 @@ class BeaconTeam {
       catch_up(tick, side);
       sensed_[side] = sensed[side];
       due_[side] = tick;
-      clock_[side] += rate_[side];
+      clock_[side] += rate_[side] + faults_.clock_gain(tick, side);
       if (faults_.any() && !runs(tick, side)) continue;
       const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
       if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
@@ -114,7 +114,9 @@ class BeaconTeam {
   std::uint32_t due(std::uint32_t tick, std::size_t side) const {
     const ProgramState state =
         faults_.any() ? faults_.program_state(tick, side) : ProgramState::running;
-    if (rate_[side] != 1 || state == ProgramState::frozen) return tick + 1;
+    if (rate_[side] != 1 || faults_.changes_clock(side) || state == ProgramState::frozen) {
+      return tick + 1;
+    }
     const std::uint32_t change = faults_.next_change(tick, side);
     if (state == ProgramState::off) return change;
     const std::uint32_t quiet =

@@ -120,6 +120,17 @@ inline Channel channel_of(const Spec& spec) {
     channel.message_faults[i] = {m.sender, m.message, static_cast<MessageEffect>(m.effect),
                                  static_cast<std::uint32_t>(m.late / spec.period + 0.5)};
   }
+  for (std::size_t sender = 0; sender < channel.directions.size(); ++sender) {
+    const DirectionSpec& d = spec.directions[sender];
+    channel.has_directions =
+        channel.has_directions || d.latency >= 0 || d.jitter >= 0 || d.loss >= 0;
+    const Channel own =
+        Channel::of(d.latency < 0 ? spec.latency : d.latency, d.jitter < 0 ? spec.jitter : d.jitter,
+                    d.loss < 0 ? spec.loss : d.loss, spec.period);
+    channel.directions[sender] = {own.latency_ticks, own.jitter_ticks, own.loss_words};
+  }
+  channel.replay_words = Channel::words_of(spec.replay);
+  channel.replay_ticks = spec.replay_delay / spec.period;
   return channel;
 }
 
@@ -155,6 +166,16 @@ inline double zero_zone_reach(const Spec& spec) {
   return reach;
 }
 
+// The largest scheduled change of the rate of a robot's clock, upwards or (sense −1) downwards.
+inline double fastest_gain(const Spec& spec, std::uint32_t side, double sense = 1) {
+  double most = 0;
+  for (std::size_t i = 0; i < spec.fault_count; ++i) {
+    const FaultSpec& f = spec.faults[i];
+    if (f.kind == FaultKind::clock_rate && f.side == side) most = larger(most, sense * f.rate);
+  }
+  return most;
+}
+
 // What a contact may have moved beyond its zero zone when a fault occurs [m], along the floor: the
 // robots drift apart until its correction begins, and with different accelerations they come to
 // rest in different ways from the nominal speed. Biases add up; noise counts with one standard
@@ -187,8 +208,10 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
   double error = 0;  // of one robot's speed: bias and one standard deviation of the noise
   for (const RobotSpec& robot : spec.robots) {
     braking = larger(braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
-    fast = larger(fast, 1 + robot.clock_drift);
-    slow = smaller(slow, 1 + robot.clock_drift);
+    const auto side = static_cast<std::uint32_t>(&robot - spec.robots);
+    const double drift = 1 + robot.clock_drift;
+    fast = larger(fast, drift + detail::fastest_gain(spec, side));
+    slow = smaller(slow, drift - detail::fastest_gain(spec, side, -1));
     speed = larger(speed, robot.speed);
     error = larger(error, std::abs(robot.bias) + robot.noise);
   }
@@ -198,7 +221,7 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     flattest = smaller(flattest, sin_cos(palm.steep).cos);
     half = smaller(half, 0.5 * palm.length);
   }
-  const auto delay = double(Channel::of(spec.latency, spec.jitter, 0, spec.period).longest());
+  const auto delay = double(channel_of(spec).longest());
   return ResilientTiming::of({
       .period = spec.period,
       .beacon = spec.beacon,

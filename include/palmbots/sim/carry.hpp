@@ -86,6 +86,7 @@ class Carry : public RobotPair<Real, Team> {
     if (k == 0) next_block();
     statistics_.add(world_.touched());
     push();
+    this->let_palms_fall();
     const Actuation<Real> act =
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);

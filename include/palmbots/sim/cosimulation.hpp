@@ -105,6 +105,7 @@ class CoSimulation : public RobotPair<double, Team> {
     const PerSide<double> random = noise();
     statistics_.add(observation_.touched);
     push();
+    this->let_palms_fall();
     const Actuation<double> act = actuate(robots_, set_points_, random);
     for (const std::size_t side : {left, right}) set_points_[side].angle = act.angles[side];
     recorder_.before(*this, sensed);

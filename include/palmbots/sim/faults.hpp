@@ -5,12 +5,14 @@
 // watchdog's time, its wheels are brought to rest and its controller boots when the fault is over;
 // the palm's servo holds the angle last commanded. A reboot has this effect from its start. A stuck
 // sensor reads one sign; a flickering one occasionally reads a random sign. A lost station neither
-// receives nor sends.
+// receives nor sends. A clock changes its rate for a time, or jumps ahead. A robot that has lost its
+// boot counter does not start again, as its program refuses to.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/side.hpp"
@@ -45,17 +47,17 @@ class Faults {
       const std::size_t leader = spec.direction > 0 ? right : left;
       const std::size_t side = (words[0] & 1) != 0 ? leader : other(leader);
       faults.add(spec, {FaultKind::reboot, static_cast<std::uint32_t>(side),
-                        unit_uniform<double>(words[1]) * length, spec.reboot, 0, 0});
+                        unit_uniform<double>(words[1]) * length, spec.reboot, 0, 0, 0});
     }
     return faults;
   }
 
   bool any() const { return count_ > 0; }
 
-  // True if all faults are reboots.
+  // True if all faults are reboots after which the robot starts again with its palm held.
   bool are_reboots() const {
     for (std::size_t i = 0; i < count_; ++i) {
-      if (list_[i].kind != FaultKind::reboot) return false;
+      if (list_[i].kind != FaultKind::reboot || list_[i].marks != 0) return false;
     }
     return true;
   }
@@ -92,12 +94,43 @@ class Faults {
     return false;
   }
 
+  // What the clock of a robot gains in a tick, besides its constant rate [ticks].
+  double clock_gain(std::uint32_t tick, std::size_t side) const {
+    double gain = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side != side || !f.is_clock()) continue;
+      const bool is_now = f.kind == FaultKind::clock_jump ? tick == f.from : f.covers(tick);
+      if (is_now) gain += f.value;
+    }
+    return gain;
+  }
+
+  // True if the clock of a robot does not keep its rate.
+  bool changes_clock(std::size_t side) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (list_[i].side == side && list_[i].is_clock()) return true;
+    }
+    return false;
+  }
+
+  bool may_go_limp() const { return may_go_limp_; }
+
+  // The angle to which a palm falls in a tick [rad]; nothing while its servo holds it.
+  std::optional<double> limp_angle(std::uint32_t tick, std::size_t side) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      if (f.side == side && (f.marks & palm_goes_limp) != 0 && f.covers(tick)) return f.value;
+    }
+    return std::nullopt;
+  }
+
   // The first later tick at which a robot's program or the station may fail or return.
   std::uint32_t next_outage(std::uint32_t tick) const {
     std::uint32_t next = ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
-      if (f.is_sensors() || tick >= f.to) continue;
+      if (f.is_sensors() || f.is_clock() || tick >= f.to) continue;
       const std::uint32_t at = f.from > tick ? f.from : tick + 1;
       next = at < next ? at : next;
     }
@@ -109,7 +142,7 @@ class Faults {
     std::uint32_t next = ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
-      if (f.side != side || f.is_sensors()) continue;
+      if (f.side != side || f.is_sensors() || f.is_clock()) continue;
       for (const std::uint32_t at : {f.from, f.off_from, f.to}) {
         if (at > tick && at < next) next = at;
       }
@@ -141,7 +174,10 @@ class Faults {
     std::uint32_t off_from;  // the tick from which on the robot rests and will boot
     Sign reads;
     std::uint64_t flicker_words;  // threshold of 2³²
+    std::uint64_t marks;
+    double value;  // gain of a clock per tick, or at once [ticks]; angle of a limp palm [rad]
 
+    bool is_clock() const { return kind == FaultKind::clock_rate || kind == FaultKind::clock_jump; }
     bool is_sensors() const { return kind == FaultKind::stuck || kind == FaultKind::flicker; }
     bool covers(std::uint32_t tick) const { return tick >= from && tick < to; }
   };
@@ -157,13 +193,25 @@ class Faults {
     f.to = f.from + ticks(fault.lasts);
     f.off_from = fault.kind == FaultKind::freeze ? f.from + ticks(spec.watchdog) : f.from;
     f.reads = static_cast<Sign>(fault.reads);
-    f.flicker_words = static_cast<std::uint64_t>(fault.rate * 4294967296.0);
+    f.marks = fault.marks;
+    f.value = fault.rate;
+    if (fault.kind == FaultKind::clock_jump) {
+      const double jump = fault.rate / spec.period;
+      f.value = jump < most_jump_ticks ? jump : most_jump_ticks;
+    }
+    if (fault.kind == FaultKind::flicker) {
+      f.flicker_words = static_cast<std::uint64_t>(fault.rate * 4294967296.0);
+    }
+    if ((fault.marks & loses_boot_counter) != 0) f.to = ~0U;
+    may_go_limp_ = may_go_limp_ || (fault.marks & palm_goes_limp) != 0;
   }
 
+  static constexpr double most_jump_ticks = 60'000;        // programs count in 16 bits
   static constexpr std::size_t capacity = max_faults + 8;  // scheduled and random ones
   std::array<Fault, capacity> list_{};
   std::size_t count_ = 0;
   std::uint64_t seed_ = 0;
+  bool may_go_limp_ = false;
 };
 
 // Records which robots have been off since they last ran. A program that was off boots when it runs

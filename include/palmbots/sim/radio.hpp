@@ -94,36 +94,60 @@ class Radio {
     ++link_totals.sent;
     ++counts.sent;
     if (plain_delay_ > 0 && link.has_room()) return link.put(tick + plain_delay_, payload);
+    if (channel_.has_directions) {
+      return post(link, tick, payload, sender, robot, collides, link_totals, channel_.from(sender));
+    }
+    return post(link, tick, payload, sender, robot, collides, link_totals, channel_);
+  }
+
+ private:
+  // The same on the link of this sender, once the message is counted.
+  template <class Payload>
+  std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
+                     std::size_t sender, std::size_t robot, bool collides, LinkTotals& link_totals,
+                     const Channel& channel) const {
+    LinkCounts& counts = link_totals.links[robot + (sender == 2 ? 2 : 0)];
     // The leading robot has the first lane, so that the mirrored carry draws the mirrored numbers.
     const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
     const Words words =
-        channel_.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
-    const MessageFault* message_fault = channel_.message_fault(sender, counts.sent);
+        channel.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
+    // The attacker hears every packet, whatever becomes of it on its way.
+    if (channel.replay_words > 0) replay(link, tick, payload, channel, lane, counts);
+    const MessageFault* message_fault = channel.message_fault(sender, counts.sent);
     const bool lost = message_fault != nullptr && message_fault->effect == MessageEffect::lost;
     const bool late = message_fault != nullptr && message_fault->effect == MessageEffect::late;
-    if (collides || lost || channel_.is_dead(static_cast<std::uint32_t>(sender), tick) ||
-        !link.takes(tick, channel_, words)) {
+    if (collides || lost || channel.is_dead(static_cast<std::uint32_t>(sender), tick) ||
+        !link.takes(tick, channel, words)) {
       ++link_totals.lost;
       ++counts.lost;
       return 0;
     }
     std::uint32_t received = 0;
-    if (channel_.corrupt_words > 0 && damages(payload, tick, sender, robot, lane, counts.sent)) {
+    if (channel.corrupt_words > 0 && damages(payload, tick, sender, robot, lane, counts.sent)) {
       ++counts.rejected;
     } else {
-      received = link.put(late ? tick + message_fault->late : tick, payload, channel_, words);
+      received = link.put(late ? tick + message_fault->late : tick, payload, channel, words);
     }
-    if (channel_.duplicate_words > 0 && link.send_copy(tick, payload, channel_, words)) {
+    if (channel.duplicate_words > 0 && link.send_copy(tick, payload, channel, words)) {
       ++counts.duplicated;
     }
     if (message_fault != nullptr && message_fault->effect == MessageEffect::copied) {
-      link.send_again(tick + message_fault->late, payload, channel_, words);
+      link.send_again(tick + message_fault->late, payload, channel, words);
       ++counts.duplicated;
     }
     return received;
   }
 
- private:
+  template <class Payload>
+  void replay(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
+              const Channel& channel, std::uint32_t lane, LinkCounts& counts) const {
+    const Words words = draw(seed_, tick, Stream::replay, lane);
+    if (words[0] >= channel.replay_words) return;
+    const auto late =
+        1 + static_cast<std::uint32_t>(unit_uniform<double>(words[1]) * channel.replay_ticks);
+    if (link.replay(tick + channel.longest() + late, payload)) ++counts.duplicated;
+  }
+
   // True if the message arrives damaged and is rejected. The message is encoded as a packet, some
   // of its bytes are replaced by noise, and the receiver's decoder reads the result
   // (wire/codec.hpp).

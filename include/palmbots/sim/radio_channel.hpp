@@ -45,6 +45,13 @@ struct MessageFault {
 
 inline constexpr std::size_t max_message_faults = 16;
 
+// The delays and losses of what one sender transmits, if they are not those of all links.
+struct Direction {
+  double latency_ticks = 0;
+  double jitter_ticks = 0;
+  std::uint64_t loss_words = 0;  // of 2³²
+};
+
 // The delays and losses of a link.
 struct Channel {
   double latency_ticks = 0;
@@ -61,6 +68,10 @@ struct Channel {
   std::size_t outage_count = 0;
   std::array<MessageFault, max_message_faults> message_faults{};
   std::size_t message_fault_count = 0;
+  bool has_directions = false;
+  std::array<Direction, 3> directions{};  // by sender, if has_directions
+  std::uint64_t replay_words = 0;         // of 2³²
+  double replay_ticks = 0;                // the longest time until a packet is sent again
 
   static constexpr Channel of(double latency_s, double jitter_s, double loss, double period_s) {
     Channel channel;
@@ -76,7 +87,8 @@ struct Channel {
   }
 
   constexpr bool is_random() const {
-    return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0;
+    return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0 ||
+           has_directions;
   }
   // True if every message arrives, undamaged and once, after the same delay.
   constexpr bool is_plain() const { return !is_random() && is_steady(); }
@@ -84,11 +96,11 @@ struct Channel {
   constexpr bool is_steady() const {
     const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
     return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
-           outage_count == 0 && message_fault_count == 0;
+           outage_count == 0 && message_fault_count == 0 && !has_directions && replay_words == 0;
   }
   // True if no message arrives twice or after one that was sent later.
   constexpr bool keeps_order() const {
-    if (duplicate_words > 0 || reorders) return false;
+    if (duplicate_words > 0 || reorders || replay_words > 0) return false;
     for (std::size_t i = 0; i < message_fault_count; ++i) {
       if (message_faults[i].effect == MessageEffect::copied) return false;
     }
@@ -125,8 +137,27 @@ struct Channel {
     return delay > whole ? whole + 1 : (whole > 0 ? whole : 1);
   }
 
+  // The link of one sender.
+  constexpr Channel from(std::size_t sender) const {
+    Channel own = *this;
+    if (!has_directions) return own;
+    own.latency_ticks = directions[sender].latency_ticks;
+    own.jitter_ticks = directions[sender].jitter_ticks;
+    own.loss_words = directions[sender].loss_words;
+    own.has_directions = false;
+    return own;
+  }
+
   // The longest possible delay [ticks].
-  constexpr std::uint32_t longest() const { return ticks(1.0); }
+  constexpr std::uint32_t longest() const {
+    if (!has_directions) return ticks(1.0);
+    std::uint32_t longest = 0;
+    for (std::size_t sender = 0; sender < directions.size(); ++sender) {
+      const std::uint32_t delay = from(sender).ticks(1.0);
+      longest = delay > longest ? delay : longest;
+    }
+    return longest;
+  }
 };
 
 // The longest delay that a link can hold, with one message per tick [ticks].
@@ -196,6 +227,13 @@ class Link : LinkState {
     return true;
   }
 
+  // Puts a recorded message among those under way. It delays no other one.
+  bool replay(std::uint32_t due, const Payload& payload) {
+    if (tail_ - head_ > capacity / 2) return false;
+    put(due, payload, true);
+    return true;
+  }
+
   // The oldest message that has arrived, or null.
   const Payload* oldest(std::uint32_t now) const {
     if (first_due_ > now || head_ == tail_) return nullptr;
@@ -259,14 +297,9 @@ class Link : LinkState {
   }
 
   std::uint32_t put(std::uint32_t due, const Payload& payload, bool reorders) {
+    if (!reorders) last_due_ = due = due > last_due_ ? due : last_due_;
     std::uint32_t place = tail_++;
-    if (reorders) {
-      for (; place != head_ && at(place - 1).due > due; --place) {
-        at(place) = at(place - 1);
-      }
-    } else {
-      last_due_ = due = due > last_due_ ? due : last_due_;
-    }
+    for (; place != head_ && at(place - 1).due > due; --place) at(place) = at(place - 1);
     at(place) = {due, payload};
     if (place == head_) first_due_ = due;
     return due;

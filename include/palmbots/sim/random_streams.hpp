@@ -17,6 +17,7 @@ struct Stream {
     collision = 4,
     fault = 5,
     corruption = 6,
+    replay = 7,
   };
 };
 

@@ -81,7 +81,7 @@ class RemoteTeam {
                                Log&& log) {
     ProgramInputs inputs{};
     for (const std::size_t side : {left, right}) {
-      clock_[side] += rate_[side];
+      clock_[side] += rate_[side] + faults_.clock_gain(tick, side);
       const ProgramState state = monitor_.program_state(faults_, tick, side);
       if (state == ProgramState::off) {
         inbox_[side].drop(tick);

@@ -132,6 +132,17 @@ class RobotPair {
     next_push_ = Pushes::next_change(spec_, tick_ + 1);
   }
 
+  // Without power a servo lets its palm fall. To be called in each tick before the palms turn.
+  void let_palms_fall() {
+    if (!faults_.may_go_limp()) [[likely]]
+      return;
+    for (const std::size_t side : {left, right}) {
+      const auto angle = faults_.limp_angle(tick_, side);
+      robots_.goal_angle[side] =
+          angle ? Real(*angle) : robots_.wrists[side].target(commands_[side].palm);
+    }
+  }
+
   void collect() { metrics_.collect(statistics_, tick_ - metrics_.samples); }
 
   // Ends a tick of which the world executed `fraction`, with drop reason `reason` if there is one.
@@ -194,9 +205,7 @@ class RobotPair {
       const double own = (palm.steep - palm.shallow) / palm.rate;
       turn = own > turn ? own : turn;
     }
-    return static_cast<std::uint32_t>(2 * (turn + 2 * (spec_.latency + spec_.jitter)) /
-                                      spec_.period) +
-           10;
+    return static_cast<std::uint32_t>(2 * (turn + 2 * spec_.longest_delay()) / spec_.period) + 10;
   }
 
  protected:

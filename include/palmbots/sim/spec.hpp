@@ -62,8 +62,14 @@ enum class FaultKind : std::uint32_t {
   freeze = 1,
   stuck = 2,
   flicker = 3,
-  station = 4
+  station = 4,
+  clock_rate = 5,
+  clock_jump = 6
 };
+
+// What a reboot does besides: bits of FaultSpec::marks.
+inline constexpr std::uint64_t loses_boot_counter = 1;  // the program does not start again
+inline constexpr std::uint64_t palm_goes_limp = 2;      // the servo does not hold the palm
 
 // A scheduled fault: its kind, side, start and duration.
 struct FaultSpec {
@@ -72,7 +78,11 @@ struct FaultSpec {
   double at = 0;           // [s]
   double lasts = 0;        // [s]
   std::int32_t reads = 0;  // stuck: the sign that the sensor reads
-  double rate = 0;         // flicker: the probability that a reading is random
+  // flicker: the probability that a reading is random. clock_rate: the share by which the clock
+  // gains. clock_jump: by how much it jumps ahead [s]. A limp palm: the angle to which it falls
+  // [rad].
+  double rate = 0;
+  std::uint64_t marks = 0;  // reboot: see above
 };
 
 // A period in which no message of this sender arrives.
@@ -88,6 +98,13 @@ struct MessageFaultSpec {
   std::uint32_t message = 0;  // from 1
   std::uint32_t effect = 0;
   double late = 0;  // [s]
+};
+
+// The link from one sender; a negative value is that of all links.
+struct DirectionSpec {
+  double latency = -1;  // [s]
+  double jitter = -1;   // [s]
+  double loss = -1;
 };
 
 inline constexpr std::size_t max_faults = 32;
@@ -145,7 +162,29 @@ struct Spec {
   double bump_max = 0;   // largest random shift [m]
   std::array<PushSpec, max_pushes> pushes{};
   std::size_t push_count = 0;
-  double safe_reach = -1;  // see ModelParams; optional
+  double safe_reach = -1;         // see ModelParams; optional
+  DirectionSpec directions[3]{};  // from the left robot, the right one, the station
+  double replay = 0;              // probability that an attacker sends a packet again
+  double replay_delay = 1;        // after this time at most [s]
+
+  // The longest delay of any link [s].
+  constexpr double longest_delay() const {
+    double longest = 0;
+    for (const DirectionSpec& d : directions) {
+      const double delay =
+          (d.latency < 0 ? latency : d.latency) + (d.jitter < 0 ? jitter : d.jitter);
+      longest = delay > longest ? delay : longest;
+    }
+    return longest;
+  }
 };
+
+// True if a palm may go limp. Carries side by side (batch/lockstep.hpp) do not provide for that.
+inline bool may_go_limp(const Spec& spec) {
+  for (std::size_t i = 0; i < spec.fault_count; ++i) {
+    if ((spec.faults[i].marks & palm_goes_limp) != 0) return true;
+  }
+  return false;
+}
 
 }  // namespace palmbots

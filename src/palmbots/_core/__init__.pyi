@@ -311,11 +311,13 @@ class Spec:
     def message_faults(self, arg: Sequence[tuple[int, int, int, float]], /) -> None: ...
 
     @property
-    def faults(self) -> list[tuple[int, int, float, float, int, float]]:
-        """(kind, side, at, lasts, reads, rate) in s, in order of FaultKind."""
+    def faults(self) -> list[tuple[int, int, float, float, int, float, int]]:
+        """
+        (kind, side, at, lasts, reads, rate, marks) in s, in order of FaultKind.
+        """
 
     @faults.setter
-    def faults(self, arg: Sequence[tuple[int, int, float, float, int, float]], /) -> None: ...
+    def faults(self, arg: Sequence[tuple[int, int, float, float, int, float, int]], /) -> None: ...
 
     @property
     def distance(self) -> float: ...
@@ -389,6 +391,35 @@ class Spec:
 
     @safe_reach.setter
     def safe_reach(self, arg: float, /) -> None: ...
+
+    @property
+    def directions(self) -> list[tuple[float, float, float]]:
+        """
+        (latency, jitter, loss) of what left, right and station send; < 0: as for all.
+        """
+
+    @directions.setter
+    def directions(self, arg: Sequence[tuple[float, float, float]], /) -> None: ...
+
+    @property
+    def replay(self) -> float: ...
+
+    @replay.setter
+    def replay(self, arg: float, /) -> None: ...
+
+    @property
+    def replay_delay(self) -> float: ...
+
+    @replay_delay.setter
+    def replay_delay(self, arg: float, /) -> None: ...
+
+    @property
+    def longest_delay(self) -> float:
+        """The longest delay of any link [s]."""
+
+    @property
+    def may_go_limp(self) -> bool:
+        """A palm may go limp: carries of this spec do not run side by side."""
 
     def to_bytes(self) -> bytes:
         """The spec as it lies in memory, for C++ programs on the same machine."""

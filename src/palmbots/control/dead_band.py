@@ -42,11 +42,11 @@ def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     if team == "none":
         return 0.0
     if team == "station":
-        delay = 2 * max(period, scene.radio.latency_s + scene.radio.jitter_s) + period
+        delay = 2 * max(period, scene.radio.longest_delay_s) + period
         distance = sum(0.5 * r.correction_m_s * delay + _braking_m(r, 0.5, period) for r in robots)
         return distance * along_palm
     if entry.drives_by_both_signs:
-        delay = max(period, scene.radio.latency_s + scene.radio.jitter_s) + period
+        delay = max(period, scene.radio.longest_delay_s) + period
         distance = sum(r.correction_m_s * delay + _braking_m(r, 1.0, period) for r in robots)
         return distance * along_palm
     return along_palm * max(r.correction_m_s * period + _braking_m(r, 1.0, period) for r in robots)

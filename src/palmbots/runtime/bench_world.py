@@ -83,7 +83,7 @@ def obey(stage: BenchStage, line: str) -> str:
         side, value = _parsed(line)
     except PalmbotsError as error:
         return str(error)
-    if value == "home":
+    if isinstance(value, str):
         stage.put_down(side)
         return f"{side}: at the start of its tape"
     stage.rods[side] = value

@@ -6,7 +6,17 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots._types import Side
-from palmbots.scene.fields import Fraction, Lasting, Moment, field_error, from_list, whole
+from palmbots.scene.fields import (
+    Angle,
+    Fraction,
+    Lasting,
+    Moment,
+    Switch,
+    field_error,
+    from_list,
+    whole,
+)
+from palmbots.scene.robot_section import ClockError
 from palmbots.scene.section import Section
 
 __all__ = ["Fault", "Faults"]
@@ -17,10 +27,13 @@ Few = Annotated[int, BeforeValidator(whole(0, 8))]
 class Fault(Section):
     """A temporary fault."""
 
-    kind: Literal["reboot", "freeze", "stuck", "intermittent", "station-down"]
+    kind: Literal[
+        "reboot", "freeze", "stuck", "intermittent", "station-down", "clock-rate", "clock-jump"
+    ]
     """reboot: a robot is off and boots. freeze: its controller does not step. stuck: its sensor
     reads `stuck_at`. intermittent: each reading is random with `probability`. station-down: the
-    station neither receives nor sends."""
+    station neither receives nor sends. clock-rate: the clock of a robot runs fast by a further
+    `ppm`. clock-jump: it jumps ahead by `duration_s`."""
     robot: Side | None = None
     """The robot that has the fault; not for station-down."""
     at_s: Moment
@@ -29,6 +42,14 @@ class Fault(Section):
     """The reading of a stuck sensor."""
     probability: Fraction | None = None
     """Probability that a reading of an intermittent sensor is random."""
+    ppm: ClockError | None = None
+    """By how much a clock runs fast, in parts per million; < 0: slow."""
+    loses_boot_counter: Switch | None = None
+    """Only for reboot: true if the robot also loses its boot counter. Its program then refuses to
+    start again."""
+    limp_deg: Angle | None = None
+    """Only for reboot: without power the servo does not hold the palm, which turns to this angle at
+    its own speed. Not set: the servo holds the palm."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -36,11 +57,12 @@ class Fault(Section):
             "stuck": {"robot", "stuck_at"},
             "intermittent": {"robot", "probability"},
             "station-down": set(),
+            "clock-rate": {"robot", "ppm"},
         }
         needs = wanted.get(self.kind, {"robot"})
-        given = {
-            name for name in ("robot", "stuck_at", "probability") if getattr(self, name) is not None
-        }
+        optional = {"loses_boot_counter", "limp_deg"} if self.kind == "reboot" else set()
+        names = type(self).model_fields.keys() - {"kind", "at_s", "duration_s"} - optional
+        given = {name for name in names if getattr(self, name) is not None}
         if given != needs:
             names = ", ".join(sorted(needs)) or "none of robot, stuck_at and probability"
             raise field_error(
@@ -64,7 +86,7 @@ class Faults(Section):
 
     script: FaultScript = ()
     """Faults that happen in every carry: a list of tables {kind, robot, at_s, duration_s, stuck_at,
-    probability}."""
+    probability, ppm, loses_boot_counter, limp_deg}."""
     random_reboots: Few = 0
     """Number of random reboots in every carry, each of either robot at any time."""
     reboot_s: Lasting = 0.5

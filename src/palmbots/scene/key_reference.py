@@ -68,8 +68,8 @@ def section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
     """The keys of a table and of the tables in it; `section` is its name."""
     meanings = field_meanings(model)
     for name, field in model.model_fields.items():
-        # palm.left.… has the keys of palm.…; so have robot.left.… and hardware.left.….
-        if name in SIDES and section in ("palm", "robot", "hardware"):
+        # palm.left.… has keys of palm.…; so have robot, hardware and radio.
+        if name in (*SIDES, "station") and section in ("palm", "robot", "hardware", "radio"):
             continue
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
@@ -139,7 +139,9 @@ def default_scene_toml() -> str:
     head = [
         "# A scene for palmbots with the default of every key. A key that you remove",
         "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
-        "# robot.right.KEY override one side. Run it: palmbots carry FILE",
+        "# robot.right.KEY override one side. radio.left, radio.right and radio.station",
+        "# override latency_s, jitter_s and loss for what one sender transmits.",
+        "# Run it: palmbots carry FILE",
     ]
     return commented_toml(head, scene_keys())
 

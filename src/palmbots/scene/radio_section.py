@@ -18,7 +18,7 @@ from palmbots.scene.fields import (
 )
 from palmbots.scene.section import Section
 
-__all__ = ["MessageFault", "Outage", "Radio"]
+__all__ = ["DirectionOverride", "MessageFault", "Outage", "Radio"]
 
 Delay = Annotated[float, BeforeValidator(Range("s", least=0, most=10))]
 Share = Annotated[float, BeforeValidator(Range(least=0, most=0.99))]
@@ -78,11 +78,20 @@ MessageFaults = Annotated[
 ]
 
 
+class DirectionOverride(Section):
+    """[radio.left], [radio.right], [radio.station] What differs for the packets of one sender."""
+
+    latency_s: Delay | None = None
+    jitter_s: Delay | None = None
+    loss: Fraction | None = None
+
+
 class Radio(Section):
     """[radio] The links between the robots, and between each robot and the station."""
 
     latency_s: Delay = 0.05
-    """Shortest time from sending to receiving."""
+    """Shortest time from sending to receiving. The tables radio.left, radio.right and radio.station
+    override latency_s, jitter_s and loss for what one sender transmits."""
     jitter_s: Delay = 0.0
     """Longest additional time; random for each packet."""
     reorder: Switch = False
@@ -110,6 +119,11 @@ class Radio(Section):
     script: MessageFaults = ()
     """What happens to single messages in every carry: a list of tables {sender, message, effect,
     delay_s}."""
+    replay: Fraction = 0.0
+    """Probability that an attacker records a packet, and sends it again after `replay_within_s` at
+    the latest."""
+    replay_within_s: Lasting = 1.0
+    """Longest time until a recorded packet is sent again."""
     beacon_s: Lasting = 0.05
     """Controllers resilient and shared-sign: time between two beacons of a robot whose state stays
     the same."""
@@ -118,3 +132,21 @@ class Radio(Section):
     resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less
     room; shared-sign a round trip and four beacons. With control.brake, it is proved for
     shared-sign only up to 0.3 (in the default scene) that no contact leaves its palm."""
+    left: DirectionOverride = DirectionOverride()
+    """Packets of the left robot."""
+    right: DirectionOverride = DirectionOverride()
+    """Packets of the right robot."""
+    station: DirectionOverride = DirectionOverride()
+    """Packets of the station."""
+
+    def of(self, sender: Literal["left", "right", "station"]) -> "Radio":
+        """The links of one sender."""
+        override: DirectionOverride = getattr(self, sender)
+        given = {name: getattr(override, name) for name in type(override).model_fields}
+        return self.model_copy(update={k: v for k, v in given.items() if v is not None})
+
+    @property
+    def longest_delay_s(self) -> float:
+        """The longest delay of any sender's packets."""
+        senders: tuple[Literal["left", "right", "station"], ...] = ("left", "right", "station")
+        return max(self.of(sender).latency_s + self.of(sender).jitter_s for sender in senders)

@@ -98,7 +98,7 @@ class Scene(Section):
         item["vertices_m"] = tuple((0.0 - x, y) for x, y in item["vertices_m"])
         item["com_m"] = (0.0 - item["com_m"][0], item["com_m"][1])
         item["contacts"] = item["contacts"][::-1]
-        for section in ("palm", "robot"):
+        for section in ("palm", "robot", "radio"):
             sides = {_other(s): table[section].pop(s, {}) for s in SIDES}
             table[section] |= sides
         for bump in table["bumps"]["script"]:
@@ -163,14 +163,19 @@ class Scene(Section):
                 key,
             )
         radio = self.radio
-        if (radio.latency_s + radio.jitter_s) / period > _MOST_DELAY_TICKS:
+        if radio.longest_delay_s / period > _MOST_DELAY_TICKS:
+            for sender in ("left", "right", "station"):
+                own = radio.of(sender)
+                if (own.latency_s + own.jitter_s) / period > _MOST_DELAY_TICKS:
+                    break
+            is_own = radio.latency_s + radio.jitter_s < radio.longest_delay_s
             raise field_error(
-                radio.latency_s,
-                f"and a jitter_s of {radio.jitter_s:g} are too long for control periods of "
+                own.latency_s,
+                f"and a jitter_s of {own.jitter_s:g} are too long for control periods of "
                 f"{period:g} s",
                 f"latency_s + jitter_s at most {_MOST_DELAY_TICKS * period:g} "
                 f"({_MOST_DELAY_TICKS} periods)",
-                "radio.latency_s",
+                f"radio.{sender}.latency_s" if is_own else "radio.latency_s",
             )
 
     def _slower_key(self) -> str:

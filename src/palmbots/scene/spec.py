@@ -25,7 +25,10 @@ _RADIANS_PER_DEGREE = math.pi / 180
 _EFFECTS = ("lost", "delayed", "duplicated")
 _SIGNS = {"-": -1, "0": 0, "+": 1}
 _SENDERS = (*SIDES, "station")
-_FAULTS = ("reboot", "freeze", "stuck", "intermittent", "station-down")  # in the core's order
+_FAULTS = (  # in the core's order
+    "reboot", "freeze", "stuck", "intermittent", "station-down", "clock-rate", "clock-jump",
+)  # fmt: skip
+_LOSES_BOOT_COUNTER, _PALM_GOES_LIMP = 1, 2
 _PER_MILLION = 1e-6
 
 
@@ -72,6 +75,12 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     spec.burst_share = scene.radio.burst_fraction
     spec.burst_mean = scene.radio.burst_s
     spec.airtime = scene.radio.airtime_s
+    spec.directions = [
+        tuple(-1.0 if value is None else value for value in (d.latency_s, d.jitter_s, d.loss))
+        for d in (scene.radio.left, scene.radio.right, scene.radio.station)
+    ]
+    spec.replay = scene.radio.replay
+    spec.replay_delay = scene.radio.replay_within_s
     spec.beacon = scene.radio.beacon_s
     spec.lease = scene.radio.lease_s or 0.0
     spec.outages = [(_SENDERS.index(o.sender), o.start_s, o.end_s) for o in scene.radio.outages]
@@ -110,7 +119,8 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     spec.inertia = 1.0 if task.inertia else 0.0
     spec.inertia_lag = task.inertia_tau_s
     spec.timeout_ticks = scene.timeout_ticks
-    spec.safe_reach = _core.safe_reach(spec)
+    # A limp palm may turn to any angle.
+    spec.safe_reach = -1.0 if spec.may_go_limp else _core.safe_reach(spec)
     return spec
 
 
@@ -142,14 +152,24 @@ def _robot(robot: RobotParameters) -> _core.RobotSpec:
     return spec
 
 
-def _fault(fault: Fault) -> tuple[int, int, float, float, int, float]:
+def _fault(fault: Fault) -> tuple[int, int, float, float, int, float, int]:
+    value = fault.probability or 0.0
+    marks = _LOSES_BOOT_COUNTER if fault.loses_boot_counter else 0
+    if fault.ppm is not None:
+        value = fault.ppm * _PER_MILLION
+    elif fault.kind == "clock-jump":
+        value = fault.duration_s
+    elif fault.limp_deg is not None:
+        value = _radians(fault.limp_deg)
+        marks |= _PALM_GOES_LIMP
     return (
         _FAULTS.index(fault.kind),
         SIDES.index(fault.robot or "left"),
         fault.at_s,
         fault.duration_s,
         _SIGNS[fault.stuck_at or "0"],
-        fault.probability or 0.0,
+        value,
+        marks,
     )
 
 

@@ -107,11 +107,12 @@ def run_batch(
     entry = resolve(controller)
     index = np.ascontiguousarray(spec_index, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
-    if not entry.runs_in_lockstep:
-        if isinstance(specs, bytes):
-            if entry.is_python or entry.is_reference:
-                raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
-            specs = _core.Spec.list_from_bytes(specs)
+    own = _core.Spec.list_from_bytes(specs) if isinstance(specs, bytes) else specs
+    # The lanes know only the two angles that a controller commands.
+    if not entry.runs_in_lockstep or any(spec.may_go_limp for spec in own):
+        if isinstance(specs, bytes) and (entry.is_python or entry.is_reference):
+            raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
+        specs = own
         workers = threads if entry.is_policy else 1
         return _run_singly(specs, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)

@@ -21,6 +21,8 @@ from palmbots.simulation.worlds import WorldEntry, check_scene, world_entry
 
 __all__ = ["Prepared", "prepare"]
 
+_CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -62,4 +64,12 @@ def prepare(
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = check(entry, scene)
-    return Prepared(scene, entry, place, to_spec(scene, unrolled=place.supports_curved), timing)
+    spec = to_spec(scene, unrolled=place.supports_curved)
+    is_own = entry.source is not None or entry.maker is not None
+    if is_own or not _core.runtime.uses_clock(entry.name):
+        # Its robots measure no time: their clocks run like that of the carry, also in programs.
+        spec.faults = [
+            (kind, side, at, lasts, reads, 0.0 if kind in _CLOCK_FAULTS else value, marks)
+            for kind, side, at, lasts, reads, value, marks in spec.faults
+        ]
+    return Prepared(scene, entry, place, spec, timing)

@@ -44,7 +44,7 @@ def _waiting(measured: Any, scene: Scene) -> list[str]:
     reason = _reason(measured, scene)
     if not reason:
         return []
-    longest = _PATIENCE_S + 2 * (scene.radio.latency_s + scene.radio.jitter_s)
+    longest = _PATIENCE_S + 2 * scene.radio.longest_delay_s
     return [
         f"the {side} robot has waited since {since:.1f} s for {_a(kind)} that does not arrive "
         f"(a message {reason})"

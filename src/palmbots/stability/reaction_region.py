@@ -48,7 +48,7 @@ def reaction(scene: Scene, shallow: ArrayLike, steep: ArrayLike) -> Reaction:
     rate = min(math.radians(scene.palm_of(side).rate_deg_s) for side in SIDES)
     period = scene.control.period_s
     # A message is read at the first tick after its latency.
-    message = scene.radio.latency_s + scene.radio.jitter_s + period
+    message = scene.radio.longest_delay_s + period
     own = period + turn / rate
     asked = period + 2 * message + turn / rate
 
