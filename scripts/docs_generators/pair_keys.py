@@ -1,15 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The keys of ``pair.toml``."""
+"""The keys of ``pair.toml``, and of the imperfections of simulated robots."""
 
+from collections.abc import Iterable
+
+from palmbots.runtime.imperfections import imperfection_keys
 from palmbots.runtime.pair_file import pair_keys
+from palmbots.scene.key_reference import SceneKey
 
 PAGE = "docs/guide/robots.md"
 
 
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
+    imperfect = [
+        SceneKey(key.name.removeprefix("imperfect."), key.default, key.unit, key.meaning)
+        for key in imperfection_keys()
+    ]
+    return {"pair keys": _table(pair_keys()), "imperfection keys": _table(imperfect)}
+
+
+def _table(keys: Iterable[SceneKey]) -> str:
     rows = ["| key | default | meaning |", "|---|---|---|"]
-    for key in pair_keys():
-        default = f"`{key.default_text}`" if key.default_text else ""
-        rows.append(f"| `{key.name}` | {default} | {key.meaning} |")
-    return {"pair keys": "\n".join(rows)}
+    rows += [
+        f"| `{key.name}` | {f'`{key.default_text}`' if key.default_text else ''} | {key.meaning} |"
+        for key in keys
+    ]
+    return "\n".join(rows)

@@ -14,6 +14,14 @@ from palmbots.cli.main import build_app
 
 BAD: list[tuple[list[str], list[str]]] = [
         (["carry", "nowhere.toml"], ["nowhere.toml", "paper"]),
+        (["calibrate", "p.toml", "--side", "middle"], ["--side", "left, right"]),
+        (["calibrate", "p.toml", "--side", "left", "--only", "palm,x"], ["--only", "dead-zone"]),
+        (["calibrate", "p.toml", "--side", "left", "--length", "0"], ["--length", "allowed"]),
+        (["calibrate", "nowhere.toml", "--side", "left"], ["nowhere.toml", "cannot be read"]),
+        (["world", "--imperfect", "trm=1"], ["--imperfect trm", "trim"]),
+        (["world", "--imperfect", "trim"], ["--imperfect trim", "KEY=VALUE"]),
+        (["world", "--imperfect", "trim=0.1", "--lockstep"], ["--imperfect", "--lockstep"]),
+        (["world", "--bench", "--lockstep"], ["--bench", "--lockstep"]),
         (["carry", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
         (["modes", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),
         (["compare", "--set", "radio.los=0.1"], ["--set radio.los:", "radio.loss"]),

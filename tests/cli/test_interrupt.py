@@ -44,6 +44,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "up": ("palmbots.runtime.launcher", "run_live", []),
     "world": ("palmbots.runtime.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),
     "robot": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
+    "calibrate": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "doctor": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),
     "ros2": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml", "--side", "left"]),
     "station": ("palmbots.runtime.pair_file", "load_pair", ["pair.toml"]),

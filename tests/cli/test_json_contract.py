@@ -140,7 +140,9 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
 
 # These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
 # other processes (tests/robot).
-ELSEWHERE = {"validate", "speed-limits", "up", "world", "robot", "station", "doctor", "ros2"}
+ELSEWHERE = {
+    "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "ros2", "calibrate",
+}  # fmt: skip
 
 
 def has(table: Any, key: str) -> bool:

@@ -11,15 +11,14 @@ pure; `palmbots.drivers.hardware_io` joins them to what a driver needs. SI units
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Optional, Self
+from typing import Annotated, Self
 
-from pydantic import BeforeValidator, ValidationError, create_model, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, model_validator
 
-from palmbots._types import SIDES, Side
+from palmbots._types import Side
 from palmbots.scene.fields import Range, Size, Switch, field_error, from_list
 from palmbots.scene.robot_section import Zone
-from palmbots.scene.section import Section, key_of_side, values_of_side
+from palmbots.scene.section import Section, check_sides, override_of, values_of_side
 
 Scale = Annotated[float, BeforeValidator(Range(least=0.5, most=2))]
 Trim = Annotated[float, BeforeValidator(Range(least=-0.2, most=0.2))]
@@ -125,18 +124,7 @@ class HardwareParameters(Section):
         return self
 
 
-def _override() -> type[Section]:
-    """A table with the same keys, none of which is set."""
-    fields: dict[str, Any] = {}
-    for name, field in HardwareParameters.model_fields.items():
-        kind = field.annotation
-        for part in field.metadata:
-            kind = Annotated[kind, part]  # type: ignore[valid-type]
-        fields[name] = (Optional[kind], None)  # noqa: UP045 (an expression)
-    return create_model("HardwareOverride", __base__=Section, **fields)
-
-
-HardwareOverride = _override()
+HardwareOverride = override_of(HardwareParameters, "HardwareOverride")
 
 
 class Hardware(HardwareParameters):
@@ -147,22 +135,14 @@ class Hardware(HardwareParameters):
 
     @model_validator(mode="after")
     def _check_sides(self) -> Self:
-        for side in SIDES:
-            try:
-                self.of(side)
-            except ValidationError as error:
-                context: dict[str, Any] = error.errors()[0].get("ctx", {})
-                context["key"] = key_of_side(self._overrides(side), side, context["key"])
-                text = "{value} {problem}; allowed: {allowed}"
-                raise PydanticCustomError("scene", text, context) from None
+        check_sides(self, {"left": self.left, "right": self.right}, HardwareParameters)
         return self
-
-    def _overrides(self, side: Side) -> Section:
-        return self.left if side == "left" else self.right
 
     def of(self, side: Side) -> HardwareParameters:
         """The hardware of one robot, with its overrides applied."""
-        return HardwareParameters(**values_of_side(self, self._overrides(side)))
+        return HardwareParameters(
+            **values_of_side(self, self.left if side == "left" else self.right)
+        )
 
 
 # --- from meanings to commands -------------------------------------------------------------------

@@ -10,7 +10,9 @@ import time
 from typing import Any
 
 from palmbots._types import Side
-from palmbots.drivers.driver import Drive, DriverSettings, Reading
+from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
+from palmbots.drivers.hardware import HardwareParameters
+from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost, connect
 
@@ -28,21 +30,38 @@ class SimulatedDriver:
         epoch: number of the robot's boots.
         period_s: time between two readings.
         scene: `scene_number` of the robot's scene; 0: not compared.
+        hardware: what the robot's program takes its hardware for. Only robots with imperfections
+            have any; the others obey the words of a controller.
+        leads: the robot travels away from its partner.
 
     Raises:
         ConnectionLost: there is no world.
     """
 
     def __init__(
-        self, address: str, side: Side, epoch: int, period_s: float = 0.01, scene: int = 0
+        self,
+        address: str,
+        side: Side,
+        epoch: int,
+        period_s: float = 0.01,
+        scene: int = 0,
+        *,
+        hardware: HardwareParameters | None = None,
+        leads: bool = False,
     ) -> None:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
         self._heard_s = 0.0
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
         self._world.send([side, epoch, scene])
-        self._newest: Reading | None = None
+        self._newest: Reading | RawReading | None = None
         self._palm = 0
+        self._servo_rad: float | None = None
+        self._rate = 1.0  # multiple of real time at which the world runs
+        self._io = HardwareIo(hardware or HardwareParameters(), leads=leads)
+        self.clock_rate = 1.0
+        """How fast the clock of the robot's program runs. A simulated robot has one that is wrong;
+        a real one cannot know."""
 
     def read(self) -> Reading | None:
         """The newest reading; None: the world has ended. Waits only for the first one.
@@ -50,11 +69,37 @@ class SimulatedDriver:
         Raises:
             PalmbotsError: the world is lost, or gives no readings to this robot.
         """
+        reading = self._read()
+        if isinstance(reading, RawReading):
+            return self._io.reading(reading, self._now_s())
+        return reading
+
+    def read_raw(self) -> RawReading | None:
+        """The newest reading of the hardware itself; as `read`.
+
+        Raises:
+            PalmbotsError: as for `read`, or the robots of this world have no hardware.
+        """
+        reading = self._read()
+        if isinstance(reading, Reading):
+            raise PalmbotsError(
+                "world: its robots obey controllers and have no hardware; allowed: "
+                "palmbots world --bench, or --imperfect"
+            )
+        return reading
+
+    def _now_s(self) -> float:
+        return time.monotonic() * self._rate
+
+    def _read(self) -> Reading | RawReading | None:
         while (frame := self._world.poll()) is not None or self._newest is None:
             if frame is None:
                 frame = self._world.receive(_PARTNER_STARTS_WITHIN_S)
             if frame == "end":
                 return None
+            if isinstance(frame, list) and len(frame) == 3 and frame[0] == "clock":
+                self.clock_rate, self._rate = float(frame[1]), float(frame[2])
+                continue
             self._newest = self._reading_in(frame)
             self._heard_s = time.monotonic()
         return self._newest
@@ -64,27 +109,48 @@ class SimulatedDriver:
         """Readings still come."""
         return time.monotonic() - self._heard_s <= self._silence_s
 
-    def _reading_in(self, frame: Any) -> Reading:
+    def _reading_in(self, frame: Any) -> Reading | RawReading:
         if frame == "taken":
             raise PalmbotsError(f"world: another program is the {self._side} robot")
         if frame == "scene":
             raise PalmbotsError(f"world: runs another scene than the {self._side} robot")
+        if isinstance(frame, list) and len(frame) == 5 and frame[0] == "raw":
+            _, counts, closed, servo_rad, battery_v = frame
+            return RawReading(
+                None if counts is None else (counts[0], counts[1]),
+                tuple(closed),
+                servo_rad,
+                battery_v,
+            )
         if not isinstance(frame, list) or len(frame) != 3:
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
         return Reading(*frame)
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels; if `drive.wheels` is false, the wheels stop."""
+        if isinstance(self._newest, RawReading):
+            self.write_raw(self._io.command(drive, self._now_s()))
+            return
         self._palm = drive.palm
-        self._offer(drive.move if drive.wheels else 0, drive.stop or not drive.wheels)
+        stops = drive.stop or not drive.wheels
+        self._offer([self._palm, drive.move if drive.wheels else 0, stops])
+
+    def write_raw(self, command: RawCommand) -> None:
+        """Command the motors themselves."""
+        if command.servo_rad is not None:
+            self._servo_rad = command.servo_rad
+        self._offer(["raw", *command.wheels_rad_s, self._servo_rad])
 
     def stop(self) -> None:
         """Stop the wheels; the palm keeps its angle."""
-        self._offer(0, True)
+        if isinstance(self._newest, RawReading):
+            self.write_raw(RawCommand((0.0, 0.0)))
+        else:
+            self._offer([self._palm, 0, True])
 
-    def _offer(self, move: int, stop: bool) -> None:
+    def _offer(self, frame: list[Any]) -> None:
         with contextlib.suppress(ConnectionLost):  # `read` reports it, or the world's end
-            self._world.offer([self._palm, move, stop])
+            self._world.offer(frame)
 
     def close(self) -> None:
         """Close the connection; the world then stops the wheels."""
@@ -94,5 +160,6 @@ class SimulatedDriver:
 def open_simulated(settings: DriverSettings) -> SimulatedDriver:
     """The driver of a simulated robot, as a `DriverMaker`."""
     return SimulatedDriver(
-        settings.address, settings.side, settings.epoch, settings.period_s, settings.scene
-    )
+        settings.address, settings.side, settings.epoch, settings.period_s, settings.scene,
+        hardware=settings.hardware, leads=settings.leads,
+    )  # fmt: skip

@@ -32,6 +32,11 @@ class LimitedDriver:
         """As the driver's own."""
         return works(self._driver)
 
+    @property
+    def clock_rate(self) -> float:
+        """As the driver's own, for simulated robots."""
+        return getattr(self._driver, "clock_rate", 1.0)
+
     def write(self, drive: Drive) -> None:
         """Command palm and wheels, at most at the limit."""
         if math.isnan(drive.speed_m_s):

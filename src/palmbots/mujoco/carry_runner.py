@@ -12,6 +12,7 @@ import numpy as np
 
 import palmbots._core as _core
 from palmbots.mujoco.curved_world import world_of
+from palmbots.mujoco.driven_mujoco import DrivenMujoco
 from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.trace_columns import COLUMNS, Measured
 from palmbots.mujoco.world import SLACK, MujocoWorld
@@ -181,6 +182,7 @@ WORLD = WorldEntry(
     "three-dimensional, with mass, wheels and soft contacts",
     run=run,
     episode=MujocoEpisode,
+    driven=DrivenMujoco,
     supports_curved=True,
     is_stepped=True,
     trace_variables=COLUMNS,

@@ -26,6 +26,7 @@ from palmbots.mujoco.robot_mjcf import TIP, add_robot
 from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
+from palmbots.scene.unequal_pivots import raise_right_pivot
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 
 __all__ = ["Layout", "layout", "mjcf", "steps_per_tick"]
@@ -40,7 +41,9 @@ class Layout:
 
     spec: _core.Spec
     height: float
-    """Height of the pivots above the floor."""
+    """Height of the pivots above the floor, if they are level."""
+    raised: tuple[float, float]
+    """Height of each pivot over that."""
     pivots: tuple[float, float]
     """Positions of the pivots along x."""
     vertex: tuple[float, float]
@@ -49,18 +52,23 @@ class Layout:
     """Angle of the object, anticlockwise as seen from the side."""
 
 
-def layout(scene: Scene) -> Layout:
-    """The start of the quasistatic world: palms steep, contacts as in the scene."""
+def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> Layout:
+    """The start of the quasistatic world: palms steep, contacts as in the scene.
+
+    `pivot_heights_m`: of the pivots over where the scene has them.
+    """
     spec = to_spec(scene, unrolled=True)
-    world = _core.World(spec)
-    half = world.separation / 2
+    height = -floor_level(spec)
+    tilted = to_spec(scene, unrolled=True)
+    tilt = raise_right_pivot(tilted, pivot_heights_m[1] - pivot_heights_m[0])
+    world = _core.World(tilted)
+    half = world.separation * math.cos(tilt) / 2
     palm, p = spec.palms[0], spec.start[0]
     sin, cos = math.sin(palm.steep), math.cos(palm.steep)
-    height = -floor_level(spec)
     x = -half - p * cos + palm.offset * sin
-    z = height + p * sin + palm.offset * cos
+    z = height + pivot_heights_m[0] + p * sin + palm.offset * cos
     dx, dy = world.contact_vector
-    return Layout(spec, height, (-half, half), (x, z), math.atan2(dy, dx))
+    return Layout(spec, height, pivot_heights_m, (-half, half), (x, z), math.atan2(dy, dx) + tilt)
 
 
 def steps_per_tick(scene: Scene) -> int:
@@ -68,9 +76,11 @@ def steps_per_tick(scene: Scene) -> int:
     return max(1, math.ceil(scene.control.period_s / scene.mujoco.step_s - 1e-9))
 
 
-def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
+def mjcf(
+    scene: Scene, engine: Engine = DEFAULT, pivot_heights_m: tuple[float, float] = (0.0, 0.0)
+) -> str:
     """The scene as the text of an MJCF file, which MuJoCo's viewer opens."""
-    at = layout(scene)
+    at = layout(scene, pivot_heights_m)
     root = ET.Element("mujoco", model="palmbots")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     slope = math.atan(at.spec.slope)
@@ -121,7 +131,7 @@ def mjcf(scene: Scene, engine: Engine = DEFAULT) -> str:
     ridges = _ridges(world, scene)
     actuators = ET.Element("actuator")
     for k, side in enumerate(SIDES):
-        add_robot(world, actuators, scene, side, at.pivots[k], at.height)
+        add_robot(world, actuators, scene, side, at.pivots[k], at.height + at.raised[k])
     balls, slabs = _object(world, scene, at, outline)
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])

@@ -39,13 +39,21 @@ _OUT = (-1.0, 1.0)
 class MujocoWorld:
     """A scene in MuJoCo, at rest at its start. `model` and `data` are MuJoCo's own."""
 
-    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
-        """`measures`: keep `measured` up to date, which takes time."""
+    def __init__(
+        self,
+        scene: Scene,
+        engine: Engine = DEFAULT,
+        measures: bool = True,
+        pivot_heights_m: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        """`measures`: keep `measured` up to date, which takes time. `pivot_heights_m`: of the
+        pivots over where the scene has them."""
         self._measures = measures
         self._mj = mujoco()
         self.scene = scene
-        self.layout = layout(scene)
-        self.model: Any = self._mj.MjModel.from_xml_string(mjcf(scene, engine))
+        self.layout = layout(scene, pivot_heights_m)
+        text = mjcf(scene, engine, pivot_heights_m)
+        self.model: Any = self._mj.MjModel.from_xml_string(text)
         self.data: Any = self._mj.MjData(self.model)
         self.steps = steps_per_tick(scene)
         self._ticks, self.time_s = 0, 0.0
@@ -71,15 +79,24 @@ class MujocoWorld:
     # --- moving ---------------------------------------------------------------------------------
 
     def move(self, speeds: tuple[float, float], angles: tuple[float, float]) -> None:
-        """Simulate one control period: wheels at `speeds` [m/s, towards +x], wrists turning at a
-        constant rate to `angles` [rad]."""
+        """Simulate one control period: robots that keep their heading at `speeds` [m/s, towards
+        +x], wrists turning at a constant rate to `angles` [rad]."""
+        steer = [-0.5 * self._track * self._turning(k, speeds[k]) for k in (0, 1)]
+        left, right = ((speed + by, speed - by) for speed, by in zip(speeds, steer, strict=True))
+        self.turn_wheels((left, right), angles)
+
+    def turn_wheels(
+        self,
+        rims: tuple[tuple[float, float], tuple[float, float]],
+        angles: tuple[float, float],
+    ) -> None:
+        """The same with the speeds of the rims of the port and the starboard wheel of each robot
+        [m/s, towards +x]; nobody steers."""
         self._fit()
         ctrl = self.data.ctrl
         for k in (0, 1):
-            steer = -0.5 * self._track * self._turning(k, speeds[k])
-            port, starboard = self._wheels[k]
-            ctrl[port] = (speeds[k] + steer) / self._radius
-            ctrl[starboard] = (speeds[k] - steer) / self._radius
+            for wheel, rim in zip(self._wheels[k], rims[k], strict=True):
+                ctrl[wheel] = rim / self._radius
             ctrl[self._wrists[k]] = (angles[k] - self._set[k]) / self._period
             self._set[k] = angles[k]
         before = self.data.time
@@ -104,7 +121,8 @@ class MujocoWorld:
         self._p, self._x = p, x
         if first:
             self._loads = force
-        end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
+        self.touched, self.is_pressed = touched, pressed
+        self.end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
         threshold = _STICKS * self._period
         left, right = (
             0 if abs(now - then) < threshold else (1 if now > then else -1)
@@ -132,7 +150,7 @@ class MujocoWorld:
             midpoint=0.5 * (x[0] + x[1]) - self._origin,
             rise=vertices[1][2] - vertices[0][2],
             motion=self.motion,
-            reason=end,
+            reason=self.end,
         )
 
     def state(self) -> np.ndarray:
@@ -193,6 +211,15 @@ class MujocoWorld:
             float(q[self._wrist_at[1]]) + self._steep[1],
         )
 
+    def rolled(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """How far the rims of the port and the starboard wheel of each robot have turned towards
+        +x [m]."""
+        left, right = (
+            (self._radius * float(self.data.qpos[a]), self._radius * float(self.data.qpos[b]))
+            for a, b in self._wheel_qpos_at
+        )
+        return left, right
+
     # --- inside ---------------------------------------------------------------------------------
 
     def _find(self) -> None:
@@ -211,6 +238,10 @@ class MujocoWorld:
         self._wrist_at = [int(m.joint(f"{side}_wrist").qposadr[0]) for side in SIDES]
         self._wheel_at = [
             [int(m.joint(f"{side}_{wheel}").dofadr[0]) for wheel in ("port", "starboard")]
+            for side in SIDES
+        ]
+        self._wheel_qpos_at = [
+            [int(m.joint(f"{side}_{wheel}").qposadr[0]) for wheel in ("port", "starboard")]
             for side in SIDES
         ]
         self._shoulder_at = [int(m.joint(f"{side}_shoulder").qposadr[0]) for side in SIDES]

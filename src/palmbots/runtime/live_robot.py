@@ -85,7 +85,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> RobotRun:
         gauge = ReadingGauge(pair, side, scene, first)
         robot = live_program(pair, side, state, scene, has_encoders=gauge.has_encoders)
         ends = stack.enter_context(_ended_by_signals())
-        clock = ControlClock(period_s / rate)
+        clock = ControlClock(period_s / rate / getattr(driver, "clock_rate", 1.0))
         drives = drive_table(scene, side)
         while not ends.is_set():
             elapsed = clock.wait()

@@ -17,16 +17,14 @@ from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import Connection, ConnectionLost
 from palmbots.runtime.control_clock import ControlClock
 from palmbots.runtime.greeting import Greeting, greeting_in, is_other_scene, scene_number
-from palmbots.scene.scene import Scene, load_scene
-from palmbots.simulation.worlds import world_entry
+from palmbots.runtime.imperfections import Imperfections
+from palmbots.runtime.world_stage import ImperfectStage, PerfectStage, Stage
+from palmbots.scene.scene import Scene
 
 _START_WITHIN_S = 30.0
 _ALONE_S = 3.0
 _POLL_S = 0.01
-_REST = (0, 0, True)
 _DELIVERED_SHARE = 0.95
-# The world goes on until the robots stop: neither distance nor time ends it.
-_ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
 
 
 @dataclass(frozen=True)
@@ -47,25 +45,32 @@ class LiveCarry:
         return asdict(self)
 
 
-class _Board:
+class Board:
     """The motor board of one robot."""
 
-    def __init__(self, watchdog_ticks: int) -> None:
+    def __init__(self, stage: Stage, side: int, watchdog_ticks: int, rate: float) -> None:
+        self._stage, self._side, self._rate = stage, side, rate
         self._watchdog_ticks = watchdog_ticks
         self.driver: Connection | None = None
-        self.command: tuple[int, int, bool] = _REST
+        self.command: Any = stage.rest(None)
         self._silent = 0
+
+    def plug(self, driver: Connection) -> None:
+        """A program has connected."""
+        self.driver = driver
+        if greeting := self._stage.greeting(self._side):
+            self.send([*greeting, self._rate])
 
     def take(self) -> None:
         """Take in the newest command; stop the wheels if there was none for too long."""
         self._silent += 1
         try:
             while self.driver is not None and (frame := self.driver.poll()) is not None:
-                self.command, self._silent = _command_in(frame), 0
+                self.command, self._silent = self._stage.command_in(frame), 0
         except ConnectionLost:
             self.unplug()
         if self._silent > self._watchdog_ticks:
-            self.command = (self.command[0], *_REST[1:])
+            self.command = self._stage.rest(self.command)
 
     def send(self, reading: Any) -> None:
         """Send a reading to the program; one that is frozen misses it."""
@@ -83,7 +88,13 @@ class _Board:
 
 
 def run_live_world(
-    scene: Scene, door: socket, *, world: str = "quasistatic", seed: int = 0, rate: float = 1.0
+    scene: Scene,
+    door: socket,
+    *,
+    world: str = "quasistatic",
+    seed: int = 0,
+    rate: float = 1.0,
+    imperfections: Imperfections | None = None,
 ) -> LiveCarry:
     """Run a world until the programs of both robots have gone, or the object is dropped.
 
@@ -93,31 +104,33 @@ def run_live_world(
         world: name of the world.
         seed: of the noise.
         rate: multiple of real time.
+        imperfections: what the robots really are; None: they are as in the scene.
 
     Raises:
         PalmbotsError: a program does not connect in time, or is not a robot.
     """
-    episode: Any = world_entry(world).episode
-    if episode is None:
-        raise PalmbotsError(f"world: {world} cannot be stepped from outside")
-    carry = episode(load_scene(scene, _ENDLESS), seed, record=False)
-    observations = carry.seen
+    stage: Stage
+    if imperfections is None:
+        stage = PerfectStage(scene, world, seed)
+    else:
+        stage = ImperfectStage(scene, world, seed, imperfections)
     period_s = scene.control.period_s
-    boards = {side: _Board(round(scene.control.watchdog_s / period_s)) for side in SIDES}
-    entrance = _Entrance(door, boards, scene_number(scene))
+    watchdog_ticks = round(scene.control.watchdog_s / period_s)
+    boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
+    entrance = Entrance(door, boards, scene_number(scene))
     entrance.wait()
     clock = ControlClock(period_s / rate)
-    midpoint = 0.0
+    ticks = 0
     alone_since = None
-    while carry.outcome == "running":
+    while stage.outcome == "running":
         clock.wait()
         entrance.admit()
-        for board, (sign, palm_at_target, *_) in zip(boards.values(), observations(), strict=True):
+        for board, frame in zip(boards.values(), stage.frames(), strict=True):
             board.take()
-            board.send([sign, palm_at_target, abs(midpoint)])
+            board.send(frame)
         left, right = (board.command for board in boards.values())
-        carry.stop(left[2], right[2])
-        _, _, _, midpoint, _ = carry.step((*left[:2], 0), (*right[:2], 0), 1)
+        stage.step(left, right)
+        ticks += 1
         if all(board.driver is None for board in boards.values()):
             now = time.monotonic()
             alone_since = alone_since or now
@@ -128,30 +141,17 @@ def run_live_world(
     for board in boards.values():
         board.send("end")
         board.unplug()
-    distance_m = abs(midpoint)
-    outcome = "dropped" if carry.outcome == "dropped" else "stopped"
+    distance_m = abs(stage.midpoint)
+    outcome = "dropped" if stage.outcome == "dropped" else "stopped"
     if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
         outcome = "delivered"
-    return LiveCarry(outcome, distance_m, carry.ticks * period_s, clock.overruns)
+    return LiveCarry(outcome, distance_m, ticks * period_s, clock.overruns)
 
 
-def _command_in(frame: Any) -> tuple[int, int, bool]:
-    """Palm, move and stop.
-
-    Raises:
-        ConnectionLost: it is no command.
-    """
-    if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool]:
-        palm, move, stop = frame
-        if palm in (0, 1) and move in (0, 1, 2):
-            return palm, move, stop
-    raise ConnectionLost("a program: sends no commands")
-
-
-class _Entrance:
+class Entrance:
     """Lets programs connect. It never waits, and strangers do not disturb the world."""
 
-    def __init__(self, door: socket, boards: dict[str, _Board], scene: int) -> None:
+    def __init__(self, door: socket, boards: dict[str, Board], scene: int) -> None:
         self._door, self._boards, self._scene = door, boards, scene
         self._unknown: list[tuple[float, Connection]] = []
         door.settimeout(0)
@@ -206,4 +206,4 @@ class _Entrance:
             program.close()
             return
         program.name = f"{side} robot"
-        self._boards[side].driver = program
+        self._boards[side].plug(program)

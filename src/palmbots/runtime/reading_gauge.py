@@ -23,7 +23,7 @@ class ReadingGauge:
     def __init__(self, pair: Pair, side: Side, scene: Scene, first: Reading | None) -> None:
         self._hardware = pair.settings.hardware.of(side)
         self._goal_m = scene.task.distance_m
-        self._stopping = math.ceil(self._hardware.stopping_s / scene.control.period_s)
+        self._stopping = math.ceil(self._hardware.stopping_s / scene.control.period_s - 1e-9)
         self._start_m = 0.0
         self.has_encoders = first is None or not math.isnan(first.distance_m)
         """The driver measures the distance; otherwise the core takes the time in its place."""

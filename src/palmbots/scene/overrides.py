@@ -17,24 +17,24 @@ from palmbots.scene.renamed_keys import new_key
 
 __all__ = ["merged", "parse_override", "parse_overrides", "without_superseded"]
 
-_FORM = (
-    "KEY=VALUE with a dotted key and a TOML value, "
-    'as in radio.loss=0.1 or task.direction="backward"'
-)
+_FORM = "KEY=VALUE with a dotted key and a TOML value, as in"
+_EXAMPLES = 'radio.loss=0.1 or task.direction="backward"'
 
 
-def parse_override(text: str) -> tuple[str, Any]:
+def parse_override(text: str, option: str = "--set", examples: str = _EXAMPLES) -> tuple[str, Any]:
     """The dotted key and the value of one ``KEY=VALUE``.
 
-    Raises `SceneError` where there is no key, no value, or a value that TOML cannot read.
+    Raises `SceneError` where there is no key, no value, or a value that TOML cannot read; the
+    message names the option and gives the examples.
     """
     key, equals, written = text.partition("=")
     key, written = key.strip(), written.strip()
+    allowed = f"allowed: {_FORM} {examples}"
     if not equals or not all(part.strip() for part in key.split(".")):
-        raise SceneError(f"--set {text}: is not of the form KEY=VALUE; allowed: {_FORM}")
+        raise SceneError(f"{option} {text}: is not of the form KEY=VALUE; {allowed}")
     if not written:
-        raise SceneError(f"--set {text}: the value is missing; allowed: {_FORM}")
-    return key, _value(written, text)
+        raise SceneError(f"{option} {text}: the value is missing; {allowed}")
+    return key, _value(written, f"{option} {text}", allowed)
 
 
 def parse_overrides(texts: Iterable[str]) -> dict[str, Any]:
@@ -141,14 +141,14 @@ def _table_at(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return value if isinstance(value, Mapping) else {}
 
 
-def _value(written: str, text: str) -> Any:
+def _value(written: str, called: str, allowed: str) -> Any:
     try:
         table = tomllib.loads(f"value = {written}")
     except (ValueError, RecursionError) as error:  # ValueError: integers too long for Python too
         if written[0] not in "[{\"'":
             return written
         reason = "is nested too deeply" if isinstance(error, RecursionError) else "is not TOML"
-        raise SceneError(f"--set {text}: the value {reason}; allowed: {_FORM}") from None
+        raise SceneError(f"{called}: the value {reason}; {allowed}") from None
     if len(table) != 1:  # a line break in the value begins a second key
-        raise SceneError(f"--set {text}: is more than one line; allowed: {_FORM}")
+        raise SceneError(f"{called}: is more than one line; {allowed}")
     return table["value"]

@@ -4,11 +4,20 @@
 None means "not set". A dump leaves such keys out, so that it is valid TOML.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Annotated, Any, Optional
 
-from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, model_serializer
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    create_model,
+    model_serializer,
+)
+from pydantic_core import PydanticCustomError
 
-__all__ = ["Section", "key_of_side", "values_of_side"]
+__all__ = ["Section", "check_sides", "key_of_side", "override_of", "values_of_side"]
 
 
 class Section(BaseModel):
@@ -34,3 +43,26 @@ def values_of_side(both: Section, override: Section) -> dict[str, Any]:
 def key_of_side(override: Section, side: str, name: str) -> str:
     """The key that sets `name` for a side, relative to the section: its own or that of both."""
     return name if getattr(override, name) is None else f"{side}.{name}"
+
+
+def override_of(model: type[Section], name: str) -> type[Section]:
+    """A table with the keys of `model`, none of which is set: what differs on one side."""
+    fields: dict[str, Any] = {}
+    for key, field in model.model_fields.items():
+        kind: Any = field.annotation
+        for part in field.metadata:
+            kind = Annotated[kind, part]
+        fields[key] = (Optional[kind], None)  # noqa: UP045 (an expression)
+    return create_model(name, __base__=Section, **fields)
+
+
+def check_sides(both: Section, overrides: Mapping[str, Section], model: type[Section]) -> None:
+    """Check the table of each side as a `model`; an error names the key that the user has set."""
+    for side, override in overrides.items():
+        try:
+            model(**values_of_side(both, override))
+        except ValidationError as error:
+            context: dict[str, Any] = error.errors()[0].get("ctx", {})
+            context["key"] = key_of_side(override, side, context["key"])
+            text = "{value} {problem}; allowed: {allowed}"
+            raise PydanticCustomError("scene", text, context) from None

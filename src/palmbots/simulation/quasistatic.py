@@ -6,6 +6,7 @@ from typing import Any
 
 import palmbots._core as _core
 from palmbots.scene.scene import Scene
+from palmbots.simulation.driven_world import DrivenQuasistatic
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.result import Carry, make_carry
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, WorldRun
@@ -51,6 +52,7 @@ WORLD = WorldEntry(
     "planar, without inertia and impacts; fast",
     run=run,
     episode=QuasistaticEpisode,
+    driven=DrivenQuasistatic,
     precisions=PRECISIONS,
     supports_bumps=True,
     supports_references=True,

@@ -15,6 +15,7 @@ from palmbots._util.arguments import one_of, show
 from palmbots._util.named_registry import Registry
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
+from palmbots.simulation.driven_world import DrivenWorld
 
 __all__ = [
     "PRECISIONS",
@@ -60,6 +61,9 @@ class WorldEntry:
     episode: Callable[..., Any] | None = None
     """``episode(scene, seed, record)`` begins a carry that is stepped from outside, as in
     `palmbots.learn`; None: this world has none."""
+    driven: Callable[..., DrivenWorld] | None = None
+    """``driven(scene, pivot_heights_m)`` begins a carry whose wheels and palms are moved from
+    outside; None: this world has none."""
     precisions: tuple[str, ...] = ("double",)
     supports_curved: bool = False
     supports_bumps: bool = False

@@ -17,6 +17,7 @@ from palmbots.cli.options import (
     SetOption,
     WorldOption,
 )
+from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
     from palmbots.scene.scene import Scene
@@ -41,6 +42,18 @@ def world(
     precision: PrecisionOption = "double",
     seed: SeedOption = 0,
     changes: SetOption = None,
+    imperfect: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--imperfect",
+            metavar="FILE|KEY=VALUE",
+            help="What the robots really are, as in left.trim=0.02. May be repeated.",
+        ),
+    ] = None,
+    bench: Annotated[
+        bool,
+        typer.Option("--bench", help="A workbench without an object, for palmbots calibrate."),
+    ] = False,
     as_json: JsonOption = False,
     called: Annotated[str, typer.Option("--called", hidden=True)] = "",
 ) -> int:
@@ -58,8 +71,15 @@ def world(
     from palmbots.stability.scene_limits import self_check
 
     chosen = load(scene, changes)
+    if bench:
+        if lockstep or as_json:
+            other = "--lockstep" if lockstep else "--json"
+            raise PalmbotsError(f"--bench: does not work with {other}; allowed: without it")
+        return _bench(chosen, serve, seed, rate, imperfect)
     if not lockstep:
-        return _live(chosen, serve, world, seed, rate, as_json=as_json)
+        return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
+    if imperfect:
+        raise PalmbotsError("--imperfect has no effect with --lockstep; allowed: without it")
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve) as door:
@@ -84,19 +104,58 @@ def world(
     return DONE if result.outcome == "delivered" else FAILED
 
 
-def _live(scene: "Scene", serve: str, world: str, seed: int, rate: float, *, as_json: bool) -> int:
+def _live(
+    scene: "Scene",
+    serve: str,
+    world: str,
+    seed: int,
+    rate: float,
+    imperfect: list[str] | None,
+    *,
+    as_json: bool,
+) -> int:
     """A world in real time."""
     from palmbots.links.local_connection import listen
+    from palmbots.runtime.imperfections import load_imperfections
     from palmbots.runtime.launcher import check_rate
     from palmbots.runtime.live_world import run_live_world
 
+    imperfections = load_imperfections(imperfect) if imperfect else None
     with listen(serve) as door:
-        result = run_live_world(scene, door, world=world, seed=seed, rate=check_rate(rate))
+        result = run_live_world(
+            scene, door, world=world, seed=seed, rate=check_rate(rate), imperfections=imperfections
+        )
     if as_json:
         print_json(result.summary())
     else:
         print(f"{result.outcome.upper()}  {result.distance_m:.2f} m in {result.time_s:.1f} s")
     return DONE if result.outcome == "delivered" else FAILED
+
+
+def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[str] | None) -> int:
+    """A workbench, until quit is typed."""
+    import select
+    import sys
+
+    from palmbots.links.local_connection import listen
+    from palmbots.runtime.bench_world import run_bench
+    from palmbots.runtime.imperfections import load_imperfections
+    from palmbots.runtime.launcher import check_rate
+
+    check_rate(rate)
+    imperfections = load_imperfections(imperfect or [])
+
+    def lines() -> str | None:
+        if not select.select([sys.stdin], [], [], 0)[0]:
+            return None
+        return sys.stdin.readline() or None
+
+    def on_line(text: str) -> None:
+        print(text, flush=True)
+
+    with listen(serve) as door:
+        run_bench(scene, door, imperfections, lines=lines, on_line=on_line, seed=seed, rate=rate)
+    return DONE
 
 
 COMMAND = world

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a calibration works with: a robot that stands alone (`Machine`), and a person (`Person`)."""
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+from palmbots.drivers.driver import RawAccess, RawCommand, RawReading
+from palmbots.drivers.hardware import HardwareParameters, motor_command, ramped, wheel_rates
+from palmbots.errors import PalmbotsError
+
+_STILL_S = 0.3  # a wheel that has not counted for this time rests
+
+
+class Person(Protocol):
+    """Who does what the calibration asks for. Every method returns when that is done."""
+
+    def ready(self, text: str) -> None:
+        """Do what a line says."""
+        ...
+
+    def number(self, text: str, unit: str, least: float, most: float) -> float:
+        """Read a number off an instrument, in this unit."""
+        ...
+
+    def watch(self, text: str, changed: Callable[[], bool]) -> bool:
+        """Move something slowly until `changed` returns true; false: it cannot be moved further."""
+        ...
+
+
+class Machine:
+    """The hardware of a robot, tick by tick.
+
+    Args:
+        driver: of the robot.
+        hardware: what is known of it so far.
+        wait: returns at the next control tick.
+        period_s: time between two ticks.
+    """
+
+    def __init__(
+        self,
+        driver: RawAccess,
+        hardware: HardwareParameters,
+        wait: Callable[[], object],
+        period_s: float,
+    ) -> None:
+        self._driver, self._wait = driver, wait
+        self.hardware = hardware
+        self.period_s = period_s
+        self._servo_rad: float | None = None
+
+    def read(self) -> RawReading:
+        """The newest reading.
+
+        Raises:
+            PalmbotsError: the hardware is lost.
+        """
+        reading = self._driver.read_raw()
+        if reading is None:
+            raise PalmbotsError("driver: the hardware is gone")
+        return reading
+
+    def step(self, left: float, right: float) -> RawReading:
+        """Command the wheels [rad/s] for one tick; returns the reading after it."""
+        self._driver.write_raw(RawCommand((left, right), self._servo_rad))
+        self._wait()
+        return self.read()
+
+    def stop(self) -> None:
+        """Stop the wheels."""
+        self._driver.write_raw(RawCommand((0.0, 0.0), self._servo_rad))
+
+    def turn_servo(self, servo_rad: float, seconds: float) -> None:
+        """Command the servo, and wait until it has turned."""
+        self._servo_rad = servo_rad
+        self.rest(seconds)
+
+    def rest(self, seconds: float) -> RawReading:
+        """Let the wheels rest for some time."""
+        reading = self.read()
+        for _ in range(max(1, math.ceil(seconds / self.period_s))):
+            reading = self.step(0.0, 0.0)
+        return reading
+
+    def counts(self, reading: RawReading) -> tuple[float, float]:
+        """The counts of the encoders.
+
+        Raises:
+            PalmbotsError: there are none.
+        """
+        if reading.wheel_counts is None or self.hardware.encoder_ticks_per_turn == 0:
+            raise PalmbotsError(
+                "hardware.encoder_ticks_per_turn: without encoders, wheels, dead zone and stopping "
+                "time cannot be measured; allowed: --only palm,switches"
+            )
+        return reading.wheel_counts
+
+    @property
+    def count_rad(self) -> float:
+        """Turn of a wheel for one count [rad]."""
+        return 2 * math.pi / self.hardware.encoder_ticks_per_turn
+
+    def drive(self, speed_m_s: float, turn: float) -> tuple[float, float]:
+        """Drive forward until both wheels have turned by an angle [rad] on average, and come to
+        rest; returns the counts meanwhile of both wheels.
+
+        Raises:
+            PalmbotsError: the wheels do not turn as commanded.
+        """
+        start = self.counts(self.rest(5 * self.period_s))  # the newest one was old
+        now, speed = start, 0.0
+        give_up = (
+            math.ceil(5 * turn * self.hardware.wheel_radius_m / speed_m_s / self.period_s) + 500
+        )
+        for tick in range(give_up):
+            speed = ramped(self.hardware, speed_m_s, speed, self.period_s)
+            left, right = (
+                motor_command(self.hardware, rate, turns=tick * self.period_s > _STILL_S)
+                for rate in wheel_rates(self.hardware, speed)
+            )
+            now = self.counts(self.step(left, right))
+            done = (now[0] - start[0] + now[1] - start[1]) / 2 * self.count_rad
+            if done >= turn:
+                break
+        else:
+            self.stop()
+            raise PalmbotsError(
+                "wheels: they do not turn forward as commanded; allowed: a motor board that has "
+                "power, and the right hardware.left_reversed and hardware.right_reversed"
+            )
+        while speed > 0:  # gently, so that nothing slips
+            speed = ramped(self.hardware, 0.0, speed, self.period_s)
+            left, right = (
+                motor_command(self.hardware, rate, turns=True)
+                for rate in wheel_rates(self.hardware, speed)
+            )
+            self.step(left, right)
+        now = self.counts(self.rest(2 * _STILL_S))
+        return now[0] - start[0], now[1] - start[1]
