@@ -2,6 +2,8 @@
 """`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 from pair_programs import new_pair, running, started
@@ -31,3 +33,34 @@ def test_a_robot_that_is_not_heard_is_named(tmp_path: Path) -> None:
     assert (done.returncode, errors) == (1, "")
     assert printed.startswith("left robot:\n  not heard: is its program running, with the same key")
     assert "right robot:\n" in printed
+
+
+def test_the_driver_is_checked_on_the_robot(tmp_path: Path) -> None:
+    """A workbench with a servo that reports: the palm moves, and there is nothing on it."""
+    new_pair(tmp_path)
+    bench = [sys.executable, "-m", "palmbots", "world", "paper", "--bench", "--serve"]
+    bench += [f"unix:{tmp_path / 'world'}", "--imperfect", "servo_reports=true"]
+    bench += ["--imperfect", "battery_v=6.0"]
+    process = subprocess.Popen(
+        bench, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+    )
+    done = started(["doctor", "pair.toml", "--side", "left", "--json"], tmp_path)
+    printed, errors = done.communicate(timeout=60)
+    process.communicate("quit\n", timeout=60)
+    assert errors == ""
+    assert done.returncode == 1
+    found = {check["about"]: check for check in json.loads(printed)["checks"]}
+    assert found["driver"]["is_well"]
+    assert found["palm"]["is_well"]
+    assert (found["contact"]["is_well"], found["contact"]["text"]) == (False, "not sensed")
+    assert found["battery"]["text"] == "6.00 V"
+
+
+def test_a_robot_without_hardware_is_one_line(tmp_path: Path) -> None:
+    new_pair(tmp_path)
+    text = (tmp_path / "pair.toml").read_text().replace(f"unix:{tmp_path / 'world'}", "unix:none")
+    (tmp_path / "pair.toml").write_text(text)
+    done = started(["doctor", "pair.toml", "--side", "left"], tmp_path)
+    printed, errors = done.communicate(timeout=60)
+    assert (done.returncode, errors) == (1, "")
+    assert "WRONG  left driver: world: nobody listens at unix:none" in printed

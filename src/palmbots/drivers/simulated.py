@@ -33,6 +33,7 @@ class SimulatedDriver:
         hardware: what the robot's program takes its hardware for. Only robots with imperfections
             have any; the others obey the words of a controller.
         leads: the robot travels away from its partner.
+        within_s: how long to wait for a world that is still starting.
 
     Raises:
         ConnectionLost: there is no world.
@@ -48,11 +49,12 @@ class SimulatedDriver:
         *,
         hardware: HardwareParameters | None = None,
         leads: bool = False,
+        within_s: float = _WORLD_STARTS_WITHIN_S,
     ) -> None:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
         self._heard_s = 0.0
-        self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
+        self._world = connect(address, "world", within_s)
         self._world.send([side, epoch, scene])
         self._newest: Reading | RawReading | None = None
         self._palm = 0
@@ -161,5 +163,5 @@ def open_simulated(settings: DriverSettings) -> SimulatedDriver:
     """The driver of a simulated robot, as a `DriverMaker`."""
     return SimulatedDriver(
         settings.address, settings.side, settings.epoch, settings.period_s, settings.scene,
-        hardware=settings.hardware, leads=settings.leads,
+        hardware=settings.hardware, leads=settings.leads, within_s=settings.within_s,
     )  # fmt: skip

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A calibration of one robot of a pair, from its ``pair.toml`` and back into it."""
 
-import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
@@ -14,10 +12,9 @@ from palmbots.errors import PalmbotsError
 from palmbots.runtime.calibration import STEPS, Finding, Task, calibrate, values_of
 from palmbots.runtime.calibration_bench import Machine, Person
 from palmbots.runtime.control_clock import ControlClock
-from palmbots.runtime.live_ends import open_pair_driver
 from palmbots.runtime.pair_edit import write_hardware
 from palmbots.runtime.pair_file import Pair
-from palmbots.runtime.stored_state import held, read_state
+from palmbots.runtime.robot_driver import opened_driver
 from palmbots.scene.scene import Scene, load_scene
 
 
@@ -79,21 +76,7 @@ def run_calibration(
     """
     scene = load_scene(pair.scene())
     period_s = scene.control.period_s
-    with held(pair.state_file(side)), _driver(pair, side, scene) as driver:
-        clock = ControlClock(period_s / rate)
-        machine = Machine(driver, pair.settings.hardware.of(side), clock.wait, period_s)
-        machine.rest(5 * period_s)
-        findings = calibrate(machine, person, task_of(scene, side, length_m), steps)
-    backup = write_hardware(pair.file, side, values_of(findings))
-    return CalibrationRun(findings, backup, warnings_of(findings, scene))
-
-
-@contextlib.contextmanager
-def _driver(pair: Pair, side: Side, scene: Scene) -> Iterator[Any]:
-    """The driver of the robot; it stops the wheels at the end, whatever happens."""
-    epoch = read_state(pair.state_file(side)).epoch
-    driver = open_pair_driver(pair, side, scene, epoch=epoch)
-    try:
+    with opened_driver(pair, side, scene) as driver:
         has_raw = isinstance(driver, RawAccess) and getattr(driver, "has_raw", True)
         if not has_raw:
             kind = show(pair.settings.driver.kind)
@@ -101,10 +84,12 @@ def _driver(pair: Pair, side: Side, scene: Scene) -> Iterator[Any]:
                 f"driver.kind: {kind} gives no access to motors and encoders, which calibrate "
                 "needs; allowed: a driver with read_raw and write_raw"
             )
-        yield driver
-        driver.stop()
-    finally:
-        driver.close()
+        clock = ControlClock(period_s / rate)
+        machine = Machine(driver, pair.settings.hardware.of(side), clock.wait, period_s)
+        machine.rest(5 * period_s)
+        findings = calibrate(machine, person, task_of(scene, side, length_m), steps)
+    backup = write_hardware(pair.file, side, values_of(findings))
+    return CalibrationRun(findings, backup, warnings_of(findings, scene))
 
 
 def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:

@@ -19,7 +19,7 @@ from palmbots.errors import SceneError
 from palmbots.links.link import Link
 from palmbots.runtime.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.wire import Endpoint, Hello, Status
+from palmbots.wire import Endpoint, Hello, Status, Verdict
 
 PERIOD_S = 0.05
 _ANSWER_S = 0.05
@@ -40,6 +40,12 @@ class LinkFigures:
     mode: str = ""
     """The robot's mode; empty: it was not heard."""
     fault: str = "none"
+    status: Status | None = None
+    """The newest one."""
+    items: dict[str, int] = field(default_factory=dict)
+    """The newest value of each number that a status can have."""
+    arrivals: list[tuple[float, int]] = field(default_factory=list)
+    """Time at which each status packet arrived [s], and its number."""
     _first: int = 0
     _last: int = 0
 
@@ -62,8 +68,11 @@ class LinkFigures:
         without the time until the robot answers [s]."""
         return max(0.0, self.round_trip_s(0.99) - _ANSWER_S) / 2
 
-    def note(self, number: int, status: Status) -> None:
+    def note(self, number: int, status: Status, now_s: float = 0.0) -> None:
         """A status with this number has arrived."""
+        self.status = status
+        self.items[status.item] = status.value
+        self.arrivals.append((now_s, number))
         self._first = self._first or number
         self._last = number
         self.received += 1
@@ -88,6 +97,7 @@ def measure(
     seconds: float,
     clock: Callable[[], float],
     wait: Callable[[], None],
+    verdicts: dict[Verdict, int] | None = None,
 ) -> dict[Side, LinkFigures]:
     """Measure for some seconds.
 
@@ -98,6 +108,7 @@ def measure(
         seconds: duration.
         clock: the time [s].
         wait: returns after `PERIOD_S`.
+        verdicts: gets the number of received packets by verdict.
     """
     end = Endpoint(pair.key, pair.settings.pair.number, "station", epoch)
     figures: dict[Side, LinkFigures] = {side: LinkFigures() for side in SIDES}
@@ -109,7 +120,7 @@ def measure(
             packet = end.receive(data).packet
             if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
                 continue
-            figures[packet.sender].note(packet.sequence, packet.body)
+            figures[packet.sender].note(packet.sequence, packet.body, clock())
             sent = sent_s.pop((packet.sender, packet.acknowledged[1]), None)
             if sent is not None:
                 figures[packet.sender].round_trips_s.append(clock() - sent)
@@ -118,6 +129,8 @@ def measure(
             link.send(side, end.send(side, Hello()))
             sent_s[side, greetings] = clock()
         wait()
+    if verdicts is not None:
+        verdicts.update(end.counts)
     return figures
 
 

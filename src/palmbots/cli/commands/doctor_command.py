@@ -3,7 +3,7 @@
 
 import contextlib
 import time
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,25 +12,38 @@ from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
+if TYPE_CHECKING:
+    from palmbots.runtime.pair_file import Pair
+    from palmbots.scene.scene import Scene
+
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
 ORDER = 208
 EXAMPLE = "palmbots doctor pair.toml"
+_CLOCK_S = 3.0
 
 
 def doctor(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     seconds: Annotated[float, typer.Option("--seconds", help="How long to measure.")] = 30.0,
+    side: Annotated[
+        str,
+        typer.Option(
+            "--side", metavar="SIDE", help="Check this robot's own driver. Its palm moves."
+        ),
+    ] = "",
     as_json: JsonOption = False,
 ) -> int:
-    """Check a pair: files, robots, and the radio.
+    """Check a pair: radio, clocks, drivers, key and battery.
 
     Run it in place of the station while the programs of both robots run. It measures losses and
     round trips, and reports the lease that they need and the controllers that they suffice for.
-    It never moves a robot.
+    It never moves a robot. With --side, run it on a robot in place of its program: it checks the
+    driver, and turns the palm to both of its angles. The wheels do not turn.
 
-    Exit status 1: a robot is not heard, has a fault, or its controller does not suffice.
+    Exit status 1: something is wrong. A line says what to do.
     """
+    from palmbots.runtime.checkup import check_own_clock, checks_of_status
     from palmbots.runtime.link_check import PERIOD_S, measure, needs_of
     from palmbots.runtime.live_ends import open_pair_link
     from palmbots.runtime.pair_file import load_pair
@@ -42,6 +55,10 @@ def doctor(
         raise PalmbotsError(f"--seconds: value is {seconds:g}; allowed: a number from 1 to 3600")
     chosen = load_pair(pair)
     scene = load_scene(chosen.scene())
+    if side:
+        return _check_robot(chosen, scene, side, as_json=as_json)
+    own = check_own_clock(scene.control.period_s, min(seconds, _CLOCK_S))
+    verdicts: dict[Any, int] = {}
     controller = controller_of(chosen).name
     with (
         booted(chosen.state_file("station")) as state,
@@ -54,22 +71,56 @@ def doctor(
             report(min(1.0, (time.monotonic() - start_s) / seconds))
             time.sleep(PERIOD_S)
 
-        figures = measure(chosen, link, state.epoch, seconds, time.monotonic, wait)
+        figures = measure(chosen, link, state.epoch, seconds, time.monotonic, wait, verdicts)
+    checks = [own, *checks_of_status(chosen, scene, figures, verdicts)]
     heard = {side: one for side, one in figures.items() if one.received}
     needs = None
     if heard:
         delay_s = max(one.delay_s for one in heard.values() if one.round_trips_s)
         needs = needs_of(scene, delay_s, max(one.loss for one in heard.values()))
     suffices = needs is not None and needs.verdicts.get(controller, "suffices") == "suffices"
-    is_well = len(heard) == 2 and all(one.mode != "fault" for one in heard.values()) and suffices
+    is_well = len(heard) == 2 and suffices and all(check.is_well for check in checks)
     if as_json:
         links = {side: one.summary() for side, one in figures.items()}
         table = None if needs is None else needs.__dict__
-        print_json({"well": is_well, "controller": controller, "links": links, "needs": table})
+        rows = [check.summary() for check in checks]
+        print_json(
+            {"well": is_well, "controller": controller, "links": links, "needs": table}
+            | {"checks": rows}
+        )
     else:
-        from palmbots.cli.reports.doctor_report import doctor_report
+        from palmbots.cli.reports.doctor_report import checks_report, doctor_report
 
         doctor_report(figures, needs, controller)
+        checks_report(checks)
+    return DONE if is_well else FAILED
+
+
+def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> int:
+    """The checks on the robot itself."""
+    from palmbots._types import SIDES
+    from palmbots._util.arguments import one_of
+    from palmbots.links.local_connection import ConnectionLost
+    from palmbots.runtime.checkup import Check, check_driver, check_own_clock
+    from palmbots.runtime.robot_driver import opened_driver
+
+    one_of("--side", side, SIDES)
+    chosen: Any = side
+    checks = [check_own_clock(scene.control.period_s, _CLOCK_S)]
+    try:
+        with opened_driver(pair, chosen, scene) as driver:
+            checks += check_driver(driver, chosen, scene, pair.settings.hardware.of(chosen))
+    except ConnectionLost as error:
+        checks.append(
+            Check("driver", side, False, str(error), "start the world, or the motor board")
+        )
+    is_well = all(check.is_well for check in checks)
+    if as_json:
+        print_json({"well": is_well, "checks": [check.summary() for check in checks]})
+    else:
+        from palmbots.cli.reports.doctor_report import checks_report
+
+        checks_report(checks)
     return DONE if is_well else FAILED
 
 

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Text of `palmbots doctor`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from palmbots.cli.reports.console import definitions, indented, plain_table, report_console
 
 if TYPE_CHECKING:
     from palmbots._types import Side
+    from palmbots.runtime.checkup import Check
     from palmbots.runtime.link_check import LinkFigures, Needs
 
-__all__ = ["doctor_report"]
+__all__ = ["checks_report", "doctor_report"]
 
 _SILENT = (
     "not heard: is its program running, with the same key and number? Does it have its own address "
@@ -46,3 +47,13 @@ def doctor_report(
         if not one.received:
             console.print(f"{side} robot:")
             console.print(indented(_SILENT))
+
+
+def checks_report(checks: Sequence["Check"]) -> None:
+    """Print one line for each check: what was found, and what to do if it is wrong."""
+    console = report_console()
+    for check in checks:
+        name = f"{check.robot} {check.about}".strip()
+        mark = "ok   " if check.is_well else "WRONG"
+        remedy = f": {check.remedy}" if check.remedy else ""
+        console.print(f"{mark}  {name}: {check.text}{remedy}", soft_wrap=True)
