@@ -49,10 +49,20 @@ class Operator:
         self.station.wish(operation)
         self.until(lambda: self.mode(side) in modes)
 
-    def start(self, side: Any) -> None:
-        self.until(lambda: self.mode(side) != "")
-        self.wish("arm", side, "armed")
-        self.wish("start", side, "carrying", "holding")
+    def start(self, side: Any, has_started: Callable[[], object] | None = None) -> None:
+        """Arm and start this robot; again, if a busy machine makes it too slow meanwhile."""
+        wishes = dict.fromkeys(("off", "disarmed", "fault", "done"), "arm") | {"armed": "start"}
+        wished: list[Any] = [None]
+
+        def carries() -> bool:
+            mode = self.mode(side)
+            wish: Any = wishes.get(mode)
+            if wish is not None and [mode, wish] != wished:
+                wished[:] = [mode, wish]
+                self.station.wish(wish)
+            return bool(has_started()) if has_started else mode in ("carrying", "holding")
+
+        self.until(carries)
 
     def close(self) -> None:
         self.link.close()

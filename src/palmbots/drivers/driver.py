@@ -145,6 +145,8 @@ class DriverSettings:
     """``limits.max_speed_m_s``. No faster command reaches a driver."""
     epoch: int = 1
     """Number of the robot's boots, for simulated robots."""
+    within_s: float = 20.0
+    """Time within which the world has to answer, for simulated robots."""
     scene: int = 0
     """A number that is equal for programs with the same scene, for simulated robots."""
     table: Any = None

@@ -162,11 +162,6 @@ class SimulatedDriver:
 def open_simulated(settings: DriverSettings) -> SimulatedDriver:
     """The driver of a simulated robot, as a `DriverMaker`."""
     return SimulatedDriver(
-        settings.address,
-        settings.side,
-        settings.epoch,
-        settings.period_s,
-        settings.scene,
-        hardware=settings.hardware,
-        leads=settings.leads,
-    )
+        settings.address, settings.side, settings.epoch, settings.period_s, settings.scene,
+        hardware=settings.hardware, leads=settings.leads, within_s=settings.within_s,
+    )  # fmt: skip

@@ -38,6 +38,7 @@ def open_pair_driver(
     *,
     epoch: int,
     rate: float = 1.0,
+    within_s: float = 20.0,
     on_line: Callable[[str], None] = to_stderr,
 ) -> Driver:
     """Open the driver of a robot, with the speed limit of the pair.
@@ -48,6 +49,7 @@ def open_pair_driver(
         scene: of the pair.
         epoch: number of the robot's boots.
         rate: multiple of real time at which a simulated robot runs.
+        within_s: time within which the world of a simulated robot has to answer.
         on_line: called with a line for the operator.
 
     Raises:
@@ -73,6 +75,7 @@ def open_pair_driver(
         options=table.options or {},
         max_speed_m_s=limit_m_s,
         epoch=epoch,
+        within_s=within_s,
         scene=scene_number(scene),
         table=getattr(pair.settings, table.kind, None),
         on_line=on_line,

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from palmbots._types import Side
-from palmbots.drivers.simulated import SimulatedDriver
-from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.live_ends import open_pair_driver
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.stored_state import held, read_state
 from palmbots.scene.scene import Scene
 
-_WITHIN_S = 2.0  # the user has started the world before
+_WITHIN_S = 10.0  # the user has started the world before, or is just doing it
 
 
 @contextlib.contextmanager
@@ -24,16 +23,8 @@ def opened_driver(pair: Pair, side: Side, scene: Scene) -> Iterator[Any]:
     """
     file = pair.state_file(side)
     with held(file):
-        driver = SimulatedDriver(
-            pair.settings.driver.address,
-            side,
-            read_state(file).epoch,
-            scene.control.period_s,
-            scene_number(scene),
-            hardware=pair.settings.hardware.of(side),
-            leads=(side == "right") == (scene.task.direction == "forward"),
-            within_s=_WITHIN_S,
-        )
+        epoch = read_state(file).epoch
+        driver = open_pair_driver(pair, side, scene, epoch=epoch, within_s=_WITHIN_S)
         with contextlib.closing(driver):
             yield driver
             driver.stop()
