@@ -9,5 +9,7 @@ PAGE = "docs/guide/robots.md"
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     rows = ["| key | default | meaning |", "|---|---|---|"]
-    rows += [f"| `{key.name}` | `{key.default_text}` | {key.meaning} |" for key in pair_keys()]
+    # Those of [ros2] stand on a page of their own.
+    keys = [key for key in pair_keys() if not key.name.startswith("ros2.")]
+    rows += [f"| `{key.name}` | `{key.default_text}` | {key.meaning} |" for key in keys]
     return {"pair keys": "\n".join(rows)}

@@ -25,6 +25,7 @@ void bind_splitting(nb::module_& m);
 void bind_cosimulation(nb::module_& m);
 void bind_episode(nb::module_& m);
 void bind_wire(nb::module_& m);
+void bind_serial_frames(nb::module_& m);
 void bind_runtime(nb::module_& m);
 void bind_mode_machine(nb::module_& m);
 void bind_multi_contact(nb::module_& m);

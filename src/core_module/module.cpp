@@ -36,6 +36,7 @@ NB_MODULE(_core, m) {
   palmbots::bindings::bind_cosimulation(m);
   palmbots::bindings::bind_episode(m);
   palmbots::bindings::bind_wire(m);
+  palmbots::bindings::bind_serial_frames(m);
   palmbots::bindings::bind_runtime(m);
   palmbots::bindings::bind_mode_machine(m);
   palmbots::bindings::bind_multi_contact(m);

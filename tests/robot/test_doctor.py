@@ -1,44 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
 
-import contextlib
 import json
-import socket
-import subprocess
-import sys
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from palmbots.runtime.pair_file import init_pair
-
-
-def started(command: Sequence[str], folder: Path) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        [sys.executable, "-m", "palmbots", *command],
-        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-
-
-@contextlib.contextmanager
-def running(*commands: Sequence[str], folder: Path) -> Iterator[None]:
-    processes = [started(command, folder) for command in commands]
-    try:
-        yield
-    finally:
-        for process in processes:
-            process.terminate()
-            process.communicate(timeout=60)
-
-
-def new_pair(folder: Path) -> None:
-    with contextlib.ExitStack() as stack:
-        sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(3)]
-        for one in sockets:
-            one.bind(("127.0.0.1", 0))
-        ports = [one.getsockname()[1] for one in sockets]
-    ends = zip(("left", "right", "station"), ports, strict=True)
-    values: dict[str, object] = {f"link.{end}": f"127.0.0.1:{port}" for end, port in ends}
-    init_pair(folder / "pair.toml", address=f"unix:{folder / 'world'}", values=values)
+from pair_programs import new_pair, running, started
 
 
 def test_both_robots_are_heard(tmp_path: Path) -> None:

@@ -252,6 +252,9 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
         def receive(self) -> list[bytes]:
             return [station.send("left", Operate("e_stop", stop=True))]
 
+        def summary(self) -> dict[str, Any]:
+            return {}
+
         def send(self, receiver: str, data: bytes) -> None:
             if receiver == "right":
                 sent.append(decode(data, pair.key, number, "right").packet.body)  # type: ignore[union-attr]
@@ -259,8 +262,8 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
     def full(*_: Any) -> None:
         raise pb.PalmbotsError("No space left on device")
 
-    monkeypatch.setattr(live_robot, "SimulatedDriver", Driver)
-    monkeypatch.setattr(live_robot, "UdpLink", Link)
+    monkeypatch.setattr(live_robot, "open_pair_driver", lambda *_, **__: Driver())
+    monkeypatch.setattr(live_robot, "open_pair_link", lambda *_: Link())
     monkeypatch.setattr(live_robot, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)

@@ -6,7 +6,10 @@
 //   2  any packet: `encode` takes it if and only if it can be said, and `decode` gives it back;
 //   3  a script of sending, delivering in any order, flipping a bit and booting: what an end accepts
 //      was sent by the partner after this end's boot, as it is, once and in the order of sending;
-//      and it accepts whatever is newer than all before and was sent by one who knew of that boot.
+//      and it accepts whatever is newer than all before and was sent by one who knew of that boot;
+//   4  any bytes on a serial line: the frames in them are those of tests/cpp/support/frame_laws.hpp,
+//      and `encode_frame` gives the same bytes again;
+//   5  the same with a right frame between other bytes, which no fuzzer would find by itself.
 // What can be said is a rule of tests/cpp/support/wire_packets.hpp, not what the header under test
 // says.
 #include <algorithm>
@@ -17,6 +20,8 @@
 #include <vector>
 
 #include "palmbots/wire/endpoint.hpp"
+#include "palmbots/wire/serial_frame.hpp"
+#include "support/frame_laws.hpp"
 #include "support/wire_packets.hpp"
 
 using namespace palmbots::wire;
@@ -160,6 +165,52 @@ void script(Input steps) {
   }
 }
 
+void any_line(Input stream) {
+  const frame_laws::Found found = frame_laws::frames_in(stream);
+  FrameDecoder decoder;
+  std::size_t frames = 0;
+  std::vector<std::uint8_t> piece;  // since the last zero
+  for (const std::uint8_t byte : stream) {
+    piece.push_back(byte);
+    if (decoder.take(byte)) {
+      const Frame frame = decoder.frame();
+      LAW(frames < found.frames.size());
+      const std::vector<std::uint8_t>& right = found.frames[frames++];
+      LAW(frame.kind == right[0]);
+      LAW(std::equal(frame.content.begin(), frame.content.end(), right.begin() + 1, right.end()));
+      std::array<std::uint8_t, max_frame> again{};
+      const std::size_t size =
+          encode_frame(static_cast<FrameKind>(frame.kind), Input(right).subspan(1), again);
+      LAW(std::equal(piece.begin(), piece.end(), again.begin(),
+                     again.begin() + static_cast<std::ptrdiff_t>(size)));
+    }
+    if (byte == 0) piece.clear();
+  }
+  LAW(frames == found.frames.size() && decoder.frames() == frames);
+  LAW(decoder.damaged() == found.damaged);
+}
+
+// The first two bytes are how much of the input is before the frame, and how much in it.
+void any_framed_line(Input input) {
+  if (input.size() < 2) return;
+  const Input rest = input.subspan(2);
+  const Input before = rest.first(std::min<std::size_t>(rest.size(), input[0] % 80));
+  const Input after = rest.subspan(before.size());
+  const Input content = after.first(std::min<std::size_t>(after.size(), input[1] % 65));
+  std::array<std::uint8_t, max_frame> bytes{};
+  const std::size_t size = encode_frame(FrameKind::packet, content, bytes);
+  std::vector<std::uint8_t> stream(before.begin(), before.end());
+  stream.push_back(0);
+  stream.insert(stream.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  const frame_laws::Found found = frame_laws::frames_in(stream);
+  LAW(!found.frames.empty() && found.frames.back().size() == content.size() + 1);
+  any_line(stream);
+  for (const std::uint8_t byte : after.subspan(content.size())) {  // places of flipped bits
+    stream[byte % stream.size()] ^= static_cast<std::uint8_t>(1 << byte % 8);
+  }
+  any_line(stream);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -170,6 +221,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 1: any_tagged_bytes(rest); break;
     case 2: any_packet(rest); break;
     case 3: script(rest); break;
+    case 4: any_line(rest); break;
+    case 5: any_framed_line(rest); break;
     default: return -1;  // of no use: not to be kept
   }
   return 0;

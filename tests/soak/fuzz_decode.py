@@ -29,6 +29,7 @@ def seeds() -> Iterator[bytes]:
         if not line.startswith("#"):
             packet = bytes.fromhex(line.split(" | ")[3])
             yield b"\x00" + packet
+            yield b"\x05" + bytes([len(packet) % 7, len(packet)]) + packet + packet[:5]
             yield b"\x01" + packet[:24]
             kind, roles, payload = packet[1], packet[2], packet[19:24]
             numbers = packet[5:8] + b"\x00" + packet[8:15] + b"\x00" + packet[15:19]

@@ -32,6 +32,16 @@ DEFECTS = {
         "heard.epoch == next_.epoch",
         "true",
     ),
+    "crc-of-a-frame-is-not-compared": (
+        "serial_frame.hpp",
+        "if (size <= bytes_.size() && unstuff(size) && crc_is_right()) {",
+        "if (size <= bytes_.size() && unstuff(size) && plain_size_ >= 3) {",
+    ),
+    "frame-may-end-before-its-last-zero": (
+        "serial_frame.hpp",
+        "return next == size;",
+        "return next >= size;",
+    ),
 }
 
 

@@ -7,7 +7,11 @@ from typing import Annotated
 import numpy
 from numpy.typing import NDArray
 
-from palmbots._core import runtime as runtime, wire as wire
+from palmbots._core import (
+    runtime as runtime,
+    serial as serial,
+    wire as wire
+)
 
 
 def tangent(angle: float) -> float:

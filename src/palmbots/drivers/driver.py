@@ -1,8 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every driver offers (`Driver`): readings in (`Reading`), commands out (`Drive`)."""
+"""What every driver offers (`Driver`): readings in (`Reading`), commands out (`Drive`).
 
-from dataclasses import dataclass
-from typing import Protocol
+A driver that can be calibrated also gives access to its hardware as it is (`RawAccess`). Every
+driver is opened with `DriverSettings`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+from palmbots._types import Side
+from palmbots.drivers.hardware import HardwareParameters
+from palmbots.links.link import to_stderr
+
+WATCHDOG_SHARE = 0.9
+"""Part of the watchdog's time after which the wheels are stopped; the rest is for the way of the
+command to the motors."""
 
 
 @dataclass(frozen=True)
@@ -68,3 +81,85 @@ class Driver(Protocol):
     def close(self) -> None:
         """Stop the wheels, and give the hardware back."""
         ...
+
+
+@dataclass(frozen=True)
+class RawReading:
+    """What the hardware itself reads, before any calibration."""
+
+    wheel_counts: tuple[float, float] | None
+    """Counts of the encoders of the left and the right wheel so far, growing forward; None: the
+    robot has no encoders."""
+    closed: tuple[bool, ...]
+    """Which switches of the palm are closed, in the order of their inputs."""
+    servo_rad: float | None = None
+    """Angle of the servo; None: it is not measured."""
+    battery_v: float | None = None
+    """Voltage of the battery; None: not measured."""
+
+
+@dataclass(frozen=True)
+class RawCommand:
+    """What the motors themselves are commanded."""
+
+    wheels_rad_s: tuple[float, float]
+    """Left and right wheel, forward. 0: the motor brakes."""
+    servo_rad: float | None = None
+    """Angle of the servo; None: it keeps its own."""
+
+
+@runtime_checkable
+class RawAccess(Protocol):
+    """A driver whose hardware can be calibrated."""
+
+    def read_raw(self) -> RawReading | None:
+        """The newest reading; as `Driver.read`."""
+        ...
+
+    def write_raw(self, command: RawCommand) -> None:
+        """Command the motors. The watchdog holds as for `Driver.write`."""
+        ...
+
+
+@dataclass(frozen=True)
+class DriverSettings:
+    """What a driver is opened with."""
+
+    side: Side
+    """Of the robot."""
+    leads: bool
+    """The robot travels away from its partner, which is behind it."""
+    address: str
+    """``driver.address`` of the ``pair.toml``, or the address of this side."""
+    period_s: float
+    """Time between two commands."""
+    watchdog_s: float
+    """W: the wheels have to stop when no command has been written for this time."""
+    hardware: HardwareParameters = field(default_factory=HardwareParameters)
+    """``[hardware]``, of this side."""
+    baud: int = 115_200
+    """``driver.baud``, for serial lines."""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    """``[driver.options]``: keys of the driver's own."""
+    max_speed_m_s: float = 0.2
+    """``limits.max_speed_m_s``. No faster command reaches a driver."""
+    epoch: int = 1
+    """Number of the robot's boots, for simulated robots."""
+    scene: int = 0
+    """A number that is equal for programs with the same scene, for simulated robots."""
+    table: Any = None
+    """The table of this kind of driver in the ``pair.toml``, where there is one."""
+    on_line: Callable[[str], None] = to_stderr
+    """Called with a line for the operator, such as that the hardware is lost, or back."""
+
+
+DriverMaker = Callable[[DriverSettings], Driver]
+"""What is registered under a kind: a class whose objects are drivers, or a function that opens one.
+Its attribute ``has_watchdog`` states whether the hardware itself stops the wheels when no command
+comes within `DriverSettings.watchdog_s`; without it, or if it is false, the driver runs in a guard
+process, which does that. It raises `PalmbotsError` if the hardware cannot be used."""
+
+
+def works(driver: Driver) -> bool:
+    """Whether readings still come; true for a driver that does not say so."""
+    return bool(getattr(driver, "works", True))

@@ -10,7 +10,7 @@ import time
 from typing import Any
 
 from palmbots._types import Side
-from palmbots.drivers.driver import Drive, Reading
+from palmbots.drivers.driver import Drive, DriverSettings, Reading
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost, connect
 
@@ -89,3 +89,10 @@ class SimulatedDriver:
     def close(self) -> None:
         """Close the connection; the world then stops the wheels."""
         self._world.close()
+
+
+def open_simulated(settings: DriverSettings) -> SimulatedDriver:
+    """The driver of a simulated robot, as a `DriverMaker`."""
+    return SimulatedDriver(
+        settings.address, settings.side, settings.epoch, settings.period_s, settings.scene
+    )

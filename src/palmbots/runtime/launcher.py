@@ -109,6 +109,7 @@ def run_live(
         "limits.after_reboot": "rejoin",
         "limits.partner_lost": "controller",
         "limits.time_limit_s": scene.timeout_s,
+        "limits.max_speed_m_s": max(scene.robot_of(side).max_speed_m_s for side in SIDES),
     }
     speed = ["--rate", str(rate)]
     with proxy, _pair(scene, controller, values) as (file, address), _processes() as running:

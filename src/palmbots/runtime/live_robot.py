@@ -8,21 +8,22 @@ control period it passes readings and packets to the core, and carries out the a
 import contextlib
 import math
 import queue
+import signal
 import threading
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, get_args
 
 import palmbots._core as _core
 from palmbots._types import Side
+from palmbots._util.arguments import show
 from palmbots.control.registry import ControllerEntry, check
-from palmbots.drivers.driver import Drive, Driver, Reading
-from palmbots.drivers.ros2 import Ros2Driver
-from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.drivers.driver import Drive, Reading, works
 from palmbots.errors import PalmbotsError
-from palmbots.links.udp import UdpLink
 from palmbots.runtime.control_clock import ControlClock
 from palmbots.runtime.drive_table import drive_table
-from palmbots.runtime.greeting import scene_number
+from palmbots.runtime.live_ends import open_pair_driver, open_pair_link
 from palmbots.runtime.observation import Observation, Observer, observation_socket
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.robot_program import controller_of, robot_program
@@ -39,85 +40,83 @@ _MOST_OVERRUNS = 50
 """The control loop is too slow if more of the last 100 ticks were missed."""
 
 
-def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> int:
-    """Boot the program of one robot, and run it until its driver is gone.
+@dataclass(frozen=True)
+class RobotRun:
+    """What the program of a robot has done, from its boot to its end."""
+
+    boots: int
+    """How often the robot has booted."""
+    link: dict[str, Any]
+    """What was exchanged with each other end (`palmbots.links.link_meter`)."""
+    verdicts: dict[str, int]
+    """Received packets by verdict."""
+
+
+def run_live_robot(pair: Pair, side: Side, rate: float = 1.0) -> RobotRun:
+    """Boot the program of one robot, and run it until its driver is gone, or it is ended.
+
+    Ctrl-C and SIGTERM end it: the wheels stop, and the palm keeps its angle.
 
     Args:
         pair: the pair.
         side: which of its robots.
         rate: multiple of real time at which a simulated robot runs.
 
-    Returns:
-        How often the robot has booted.
-
     Raises:
         PalmbotsError: a file is missing or damaged, or an address cannot be used.
     """
-    file = pair.state_file(side)
-    with booted(file) as state:
-        _run(pair, side, state, rate)
-        return state.epoch
+    with booted(pair.state_file(side)) as state:
+        return _run(pair, side, state, rate)
 
 
-def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> None:
+def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> RobotRun:
     file = pair.state_file(side)
     scene = load_scene(pair.scene())
-    robot = live_program(pair, side, state, scene)
+    live_program(pair, side, state, scene)  # refuses before anything is opened
     period_s = scene.control.period_s
-    link = UdpLink(side, pair.settings.link.addresses())
-    observer = Observer(observation_socket(file))
-    with (
-        contextlib.closing(link),
-        contextlib.closing(observer),
-        _Storage(file, state) as storage,
-    ):
-        driver = _driver(pair, side, state.epoch, scene, period_s / rate)
-        with contextlib.closing(driver):
-            driver.read()  # waits until the world or the base starts: no tick counts before
-            clock = ControlClock(period_s / rate)
-            drives = drive_table(scene, side)
-            goal_m = scene.task.distance_m
-            start_m = 0.0
-            stopping = round(pair.settings.limits.stopping_s / period_s)
-            while True:
-                elapsed = clock.wait()
-                seen = driver.read()
-                if seen is None:
-                    return
-                if not robot.wheels:
-                    start_m = seen.distance_m
-                covered_m = seen.distance_m - start_m
-                reading = _core.runtime.Reading(
-                    seen.sign,
-                    seen.palm_at_target,
-                    driver_ok=driver.works,
-                    storage_ok=storage.works,
-                    covered=covered_m >= goal_m,
-                    overruns=min(clock.recent_overruns, 0xFFFF),
-                    progress=round(65535 * min(1.0, covered_m / goal_m)),
-                    stopping=stopping,
-                )
-                palm, move, stop, packets, *_, assists = robot.step(
-                    min(elapsed, 0xFFFF), reading, link.receive()
-                )
-                storage.keep(StoredState(state.epoch, assists, *robot.to_store))
-                drive = drives[palm, move, stop, robot.wheels]
-                driver.write(drive)
-                for receiver, data, _ in packets:
-                    # What the partner relies on after a boot is stored before it is said. A robot
-                    # that does not carry promises nothing, and must pass on a stop at once.
-                    if receiver == 2 or storage.is_done or not robot.wheels:
-                        link.send(_RECEIVERS[receiver], data)
-                if observer.is_watched:
-                    observer.send(_observation(robot, seen, drive, clock.recent_overruns))
+    with contextlib.ExitStack() as stack:
+        link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
+        storage = stack.enter_context(_Storage(file, state))
+        driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
+        stack.enter_context(contextlib.closing(driver))
+        first = driver.read()  # waits until the world starts: no tick counts before
+        gauge = _Gauge(pair, side, scene, first)
+        robot = live_program(pair, side, state, scene, has_encoders=gauge.has_encoders)
+        observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
+        ends = stack.enter_context(_ended_by_signals())
+        clock = ControlClock(period_s / rate)
+        drives = drive_table(scene, side)
+        while not ends.is_set():
+            elapsed = clock.wait()
+            seen = driver.read()
+            if seen is None:
+                break
+            reading = gauge.reading(
+                seen,
+                rests=not robot.wheels,
+                driver_ok=works(driver),
+                storage_ok=storage.works,
+                overruns=min(clock.recent_overruns, 0xFFFF),
+            )
+            palm, move, stop, packets, *_, assists = robot.step(
+                min(elapsed, 0xFFFF), reading, link.receive()
+            )
+            storage.keep(StoredState(state.epoch, assists, *robot.to_store))
+            drive = drives[palm, move, stop, robot.wheels]
+            driver.write(drive)
+            for receiver, data, _ in packets:
+                # What the partner relies on after a boot is stored before it is said. A robot
+                # that does not carry promises nothing, and must pass on a stop at once.
+                if receiver == 2 or storage.is_done or not robot.wheels:
+                    link.send(_RECEIVERS[receiver], data)
+            if observer.is_watched:
+                observer.send(_observation(robot, seen, drive, clock.recent_overruns))
+        return RobotRun(state.epoch, link.summary(), _verdicts(robot))
 
 
-def _driver(pair: Pair, side: Side, epoch: int, scene: Scene, period_s: float) -> Driver:
-    if pair.settings.driver.kind == "ros2":
-        ros2 = pair.settings.ros2
-        return Ros2Driver(ros2, side, scene.task.direction, scene.control.watchdog_s)
-    address, number = pair.settings.driver.address, scene_number(scene)
-    return SimulatedDriver(address, side, epoch, period_s, number)
+def _verdicts(robot: Any) -> dict[str, int]:
+    """How many packets the program of a robot has received, by verdict."""
+    return {name: robot.count(number) for number, name in enumerate(get_args(Verdict))}
 
 
 def _observation(robot: Any, seen: Reading, drive: Drive, overruns: int) -> Observation:
@@ -133,21 +132,98 @@ def _observation(robot: Any, seen: Reading, drive: Drive, overruns: int) -> Obse
         distance_m=None if math.isnan(seen.distance_m) else seen.distance_m,
         battery_v=seen.battery_v,
         overruns=overruns,
-        received={name: robot.count(number) for number, name in enumerate(get_args(Verdict))},
+        received=_verdicts(robot),
     )
 
 
-def live_program(pair: Pair, side: Side, state: StoredState, scene: Scene) -> Any:
-    """The program of one robot of a pair, as it starts after a boot."""
+class _Gauge:
+    """What the core has to know of a driver's readings.
+
+    Raises:
+        PalmbotsError: the battery is to be checked, but the driver does not measure it.
+    """
+
+    def __init__(self, pair: Pair, side: Side, scene: Scene, first: Reading | None) -> None:
+        self._hardware = pair.settings.hardware.of(side)
+        self._goal_m = scene.task.distance_m
+        self._stopping = math.ceil(self._hardware.stopping_s / scene.control.period_s)
+        self._start_m = 0.0
+        self.has_encoders = first is None or not math.isnan(first.distance_m)
+        """The driver measures the distance; otherwise the core takes the time in its place."""
+        is_checked = self._hardware.battery_low_v > 0
+        if is_checked and first is not None and first.battery_v is None:
+            raise PalmbotsError(
+                f"hardware.battery_low_v: value is {show(self._hardware.battery_low_v)}, but the "
+                "driver does not measure the battery; allowed: 0"
+            )
+
+    def reading(self, seen: Reading, *, rests: bool, **others: Any) -> Any:
+        """The reading for the core; `rests`: the distance is counted from here."""
+        covered_m = 0.0
+        if self.has_encoders:
+            if rests:
+                self._start_m = seen.distance_m
+            covered_m = seen.distance_m - self._start_m
+        battery_v = seen.battery_v
+        battery_mv = 0xFFFF if battery_v is None else min(round(1000 * battery_v), 0xFFFE)
+        return _core.runtime.Reading(
+            seen.sign,
+            seen.palm_at_target,
+            contact=seen.has_contact,
+            battery_ok=battery_v is None or battery_v >= self._hardware.battery_low_v,
+            battery_mv=max(0, battery_mv),
+            covered=covered_m >= self._goal_m,
+            progress=round(65535 * max(0.0, min(1.0, covered_m / self._goal_m))),
+            stopping=self._stopping,
+            **others,
+        )
+
+
+@contextlib.contextmanager
+def _ended_by_signals() -> Iterator[threading.Event]:
+    """An event that Ctrl-C and SIGTERM set; a second one of them ends the process at once."""
+    ends = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield ends
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in numbers}
+
+    def end(*_: object) -> None:
+        ends.set()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    for number in numbers:
+        signal.signal(number, end)
+    try:
+        yield ends
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def live_program(
+    pair: Pair, side: Side, state: StoredState, scene: Scene, *, has_encoders: bool = True
+) -> Any:
+    """The program of one robot of a pair, as it starts after a boot.
+
+    Without encoders the distance is covered after the time that it takes at nominal speed.
+    """
     entry = controller_of(pair)
     if entry.team == "station":
         raise PalmbotsError(
             f"controller: {entry.name} needs a station that decides; allowed: with --lockstep"
         )
-    return robot_program(pair, side, state, scene, _settings(pair, scene, entry))
+    speed_m_s = scene.robot_of(side).speed_m_s
+    travel_s = 0.0
+    if not has_encoders:
+        limit_s = pair.settings.limits.time_limit_s
+        travel_s = scene.task.distance_m / speed_m_s if speed_m_s > 0 else limit_s
+    return robot_program(pair, side, state, scene, _settings(pair, scene, entry, travel_s))
 
 
-def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
+def _settings(pair: Pair, scene: Scene, entry: ControllerEntry, travel_s: float) -> Any:
     """The settings of the core, in control ticks."""
     limits = pair.settings.limits
     bounds = check(entry, scene)
@@ -161,7 +237,7 @@ def _settings(pair: Pair, scene: Scene, entry: ControllerEntry) -> Any:
         lease=ticks(lease_s),
         station_limit=ticks(limits.station_limit_s),
         time_limit=ticks(limits.time_limit_s),
-        travel=0,  # the driver measures the distance
+        travel=ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
         watchdog=ticks(scene.control.watchdog_s),
         most_overruns=_MOST_OVERRUNS,
         has_radio=entry.uses_radio,

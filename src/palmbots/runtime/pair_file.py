@@ -14,13 +14,14 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ValidationError
 
-from palmbots._types import SIDES
+from palmbots._types import SIDES, Side
 from palmbots._util.arguments import show
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots.drivers.hardware import Hardware
 from palmbots.drivers.ros2_topics import Ros2Table
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StoredState, write_state
@@ -32,6 +33,7 @@ from palmbots.scene.section import Section
 from palmbots.wire import KEY_SIZE, Role
 
 PairNumber = Annotated[int, BeforeValidator(whole(0, 0xFFFF))]
+Baud = Annotated[int, BeforeValidator(whole(300, 10_000_000))]
 
 
 class PairTable(Section):
@@ -55,22 +57,43 @@ class PairTable(Section):
 class DriverTable(Section):
     """[driver] How a robot reaches its hardware."""
 
-    kind: Literal["simulated", "ros2"] = "simulated"
-    """simulated: a world in another process (palmbots world); ros2: a base and a palm that are
-    nodes of ROS 2, as [ros2] describes them."""
+    kind: str = "simulated"
+    """simulated: a world in another process (palmbots world). serial: a motor board on a serial
+    line. dry-run: no hardware; it states what the robot would do. ros2: a base and a palm that are
+    nodes of ROS 2, as [ros2] describes them. Or the name of an installed driver."""
     address: str = "127.0.0.1:7400"
-    """Where the world listens: HOST:PORT, or unix:PATH."""
+    """simulated: where the world listens, HOST:PORT or unix:PATH. serial: the device, such as
+    /dev/ttyACM0."""
+    left_address: str | None = None
+    """The address for the left robot, if it differs."""
+    right_address: str | None = None
+    """The address for the right robot, if it differs."""
+    baud: Baud = 115_200
+    """serial: bits per second."""
+    options: dict[str, Any] | None = None
+    """Keys of the driver's own: a table, which may also be written as [driver.options]."""
+
+    def address_of(self, side: Side) -> str:
+        """The address for one robot."""
+        own = self.left_address if side == "left" else self.right_address
+        return self.address if own is None else own
 
 
 class LinkTable(Section):
-    """[link] Where the packets of the robots and the station go: UDP addresses, HOST:PORT."""
+    """[link] How packets travel between the robots and the station."""
 
+    kind: str = "udp"
+    """udp: a network. serial: a radio bridge or modem on a serial line of each robot and of the
+    station. Or the name of an installed link."""
     left: str = "127.0.0.1:7411"
-    """The left robot."""
+    """Address of the left robot. udp: HOST:PORT. serial: the device on that robot's own computer,
+    such as /dev/ttyACM0."""
     right: str = "127.0.0.1:7412"
-    """The right robot."""
+    """Address of the right robot."""
     station: str = "127.0.0.1:7413"
-    """The operator's station."""
+    """Address of the operator's station."""
+    baud: Baud = 1_000_000
+    """serial: bits per second."""
 
     def addresses(self) -> dict[Role, str]:
         """The address of each end."""
@@ -78,6 +101,7 @@ class LinkTable(Section):
 
 
 Limit = Annotated[float, BeforeValidator(Range("s", least=0.01, most=100_000))]
+TopSpeed = Annotated[float, BeforeValidator(Range("m/s", least=0.001, most=10))]
 
 
 class LimitsTable(Section):
@@ -93,9 +117,8 @@ class LimitsTable(Section):
     """Silence of the station after which it counts as lost."""
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
-    stopping_s: Limit = 0.1
-    """Time in which the wheels come to rest; measure it, the default is assumed. It must not exceed
-    control.watchdog_s of the scene."""
+    max_speed_m_s: TopSpeed = 0.2
+    """No driver is given a faster command. A scene that needs one is refused."""
 
 
 class PairFile(Section):
@@ -104,8 +127,9 @@ class PairFile(Section):
     pair: PairTable = PairTable()
     link: LinkTable = LinkTable()
     driver: DriverTable = DriverTable()
-    ros2: Ros2Table = Ros2Table()
     limits: LimitsTable = LimitsTable()
+    hardware: Hardware = Hardware()
+    ros2: Ros2Table = Ros2Table()
 
 
 @dataclass(frozen=True)
@@ -122,7 +146,9 @@ class Pair:
 
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
-        table = self.settings.model_dump(exclude={"driver": True, "link": True, "ros2": True})
+        # What may differ between the robots.
+        own = {"driver": True, "link": True, "hardware": True, "ros2": True}
+        table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 

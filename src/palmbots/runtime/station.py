@@ -7,10 +7,13 @@ A wish is repeated in every period until the status of the robot shows that it h
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from palmbots._types import SIDES, Side
 from palmbots.links.link import Link
+from palmbots.links.link_meter import LinkMeter
 from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.reported_counts import ReportedCounts
 from palmbots.runtime.stored_state import StoredState, read_state, write_state
 from palmbots.wire import Endpoint, Hello, Operate, Operation, RobotMode, Status
 
@@ -56,6 +59,8 @@ class Station:
         self._start_s = clock()
         self.status: dict[Side, Status] = {}
         """The newest status of each robot that has been heard."""
+        self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
+        """What each robot has reported about its own end of the wire."""
 
     def _boot(self, before: StoredState) -> None:
         state = before.booted()
@@ -81,6 +86,12 @@ class Station:
             for side, status in self.status.items()
             if now - self._heard_s[side] < _LOST_AFTER_S
         }
+
+    def links(self) -> dict[str, Any]:
+        """What the link of the station has sent, received and lost, and what the robots report."""
+        own = self._link.summary() if isinstance(self._link, LinkMeter) else {}
+        reported = {side: counts.totals for side, counts in self.reported.items()}
+        return {"station": own, "verdicts": dict(self._end.counts), "robots": reported}
 
     def is_done(self) -> bool:
         """Both robots have carried out the wish."""
@@ -122,6 +133,7 @@ class Station:
     def _take(self, side: Side, status: Status) -> None:
         old = self.status.get(side)
         self.status[side] = status
+        self.reported[side].note(status)
         self._heard_s[side] = self.clock()
         if old is None or (old.mode, old.fault) != (status.mode, status.fault):
             why = f" ({status.fault})" if status.fault != "none" else ""

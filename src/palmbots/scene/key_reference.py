@@ -68,15 +68,22 @@ def section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
     """The keys of a table and of the tables in it; `section` is its name."""
     meanings = field_meanings(model)
     for name, field in model.model_fields.items():
-        # palm.left.… and robot.left.… have the keys of palm.… and robot.….
-        if name in SIDES and section in ("palm", "robot"):
+        # palm.left.… has the keys of palm.…; so have robot.left.… and hardware.left.….
+        if name in SIDES and section in ("palm", "robot", "hardware"):
             continue
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
             yield from section_keys(type(default), f"{section}.{name}")
         else:
             unit = _unit(field.metadata) or _unit(getattr(field.annotation, "__args__", ()))
-            yield SceneKey(f"{section}.{name}", default, unit, meanings.get(name, ""))
+            yield SceneKey(f"{section}.{name}", _plain(default), unit, meanings.get(name, ""))
+
+
+def _plain(default: Any) -> Any:
+    """A default as plain tables and lists."""
+    if isinstance(default, tuple):
+        return tuple(_plain(item) for item in default)
+    return default.model_dump() if isinstance(default, BaseModel) else default
 
 
 def _unit(annotations: Any) -> str:

@@ -31,8 +31,8 @@ def doctor(
 
     Exit status 1: a robot is not heard, has a fault, or its controller does not suffice.
     """
-    from palmbots.links.udp import UdpLink
     from palmbots.runtime.link_check import PERIOD_S, measure, needs_of
+    from palmbots.runtime.live_ends import open_pair_link
     from palmbots.runtime.pair_file import load_pair
     from palmbots.runtime.robot_program import controller_of
     from palmbots.runtime.stored_state import booted
@@ -45,7 +45,7 @@ def doctor(
     controller = controller_of(chosen).name
     with (
         booted(chosen.state_file("station")) as state,
-        contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link,
+        contextlib.closing(open_pair_link(chosen, "station")) as link,
         progress("measuring the radio", as_json, seconds) as report,
     ):
         start_s = time.monotonic()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots robot`."""
 
-from functools import partial
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
@@ -26,7 +26,8 @@ def robot(
 ) -> int:
     """Run the program of one robot of a pair.
 
-    The robot is a simulated one: its world is another process (palmbots world).
+    It reaches its hardware by the driver of the pair, and the others by its link. Ctrl-C ends it:
+    the wheels stop. With --json it prints what the link has sent, received and lost.
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
@@ -36,10 +37,12 @@ def robot(
 
     one_of("--side", side, SIDES)
     chosen: Any = side
-    run = run_robot if lockstep else partial(run_live_robot, rate=_checked(rate))
-    epoch = run(load_pair(pair), chosen)
+    if lockstep:
+        found: dict[str, Any] = {"boots": run_robot(load_pair(pair), chosen)}
+    else:
+        found = asdict(run_live_robot(load_pair(pair), chosen, _checked(rate)))
     if as_json:
-        print_json({"side": side, "boots": epoch})
+        print_json({"side": side} | found)
     return DONE
 
 

@@ -37,7 +37,7 @@ def station(
     """
     import contextlib
 
-    from palmbots.links.udp import UdpLink
+    from palmbots.runtime.live_ends import open_pair_link
     from palmbots.runtime.pair_file import load_pair
     from palmbots.runtime.station import PERIOD_S, Station, carry_once
     from palmbots.runtime.stored_state import held
@@ -57,7 +57,7 @@ def station(
 
     with (
         held(chosen.state_file("station")),
-        contextlib.closing(UdpLink("station", chosen.settings.link.addresses())) as link,
+        contextlib.closing(open_pair_link(chosen, "station")) as link,
     ):
         orders = _Orders(sys.stdin.fileno())
         end = Station(chosen, link, show)
@@ -72,7 +72,7 @@ def station(
             time.sleep(PERIOD_S)
     if as_json:
         modes = {side: status.mode for side, status in end.status.items()}
-        print_json({"done": done, "modes": modes, "lines": lines})
+        print_json({"done": done, "modes": modes, "lines": lines, "links": end.links()})
     return DONE if done else FAILED
 
 
