@@ -10,6 +10,7 @@ def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     rows = ["| key | default | meaning |", "|---|---|---|"]
     # Those of [ros2] stand on a page of their own.
-    keys = [key for key in pair_keys() if not key.name.startswith("ros2.")]
-    rows += [f"| `{key.name}` | `{key.default_text}` | {key.meaning} |" for key in keys]
+    for key in (key for key in pair_keys() if not key.name.startswith("ros2.")):
+        default = f"`{key.default_text}`" if key.default_text else ""
+        rows.append(f"| `{key.name}` | {default} | {key.meaning} |")
     return {"pair keys": "\n".join(rows)}

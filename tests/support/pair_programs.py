@@ -20,17 +20,19 @@ from palmbots.runtime.station import PERIOD_S, Station
 ENDS = ("left", "right", "station")
 
 
-def new_pair(folder: Path, scene: str = "paper", **values: object) -> Path:
+def new_pair(folder: Path, **values: Any) -> Path:
     """A ``pair.toml`` with free ports, or other values: ``link__kind="serial"``."""
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in ENDS]
         for one in sockets:
             one.bind(("127.0.0.1", 0))
         ports = [one.getsockname()[1] for one in sockets]
-    chosen = {f"link.{end}": f"127.0.0.1:{port}" for end, port in zip(ENDS, ports, strict=True)}
-    chosen |= {name.replace("__", "."): value for name, value in values.items()}  # type: ignore[arg-type]
+    chosen: dict[str, object] = {
+        f"link.{end}": f"127.0.0.1:{port}" for end, port in zip(ENDS, ports, strict=True)
+    }
+    chosen |= {name.replace("__", "."): value for name, value in values.items()}
     address = f"unix:{folder / 'world'}"
-    return init_pair(folder / "pair.toml", scene=scene, address=address, values=chosen)[0]
+    return init_pair(folder / "pair.toml", address=address, values=chosen)[0]
 
 
 def started(

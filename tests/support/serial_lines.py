@@ -85,10 +85,10 @@ class Bridges(threading.Thread):
     def __init__(self, ends: list[Line]) -> None:
         super().__init__(daemon=True)
         self._ends = ends
-        self._stop = threading.Event()
+        self._over = threading.Event()
 
     def run(self) -> None:
-        while not self._stop.is_set():
+        while not self._over.is_set():
             by_descriptor = {line.end: line for line in self._ends if line.end >= 0}
             ready, _, _ = select.select([*by_descriptor], [], [], 0.01)
             for descriptor in ready:
@@ -105,5 +105,5 @@ class Bridges(threading.Thread):
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stop.set()
+        self._over.set()
         self.join()

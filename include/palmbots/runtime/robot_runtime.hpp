@@ -45,7 +45,7 @@ struct Reading {
   bool stop = false;                  // a stop is given by hand
   std::uint16_t overruns = 0;         // late ticks within the time that the node counts
   std::uint16_t battery_mv = 0xFFFF;  // 0xFFFF: not measured
-  std::uint16_t progress = 0;         // covered part of the distance, times 65535
+  std::uint16_t progress = 0;         // covered part of the distance, times 65535, by odometry
   std::uint32_t stopping = 0;         // measured time in which the wheels stop [ticks]
 };
 
@@ -249,11 +249,19 @@ class RobotRuntime {
       return static_cast<std::uint16_t>(endpoint_.count(static_cast<wire::Verdict>(item - first)));
     }
     switch (static_cast<wire::StatusItem>(item)) {
-      case wire::StatusItem::progress: return reading.progress;
+      case wire::StatusItem::progress: return progress(reading);
       case wire::StatusItem::battery: return reading.battery_mv;
       case wire::StatusItem::overruns: return reading.overruns;
       default: return static_cast<std::uint16_t>(sent_);
     }
+  }
+
+  // The covered part of the distance, times 65535; without odometry that of the time for it.
+  std::uint16_t progress(const Reading& reading) const {
+    const std::uint32_t travel = settings_.mode.travel;
+    if (travel == 0) return reading.progress;
+    const std::uint64_t part = std::uint64_t{65535} * machine_.memory().travelled / travel;
+    return part < 65535 ? static_cast<std::uint16_t>(part) : std::uint16_t{65535};
   }
 
   void send(Outputs& out, wire::Role receiver, wire::PacketKind kind,

@@ -55,11 +55,13 @@ class DryRunDriver:
             self._on_line(f"{self._side} robot, dry run: {text}")
 
     def stop(self) -> None:
-        """State that the wheels stop."""
-        self._state("wheels at rest")
+        """State that the wheels stop, if anything has been commanded."""
+        if self._stated:
+            self._state("wheels at rest")
 
     def close(self) -> None:
-        """Do nothing: nothing moves."""
+        """The program ends: the wheels stop."""
+        self.stop()
 
 
 def _script_in(script: Any) -> list[tuple[float, int]]:

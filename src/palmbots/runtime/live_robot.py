@@ -17,7 +17,6 @@ from typing import Any, get_args
 
 import palmbots._core as _core
 from palmbots._types import Side
-from palmbots._util.arguments import show
 from palmbots.control.registry import ControllerEntry, check
 from palmbots.drivers.driver import Drive, Reading, works
 from palmbots.errors import PalmbotsError
@@ -26,6 +25,7 @@ from palmbots.runtime.drive_table import drive_table
 from palmbots.runtime.live_ends import open_pair_driver, open_pair_link
 from palmbots.runtime.observation import Observation, Observer, observation_socket
 from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.reading_gauge import ReadingGauge
 from palmbots.runtime.robot_program import controller_of, robot_program
 from palmbots.runtime.stored_state import StoredState, booted, write_state
 from palmbots.scene.scene import Scene, load_scene
@@ -76,13 +76,14 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> RobotRun:
     period_s = scene.control.period_s
     with contextlib.ExitStack() as stack:
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
+        observer = Observer(observation_socket(file))
+        stack.enter_context(contextlib.closing(observer))
         storage = stack.enter_context(_Storage(file, state))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
         first = driver.read()  # waits until the world starts: no tick counts before
-        gauge = _Gauge(pair, side, scene, first)
+        gauge = ReadingGauge(pair, side, scene, first)
         robot = live_program(pair, side, state, scene, has_encoders=gauge.has_encoders)
-        observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         ends = stack.enter_context(_ended_by_signals())
         clock = ControlClock(period_s / rate)
         drives = drive_table(scene, side)
@@ -115,7 +116,7 @@ def _run(pair: Pair, side: Side, state: StoredState, rate: float) -> RobotRun:
 
 
 def _verdicts(robot: Any) -> dict[str, int]:
-    """How many packets the program of a robot has received, by verdict."""
+    """How many received packets had each verdict."""
     return {name: robot.count(number) for number, name in enumerate(get_args(Verdict))}
 
 
@@ -134,49 +135,6 @@ def _observation(robot: Any, seen: Reading, drive: Drive, overruns: int) -> Obse
         overruns=overruns,
         received=_verdicts(robot),
     )
-
-
-class _Gauge:
-    """What the core has to know of a driver's readings.
-
-    Raises:
-        PalmbotsError: the battery is to be checked, but the driver does not measure it.
-    """
-
-    def __init__(self, pair: Pair, side: Side, scene: Scene, first: Reading | None) -> None:
-        self._hardware = pair.settings.hardware.of(side)
-        self._goal_m = scene.task.distance_m
-        self._stopping = math.ceil(self._hardware.stopping_s / scene.control.period_s)
-        self._start_m = 0.0
-        self.has_encoders = first is None or not math.isnan(first.distance_m)
-        """The driver measures the distance; otherwise the core takes the time in its place."""
-        is_checked = self._hardware.battery_low_v > 0
-        if is_checked and first is not None and first.battery_v is None:
-            raise PalmbotsError(
-                f"hardware.battery_low_v: value is {show(self._hardware.battery_low_v)}, but the "
-                "driver does not measure the battery; allowed: 0"
-            )
-
-    def reading(self, seen: Reading, *, rests: bool, **others: Any) -> Any:
-        """The reading for the core; `rests`: the distance is counted from here."""
-        covered_m = 0.0
-        if self.has_encoders:
-            if rests:
-                self._start_m = seen.distance_m
-            covered_m = seen.distance_m - self._start_m
-        battery_v = seen.battery_v
-        battery_mv = 0xFFFF if battery_v is None else min(round(1000 * battery_v), 0xFFFE)
-        return _core.runtime.Reading(
-            seen.sign,
-            seen.palm_at_target,
-            contact=seen.has_contact,
-            battery_ok=battery_v is None or battery_v >= self._hardware.battery_low_v,
-            battery_mv=max(0, battery_mv),
-            covered=covered_m >= self._goal_m,
-            progress=round(65535 * max(0.0, min(1.0, covered_m / self._goal_m))),
-            stopping=self._stopping,
-            **others,
-        )
 
 
 @contextlib.contextmanager

@@ -127,9 +127,9 @@ class PairFile(Section):
     pair: PairTable = PairTable()
     link: LinkTable = LinkTable()
     driver: DriverTable = DriverTable()
+    ros2: Ros2Table = Ros2Table()
     limits: LimitsTable = LimitsTable()
     hardware: Hardware = Hardware()
-    ros2: Ros2Table = Ros2Table()
 
 
 @dataclass(frozen=True)
