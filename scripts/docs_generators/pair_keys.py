@@ -21,7 +21,8 @@ def blocks() -> dict[str, str]:
 
 def _table(keys: Iterable[SceneKey]) -> str:
     rows = ["| key | default | meaning |", "|---|---|---|"]
-    for key in keys:
+    # Those of [ros2] stand on a page of their own.
+    for key in (key for key in keys if not key.name.startswith("ros2.")):
         default = f"`{key.default_text}`" if key.default_text else ""
         rows.append(f"| `{key.name}` | {default} | {key.meaning} |")
     return "\n".join(rows)

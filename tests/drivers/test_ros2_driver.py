@@ -71,7 +71,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> Iterator[Made]:
 
     def make(side: Any = "left", direction: str = "forward", **settings: Any) -> Any:
         base = Base(side, **settings)
-        driver = Ros2Driver(base.settings, side, direction, W)
+        driver = Ros2Driver(base.settings, side, (side == "right") == (direction == "forward"), W)
         parts.extend((driver, base.node))
         wait_until(lambda: base.joints.subscribers and base.contact.subscribers)
         wait_until(lambda: driver._velocity.subscribers and driver._palm.subscribers)
@@ -271,7 +271,7 @@ def test_a_subscriber_that_does_not_keep_up_does_not_hold_up_the_driver(made: Ma
 def test_faults_of_dds_are_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CYCLONEDDS_URI", "<none")
     with pytest.raises(pb.PalmbotsError) as caught:
-        Ros2Driver(Ros2Table(domain_id=3), "left", "forward", W)
+        Ros2Driver(Ros2Table(domain_id=3), "left", False, W)
     assert str(caught.value) == (
         "ros2: DDS cannot be used in domain 3; check the variable CYCLONEDDS_URI and the network"
     )

@@ -55,17 +55,8 @@ FEW = {
     "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.1"],
 }
 # Named in the text without their arguments.
-NAMED = (
-    ["replay"],
-    ["check"],
-    ["study"],
-    ["export"],
-    ["init"],
-    ["up"],
-    ["world"],
-    ["robot"],
-    ["calibrate"],
-)
+NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
+         ["station"], ["ros2"], ["calibrate"])  # fmt: skip
 
 
 def commands() -> list[str]:

@@ -5,7 +5,6 @@ import contextlib
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -17,8 +16,8 @@ import pytest
 
 import palmbots as pb
 from dds_loopback import dds_environment
+from pair_programs import new_pair
 from palmbots.drivers.ros2_node import Ros2Node
-from palmbots.runtime.pair_file import init_pair
 from waiting import wait_until
 
 BASE = Path(__file__).parents[1] / "support" / "ros2_base.py"
@@ -35,15 +34,9 @@ class Programs:
         self.folder, self.stack = folder, stack
         (folder / "log").touch()
         (folder / "scene.toml").write_text(pb.load_scene("paper", SCENE).to_toml())
-        with contextlib.ExitStack() as sockets:
-            values: dict[str, object] = {"driver.kind": "ros2"}
-            for end in (*SIDES, "station"):
-                one = sockets.enter_context(socket.socket(type=socket.SOCK_DGRAM))
-                one.bind(("127.0.0.1", 0))
-                values[f"link.{end}"] = f"127.0.0.1:{one.getsockname()[1]}"
-        init_pair(folder / "pair.toml", scene="scene.toml", values=values)
-        self.world = self.start("world", "scene.toml", "--serve", "unix:w", "--json")
-        self.base = self.run([str(BASE), "pair.toml", "unix:w", "log"])
+        new_pair(folder, scene="scene.toml", driver__kind="ros2")
+        self.world = self.start("world", "scene.toml", "--serve", "unix:world", "--json")
+        self.base = self.run([str(BASE), "pair.toml", "unix:world", "log"])
         self.robots = {side: self.start("robot", "pair.toml", "--side", side) for side in SIDES}
 
     def start(self, *command: str) -> "subprocess.Popen[str]":

@@ -26,20 +26,20 @@ class Ros2Driver:
     Args:
         settings: the topics and the palm's joint.
         side: of the robot.
-        direction: of travel, ``task.direction`` of the scene.
+        leads: the robot travels away from its partner.
         watchdog_s: ``control.watchdog_s``; a command expires after it.
 
     Raises:
         PalmbotsError: DDS cannot be used, or its package is missing.
     """
 
-    def __init__(self, settings: Ros2Table, side: Side, direction: str, watchdog_s: float) -> None:
+    def __init__(self, settings: Ros2Table, side: Side, leads: bool, watchdog_s: float) -> None:
         self._settings = settings
         self._messages: Any = require("palmbots.drivers.ros2_messages", "ros2")
         module: Any = require("palmbots.drivers.ros2_node", "ros2")
         self._header = module.header
         self._frame = f"{settings.namespace(side)}/base_link"
-        self._sign = travel_sign(side, direction, settings.front)
+        self._sign = travel_sign(leads, settings.front)
         self._target_rad: float | None = None
         self._sent_s = -math.inf
         self._start: tuple[float, float, float] | None = None
@@ -206,6 +206,16 @@ class Ros2Driver:
             )
 
 
+def open_ros2(settings: DriverSettings) -> Ros2Driver:
+    """The driver of a robot, as ``[ros2]`` of its ``pair.toml`` describes it.
+
+    Raises:
+        PalmbotsError: DDS cannot be used, or its package is missing.
+    """
+    table = settings.table or Ros2Table()
+    return Ros2Driver(table, settings.side, settings.leads, settings.watchdog_s)
+
+
 def _is_finite(odometry: Any) -> bool:
     pose = odometry.pose.pose
     values = (*vars(pose.position).values(), *vars(pose.orientation).values())
@@ -219,9 +229,3 @@ def _type_of(topic: Topic, settings: Ros2Table) -> str:
     if topic.name == "position":
         return topic.types[0 if settings.palm_command == "array" else 1]
     return topic.types[0]
-
-
-def open_ros2(settings: DriverSettings) -> Ros2Driver:
-    """The driver of a robot of a pair; its own settings are the table ``[ros2]``."""
-    direction = "forward" if (settings.side == "right") == settings.leads else "backward"
-    return Ros2Driver(settings.table, settings.side, direction, settings.watchdog_s)

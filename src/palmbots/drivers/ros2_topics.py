@@ -250,13 +250,11 @@ def dds_type(name: str) -> str:
     return f"{package}::{kind}::dds_::{message}_"
 
 
-def travel_sign(side: Side, direction: str, front: str) -> int:
+def travel_sign(leads: bool, front: str) -> int:
     """1 if a robot drives forward when it travels, else -1.
 
     Args:
-        side: of the robot.
-        direction: of travel, ``task.direction``: the right robot leads a carry ``forward``.
+        leads: the robot travels away from its partner.
         front: key of [ros2].
     """
-    leads = (side == "right") == (direction == "forward")
     return -1 if leads == (front == "partner") else 1

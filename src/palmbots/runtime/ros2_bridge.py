@@ -88,7 +88,8 @@ class Bridge:
             name: f"{settings.namespace(side)}/{name}"
             for name in ("odom", "base_link", "palm_link")
         }
-        self._travels = travel_sign(side, scene.task.direction, settings.front)
+        leads = (side == "right") == (scene.task.direction == "forward")
+        self._travels = travel_sign(leads, settings.front)
         self._pitch = 1 if settings.front == "partner" else -1
         self.wait_s = 1.0 / settings.rate_hz
         self._fast = _Beat(self.wait_s)
