@@ -48,11 +48,12 @@ def reboot(pair: LivePair, tick: int) -> None:
 
 
 def freeze(pair: LivePair, tick: int) -> None:
-    """The right robot's program stands still for five seconds."""
+    """The right robot's program is held up for five seconds."""
     if tick == BEGIN_TICKS:
         pair.frozen["right"] = 0
     if tick == BEGIN_TICKS + 500:
         del pair.frozen["right"]
+        pair.boot("right")  # held up for longer than the watchdog's time, it starts again
 
 
 def blackout(pair: LivePair, tick: int) -> None:

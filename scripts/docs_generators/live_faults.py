@@ -16,4 +16,9 @@ def _table(name: str) -> str:
 
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
-    return {"live faults": _table("live_faults"), "e-stop": _table("e_stop")}
+    names = {
+        "live faults": "live_faults",
+        "e-stop": "e_stop",
+        "e-stop of processes": "e_stop_processes",
+    }
+    return {marker: _table(name) for marker, name in names.items()}

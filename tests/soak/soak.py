@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 
 import fuzz_decode
+import live_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 FAILURES = ROOT / "build" / "soak" / "failures.txt"
@@ -72,6 +73,8 @@ def main(minutes: str) -> int:
         pytest(seed, until, "tests/soak")
         if time.time() < until:
             pytest(seed, until, "-m", "hypothesis or soak", "tests")
+    if rounds:
+        live_table.main()
     failed = FAILURES.stat().st_size > failures_before
     print(f"soak: {rounds} rounds in {(time.time() - began) / 60:.0f} min")
     print(f"soak: failures are in {FAILURES}" if failed else "soak: no failure")

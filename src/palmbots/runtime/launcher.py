@@ -17,8 +17,9 @@ from palmbots.errors import PalmbotsError
 from palmbots.runtime.impairment import Impairment, Proxy
 from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.lockstep_robot import REBOOTED
-from palmbots.runtime.pair_file import ENDS, init_pair
+from palmbots.runtime.pair_file import ENDS, init_pair, load_pair
 from palmbots.runtime.processes import Processes
+from palmbots.runtime.station_server import station_address
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 
@@ -88,6 +89,7 @@ class LiveCarryProcesses:
         station_output: file for what the station says; None: only screens show it.
         log_folder: where robots and station log; empty: nowhere.
         live: where a live view for Foxglove is served; None: nowhere.
+        auto: the station arms and starts the robots; otherwise an operator does so on a screen.
         on_line: called with a line about each program that was killed and starts again.
         seed: of the packets' fates.
     """
@@ -105,18 +107,21 @@ class LiveCarryProcesses:
         station_output: Path | None = None,
         log_folder: str = "",
         live: str | None = None,
+        auto: bool = True,
         on_line: Callable[[str], None],
         seed: int = 0,
     ) -> None:
         self._scene, self._controller, self._options = scene, controller, world_options
         self._rate, self._screen, self._on_line = rate, screen, on_line
-        self._output, self._station_output = output, station_output
+        self._output, self._station_output, self._auto = output, station_output, auto
         self._log_folder, self._live = log_folder, live
         with free_addresses(len(ENDS)) as ports:  # the proxy gets others
             self._own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
             self.proxy = Proxy(self._own, impairment, seed, rate)
         self.processes = Processes()
         """The processes, by the names ``world``, ``left``, ``right`` and ``station``."""
+        self.station_address = ""
+        """Where the station listens for screens."""
 
     def __enter__(self) -> Self:
         with contextlib.ExitStack() as stack:
@@ -147,13 +152,14 @@ class LiveCarryProcesses:
         files = {end: own_file(file, end, address) for end, address in self._own.items()}
         speed = ["--rate", str(self._rate)]
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
+        self.station_address = station_address(load_pair(files["station"]))
         running.start("world", [*world, *self._options], output=self._output)
         for side in SIDES:
             running.start(side, ["robot", str(files[side]), "--side", side, *speed])
         station = ["station", str(files["station"])]
         running.start(
             "station",
-            [*station, "--auto", "--no-screen"],
+            [*station, *(["--auto"] if self._auto else []), "--no-screen"],
             output=self._station_output or Path(os.devnull),
         )
         if self._screen is not None:

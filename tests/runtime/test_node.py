@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The program of a robot: what it loads, what it reports, and how fast it obeys a stop."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from palmbots.drivers.driver import Drive, Reading
+from palmbots.runtime import live_robot
+from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.wire import Endpoint, Hello, Operate
+
+HEAVY = {
+    "matplotlib", "pandas", "xarray", "polars", "pyarrow", "scipy", "mujoco", "rich", "dask",
+    "zarr", "mcap", "gymnasium", "pettingzoo", "textual", "foxglove", "PIL",
+}  # fmt: skip
+
+
+def test_the_program_of_a_robot_loads_no_heavy_package(tmp_path: Path) -> None:
+    """In the process that runs it, after the first tick that would need one."""
+    init_pair(tmp_path / "pair.toml", address=f"unix:{tmp_path / 'none'}")
+    code = f"""
+import json, sys
+import palmbots.drivers.simulated as simulated
+simulated._WORLD_STARTS_WITHIN_S = 0.0
+from palmbots.cli.main import run
+status = run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"])
+print(json.dumps([status, sorted(sys.modules)]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    status, modules = json.loads(done.stdout)
+    assert status == 2 and "nobody listens" in done.stderr, done.stderr
+    assert "palmbots.runtime.live_robot" in modules
+    assert {name.partition(".")[0] for name in modules} & HEAVY == set()
+
+
+class Robot:
+    """A driver and a link in one, which count the ticks."""
+
+    works = True
+
+    def __init__(self, packets: dict[int, list[bytes]], ticks: int) -> None:
+        self.packets, self.left, self.tick = packets, ticks, 0
+        self.drives: list[Drive] = []
+        self.sent: list[tuple[int, str]] = []
+
+    def read(self) -> Reading | None:
+        self.tick += 1
+        return Reading(0, True, 0.001 * self.tick) if self.tick < self.left else None
+
+    def write(self, drive: Drive) -> None:
+        self.drives.append(drive)
+
+    def receive(self) -> list[bytes]:
+        return self.packets.get(self.tick, [])
+
+    def send(self, receiver: str, _: bytes) -> None:
+        self.sent.append((self.tick, receiver))
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("stop", ["stop", "e_stop"])
+def test_a_stop_reaches_the_driver_within_two_control_periods(
+    stop: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A silent robot needs no partner to be armed and started."""
+    pair = load_pair(init_pair(tmp_path / "pair.toml", controller="silent")[0])
+    station = Endpoint(pair.key, pair.settings.pair.number, "station", 1)
+    packets = {tick: [station.send("left", Hello())] for tick in range(1, 40)}
+    robot = Robot(packets, 100)
+
+    def receive() -> list[bytes]:
+        # The station hears the robot in every tick, so that its packets count.
+        body: Any = {30: Operate("arm"), 40: Operate("start"), 60: Operate(stop, stop=True)}.get(
+            robot.tick, Hello(stop=robot.tick > 60)
+        )
+        return [station.send("left", body)]
+
+    def send(receiver: str, data: bytes) -> None:
+        if receiver == "station":
+            station.receive(data)
+
+    monkeypatch.setattr(robot, "receive", receive)
+    monkeypatch.setattr(robot, "send", send)
+    monkeypatch.setattr(live_robot, "SimulatedDriver", lambda *_: robot)
+    monkeypatch.setattr(live_robot, "UdpLink", lambda *_: robot)
+    end = live_robot.run_live_robot(pair, "left", rate=2)
+    wheels = [drive.wheels for drive in robot.drives]
+    moving = [tick for tick, turns in enumerate(wheels, 2) if turns]
+    assert moving and moving[0] <= 42
+    assert moving[-1] <= 60 + 2, (moving[0], moving[-1])
+    assert end.mode == "stopped"
+    assert end.ticks == len(robot.drives)
+    assert sum(end.jitter.values()) >= end.ticks
