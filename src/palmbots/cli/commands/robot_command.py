@@ -8,7 +8,7 @@ import typer
 
 from palmbots.cli._run import print_json
 from palmbots.cli._warnings import warn
-from palmbots.cli.options import DONE, JsonOption, LogOption
+from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -24,6 +24,7 @@ def robot(
     ] = False,
     rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
     log: LogOption = None,
+    no_log: NoLogOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Run the program of one robot of a pair.
@@ -40,8 +41,7 @@ def robot(
     chosen: Any = side
     live = partial(run_live_robot, rate=_checked(rate), on_warning=warn)
     run = run_robot if lockstep else live
-    pair_of = load_pair(pair)
-    epoch = run(pair_of if log is None else pair_of.with_logs(log), chosen)
+    epoch = run(load_pair(pair).with_logs(log, is_off=no_log), chosen)
     if as_json:
         print_json({"side": side, "boots": epoch})
     return DONE

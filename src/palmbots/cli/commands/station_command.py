@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption, NoLogOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def station(
         typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
     ] = False,
     log: LogOption = None,
+    no_log: NoLogOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Operate two robots: arm, start, stop, release.
@@ -68,7 +69,7 @@ def station(
     if no_screen:
         from palmbots.runtime.station_loop import run_station_loop
 
-        logged = chosen if log is None else chosen.with_logs(log)
+        logged = chosen.with_logs(log, is_off=no_log)
         end: dict[str, Any] = run_station_loop(logged, auto=auto, for_screen=for_screen).summary()
         lines = end["lines"]
     else:
@@ -81,7 +82,8 @@ def station(
             end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
         else:
             options = [pair, *(["--auto"] if auto else [])]
-            options += [] if log is None else ["--log", log]
+            options += [] if log is None else ["--log", str(log)]
+            options += ["--no-log"] if no_log else []
             with started_station(options, address) as client:
                 end = _show(client, **shown, reads_orders=not auto)
         lines = client.lines
