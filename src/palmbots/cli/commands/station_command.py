@@ -18,6 +18,7 @@ __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
 _RESTARTS_WITHIN_S = 10.0
+_LAST_LINES = 10
 
 
 def station(
@@ -109,7 +110,10 @@ def _show(
         )
     from palmbots.cli.station_screen import run_screen
 
-    return run_screen(client, restarts_within_s=within_s)
+    end = run_screen(client, restarts_within_s=within_s)
+    for line in client.lines[-_LAST_LINES:]:  # the screen is gone, and its lines with it
+        print(line)
+    return end
 
 
 COMMAND = station
