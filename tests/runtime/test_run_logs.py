@@ -38,11 +38,11 @@ class LoggedPair(LivePair):
         assert self.pair.log_folder() is not None
         self.robots[side] = logged_program(
             self.pair,
-            side,
+            side,  # type: ignore[arg-type]
             state,
             self.scene,
             1.0,
-            self.warnings.append,  # type: ignore[arg-type]
+            self.warnings.append,
         )
         self.opened.append(self.robots[side])
         assert before is None or before is not self.robots[side]
