@@ -19,7 +19,9 @@ def test_every_topic_and_field_exists(tmp_path):
     with (tmp_path / "c.mcap").open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         known["/robot_description"] = set()
-        topics = {c.topic for c in reader.get_summary().channels.values()} - set(known)
+        summary = reader.get_summary()
+        assert summary is not None
+        topics = {channel.topic for channel in summary.channels.values()} - set(known)
         for _, channel, _, message in reader.iter_decoded_messages(topics=sorted(topics)):
             known[channel.topic] = {field.name for field in message.DESCRIPTOR.fields}
     layout = json.loads(layout_text())

@@ -101,6 +101,7 @@ def test_a_station_is_shown_live_and_takes_nothing(tmp_path: Path) -> None:
         station = ["station", "pair.toml", "--no-screen"]
         with running(world, *robots, station, folder=tmp_path), viewer(process) as seen:
             seen.until("/tf", "/solids", "/contacts", "/left", "/right", "/pair")
+            assert {c["topic"] for c in seen.topics.values()} > {"/corrections", "/station/lines"}
             assert seen.server["capabilities"] == []
             # A viewer that tries to publish is not heard.
             wish = {"wish": "arm", "operation": "arm"}

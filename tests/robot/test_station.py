@@ -32,8 +32,9 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     scene = pb.load_scene("paper", overrides)
     (folder / "scene.toml").write_text(scene.to_toml())
     new_pair(folder, {"limits.partner_lost": "controller"}, "scene.toml")
-    world = ["world", "scene.toml", "--serve", f"unix:{folder / 'world'}"]
-    sides = [["robot", "pair.toml", "--side", side] for side in ("left", "right")]
+    slow = ["--rate", "0.2"]  # a busy machine must not make a robot miss its ticks
+    world = ["world", "scene.toml", "--serve", f"unix:{folder / 'world'}", *slow]
+    sides = [["robot", "pair.toml", "--side", side, *slow] for side in ("left", "right")]
     with running(world, *sides, folder=folder):
         yield folder
 
@@ -130,6 +131,8 @@ def test_without_an_operator_the_robots_stop(
             first = screen()
             carrying(first)
             viewer = screen("viewer")
+            assert operator.stdout is not None
+            operator.stdout.readline()  # it is attached
             first.close()
             seen(viewer, lambda state: modes(state) <= CARRYING)
             operator.send_signal(how)

@@ -105,8 +105,6 @@ FormatOption = Annotated[
     str, typer.Option("--format", metavar="NAME", help="Figure format: png, svg or pdf.")
 ]
 LogOption = Annotated[
-    str | None,
-    typer.Option(
-        "--log", metavar="DIR", help='Folder for the log [default: log_folder of PAIR]; "": no log.'
-    ),
+    Path | None, output_option("Folder for the log [default: log_folder of PAIR].", "--log")
 ]
+NoLogOption = Annotated[bool, typer.Option("--no-log", help="Write no log.")]

@@ -24,7 +24,8 @@ def place_of(address: str) -> tuple[str, int]:
 
 
 class FoxgloveServer:
-    """Channels by topic; each is announced with its first message.
+    """Channels by topic. All are to be announced before the address is made known: a viewer that
+    connects while a channel is announced can miss it.
 
     Args:
         address: ``HOST:PORT``; port 0: any that is free.
@@ -65,14 +66,15 @@ class FoxgloveServer:
         """Send a message of an announced channel to all viewers; never waits."""
         self._channels[topic].log(data, log_time=time_ns)
 
-    def send_message(self, topic: str, message: Any, time_ns: int) -> None:
-        """Send a protobuf message; its type is announced with the first one."""
+    def add_type(self, topic: str, kind: Any) -> None:
+        """Announce a channel of messages of this protobuf type."""
         from mcap_protobuf.schema import build_file_descriptor_set
 
-        if topic not in self._channels:
-            kind = type(message)
-            described = build_file_descriptor_set(kind).SerializeToString()
-            self.add(topic, "protobuf", (kind.DESCRIPTOR.full_name, "protobuf", described))
+        described = build_file_descriptor_set(kind).SerializeToString()
+        self.add(topic, "protobuf", (kind.DESCRIPTOR.full_name, "protobuf", described))
+
+    def send_message(self, topic: str, message: Any, time_ns: int) -> None:
+        """Send a protobuf message of an announced channel."""
         self.send(topic, message.SerializeToString(), time_ns)
 
     def close(self) -> None:

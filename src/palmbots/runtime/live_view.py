@@ -9,6 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
@@ -26,42 +28,13 @@ from palmbots.simulation.trace import VARIABLES, trace_dataset
 _AGAIN_S = 2.0  # what does not change is sent again, for viewers that come later
 
 
-def serve_station(
-    pair: Pair,
-    client: StationClient,
-    server: FoxgloveServer,
-    restarts_within_s: float,
-    is_ended: Callable[[], bool] = lambda: False,
-) -> None:
-    """Show a station until it ends.
+class LiveView:
+    """What is shown of a station.
 
     Args:
         pair: the pair; its key is not used.
-        client: attached to the station as a viewer.
-        server: where viewers connect.
-        restarts_within_s: how long to wait for a station that was killed and starts again.
-        is_ended: whether to end.
-
-    Raises:
-        PalmbotsError: the station is gone.
+        server: where viewers connect; its channels are announced here.
     """
-    view = _View(pair, server)
-    lost_s: float | None = None
-    while client.end is None and not is_ended():
-        client.wait(0.1)
-        client.poll()
-        if client.is_connected:
-            lost_s = None
-            view.show(client)
-        else:
-            lost_s = lost_s or time.monotonic()
-            if not client.reconnect() and time.monotonic() - lost_s >= restarts_within_s:
-                raise PalmbotsError("station: its process is gone")
-            view.printed = 0
-
-
-class _View:
-    """What has been sent so far."""
 
     def __init__(self, pair: Pair, server: FoxgloveServer) -> None:
         self._server = server
@@ -72,14 +45,55 @@ class _View:
         self._sent_s = -_AGAIN_S
         self._time_s = -1.0
         self._corrections: set[str] = set()
-        self.printed = 0
+        self._printed = 0
+        server.add("/robot_description", "cdr", ("std_msgs/msg/String", "ros2msg", _STRING))
+        kinds = {
+            "/tf": FrameTransforms,
+            "/solids": SceneUpdate,
+            "/contacts": SceneUpdate,
+            "/pair": type(self._channels["pair"].message({})),
+            **{f"/{side}": type(self._channels["robot"].message({})) for side in SIDES},
+            "/corrections": CorrectionEvent,
+            "/station/lines": LineEvent,
+        }
+        for topic, kind in kinds.items():
+            server.add_type(topic, kind)
+
+    def run(
+        self,
+        client: StationClient,
+        restarts_within_s: float,
+        is_ended: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Show a station until it ends.
+
+        Args:
+            client: attached to the station as a viewer.
+            restarts_within_s: how long to wait for a station that was killed and starts again.
+            is_ended: whether to end.
+
+        Raises:
+            PalmbotsError: the station is gone.
+        """
+        lost_s: float | None = None
+        while client.end is None and not is_ended():
+            if client.is_connected:
+                lost_s = None
+                client.wait(0.1)
+                client.poll()
+                self.show(client)
+                continue
+            lost_s = lost_s or time.monotonic()
+            if not client.reconnect() and time.monotonic() - lost_s >= restarts_within_s:
+                raise PalmbotsError("station: its process is gone")
+            self._printed = 0
 
     def show(self, client: StationClient) -> None:
         """Send what is new."""
         now = time.time_ns()
-        for line in client.lines[self.printed :]:
+        for line in client.lines[self._printed :]:
             self._server.send_message("/station/lines", LineEvent(text=line), now)
-        self.printed = len(client.lines)
+        self._printed = len(client.lines)
         state = client.state
         if state is None or state["time_s"] == self._time_s:
             return
@@ -91,7 +105,6 @@ class _View:
 
     def _send_solids(self, now: int) -> None:
         self._server.send_message("/solids", scene_updates.scene_update(self._parts), now)
-        self._server.add("/robot_description", "cdr", ("std_msgs/msg/String", "ros2msg", _STRING))
         text = urdf([*self._parts, *contact_balls()])
         self._server.send("/robot_description", scene_updates.ros_string(text), now)
 

@@ -56,6 +56,12 @@ class Playable:
     """Time [ns], topic and bytes of each message, in the order of time."""
 
 
+def announce(log: Playable, server: FoxgloveServer) -> None:
+    """Announce the channels of a log, before viewers connect."""
+    for channel in log.channels:
+        server.add(*channel)
+
+
 def play(
     log: Playable,
     server: FoxgloveServer,
@@ -68,13 +74,11 @@ def play(
 
     Args:
         log: what `read_playable` has read.
-        server: where viewers connect.
+        server: where viewers connect; the channels have been announced.
         rate: multiple of real time.
         loops: begin again at the end.
         is_ended: whether to end.
     """
-    for channel in log.channels:
-        server.add(*channel)
     count = 0
     first_ns = log.messages[0][0]
     while True:

@@ -61,7 +61,8 @@ class LoggedRobot:
         settings: dict[str, Any],
         on_warning: Callable[[str], None],
     ) -> None:
-        self._robot, self._side = robot, side
+        self._robot = robot
+        self._side: Side = side
         self._values: dict[str, Any] = {}
         self._number = 0
         self._tick: tuple[Callable[[], Any], int] | None = None

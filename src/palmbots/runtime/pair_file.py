@@ -155,9 +155,11 @@ class Pair:
         name = self.settings.pair.log_folder
         return self.file.parent / name if name else None
 
-    def with_logs(self, folder: str) -> "Pair":
-        """The same pair, with its logs in another folder, relative to the current one."""
-        name = str(Path(folder).absolute()) if folder else ""
+    def with_logs(self, folder: Path | None, *, is_off: bool) -> "Pair":
+        """The same pair with its logs in another folder, or without logs; None: as in the file."""
+        if folder is None and not is_off:
+            return self
+        name = "" if is_off or folder is None else str(folder.absolute())
         table = self.settings.pair.model_copy(update={"log_folder": name})
         return replace(self, settings=self.settings.model_copy(update={"pair": table}))
 

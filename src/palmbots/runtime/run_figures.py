@@ -62,12 +62,12 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
         PalmbotsError: there is none, or the clocks of the robots cannot be aligned.
     """
     fits = [ClockFit(str(logs[0].path), 0.0, 1.0, 0.0, 0), *clocks]
-    ticks = {side: _ticks(side, logs, fits) for side in SIDES}
+    ticks: dict[Side, list[tuple[float, Any]]] = {side: _ticks(side, logs, fits) for side in SIDES}
     scene = load_scene(next(log for log in logs if log.end in SIDES).facts["scene"])
     start_s, end_s = _span(ticks)
     count = max(1, round((end_s - start_s) / scene.control.period_s)) + 1
     times = np.arange(count) * scene.control.period_s
-    rows = {side: _rows(ticks[side], times + start_s) for side in SIDES}
+    rows: dict[Side, list[Any]] = {side: _rows(ticks[side], times + start_s) for side in SIDES}
     trace = _trace(scene, times, rows)
     controller = next(log for log in logs if log.end in SIDES).facts["controller"]
     messages = _messages(logs, fits, start_s, end_s)
@@ -75,7 +75,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
     ends = {side: _last(side, logs, ticks[side]) for side in SIDES}
     is_done = set(ends.values()) == {"done"}
     reason = ", ".join(f"{side} robot {text}" for side, text in ends.items())
-    nothing = dict.fromkeys(SIDES, math.nan)
+    nothing: dict[str, float] = dict.fromkeys(SIDES, math.nan)
     return Carry(
         scene=scene,
         controller=controller,

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, JsonOption, LogOption
+from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 
@@ -22,6 +22,7 @@ def robot(
     ] = False,
     rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
     log: LogOption = None,
+    no_log: NoLogOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Run the program of one robot of a pair.
@@ -36,9 +37,7 @@ def robot(
 
     one_of("--side", side, SIDES)
     chosen: Any = side
-    pair_of = load_pair(pair)
-    if log is not None:
-        pair_of = pair_of.with_logs(log)
+    pair_of = load_pair(pair).with_logs(log, is_off=no_log)
     if lockstep:
         end = {"side": side, "boots": run_robot(pair_of, chosen)}
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption
+from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption, NoLogOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
 _RESTARTS_WITHIN_S = 10.0
+_LAST_LINES = 10
 
 
 def station(
@@ -46,6 +47,7 @@ def station(
         typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
     ] = False,
     log: LogOption = None,
+    no_log: NoLogOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Operate two robots: arm, start, stop, release.
@@ -70,7 +72,7 @@ def station(
         from palmbots.runtime.station_loop import run_station_loop
 
         on_line = None if as_json else partial(print, flush=True)
-        logged = chosen if log is None else chosen.with_logs(log)
+        logged = chosen.with_logs(log, is_off=no_log)
         ended = run_station_loop(logged, auto=auto, for_screen=for_screen, on_line=on_line)
         end: dict[str, Any] = ended.summary()
         lines = end["lines"]
@@ -84,7 +86,8 @@ def station(
             end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
         else:
             options = [pair, *(["--auto"] if auto else [])]
-            options += [] if log is None else ["--log", log]
+            options += [] if log is None else ["--log", str(log)]
+            options += ["--no-log"] if no_log else []
             with started_station(options, address) as client:
                 end = _show(client, **shown, reads_orders=not auto)
         lines = client.lines
@@ -111,7 +114,10 @@ def _show(
         )
     from palmbots.cli.station_screen import run_screen
 
-    return run_screen(client, restarts_within_s=within_s)
+    end = run_screen(client, restarts_within_s=within_s)
+    for line in client.lines[-_LAST_LINES:]:  # the screen is gone, and its lines with it
+        print(line)
+    return end
 
 
 COMMAND = station

@@ -18,11 +18,13 @@ from palmbots.cli._streams import say
 from palmbots.cli.options import (
     ControllerOption,
     JsonOption,
+    NoLogOption,
     PrecisionOption,
     SceneArgument,
     SeedOption,
     SetOption,
     WorldOption,
+    output_option,
 )
 from palmbots.errors import PalmbotsError
 
@@ -55,11 +57,9 @@ def up(
     seed: SeedOption = 0,
     changes: SetOption = None,
     log: Annotated[
-        str | None,
-        typer.Option(
-            "--log", metavar="DIR", help='Folder for the logs [default: a new one]; "": no logs.'
-        ),
+        Path | None, output_option("Folder for the logs [default: a new one].", "--log")
     ] = None,
+    no_log: NoLogOption = False,
     live: Annotated[
         str | None,
         typer.Option("--live", metavar="ADDRESS", help="Serve a live 3-D view for Foxglove there."),
@@ -114,7 +114,7 @@ def up(
         require("textual", "station")
     if live is not None:
         require("foxglove", "station")
-    logs = _log_folder(log, scene)
+    logs = "" if no_log else _log_folder(log, scene)
     with _output(has_screen) as (output, on_line):
         status = run_live(
             chosen,
@@ -133,11 +133,11 @@ def up(
     return status
 
 
-def _log_folder(log: str | None, scene: str) -> str:
-    """Where the programs log; empty: nowhere. As other programs do, runs without a folder of their
-    own are kept in the user's folder for such states."""
+def _log_folder(log: Path | None, scene: str) -> str:
+    """Where the programs log. As other programs do, it keeps what has no folder of its own in the
+    user's folder for such states."""
     if log is not None:
-        return str(Path(log).absolute()) if log else ""
+        return str(log.absolute())
     home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     name = f"{time.strftime('%Y-%m-%d-%H%M%S')}-{Path(scene).stem}"
     return str(Path(home).absolute() / "palmbots" / "logs" / name)

@@ -87,20 +87,21 @@ def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list
 def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
     from palmbots.runtime.foxglove_server import FoxgloveServer
     from palmbots.runtime.launcher import check_rate
-    from palmbots.runtime.log_player import play, read_playable, viewable
+    from palmbots.runtime.log_player import announce, play, read_playable, viewable
 
     check_rate(rate)
     with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
         log = read_playable(viewable(sources, Path(folder)))
         with FoxgloveServer(serve, f"palmbots {sources[0].name}") as server:
-            _announce(server.address, quiet=quiet)
+            announce(log, server)
+            _print_address(server.address, quiet=quiet)
             play(log, server, rate=rate, loops=not once)
 
 
 def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: bool) -> None:
     from palmbots.cli.station_process import attached
     from palmbots.runtime.foxglove_server import FoxgloveServer
-    from palmbots.runtime.live_view import serve_station
+    from palmbots.runtime.live_view import LiveView
     from palmbots.runtime.pair_file import load_pair
     from palmbots.runtime.station_server import station_address
 
@@ -109,11 +110,12 @@ def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: boo
     pair = load_pair(sources[0], with_key=False)
     client = attached(station_address(pair), "viewer", wait_s)
     with client, FoxgloveServer(serve, "palmbots station") as server:
-        _announce(server.address, quiet=quiet)
-        serve_station(pair, client, server, _RESTARTS_WITHIN_S)
+        live = LiveView(pair, server)
+        _print_address(server.address, quiet=quiet)
+        live.run(client, _RESTARTS_WITHIN_S)
 
 
-def _announce(address: str, *, quiet: bool) -> None:
+def _print_address(address: str, *, quiet: bool) -> None:
     if not quiet:
         print(f"serves ws://{address}; palmbots view ... --layout FILE writes a layout", flush=True)
 
