@@ -53,6 +53,6 @@ def test_it_prints_the_hashes_of_the_host(printed: dict[str, list[str]]) -> None
 
 
 def test_fused_operations_change_them(printed: dict[str, list[str]]) -> None:
-    """GCC fuses a multiplication and an addition unless it is told not to."""
+    """By default, GCC fuses a multiplication and an addition."""
     assert len(printed["fast"]) == 3
     assert printed["fast"] != printed["off"]
