@@ -6,6 +6,7 @@ switches and the packets by its radio, and answers with pulses and packets. So a
 of one inside a single program if the firmware is right.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -152,33 +153,45 @@ class LockstepBoard:
 
     def step(self, elapsed: int, sign: int, palm_at_target: bool, packets: list[bytes]) -> Any:
         """One tick, as the world asks for it."""
-        board = self.board
         self.receive(packets)
         self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
         switches = SWITCH_OF_SIGN[sign]
         closed = 1 << switches[(self.chance >> 8) % len(switches)]
         if palm_at_target:
             closed |= 1 << (STEEP_END if self.palm == 0 else SHALLOW_END)
-        board.close_switches(closed)
         self.sent = []
-        self._run_tick(elapsed)
-        record = self.record()
-        self._finish_sending(record["packets"])
+        record = self.feel(closed, elapsed)
         palm, move, stop = self.command()
         if (palm, move, stop) != (record["palm"], record["move"], record["stop"]):
             raise Violation("the pulses are not what was decided")
         return self._answer(palm, move, stop, record)
 
+    def feel(self, closed: int, elapsed: int) -> dict[str, int]:
+        """One tick with these switches closed, until all its packets have left."""
+        self.board.close_switches(closed)
+        self._run_tick(elapsed)
+        record = self.record()
+        self._finish_sending(record["packets"])
+        return record
+
+    @property
+    def pulses(self) -> tuple[int, ...]:
+        """The newest pulses."""
+        return self.board.pwm.pulses or ()
+
+    def raw_record(self) -> bytes:
+        """The record of the newest tick, as the firmware has it in its memory."""
+        return self.board.variable("tick_record")
+
     @property
     def palm(self) -> int:
         """The angle to which the pulses turn the palm."""
-        pulses = self.board.pwm.pulses
+        pulses = self.pulses
         return PALM_US.index(pulses[0]) if pulses and pulses[0] else 0
 
     def command(self) -> tuple[int, int, bool]:
         """What the pulses command."""
-        pulses = self.board.pwm.pulses
-        assert pulses is not None
+        pulses = self.pulses
         palm, left, right = pulses
         for stop in (0, 1):
             for move in (0, 1, 2):
@@ -189,7 +202,7 @@ class LockstepBoard:
 
     def record(self) -> dict[str, int]:
         """What the firmware notes for a debugger."""
-        raw = self.board.variable("tick_record")
+        raw = self.raw_record()
         words: tuple[str, ...] = ("ticks", "rejected", "late", "missed")
         bytes_: tuple[str, ...] = (
             "palm", "move", "stop", "wheels", "name", "waits", "awaits", "word", "mode", "code",
@@ -217,14 +230,17 @@ class LockstepBoard:
 class LockstepBoards:
     """Both robots on boards, and the station of the centralized algorithm behind a third."""
 
-    def __init__(self, image: Image, scene: Scene, entry: ControllerEntry, seed: int = 0) -> None:
+    def __init__(
+        self, image: Any, scene: Scene, entry: ControllerEntry, seed: int = 0,
+        make: Callable[..., LockstepBoard] = LockstepBoard,
+    ) -> None:  # fmt: skip
         spec = to_spec(scene)
         tables = [b"", b""]
         if entry.machines is not None:
             machines = entry.for_core(spec)
             tables = [machines.image(side) for side in (0, 1)]
         self.boards = [
-            LockstepBoard(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
+            make(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
             for side in (0, 1)
         ]
         self.station = _core.runtime.Station(KEY, PAIR, 1) if entry.team == "station" else None
@@ -267,9 +283,18 @@ class LockstepBoards:
 
 
 def carry_on_boards(
-    image: Image, scene: Scene, controller: str, seed: int = 0
-) -> tuple[Any, LockstepBoards]:
-    """A carry with two boards in the loop of the world."""
+    image: Any, scene: Scene, controller: str, seed: int = 0,
+    make: Callable[..., LockstepBoard] = LockstepBoard,
+) -> tuple[Any, LockstepBoards]:  # fmt: skip
+    """A carry with two boards in the loop of the world.
+
+    Args:
+        image: the program, as `make` takes it.
+        scene: of the carry.
+        controller: of the robots.
+        seed: of the carry.
+        make: makes a board.
+    """
     entry = resolve(controller)
-    boards = LockstepBoards(image, scene, entry, seed)
+    boards = LockstepBoards(image, scene, entry, seed, make)
     return pb.carry(scene, remote(entry, boards.exchange), seed=seed), boards

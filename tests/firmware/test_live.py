@@ -1,5 +1,6 @@
 """Two boards in real time, without a station: buttons, faults, resets."""
 
+import random
 import zlib
 from collections.abc import Callable
 
@@ -164,16 +165,51 @@ def reset_at(pair: LivePair, chance_us: float, side: int) -> None:
     pair.cut_power(robot, 0.2)
 
 
-@pytest.mark.parametrize("number", range(20))
-def test_a_reset_at_any_instruction_is_survived(
-    image: Image, boards: MakeBoards, number: int
-) -> None:
-    """Both robots go on, or rest; the object stays on the palms."""
-    pair = LivePair(image, boards(), seed=100 + number)
+def survive_a_reset(image: Image, boards: BoardPair, number: int, after_s: float) -> None:
+    pair = LivePair(image, boards, seed=100 + number)
     assert pair.start(), pair.state()
-    pair.run(0.2 + 0.13 * number)
+    pair.run(after_s)
     reset_at(pair, 37.7 * number % 1000, number % 2)
     pair.run(2.0)
     assert pair.is_held
     for robot in pair.robots:
         assert robot.mode in ("carrying", "holding", *RESTING), pair.state()
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_a_reset_at_any_instruction_is_survived(
+    image: Image, boards: MakeBoards, number: int
+) -> None:
+    """Both robots go on, or rest; the object stays on the palms."""
+    survive_a_reset(image, boards(), number, 0.2 + 0.13 * number)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("number", range(20, 1020))
+def test_a_reset_at_a_random_instruction_is_survived(
+    image: Image, boards: MakeBoards, number: int
+) -> None:
+    survive_a_reset(image, boards(), number, 5.0 * random.Random(number).random())
+
+
+def record(number: int, epoch: int) -> bytes:
+    """A record of permanent memory, as an independent writer makes it."""
+    body = epoch.to_bytes(4, "little") + number.to_bytes(4, "little")
+    return body + zlib.crc32(body).to_bytes(4, "little")
+
+
+def test_a_page_is_erased_while_the_robot_is_disarmed(image: Image, boards: MakeBoards) -> None:
+    """One page is full and the other half full after the boot. The erase halts the processor for
+    longer than eight ticks, which the watchdog admits."""
+    pair = LivePair(image, boards(), seed=13)
+    board = pair.robots[0].board
+    full = b"".join(record(n, 1) for n in range(1, 342))
+    half = b"".join(record(n, 2) for n in range(342, 511))
+    board.set_bytes(0x7E000, full)
+    board.set_bytes(0x7F000, half)
+    pair.run(0.5)
+    assert board.nvmc.erases == {0x7E000: 1}
+    assert board.resets == []
+    missed = int.from_bytes(board.variable("tick_record")[12:16], "little")
+    assert 7 <= missed <= 8  # of nine ticks the first is on time
+    assert pair.robots[0].sent_epochs == {3}

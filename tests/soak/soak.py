@@ -4,12 +4,14 @@
     .venv/bin/python tests/soak/soak.py MINUTES
 
 Rounds follow one another, each with another seed: first libFuzzer, then the tests of tests/soak,
-then every Hypothesis property with random examples and every test marked `soak`. Each failure is
+then every Hypothesis property with random examples and every test marked `soak`, with those of the
+firmware where its compiler is installed. Each failure is
 appended to build/soak/failures.txt with the example that shows it; such an example then becomes an
 explicit `@example` of the property. Exit code 1 if anything failed.
 """
 
 import secrets
+import shutil
 import subprocess
 import sys
 import time
@@ -73,6 +75,8 @@ def main(minutes: str) -> int:
         pytest(seed, until, "tests/soak")
         if time.time() < until:
             pytest(seed, until, "-m", "hypothesis or soak", "tests")
+        if time.time() < until and shutil.which("arm-none-eabi-g++"):
+            pytest(seed, until, "-m", "soak", "tests/firmware")
     if rounds:
         live_table.main()
     failed = FAILURES.stat().st_size > failures_before

@@ -1,2 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images for microcontroller boards."""
+
+__all__: list[str] = []

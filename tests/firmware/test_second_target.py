@@ -1,0 +1,59 @@
+"""The same program on a second board, QEMU's mps2-an386, gives the same trace."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from cxx import ROOT
+from emulator.lockstep import LockstepBoard, carry_on_boards
+from emulator.qemu import QemuBoard
+from palmbots.firmware.settings_page import BoardSettings
+
+NRF, MPS2 = (ROOT / "firmware" / "board" / name for name in ("nrf52833", "mps2"))
+HARD = {
+    "task.distance_m": 0.5, "radio.loss": 0.1, "radio.latency_s": 0.03, "radio.jitter_s": 0.04,
+    "radio.reorder": True, "radio.duplicate": 0.1,
+    "robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def program() -> Path:
+    out = ROOT / "build" / "firmware" / "mps2"
+    command = [sys.executable, str(ROOT / "firmware" / "build.py")]
+    subprocess.run([*command, "--target", "mps2", "--out", str(out)], check=True)
+    return out / "robot.hex"
+
+
+def names(folder: Path) -> set[str]:
+    return {file.name for file in folder.glob("*.cpp")}
+
+
+def test_it_replaces_the_files_that_the_page_lists() -> None:
+    page = (ROOT / "docs" / "reference" / "board.md").read_text()
+    listed = {line.split("`")[1] for line in page.splitlines() if line.startswith("| `")}
+    assert names(NRF) == listed
+    assert names(MPS2) == listed | {"line.cpp"}
+
+
+@pytest.mark.parametrize("controller", ["resilient", "distributed"])
+def test_it_carries_as_one_program(program: Path, controller: str) -> None:
+    made: list[QemuBoard] = []
+
+    def make(image: Path, settings: BoardSettings, table: bytes, seed: int) -> LockstepBoard:
+        made.append(QemuBoard(image, settings, table, seed))
+        return made[-1]
+
+    overrides = HARD if controller == "resilient" else {"task.distance_m": 0.5}
+    scene = pb.load_scene("paper", overrides)
+    try:
+        result, _ = carry_on_boards(program, scene, controller, 3, make)
+    finally:
+        for board in made:
+            board.close()
+    host = pb.carry(scene, controller, seed=3)
+    assert result.trace_hash == host.trace_hash
+    assert result.summary() == host.summary()
