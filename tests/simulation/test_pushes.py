@@ -57,6 +57,20 @@ def test_brakes_hold_a_robot_against_a_push() -> None:
     assert len(hashes) == 1
 
 
+def test_a_push_moves_the_robots_of_the_mujoco_world() -> None:
+    pytest.importorskip("mujoco")
+    keys = {"robot.noise_m_s": 0.0, "task.distance_m": 0.08}
+    push = {"robot": "left", "at_s": 0.6, "duration_s": 0.25, "speed_m_s": 0.04}
+    ends = []
+    for pushes in ([], [push]):
+        overrides = {**keys, "bumps.pushes": pushes}
+        trace = pb.carry("paper", "none", world="mujoco", overrides=overrides).trace
+        assert trace is not None
+        ends.append(float(trace["separation"][-1]))
+    still, moved = ends
+    assert moved - still == pytest.approx(0.25 * 0.04, abs=5e-4)
+
+
 @pytest.mark.parametrize("controller", ["distributed", "shared-sign"])
 def test_a_mirrored_push_gives_the_mirrored_trace(controller: str) -> None:
     scene = load_scene("paper", {**SHORT, "bumps.pushes": PUSHES})

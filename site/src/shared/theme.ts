@@ -34,19 +34,22 @@ function read(): Palette {
   return Object.fromEntries(entries) as unknown as Palette;
 }
 
+const root = document.documentElement;
+const dark = matchMedia("(prefers-color-scheme: dark)");
+root.dataset.theme = dark.matches ? "dark" : "light";
+
 export const palette = signal<Palette>(read());
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
-const dark = matchMedia("(prefers-color-scheme: dark)");
-dark.addEventListener("change", () => {
+function setTheme(isDark: boolean): void {
+  root.dataset.theme = isDark ? "dark" : "light";
   palette.value = read();
-});
+}
+
+dark.addEventListener("change", () => setTheme(dark.matches));
 
 export function toggleTheme(): void {
-  const root = document.documentElement;
-  const isDark = root.dataset.theme ? root.dataset.theme === "dark" : dark.matches;
-  root.dataset.theme = isDark ? "light" : "dark";
-  palette.value = read();
+  setTheme(root.dataset.theme !== "dark");
 }
 
 export function sideColour(p: Palette, side: number): string {

@@ -155,7 +155,9 @@ export function ProofsView() {
         <p class="claim">
           <strong>{item.title}.</strong> Fails: {CLAIMS[item.claim] ?? item.claim} ({item.claim}).
         </p>
-        <Canvas id="proof" height={104} draw={(s) => draw(s, item)} label="contacts and palms in cells" />
+        <div>
+          <Canvas id="proof" height={104} draw={(s) => draw(s, item)} label="contacts and palms in cells" />
+        </div>
         <div class="robots">
           {now?.robots.map((robot, side) => (
             <p class={side === 0 ? "left-text" : "right-text"}>
