@@ -43,7 +43,7 @@ struct Settings {
   std::uint32_t lease;
   std::uint32_t station_limit;
   std::uint32_t time_limit;
-  std::uint32_t travel;    // time in mode carrying that covers the distance
+  std::uint32_t travel;          // time in mode carrying that covers the distance
   std::uint32_t stopping_limit;  // [ticks]
   std::uint32_t stopping;
   std::uint32_t turn_limit;  // longest time in which the palm turns

@@ -9,8 +9,8 @@ namespace palmbots::board {
 void start_watchdog(std::uint32_t) {}
 
 void feed_watchdog() {
-  line::write(line::Kind::done, {reinterpret_cast<const std::uint8_t*>(&tick_record),
-                                 sizeof tick_record});
+  line::write(line::Kind::done,
+              {reinterpret_cast<const std::uint8_t*>(&tick_record), sizeof tick_record});
 }
 
 }  // namespace palmbots::board
