@@ -6,8 +6,8 @@
 
 A condition is one change of the default scene. Drops are counted at a speed noise of 1, 2 and
 3 cm/s, everything else at 2 cm/s; palm moves and wheel reversals in the traces of 100 carries.
-bench_rare_drops.py estimates the small drop rates at 1 cm/s. Writes benchmarks/results/robustness.csv. Seeds are 0, 1, …; the counts depend on nothing but the
-version.
+bench_rare_drops.py estimates the small drop rates at 1 cm/s. Writes
+benchmarks/results/robustness.csv. Seeds are 0, 1, …; the counts depend on nothing but the version.
 """
 
 import csv

@@ -34,16 +34,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots compare --sweep radio.loss --values 0,0.01,0.05,0.1,0.2,0.4 --out out": {
         "losses.png": "out/compare.png"
     },
-<<<<<<< HEAD
-=======
     "palmbots compare --controllers centralized,distributed,resilient,shared-sign,silent "
     "--sweep radio.loss --values 0,0.01,0.02,0.03,0.05,0.1,0.2,0.3 --set robot.noise_m_s=0.02 "
     "-n 4000 --out out": {"small-radios.png": "out/compare.png"},
-    "palmbots compare --sweep robot.noise_m_s --values "
-    "0.005,0.01,0.015,0.02,0.025,0.03,0.035,0.04,0.045,0.05,0.055,0.06 -n 4000 --out out": {
-        "noise.png": "out/compare.png"
-    },
->>>>>>> ros2
     "palmbots analyze --figures out": {
         "figure5.png": "out/figure5.png",
         "figure6.png": "out/figure6.png",

@@ -83,11 +83,7 @@ def obey(stage: BenchStage, line: str) -> str:
         side, value = _parsed(line)
     except PalmbotsError as error:
         return str(error)
-<<<<<<< HEAD
-    if isinstance(value, str):
-=======
     if isinstance(value, str):  # home
->>>>>>> drivers
         stage.put_down(side)
         return f"{side}: at the start of its tape"
     stage.rods[side] = value
