@@ -205,7 +205,8 @@ def _draw_faults(panel: Axes, carry: "Carry", side: str, start: float, end: floa
     for fault in carry.scene.faults.script:
         if fault.robot != side or fault.kind not in ("reboot", "freeze"):
             continue
-        low, high = max(fault.at_s, start), min(fault.at_s + fault.duration_s, end)
+        lasts_s = math.inf if fault.loses_boot_counter else fault.duration_s
+        low, high = max(fault.at_s, start), min(fault.at_s + lasts_s, end)
         if low >= high:
             continue
         panel.add_patch(
