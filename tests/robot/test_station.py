@@ -128,11 +128,11 @@ def test_without_an_operator_the_robots_stop(
              "--wait-s", "60"], cwd=robots, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )  # fmt: skip
         try:
+            assert operator.stdout is not None
+            operator.stdout.readline()  # it is attached
             first = screen()
             carrying(first)
             viewer = screen("viewer")
-            assert operator.stdout is not None
-            operator.stdout.readline()  # it is attached
             first.close()
             seen(viewer, lambda state: modes(state) <= CARRYING)
             operator.send_signal(how)
