@@ -672,6 +672,7 @@ class Machines:
 
     def image(self, side: int) -> bytes:
         """The table of a robot as the firmware of a board has it in its memory."""
+
 class RowPolicy:
     """The station's program as nine rows (control/row_policy.hpp)."""
 
@@ -772,7 +773,7 @@ class Run:
 
 def run(spec: Spec, controller: object, seed: int, precision: str, record: bool, forks: Sequence[tuple[float, int]] = []) -> Run:
     """
-    One carry. controller: a name, Machines, a RowPolicy, an OptimalController, RemoteControllers, or a pair of Python step functions. forks: times [s] in their order, from which on the carry continues with the random numbers of another seed.
+    One carry. controller: a name, Machines, a RowPolicy, an OptimalController, LinearFeedback, RemoteControllers, or a pair of Python step functions. forks: times [s] in their order, from which on the carry continues with the random numbers of another seed.
     """
 
 def choose_levels(spec: Spec, controller: object, seed: int, effort: int, share: float) -> list[float]:
