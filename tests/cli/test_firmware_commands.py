@@ -69,7 +69,7 @@ def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> 
     (first, last), (next_first, _) = spans
     assert first == 1
     assert next_first == last + 1
-    assert read_state(tmp_path / "pair-state" / "left.json").epoch == 2 * last
+    assert read_state(load_pair(pair).state_file("left")).epoch == 2 * last
 
 
 @pytest.mark.parametrize(

@@ -52,8 +52,8 @@ def check_counts(station: Any, robots: dict[str, Any]) -> None:
 
 def test_serial_lines_and_bridges(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
-    devices = {f"link__{end}": str(tmp_path / end) for end in ENDS}
-    new_pair(tmp_path, pair__scene="scene.toml", link__kind="serial", **devices)
+    devices = {f"link.{end}": str(tmp_path / end) for end in ENDS}
+    new_pair(tmp_path, {**devices, "link.kind": "serial"}, "scene.toml")
     with lines(*(tmp_path / end for end in ENDS)) as made, Bridges(made):
         station, robots = carry(tmp_path)
     check_counts(station, robots)
@@ -78,10 +78,8 @@ def test_the_example_over_zenoh(zenoh: dict[str, str], tmp_path: Path) -> None:
         with socket.socket() as one:
             one.bind(("127.0.0.1", 0))
             ports.append(one.getsockname()[1])
-    places = {
-        f"link__{end}": f"tcp/127.0.0.1:{port}" for end, port in zip(ENDS, ports, strict=True)
-    }
-    new_pair(tmp_path, pair__scene="scene.toml", link__kind="zenoh", **places)
+    places = {f"link.{end}": f"tcp/127.0.0.1:{port}" for end, port in zip(ENDS, ports, strict=True)}
+    new_pair(tmp_path, {**places, "link.kind": "zenoh"}, "scene.toml")
     check_counts(*carry(tmp_path, zenoh))
     # The address is in use: one line.
     with socket.create_server(("127.0.0.1", ports[0])):

@@ -39,7 +39,8 @@ def silent_pair(folder: Path, distance_m: float = 1.5, **values: object) -> Path
         "pair__scene": "scene.toml",
         "limits__station_lost": "carry-on",
     }
-    return new_pair(folder, **chosen | values)
+    named = {name.replace("__", "."): value for name, value in (chosen | values).items()}
+    return new_pair(folder, named)
 
 
 def go_on(process: "subprocess.Popen[str]", by: signal.Signals) -> None:

@@ -209,7 +209,11 @@ def test_a_driver_that_is_well() -> None:
         (StubDriver(dies=True), {}, "left driver: ceases to answer"),
         (StubDriver(contact=False), {}, "left contact: not sensed"),
         (StubDriver(), {"battery_low_v": 7.5}, "left battery: 7.40 V, less than 7.5 V"),
-        (StubDriver(), {"stopping_s": 0.2}, "left stopping: 0.2 s, longer than W = 0.1 s"),
+        (
+            StubDriver(),
+            {"stopping_s": 0.2},
+            "left stopping: 0.2 s, longer than the 0.12 s of the scene",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_driver(stub: StubDriver, hardware: dict[str, Any], line: str) -> None:

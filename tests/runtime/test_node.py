@@ -64,6 +64,9 @@ class Robot:
     def stop(self) -> None:
         pass
 
+    def summary(self) -> dict[str, Any]:
+        return {}
+
     def close(self) -> None:
         pass
 
@@ -91,8 +94,8 @@ def test_a_stop_reaches_the_driver_within_two_control_periods(
 
     monkeypatch.setattr(robot, "receive", receive)
     monkeypatch.setattr(robot, "send", send)
-    monkeypatch.setattr(live_robot, "SimulatedDriver", lambda *_: robot)
-    monkeypatch.setattr(live_robot, "UdpLink", lambda *_: robot)
+    monkeypatch.setattr(live_robot, "open_pair_driver", lambda *_, **__: robot)
+    monkeypatch.setattr(live_robot, "open_pair_link", lambda *_: robot)
     end = live_robot.run_live_robot(pair, "left", rate=2)
     wheels = [drive.wheels for drive in robot.drives]
     moving = [tick for tick, turns in enumerate(wheels, 2) if turns]

@@ -14,6 +14,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.runtime.observation import Observation, Observations, Observer, observation_socket
+from palmbots.runtime.stored_state import StateFile
 
 SEEN = Observation(
     time_s=1.0, mode="carrying", fault="none", sign=-1, has_contact=True, palm_at_target=False,
@@ -32,7 +33,7 @@ def place(tmp_path: Path) -> Path:
     """In a folder whose name alone is longer than an address of a socket may be."""
     folder = tmp_path / ("long" * 30)
     folder.mkdir()
-    return observation_socket(folder / "left.json")
+    return observation_socket(StateFile(folder / "left.json", 0, "left"))
 
 
 def test_watching_begins_and_ends_at_any_time(place: Path) -> None:

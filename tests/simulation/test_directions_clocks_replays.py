@@ -15,6 +15,11 @@ CONTROLLERS = ("resilient", "shared-sign", "distributed", "centralized", "silent
 TALKING = ("resilient", "shared-sign", "distributed")
 
 
+def trace_of(carry: pb.simulation.Carry) -> Any:
+    assert carry.trace is not None
+    return carry.trace
+
+
 def hash_of(controller: str, overrides: dict[str, Any], seed: int = 3) -> str:
     return pb.carry(pb.load_scene("paper", overrides), controller, seed=seed).trace_hash
 
@@ -78,8 +83,8 @@ def test_the_mirrored_scene_carries_in_the_mirror(controller: str) -> None:
     }  # fmt: skip
     scene = pb.load_scene("paper", overrides)
     one, other = (pb.carry(s, controller, seed=2, record=True) for s in (scene, scene.mirrored()))
-    assert np.array_equal(one.trace["palm"][:, 0], other.trace["palm"][:, 1])
-    assert np.array_equal(one.trace["contact"][:, 0], other.trace["contact"][:, 1])
+    assert np.array_equal(trace_of(one)["palm"][:, 0], trace_of(other)["palm"][:, 1])
+    assert np.array_equal(trace_of(one)["contact"][:, 0], trace_of(other)["contact"][:, 1])
 
 
 def test_the_lease_covers_the_slowest_direction() -> None:
@@ -109,7 +114,7 @@ def test_a_clock_that_jumps_ends_the_lease() -> None:
     jump = {"kind": "clock-jump", "robot": "left", "at_s": 5.0, "duration_s": 2.0}
     scene = pb.load_scene("paper", {"faults.script": [jump], "robot.noise_m_s": 0.0})
     done = pb.carry(scene, "resilient", seed=0, record=True)
-    commanded = done.trace["commanded"].to_numpy()
+    commanded = trace_of(done)["commanded"].to_numpy()
     tick = 500
     assert commanded[tick - 20, 0] > 0
     assert commanded[tick : tick + 20, 0].min() == 0
@@ -117,7 +122,7 @@ def test_a_clock_that_jumps_ends_the_lease() -> None:
     small = jump | {"duration_s": 0.05}
     scene = pb.load_scene("paper", {"faults.script": [small], "robot.noise_m_s": 0.0})
     done = pb.carry(scene, "resilient", seed=0, record=True)
-    assert done.trace["commanded"].to_numpy()[tick : tick + 20, 0].min() > 0
+    assert trace_of(done)["commanded"].to_numpy()[tick : tick + 20, 0].min() > 0
 
 
 @pytest.mark.parametrize("controller", ["distributed", "centralized"])
@@ -175,7 +180,7 @@ def test_a_robot_that_has_lost_its_boot_counter_does_not_start_again(controller:
     done = pb.carry(
         pb.load_scene("paper", reboot(loses_boot_counter=True)), controller, seed=0, record=True
     )
-    assert done.trace["commanded"].to_numpy()[610:, 0].max() == 0
+    assert trace_of(done)["commanded"].to_numpy()[610:, 0].max() == 0
     assert not [m for m in done.message_log if m.sender == "left" and m.sent_s > 6.0]
     back = pb.carry(pb.load_scene("paper", reboot()), controller, seed=0, record=True)
     assert [m for m in back.message_log if m.sender == "left" and m.sent_s > 7.0]
@@ -195,9 +200,9 @@ def check_limp_palm(palm_deg: Any, first: int, last: int, slack_deg: float) -> N
 def test_a_limp_palm_falls_and_comes_back(controller: str) -> None:
     scene = pb.load_scene("paper", reboot(limp_deg=11.0))
     done = pb.carry(scene, controller, seed=0, record=True)
-    check_limp_palm(np.degrees(done.trace["palm"].to_numpy()[:, 0]), 601, 700, 0.0)
+    check_limp_palm(np.degrees(trace_of(done)["palm"].to_numpy()[:, 0]), 601, 700, 0.0)
     held = pb.carry(pb.load_scene("paper", reboot()), controller, seed=0, record=True)
-    palm = np.degrees(held.trace["palm"].to_numpy()[:, 0])
+    palm = np.degrees(trace_of(held)["palm"].to_numpy()[:, 0])
     assert min(abs(palm[690] - 15), abs(palm[690] - 5)) < 1e-9
 
 
@@ -205,7 +210,7 @@ def test_limp_palms_in_mujoco() -> None:
     limp = reboot(limp_deg=11.0, at_s=1.0)
     scene = pb.load_scene("paper", limp | {"task.distance_m": 0.2, "task.timeout_s": 8.0})
     done = pb.carry(scene, "resilient", seed=0, world="mujoco", record=True)
-    check_limp_palm(np.degrees(done.trace["palm"].to_numpy()[:, 0]), 101, 200, 0.6)
+    check_limp_palm(np.degrees(trace_of(done)["palm"].to_numpy()[:, 0]), 101, 200, 0.6)
 
 
 # --- many carries at once -------------------------------------------------------------------------

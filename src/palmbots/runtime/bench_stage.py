@@ -37,6 +37,10 @@ class BenchStage(RawStage):
 
     midpoint = 0.0
     outcome = "running"
+    contacts = (0.0, 0.0)
+
+    def drop_reason(self) -> None:
+        """There is nothing to drop."""
 
     def __init__(self, scene: Scene, seed: int, imperfections: Imperfections) -> None:
         super().__init__(imperfections)

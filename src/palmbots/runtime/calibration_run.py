@@ -7,6 +7,7 @@ from pathlib import Path
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
+from palmbots._util.optional_imports import require
 from palmbots.drivers.driver import RawAccess
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.calibration import STEPS, Finding, Task, calibrate, values_of
@@ -74,6 +75,7 @@ def run_calibration(
         PalmbotsError: the robot's program runs, its driver gives no access to its hardware, a step
             fails, or a file cannot be written.
     """
+    require("tomlkit", "calibrate")  # found missing before, and not after, all the work
     scene = load_scene(pair.scene())
     period_s = scene.control.period_s
     with opened_driver(pair, side, scene) as driver:

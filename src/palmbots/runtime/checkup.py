@@ -15,8 +15,9 @@ from palmbots._types import SIDES, Side
 from palmbots.drivers.driver import Drive, Driver, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
-from palmbots.runtime.control_clock import ControlClock
+from palmbots.runtime.control_clock import JITTER_LIMITS_MS, ControlClock
 from palmbots.runtime.link_check import LinkFigures
+from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.pair_file import Pair
 from palmbots.scene.scene import Scene
 
@@ -60,7 +61,11 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
     "overrun": ("clock", "its control loop is too slow", "end other programs on its computer"),
     "storage": ("storage", "it cannot store its state", "make room on its disk"),
     "settings": ("settings", "its partner has other settings", "copy pair.toml and the scene"),
-    "stopping": ("stopping", "its wheels stop too slowly", "calibrate it, or raise W"),
+    "stopping": (
+        "stopping",
+        "its wheels stop too slowly",
+        "calibrate it, or lower robot.acceleration_m_s2",
+    ),
     "partner": ("mode", "its partner has ended the carry", "see the partner, then arm again"),
     "stop": ("mode", "a stop is in force at its partner", "release the stop"),
 }
@@ -187,9 +192,9 @@ def check_own_clock(
     real = time.clock_gettime(time.CLOCK_MONOTONIC_RAW) - raw
     ppm = 1e6 * (elapsed / real - 1)
     share = loop.overruns / max(1, ticks + loop.overruns)
-    limits = ("0.1", "0.3", "1", "3", "10")
-    worst = max(k for k, count in enumerate(loop.jitter_s) if count)
-    late = f"less than {limits[worst]} ms" if worst < len(limits) else "more than 10 ms"
+    limits = JITTER_LIMITS_MS
+    worst = max(k for k, count in enumerate(loop.jitter) if count)
+    late = f"less than {limits[worst]:g} ms" if worst < len(limits) else "more than 10 ms"
     text = (
         f"{ticks} ticks of {1000 * period_s:g} ms, {100 * share:.1f} % missed, late by {late}; "
         f"rate corrected by {ppm:+.0f} ppm"
@@ -264,8 +269,9 @@ def check_driver(
         checks.append(Check("contact", side, False, "not sensed", remedy))
     if seen.battery_v is not None:
         checks.append(battery_check(side, seen.battery_v, hardware))
-    if hardware.stopping_s > scene.control.watchdog_s:
-        text = f"{hardware.stopping_s:g} s, longer than W = {scene.control.watchdog_s:g} s"
-        remedy = "palmbots calibrate --only stopping, or raise control.watchdog_s"
+    limit_s = stopping_limit_s(scene)
+    if hardware.stopping_s > limit_s + 1e-9:
+        text = f"{hardware.stopping_s:g} s, longer than the {limit_s:g} s of the scene's robots"
+        remedy = "palmbots calibrate --only stopping, or lower robot.acceleration_m_s2"
         checks.append(Check("stopping", side, False, text, remedy))
     return checks

@@ -88,7 +88,7 @@ def run_live_robot(
         scene = load_scene(pair.scene())
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
-        observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file.path))))
+        observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         keeper = stack.enter_context(StateKeeper(file, state))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
@@ -123,7 +123,8 @@ class _Loop:
         keeper: StateKeeper,
         gauge: ReadingGauge,
     ) -> None:
-        self._pair, self._side, self._rate, self._scene = pair, side, rate, scene
+        self._pair, self._rate, self._scene = pair, rate, scene
+        self._side: Side = side
         self._driver, self._keeper, self._gauge = driver, keeper, gauge
         self._drives = drive_table(scene, side)
         self._period_s = scene.control.period_s

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from palmbots.errors import PalmbotsError
+from palmbots.runtime.stored_state import StateFile
 from palmbots.wire import FaultCode, RobotMode
 
 _LARGEST = 65536  # bytes
@@ -145,9 +146,9 @@ class Observations:
             os.unlink(self._place)
 
 
-def observation_socket(state_file: Path) -> Path:
+def observation_socket(file: StateFile) -> Path:
     """The socket of the robot with this file of stored state."""
-    return state_file.with_suffix(".watch")
+    return file.path.with_suffix(".watch")
 
 
 @contextlib.contextmanager

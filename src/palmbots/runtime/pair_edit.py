@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import tomlkit
 from pydantic import ValidationError
-from tomlkit.exceptions import TOMLKitError
 
 from palmbots._types import Side
 from palmbots._util.atomic_files import write_whole
+from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.pair_file import PairFile
 from palmbots.scene.error_messages import validation_message
@@ -49,22 +48,23 @@ def write_hardware(file: Path, side: Side, values: Mapping[str, Any]) -> Path:
 
 def _changed(file: Path, text: str, side: Side, values: Mapping[str, Any]) -> str:
     """The text with the new values; checked as a whole."""
+    tomlkit = require("tomlkit", "calibrate")
     try:
         document = tomlkit.parse(text)
         hardware: Any = document.setdefault("hardware", tomlkit.table())
         own: Any = hardware.setdefault(side, tomlkit.table())
         for key, value in values.items():
-            own[key] = _item(value)
+            own[key] = _item(tomlkit, value)
         changed = tomlkit.dumps(document)
         PairFile.model_validate(tomlkit.parse(changed).unwrap())
-    except (TOMLKitError, RecursionError) as error:
+    except (tomlkit.exceptions.TOMLKitError, RecursionError) as error:
         raise PalmbotsError(f"{file}: is not valid TOML: {error}") from None
     except ValidationError as error:
         raise PalmbotsError(f"{file}: {validation_message(error, PairFile)}") from None
     return changed
 
 
-def _item(value: Any) -> Any:
+def _item(tomlkit: Any, value: Any) -> Any:
     """A value of TOML; a list of tables has one table a line."""
     if not isinstance(value, list):
         return value

@@ -41,6 +41,11 @@ def refuse_curved(scene: Scene) -> None:
         )
 
 
+def _or_that_of_all(value: float | None) -> float:
+    """A value of one direction; negative: the one of all links counts."""
+    return -1.0 if value is None else value
+
+
 def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     """The core's description of a scene; left is index 0, right index 1.
 
@@ -76,7 +81,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     spec.burst_mean = scene.radio.burst_s
     spec.airtime = scene.radio.airtime_s
     spec.directions = [
-        tuple(-1.0 if value is None else value for value in (d.latency_s, d.jitter_s, d.loss))
+        (_or_that_of_all(d.latency_s), _or_that_of_all(d.jitter_s), _or_that_of_all(d.loss))
         for d in (scene.radio.left, scene.radio.right, scene.radio.station)
     ]
     spec.replay = scene.radio.replay
