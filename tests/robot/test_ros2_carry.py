@@ -34,7 +34,7 @@ class Programs:
         self.folder, self.stack = folder, stack
         (folder / "log").touch()
         (folder / "scene.toml").write_text(pb.load_scene("paper", SCENE).to_toml())
-        new_pair(folder, scene="scene.toml", driver__kind="ros2")
+        new_pair(folder, pair__scene="scene.toml", driver__kind="ros2")
         self.world = self.start("world", "scene.toml", "--serve", "unix:world", "--json")
         self.base = self.run([str(BASE), "pair.toml", "unix:world", "log"])
         self.robots = {side: self.start("robot", "pair.toml", "--side", side) for side in SIDES}
