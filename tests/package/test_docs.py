@@ -55,7 +55,18 @@ FEW = {
     "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.1"],
 }
 # Named in the text without their arguments.
-NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"])
+NAMED = (
+    ["firmware"],
+    ["flash"],
+    ["replay"],
+    ["check"],
+    ["study"],
+    ["export"],
+    ["init"],
+    ["up"],
+    ["world"],
+    ["robot"],
+)
 
 
 def commands() -> list[str]:
