@@ -56,7 +56,7 @@ FEW = {
 }
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
-         ["station"], ["ros2"], ["calibrate"])  # fmt: skip
+         ["station"], ["ros2"], ["calibrate"], ["firmware"], ["flash"])  # fmt: skip
 
 
 def commands() -> list[str]:
