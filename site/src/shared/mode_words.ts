@@ -26,8 +26,10 @@ export function modeWords(mode: number): string {
   return `the left contact ${MOTIONS[l]}, the right one ${MOTIONS[r]}`;
 }
 
-const end = (value: number) =>
-  Number.isFinite(value) ? value.toFixed(3).replace("-", "−") : value > 0 ? "∞" : "−∞";
+function end(value: number, digits = 3): string {
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  return value.toFixed(digits).replace("-", "−");
+}
 
 // The comparison of squeezes that decides a motion.
 export function decision(found: Statics, closing: boolean): string {
@@ -44,9 +46,11 @@ export function decision(found: Statics, closing: boolean): string {
   const grows = closing ? "rises" : "falls";
   const relation = closing ? "≤" : "≥";
   const [near, far] = first ? [one, two] : [two, one];
+  // As many digits as show which of the two is smaller.
+  const digits = [3, 4, 5, 6].find((n) => end(near, n) !== end(far, n)) ?? 3;
   const [nearSide, farSide] = first ? ["left", "right"] : ["right", "left"];
   return (
     `The squeeze ${grows} until it reaches the ${edge} edge of the ${nearSide} cone first: ` +
-    `H = ${end(near)} there ${relation} ${end(far)} at the ${edge} edge of the ${farSide} cone.`
+    `H = ${end(near, digits)} there ${relation} ${end(far, digits)} at the ${edge} edge of the ${farSide} cone.`
   );
 }

@@ -45,6 +45,16 @@ function chosen(): Counterexample | undefined {
   return all.value.find((c) => c.name === extra("run", "lost-c-ack")) ?? all.value[0];
 }
 
+let shown = "";
+
+// Begins a run from its first step, once.
+function begin(name: string): void {
+  if (name === shown) return;
+  shown = name;
+  step.value = 0;
+  playing.value = !reducedMotion.matches;
+}
+
 function useClock(): void {
   useEffect(() => {
     const timer = setInterval(() => {
@@ -118,8 +128,7 @@ export function ProofsView() {
   useClock();
   const item = chosen();
   useEffect(() => {
-    step.value = 0;
-    playing.value = item !== undefined && !reducedMotion.matches;
+    if (item) begin(item.name);
   }, [item?.name]);
   if (!item) return <p class="status">…</p>;
   const now = item.steps[step.value];
@@ -146,7 +155,10 @@ export function ProofsView() {
         <label class="field">
           <span>counterexample</span>
           <select id="run" value={item.name}
-            onChange={(event) => setExtra("run", event.currentTarget.value, "lost-c-ack")}>
+            onChange={(event) => {
+              begin(event.currentTarget.value);
+              setExtra("run", event.currentTarget.value, "lost-c-ack");
+            }}>
             {all.value.map((c) => <option value={c.name}>{c.name}</option>)}
           </select>
         </label>
