@@ -12,7 +12,7 @@ export PYTHON
 
 EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
 CXX_FILES = $(shell find include src tests benchmarks verify firmware site/core -name '*.hpp' -o -name '*.cpp')
-PY_FILES = src tests examples benchmarks scripts verify docs paper firmware
+PY_FILES = src tests examples benchmarks scripts verify docs software-paper firmware
 
 # Installs the package into .venv: the Python sources where they lie, the extension compiled
 # (incrementally) in build/extension. The stamps get the time at which the build began, so that a
@@ -102,7 +102,7 @@ book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/site/docs
 
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
-	$(BIN)/python paper/build.py build/paper.pdf
+	$(BIN)/python software-paper/build.py build/paper.pdf
 
 sbom: $(VENV)/docs.done  ## the bill of materials of `palmbots carry` as build/sbom.json (CycloneDX)
 	$(BIN)/cyclonedx-py requirements requirements/carry.txt --pyproject pyproject.toml \

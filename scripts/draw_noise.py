@@ -12,6 +12,7 @@ from palmbots._util.confidence_intervals import wilson_bounds
 from palmbots.viz.save_figure import save_figure
 from palmbots.viz.style import (
     INK,
+    PAPER,
     RULE,
     Look,
     axis_label,
@@ -99,7 +100,7 @@ def panel(axes: Axes, rows: list[dict[str, str]], looks: dict[str, Look]) -> Non
             marker=look.marker,
             linestyle=look.line,
             markersize=4.5,
-            markerfacecolor="white" if is_reference else look.colour,
+            markerfacecolor=PAPER if is_reference else look.colour,
             elinewidth=0.8,
             lw=1.0,
             label=base_name(controller),

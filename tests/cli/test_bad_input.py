@@ -34,7 +34,7 @@ BAD: list[tuple[list[str], list[str]]] = [
         (["carry", "--seed", "-1"], ["seed", "allowed"]),
         (["carry", "--seed", "x"], ["--seed"]),
         (["carry", "--fork", "2"], ["--fork", "TIME:SEED"]),
-        (["carry", "--fork", "2:1", "--fork", "1:1"], ["forks", "more than the one before"]),
+        (["carry", "--fork", "2:1", "--fork", "1:1"], ["--fork", "more than the one before"]),
         (["carry", "--controller", "nowhere.toml@station"], ["nowhere.toml"]),
         (["carry", "--animation", "avi"], ["--animation", "gif"]),
         (["carry", "--animation", "mp4"], ["--animation mp4 needs --out DIR"]),

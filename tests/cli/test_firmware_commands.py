@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`palmbots firmware` and `palmbots flash`: images of a pair, and what is refused."""
 
 import json

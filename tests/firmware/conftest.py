@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The images, compiled once for all tests here, and a pair whose robots are boards."""
 
 import subprocess

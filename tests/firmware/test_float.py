@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A whole carry in `float` on an emulated Cortex-M4F, world and all (QEMU, machine mps2-an386)."""
 
 import subprocess

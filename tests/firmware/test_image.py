@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Size, instructions and stores of the images."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Two boards in real time, without a station: buttons, faults, resets."""
 
 import random
@@ -150,7 +151,7 @@ def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
     other = bytearray(stranger.robots[1].board.bytes_at(0xF000, 172))
     other[8:24] = bytes(16)
     other[168:] = zlib.crc32(bytes(other[:168])).to_bytes(4, "little")
-    pair.robots[1] = stranger.robots[1]
+    pair.ends[1] = pair.robots[1] = stranger.robots[1]
     pair.robots[1].board.set_bytes(0xF000, bytes(other))
     pair.run(4.0)
     assert [robot.fault for robot in pair.robots] == ["stranger", "stranger"]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Two emulated boards carry as one program does, bit for bit."""
 
 from typing import Any

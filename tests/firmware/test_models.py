@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The models of the peripherals refuse what the hardware does not permit."""
 
 from collections.abc import Callable

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The same program on a second board, QEMU's mps2-an386, gives the same trace."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Permanent memory: the supply is cut at every word of every write."""
 
 import pytest

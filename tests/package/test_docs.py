@@ -56,7 +56,8 @@ FEW = {
 }
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
-         ["station"], ["ros2"], ["calibrate"], ["firmware"], ["flash"])  # fmt: skip
+         ["robot", "--json"], ["station"], ["ros2"], ["calibrate"], ["firmware"],
+         ["flash"])  # fmt: skip
 
 
 def commands() -> list[str]:

@@ -22,6 +22,8 @@ from palmbots.learn import EpisodeResult
 from palmbots.mujoco.drift_forecast import Budget
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
+from palmbots.runtime.log_alignment import ClockFit
+from palmbots.runtime.run_replay import RunReplay, Verified
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
 from palmbots.studies.cost_estimate import Cost
@@ -140,6 +142,13 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Log": lambda folder: pb.read_log(logged(folder)),
     "NoiseLimit": lambda folder: noise_limit(),
     "ReplayResult": lambda folder: pb.replay(logged(folder)),
+    "RunReplay": lambda folder: RunReplay(
+        (
+            Verified("left-000003.mcap", "left", 3, False, 2500, 2500, None),
+            Verified("station-000002.mcap", "station", 2, False, 500, 0, None),
+        ),
+        (ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),),
+    ),
     "SpeedLimits": lambda folder: speed_limits(),
     "StudyResult": study,
     "Validation": lambda folder: pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1),

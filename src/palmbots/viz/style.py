@@ -31,6 +31,7 @@ __all__ = [
     "OBJECT",
     "ON_MAP",
     "PALE",
+    "PAPER",
     "PAPER_PAIR",
     "PATH",
     "QUIET",
@@ -59,6 +60,7 @@ INK = "#222222"  # text, outlines, messages
 QUIET = "#8A8A8A"  # what is less important
 LEADER = "#BBBBBB"  # from a label to what it names
 RULE = "#DDDDDD"  # lines and areas behind everything else
+PAPER = "#FFFFFF"  # inside of hollow marks
 BACKGROUND = _WHITE
 
 OBJECT = "#E9C46A"

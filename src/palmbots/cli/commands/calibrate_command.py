@@ -32,7 +32,7 @@ def calibrate(
     rate: Annotated[float, typer.Option("--rate", help="Of a simulated robot.")] = 1.0,
     as_json: JsonOption = False,
 ) -> int:
-    """Measure the hardware of one robot, and write it to pair.toml.
+    """Measure the hardware of one robot; writes pair.toml.
 
     It asks for one thing at a time. You need a tape measure, a protractor and a thin rod. The
     robot's program must not run. pair.toml keeps its comments; it is written at the end, and what

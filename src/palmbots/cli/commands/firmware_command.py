@@ -20,7 +20,7 @@ def firmware(
     out: Annotated[Path, typer.Option("--out", help="Folder for the images.")] = Path("firmware"),
     as_json: JsonOption = False,
 ) -> int:
-    """Make the images of a pair whose robots are microcontroller boards.
+    """Make images for boards that are the robots of a pair.
 
     left.hex and right.hex are the robots, dongle.hex is the radio of the station. No compiler is
     needed. Each image counts boots of its own: flash it into one board, once.
