@@ -92,9 +92,9 @@ def run_live_robot(
         keeper = stack.enter_context(StateKeeper(file, state))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
+        clock = control_clock(side, scene.control.period_s / rate)
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
-        clock_rate = getattr(driver, "clock_rate", 1.0)
-        clock = control_clock(side, scene.control.period_s / rate / clock_rate)
+        clock.run_at(getattr(driver, "clock_rate", 1.0))
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
         loop = _Loop(pair, side, rate, scene, driver, keeper, gauge)
         loop.link, loop.clock, loop.observer = clock.link(link), clock, observer

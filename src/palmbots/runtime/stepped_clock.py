@@ -67,6 +67,9 @@ class SteppedClock:
         self.overruns += elapsed - 1
         return elapsed
 
+    def run_at(self, rate: float) -> None:
+        """As for `ControlClock`: the stepper knows the rate of each clock."""
+
     def forget(self) -> None:
         """As for `ControlClock`."""
 
