@@ -141,10 +141,10 @@ def test_an_unplugged_board_is_a_fault_and_comes_back(tmp_path: Path) -> None:
     assert lost.startswith(f"palmbots: driver.address: {device} is lost: ")
     assert back == f"palmbots: driver.address: {device} is back"
     link = found["link"]["station"]
-    assert link["sent"] > 20 and link["received"] > 20
+    assert link["sent"] > 5 and link["received"] > 5
     assert link["lost"] == 0
     assert 0 < link["round_trip_median_s"] < 1
-    assert found["verdicts"]["accepted"] > 20
+    assert found["verdicts"]["accepted"] > 5
     assert found["verdicts"]["bad_tag"] == 0
 
 

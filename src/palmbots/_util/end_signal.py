@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ending a program in good order: on SIGTERM, and when the program that started it is gone."""
+"""Ending a program in good order: on a signal, and when the program that started it is gone."""
 
 import contextlib
 import os
@@ -14,16 +14,25 @@ _END_WITHIN_S = 2.0
 
 @contextlib.contextmanager
 def ended_by_signal() -> Iterator[threading.Event]:
-    """An event that SIGTERM sets, in place of ending the program at once."""
+    """An event that SIGTERM and Ctrl-C set; a second one of them ends the program at once."""
     event = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield event
         return
-    before = signal.signal(signal.SIGTERM, lambda *_: event.set())
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+
+    def end(*_: object) -> None:
+        event.set()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    for number in before:
+        signal.signal(number, end)
     try:
         yield event
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def lifeline(pipe: int) -> dict[str, str]:
