@@ -209,7 +209,7 @@ def test_typed_orders_and_json(robots: Path) -> None:
     read_until(says("disarmed"))
     printed, errors = process.communicate("quit\n", timeout=60)
     last = json.loads(printed.splitlines()[-1])
-    assert set(last) == {"done", "modes", "lines"}
+    assert set(last) == {"done", "modes", "lines", "links"}
     assert last["done"] is True
     assert any("operator: e-stop" in line for line in last["lines"])
     assert errors == (
