@@ -96,7 +96,7 @@ class SteppedProcesses:
             values={
                 **given, "pair.number": 4711, "limits.after_reboot": "rejoin",
                 "limits.partner_lost": "controller", "limits.time_limit_s": 120.0,
-                "limits.stopping_s": stopping_limit_s(self.scene), **(values or {}),
+                "hardware.stopping_s": stopping_limit_s(self.scene), **(values or {}),
             },
         )[0]  # fmt: skip
         (folder / "pair.key").write_text(KEY + "\n")
