@@ -47,7 +47,7 @@ def test_a_refused_wish_lapses(tmp_path: Path) -> None:
     assert pair.modes() == ("disarmed", "disarmed")
     late = [line for line in pair.lines if "no effect within 5 s" in line]
     assert len(late) == 2
-    assert "left: arm has no effect within 5 s: is disarmed (partner_lost)" in late[0]
+    assert "left: arm has no effect within 5 s: is disarmed (partner_lost: it has lost its partner; " in late[0]
 
 
 def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
@@ -67,6 +67,16 @@ def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
         pair.run(STEP)
         assert not set(pair.modes()) & {"armed", "ready", *CARRYING}
     assert done is False
+
+
+def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) -> None:
+    """The robots hear the station, and never each other."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.air.cut = {("left", "right"), ("right", "left")}
+    assert pair.carry() is False
+    assert pair.station.time_s() < 30
+    assert sum("script: arm" in line for line in pair.lines) == 3
+    assert any("script (the robots have not started): stop" in line for line in pair.lines)
 
 
 @pytest.mark.parametrize("end", ["done", "fault"])

@@ -36,6 +36,7 @@ PATIENT = {
     "ros2__silence_s": 5.0,
     "limits__station_limit_s": 5.0,
     "limits__partner_lost": "controller",
+    "hardware__stopping_s": 0.06,  # as the scene's robots brake
 }
 
 

@@ -8,6 +8,7 @@ from palmbots.runtime.station import GONE_AFTER_S, UNDER_WAY, Station
 
 _SETTLE_STEPS = 10  # the robots hear each other meanwhile
 _STOPS_WITHIN_S = 5.0
+_MOST_TRIES = 3  # to arm robots that are heard: what prevents it does not end on its own
 _BY = "script"
 
 
@@ -32,7 +33,7 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
         yield None
     is_resumed = station.was_carrying and set(station.modes().values()) != {"armed"}
     if not is_resumed and not (yield from _started(station, give_up)):
-        yield from _stopped(station)
+        yield from _stopped(station, f"{_BY} (the robots have not started)")
         return
     station.keep_carrying(True)
     while True:
@@ -54,6 +55,7 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
 
 def _started(station: Station, give_up: float) -> Iterator[bool | None]:
     """Arm and start; the value is whether both robots have started."""
+    tries = 0
     for operation in ("arm", "start"):
         station.wish(operation, _BY)
         while not station.is_done():
@@ -63,7 +65,8 @@ def _started(station: Station, give_up: float) -> Iterator[bool | None]:
             if station.claimed_twice():
                 return False
             if station.has_lapsed():
-                if operation == "start":
+                tries += len(station.modes()) == len(SIDES)
+                if operation == "start" or tries == _MOST_TRIES:
                     return False
                 station.wish(operation, _BY)
             yield None

@@ -16,6 +16,7 @@ from palmbots.drivers.driver import Drive, Driver, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.control_clock import JITTER_LIMITS_MS, ControlClock
+from palmbots.runtime.fault_words import FAULT_WORDS
 from palmbots.runtime.link_check import LinkFigures
 from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.pair_file import Pair
@@ -49,28 +50,6 @@ class Check:
         return asdict(self)
 
 
-# What a robot's fault means, and what to do.
-_FAULTS: dict[str, tuple[str, str, str]] = {
-    "driver": ("driver", "its motor board does not answer", "check its power, cable and [driver]"),
-    "contact": ("contact", "no contact is sensed", "put the object on the palm, or calibrate"),
-    "palm": ("palm", "the palm is not at its angle", "free the palm, or calibrate the servo"),
-    "battery": ("battery", "the battery is low", "charge it"),
-    "partner_lost": ("link", "it has lost its partner", "see the radio below, then arm again"),
-    "station_lost": ("link", "it has lost the station", "see the radio below, then arm again"),
-    "time_limit": ("mode", "a carry took too long", "arm again, or raise limits.time_limit_s"),
-    "overrun": ("clock", "its control loop is too slow", "end other programs on its computer"),
-    "storage": ("storage", "it cannot store its state", "make room on its disk"),
-    "settings": ("settings", "its partner has other settings", "copy pair.toml and the scene"),
-    "stopping": (
-        "stopping",
-        "its wheels stop too slowly",
-        "calibrate it, or lower robot.acceleration_m_s2",
-    ),
-    "partner": ("mode", "its partner has ended the carry", "see the partner, then arm again"),
-    "stop": ("mode", "a stop is in force at its partner", "release the stop"),
-}
-
-
 def checks_of_status(
     pair: Pair, scene: Scene, figures: Mapping[Side, LinkFigures], verdicts: Mapping[Any, int]
 ) -> list[Check]:
@@ -80,9 +59,9 @@ def checks_of_status(
         one = figures[side]
         if one.status is None:
             continue
-        about, text, remedy = _FAULTS.get(one.fault, ("driver", "", ""))
-        if text:
-            checks.append(Check(about, side, False, text, remedy))
+        words = FAULT_WORDS.get(one.fault)
+        if words is not None:
+            checks.append(Check(words.about, side, False, words.meaning, words.remedy))
         elif one.mode != "stopped":
             checks.append(Check("driver", side, True, "answers"))
         if one.mode == "stopped":

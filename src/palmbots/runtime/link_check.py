@@ -19,7 +19,7 @@ from palmbots.errors import SceneError
 from palmbots.links.link import Link
 from palmbots.runtime.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.wire import Endpoint, Hello, Status, Verdict
+from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
 
 PERIOD_S = 0.05
 _ANSWER_S = 0.05
@@ -39,7 +39,7 @@ class LinkFigures:
     round_trips_s: list[float] = field(default_factory=list)
     mode: str = ""
     """The robot's mode; empty: it was not heard."""
-    fault: str = "none"
+    fault: FaultCode = "none"
     status: Status | None = None
     """The newest one."""
     items: dict[str, int] = field(default_factory=dict)

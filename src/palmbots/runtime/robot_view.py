@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from palmbots.runtime.fault_words import fault_line
 from palmbots.runtime.link_quality import LinkQuality
 from palmbots.wire import Packet, Status
 
@@ -87,7 +88,7 @@ class RobotView:
             return [f"not heard for {now - self.heard_s:.0f} s"]
         found = []
         if self.status.fault != "none":
-            found.append(f"fault {self.status.fault}")
+            found.append(f"fault {fault_line(self.status.fault)}")
         if (late := self._numbers.get("overruns", 0)) >= _MANY_OVERRUNS:
             found.append(f"{late} of the last 100 control ticks came too late")
         if (loss := self.link.loss(now)) is not None and loss >= _MUCH_LOSS:

@@ -19,6 +19,7 @@ from palmbots.links.link import Link
 from palmbots.links.link_meter import LinkMeter
 from palmbots.runtime.correction_watch import CorrectionWatch
 from palmbots.runtime.fault_watch import FaultWatch
+from palmbots.runtime.fault_words import fault_line
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.reported_counts import ReportedCounts
 from palmbots.runtime.robot_view import LOST_AFTER_S, RobotView
@@ -249,7 +250,9 @@ class Station:
             status = self.robots[side].status
             if side not in self._fulfilled | self._lapsed:
                 self._lapsed.add(side)
-                why = "is not heard" if status is None else f"is {status.mode} ({status.fault})"
+                why = "is not heard"
+                if status is not None:
+                    why = f"is {status.mode} ({fault_line(status.fault)})"
                 self._say(f"{side}: {self._wish} has no effect within {_WISH_LASTS_S:g} s: {why}")
 
     def _take(self, side: Side, packet: Packet, status: Status) -> None:
