@@ -26,8 +26,8 @@ def test_the_program_of_a_robot_loads_no_heavy_package(tmp_path: Path) -> None:
     init_pair(tmp_path / "pair.toml", address=f"unix:{tmp_path / 'none'}")
     code = f"""
 import json, sys
-import palmbots.drivers.simulated as simulated
-simulated.SimulatedDriver.__init__.__kwdefaults__["within_s"] = 0.0
+from palmbots.runtime.live_ends import open_pair_driver
+open_pair_driver.__kwdefaults__["within_s"] = 0.0
 from palmbots.cli.main import run
 status = run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"])
 print(json.dumps([status, sorted(sys.modules)]))
