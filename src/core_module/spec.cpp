@@ -58,7 +58,8 @@ void bind_spec(nb::module_& m) {
       .def_rw("noise", &RobotSpec::noise)
       .def_rw("noise_tau", &RobotSpec::noise_tau)
       .def_rw("bias", &RobotSpec::bias)
-      .def_rw("clock_drift", &RobotSpec::clock_drift);
+      .def_rw("clock_drift", &RobotSpec::clock_drift)
+      .def_rw("stride", &RobotSpec::stride);
 
   nb::class_<Spec>(m, "Spec", "Everything that defines a carry, as plain numbers.")
       .def(nb::init<>())

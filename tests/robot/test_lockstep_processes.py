@@ -33,12 +33,15 @@ OTHERS = (
     ' {kind="reboot", robot="right", at_s=14.0, duration_s=0.5, loses_boot_counter=true}]',
     "task.timeout_s=20.0",
 )  # fmt: skip
+PERIODS = ("robot.left.period_s=0.03", "robot.right.period_s=0.02")
 CASES = {
     "resilient": ("resilient", ()),
     "resilient, everything": ("resilient", (*HARD_RADIO, *FAULTS, *DRIFT)),
     "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
     "distributed, directions, replays, lost counter": ("distributed", OTHERS),
     "shared-sign, everything": ("shared-sign", (*HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, a period per robot, everything": ("resilient", (*HARD_RADIO, *FAULTS, *PERIODS)),
+    "centralized, a period per robot": ("centralized", PERIODS),
     "silent": ("silent", FAULTS),
     "distributed": ("distributed", ()),
     "distributed, losses": ("distributed", ("radio.loss=0.02",)),

@@ -106,7 +106,9 @@ def test_a_stop_reaches_the_driver_within_two_control_periods(
     monkeypatch.setattr(robot, "send", send)
     monkeypatch.setattr(live_robot, "open_pair_driver", lambda *_, **__: robot)
     monkeypatch.setattr(live_robot, "open_pair_link", lambda *_: robot)
-    monkeypatch.setattr(live_robot, "control_clock", lambda _, period_s: Clock(period_s))
+    monkeypatch.setattr(
+        live_robot, "control_clock", lambda _, period_s, stride: Clock(period_s, stride)
+    )
     end = live_robot.run_live_robot(pair, "left")
     wheels = [drive.wheels for drive in robot.drives]
     moving = [tick for tick, turns in enumerate(wheels, 2) if turns]

@@ -39,6 +39,7 @@ CLOCKS = {
         {"kind": "clock-jump", "robot": "right", "at_s": 12.0, "duration_s": 0.8},
     ]
 }
+PERIODS = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
 LOST = {
     "faults.script": [
         {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5, "limp_deg": 0.0},
@@ -114,7 +115,9 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
         REPLAY,
         CLOCKS,
         LOST,
+        PERIODS,
         HARD_RADIO | DIRECTIONS | REPLAY | CLOCKS,
+        HARD_RADIO | REBOOTS | DRIFT | PERIODS,
     ],
     ids=[
         "plain",
@@ -128,7 +131,9 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
         "replay",
         "clocks",
         "lost",
+        "periods",
         "everything else",
+        "everything with periods",
     ],
 )
 @pytest.mark.parametrize(

@@ -39,7 +39,9 @@ def test_default_scene_is_paper_which_gives_every_key():
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
     } - {"task.path"} | {f"task.path.{key}" for key in PAPER.task.path.model_dump()}
     optional = {"palm.friction_angle_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
-    optional |= {"mujoco.axle_m"} | {k for k in KEYS if k.startswith("task.path.")}
+    optional |= {"mujoco.axle_m", "robot.period_s"} | {
+        k for k in KEYS if k.startswith("task.path.")
+    }
     optional |= {k for k in KEYS if k.startswith("radio.station.")}
     assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
 

@@ -109,7 +109,7 @@ class BeaconTeam {
   }
 
   // The next tick in which a robot acts on its own: a beacon is due, a time limit is reached, or
-  // its program stops or starts to run. A robot whose clock differs from the carry's is stepped in
+  // its program stops or starts to run. A robot whose clock differs from the carry's is looked at in
   // every tick. So is a frozen program, because it learns how long it was frozen when it continues.
   std::uint32_t due(std::uint32_t tick, std::size_t side) const {
     const ProgramState state =

@@ -191,7 +191,7 @@ inline double off_zone_reach(const Spec& spec, double delay_s, double speed) {
   for (const PalmSpec& palm : spec.palms) {
     turning = larger(turning, std::abs(palm.steep - palm.shallow) / palm.rate);
   }
-  const double reaction = spec.period + 2 * (delay_s + spec.beacon) + turning;
+  const double reaction = spec.longest_period() + 2 * (delay_s + spec.beacon) + turning;
   const double unequal =
       std::abs(1 / spec.robots[left].acceleration - 1 / spec.robots[right].acceleration);
   return (biases + std::sqrt(variance)) * reaction + 0.5 * speed * speed * unequal;
@@ -206,6 +206,7 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
   double slow = 1;
   double speed = 0;
   double error = 0;  // of one robot's speed: bias and one standard deviation of the noise
+  double stride = 1;
   for (const RobotSpec& robot : spec.robots) {
     braking = larger(braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
     const auto side = static_cast<std::uint32_t>(&robot - spec.robots);
@@ -213,6 +214,7 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     fast = larger(fast, drift + detail::fastest_gain(spec, side));
     slow = smaller(slow, drift - detail::fastest_gain(spec, side, -1));
     speed = larger(speed, robot.speed);
+    stride = larger(stride, double(robot.stride));
     error = larger(error, std::abs(robot.bias) + robot.noise);
   }
   double flattest = 1;  // cosine of the steepest palm
@@ -234,6 +236,7 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
       .room = half - detail::zero_zone_reach(spec),
       .drift = error * spec.period / flattest,
       .off_zone = detail::off_zone_reach(spec, delay * spec.period, speed) / flattest,
+      .stride = stride,
   });
 }
 

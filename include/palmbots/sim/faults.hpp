@@ -7,6 +7,9 @@
 // sensor reads one sign; a flickering one occasionally reads a random sign. A lost station neither
 // receives nor sends. A clock changes its rate for a time, or jumps ahead. A robot that has lost its
 // boot counter does not start again, as its program refuses to.
+//
+// A robot with a longer control period than the carry's is not stepped in between, as if it were
+// frozen for these ticks.
 #pragma once
 
 #include <array>
@@ -38,6 +41,7 @@ class Faults {
   static Faults of(const Spec& spec, std::uint64_t seed) {
     Faults faults;
     faults.seed_ = seed;
+    faults.stride_ = {spec.robots[left].stride, spec.robots[right].stride};
     for (std::size_t i = 0; i < spec.fault_count; ++i) faults.add(spec, spec.faults[i]);
     // Random reboots: any robot, at any time within the duration of a carry at nominal speed.
     const double length =
@@ -52,10 +56,14 @@ class Faults {
     return faults;
   }
 
-  bool any() const { return count_ > 0; }
+  bool any() const { return count_ > 0 || skips_ticks(left) || skips_ticks(right); }
+
+  // True if a robot's program is not stepped in every tick.
+  bool skips_ticks(std::size_t side) const { return stride_[side] > 1; }
 
   // True if all faults are reboots after which the robot starts again with its palm held.
   bool are_reboots() const {
+    if (skips_ticks(left) || skips_ticks(right)) return false;
     for (std::size_t i = 0; i < count_; ++i) {
       if (list_[i].kind != FaultKind::reboot || list_[i].marks != 0) return false;
     }
@@ -73,7 +81,7 @@ class Faults {
   // The state of a robot's program at a tick, by the schedule alone. Never `booting`, which
   // ProgramMonitor determines.
   ProgramState program_state(std::uint32_t tick, std::size_t side) const {
-    ProgramState state = ProgramState::running;
+    ProgramState state = tick % stride_[side] == 0 ? ProgramState::running : ProgramState::frozen;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
       if (f.side != side || !f.covers(tick)) continue;
@@ -127,7 +135,7 @@ class Faults {
 
   // The first later tick at which a robot's program or the station may fail or return.
   std::uint32_t next_outage(std::uint32_t tick) const {
-    std::uint32_t next = ~0U;
+    std::uint32_t next = skips_ticks(left) || skips_ticks(right) ? tick + 1 : ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
       if (f.is_sensors() || f.is_clock() || tick >= f.to) continue;
@@ -139,7 +147,7 @@ class Faults {
 
   // The first later tick at which program_state() may return another value.
   std::uint32_t next_change(std::uint32_t tick, std::size_t side) const {
-    std::uint32_t next = ~0U;
+    std::uint32_t next = skips_ticks(side) ? tick + 1 : ~0U;
     for (std::size_t i = 0; i < count_; ++i) {
       const Fault& f = list_[i];
       if (f.side != side || f.is_sensors() || f.is_clock()) continue;
@@ -210,6 +218,7 @@ class Faults {
   static constexpr std::size_t capacity = max_faults + 8;  // scheduled and random ones
   std::array<Fault, capacity> list_{};
   std::size_t count_ = 0;
+  PerSide<std::uint64_t> stride_{1, 1};
   std::uint64_t seed_ = 0;
   bool may_go_limp_ = false;
 };

@@ -34,7 +34,8 @@ struct RobotSpec {
   double noise = 0.01;  // stationary standard deviation [m/s]
   double noise_tau = 0.5;
   double bias = 0;
-  double clock_drift = 0;  // share by which its clock runs too fast
+  double clock_drift = 0;    // share by which its clock runs too fast
+  std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
 };
 
 // A sudden shift of one contact, when the pair has travelled the distance `at`, or at the time
@@ -176,6 +177,13 @@ struct Spec {
       longest = delay > longest ? delay : longest;
     }
     return longest;
+  }
+
+  // The control period of the robot with the longer one [s].
+  constexpr double longest_period() const {
+    const std::uint64_t one = robots[0].stride;
+    const std::uint64_t two = robots[1].stride;
+    return period * static_cast<double>(one < two ? two : one);
   }
 };
 

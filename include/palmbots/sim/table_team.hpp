@@ -37,7 +37,7 @@ class TableTeam : public BeaconTeam<TableRobot<Table>> {
 
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
-  TableTiming timing{0, spec.longest_delay() + spec.period, 0, 0};
+  TableTiming timing{0, spec.longest_delay() + spec.longest_period(), 0, 0};
   const auto zone = TactileSensor<double>(spec.zones, spec.zone_count, 0).stretch(0.0);
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
@@ -58,7 +58,9 @@ inline TableTiming table_timing_of(const Spec& spec) {
 // The lease at which a robot just hears a partner whose beacons are never lost: one round trip, as in
 // control/resilient_timing.hpp [s].
 inline double shortest_table_lease(const Spec& spec) {
-  return 2 * (std::max(spec.period, spec.longest_delay()) + spec.beacon + spec.period);
+  const double step = spec.longest_period();
+  return 2 * (std::max(spec.period, spec.longest_delay()) + spec.beacon + step) +
+         4 * (step - spec.period);
 }
 
 // The lease where the scene gives none: four beacons in a row may be lost [s].

@@ -118,6 +118,12 @@ class RobotSpec:
     @clock_drift.setter
     def clock_drift(self, arg: float, /) -> None: ...
 
+    @property
+    def stride(self) -> int: ...
+
+    @stride.setter
+    def stride(self, arg: int, /) -> None: ...
+
 class Spec:
     """Everything that defines a carry, as plain numbers."""
 

@@ -27,7 +27,7 @@ __all__ = ["overrun_m", "warnings_before", "zero_zone_edges_m", "zero_zone_m"]
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     """How far a contact can overrun the edge of the zero zone [m]; 0 without a controller.
 
-    With u the correction speed of a robot, T the control period and D the delay of the radio, a
+    With u the correction speed of a robot, T its control period and D the delay of the radio, a
     contact overruns by u T and the braking distance where one robot drives. Where both drive by
     both signs (shared-sign), the partner learns of the zero only D later: the sum of u (D + T) and
     the braking distance over both robots.
@@ -35,6 +35,7 @@ def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     entry = resolve(controller)
     team = entry.team
     period = scene.control.period_s
+    step = period * max(scene.stride_of(side) for side in SIDES)
     steepest = max(math.radians(scene.palm_of(side).steep_deg) for side in SIDES)
     # Along the palm a contact moves a little farther than the robots do.
     along_palm = 1 / math.cos(steepest)
@@ -42,14 +43,14 @@ def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     if team == "none":
         return 0.0
     if team == "station":
-        delay = 2 * max(period, scene.radio.longest_delay_s) + period
+        delay = 2 * max(period, scene.radio.longest_delay_s) + step
         distance = sum(0.5 * r.correction_m_s * delay + _braking_m(r, 0.5, period) for r in robots)
         return distance * along_palm
     if entry.drives_by_both_signs:
-        delay = max(period, scene.radio.longest_delay_s) + period
+        delay = max(period, scene.radio.longest_delay_s) + step
         distance = sum(r.correction_m_s * delay + _braking_m(r, 1.0, period) for r in robots)
         return distance * along_palm
-    return along_palm * max(r.correction_m_s * period + _braking_m(r, 1.0, period) for r in robots)
+    return along_palm * max(r.correction_m_s * step + _braking_m(r, 1.0, period) for r in robots)
 
 
 def _braking_m(robot: RobotParameters, fraction: float, period: float) -> float:

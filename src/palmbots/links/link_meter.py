@@ -16,10 +16,10 @@ from time import monotonic
 from typing import Any
 
 from palmbots.links.link import Link
+from palmbots.links.round_trips import RoundTrips, Stamp, quantile
 from palmbots.wire import Role, decode
 
 _RECENT = 1000  # round trips
-_REMEMBERED = 512  # packets that have been sent to each end
 _WINDOW = 64  # numbers below the newest one, in which an overtaken packet is recognized
 
 
@@ -39,7 +39,7 @@ class EndCounts:
         self._missing = 0
         self._newest = (0, 0)
         self._seen: set[int] = set()
-        self._sent_s: dict[tuple[int, int], float] = {}
+        self._trips = RoundTrips()
         self.round_trips_s: deque[float] = deque(maxlen=_RECENT)
         """The newest round trips."""
         self.longest_s = math.nan
@@ -50,20 +50,17 @@ class EndCounts:
         """Packets from it that have not arrived; None: unknown (see above)."""
         return self._missing if self._is_numbered else None
 
-    def note_sent(self, stamp: tuple[int, int]) -> None:
+    def note_sent(self, stamp: Stamp) -> None:
         """A packet with this epoch and sequence is being sent to it."""
         self.sent += 1
-        self._sent_s[stamp] = monotonic()
-        if len(self._sent_s) > _REMEMBERED:
-            del self._sent_s[next(iter(self._sent_s))]
+        self._trips.note_sent(stamp, monotonic())
 
-    def note_received(self, epoch: int, sequence: int, acknowledged: tuple[int, int]) -> None:
+    def note_received(self, epoch: int, sequence: int, acknowledged: Stamp) -> None:
         """A packet from it has arrived."""
         self.received += 1
         self._count(epoch, sequence)
-        sent_s = self._sent_s.pop(acknowledged, None)
-        if sent_s is not None:
-            trip_s = monotonic() - sent_s
+        trip_s = self._trips.answered(acknowledged, monotonic())
+        if trip_s is not None:
             self.round_trips_s.append(trip_s)
             self.longest_s = trip_s if math.isnan(self.longest_s) else max(trip_s, self.longest_s)
 
@@ -85,10 +82,7 @@ class EndCounts:
 
     def round_trip_s(self, fraction: float) -> float:
         """A quantile of the newest round trips [s]; NaN: there was none."""
-        ordered = sorted(self.round_trips_s)
-        if not ordered:
-            return math.nan
-        return ordered[max(0, math.ceil(fraction * len(ordered)) - 1)]
+        return quantile(self.round_trips_s, fraction)
 
     def summary(self) -> dict[str, Any]:
         """The same as a table; what is not known is None."""

@@ -20,26 +20,27 @@ class ControlClock:
 
     Args:
         period_s: time between two ticks.
+        stride: ticks between two steps of the loop.
     """
 
     is_stepped = False
 
-    def __init__(self, period_s: float) -> None:
-        self._period_s = period_s
+    def __init__(self, period_s: float, stride: int = 1) -> None:
+        self._period_s, self._stride = stride * period_s, stride
         self._next_s: float | None = None
         self.overruns = 0
-        """Ticks that were missed."""
+        """Steps that were missed."""
         self._recent: deque[int] = deque([0] * _RECENT_TICKS, maxlen=_RECENT_TICKS)
         self.jitter: list[int] = [0] * (len(JITTER_LIMITS_MS) + 1)
         """How many ticks began late by less than each of `JITTER_LIMITS_MS`, and by more."""
 
     @property
     def recent_overruns(self) -> int:
-        """Ticks that were missed in the last 100 calls of `wait`."""
+        """Steps that were missed in the last 100 calls of `wait`."""
         return sum(self._recent)
 
     def wait(self) -> int:
-        """Wait for the next tick; returns the number of ticks since the last call, at least 1."""
+        """Wait for the next step; returns the number of ticks since the last one."""
         now = time.monotonic()
         if self._next_s is None:
             self._next_s = now + self._period_s
@@ -52,7 +53,7 @@ class ControlClock:
         self.overruns += missed
         self._recent.append(missed)
         self._next_s += (1 + missed) * self._period_s
-        return 1 + missed
+        return self._stride * (1 + missed)
 
     def run_at(self, rate: float) -> None:
         """Run faster than the clock of this computer, as the wrong clock of a simulated robot."""
@@ -67,15 +68,18 @@ class ControlClock:
         return link
 
 
-def control_clock(name: str, period_s: float) -> ControlClock | SteppedClock:
+def control_clock(name: str, period_s: float, stride: int = 1) -> ControlClock | SteppedClock:
     """The clock of a program: the system's, or one that another program steps.
 
     Args:
         name: of the program.
         period_s: time between two ticks.
+        stride: ticks between two steps of the program.
     """
     address = stepper_address()
-    return ControlClock(period_s) if address is None else SteppedClock(name, address)
+    if address is None:
+        return ControlClock(period_s, stride)
+    return SteppedClock(name, address, stride)
 
 
 def jitter_table(counts: list[int]) -> dict[str, int]:

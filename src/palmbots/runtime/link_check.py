@@ -17,6 +17,7 @@ from palmbots.control.registry import refusal, resolve
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import SceneError
 from palmbots.links.link import Link
+from palmbots.links.round_trips import RoundTrips, quantile
 from palmbots.runtime.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
@@ -57,10 +58,7 @@ class LinkFigures:
 
     def round_trip_s(self, fraction: float) -> float:
         """A quantile of the round trips [s]; NaN: there was none."""
-        ordered = sorted(self.round_trips_s)
-        if not ordered:
-            return math.nan
-        return ordered[min(len(ordered) - 1, math.ceil(fraction * len(ordered)) - 1)]
+        return quantile(self.round_trips_s, fraction)
 
     @property
     def delay_s(self) -> float:
@@ -112,7 +110,7 @@ def measure(
     """
     end = Endpoint(pair.key, pair.settings.pair.number, "station", epoch)
     figures: dict[Side, LinkFigures] = {side: LinkFigures() for side in SIDES}
-    sent_s: dict[tuple[Side, int], float] = {}
+    trips = {side: RoundTrips() for side in SIDES}
     greetings = 0
     stop_s = clock() + seconds
     while clock() < stop_s:
@@ -121,13 +119,13 @@ def measure(
             if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
                 continue
             figures[packet.sender].note(packet.sequence, packet.body, clock())
-            sent = sent_s.pop((packet.sender, packet.acknowledged[1]), None)
-            if sent is not None:
-                figures[packet.sender].round_trips_s.append(clock() - sent)
+            trip_s = trips[packet.sender].answered(packet.acknowledged, clock())
+            if trip_s is not None:
+                figures[packet.sender].round_trips_s.append(trip_s)
         greetings += 1
         for side in SIDES:
             link.send(side, end.send(side, Hello()))
-            sent_s[side, greetings] = clock()
+            trips[side].note_sent((epoch, greetings), clock())
         wait()
     if verdicts is not None:
         verdicts.update(end.counts)

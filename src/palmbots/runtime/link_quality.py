@@ -3,8 +3,9 @@
 
 from collections import deque
 
+from palmbots.links.round_trips import RoundTrips, Stamp, quantile
+
 _WINDOW_S = 10.0
-_MOST_UNANSWERED = 1000  # packets of the station that may still be acknowledged
 
 
 class LinkQuality:
@@ -12,26 +13,21 @@ class LinkQuality:
 
     def __init__(self) -> None:
         self._arrived: deque[tuple[float, int, float | None]] = deque()
-        self._sent_s: dict[tuple[int, int], float] = {}
+        self._trips = RoundTrips()
         self._epoch = 0
 
-    def note_sent(self, stamp: tuple[int, int], now: float) -> None:
+    def note_sent(self, stamp: Stamp, now: float) -> None:
         """The station has sent a packet with this epoch and sequence number."""
-        self._sent_s[stamp] = now
-        if len(self._sent_s) > _MOST_UNANSWERED:
-            del self._sent_s[next(iter(self._sent_s))]
+        self._trips.note_sent(stamp, now)
 
-    def note_received(
-        self, stamp: tuple[int, int], acknowledged: tuple[int, int], now: float
-    ) -> None:
+    def note_received(self, stamp: Stamp, acknowledged: Stamp, now: float) -> None:
         """A packet of the robot has arrived. Packets to the station leave no gap in the sequence,
         so a gap is a loss."""
         epoch, number = stamp
         if epoch != self._epoch:  # the robot has booted, and counts anew
             self._arrived.clear()
             self._epoch = epoch
-        sent_s = self._sent_s.pop(acknowledged, None)
-        self._arrived.append((now, number, None if sent_s is None else now - sent_s))
+        self._arrived.append((now, number, self._trips.answered(acknowledged, now)))
 
     def loss(self, now: float) -> float | None:
         """Fraction of the robot's packets that were lost; None: too few arrived to say."""
@@ -45,8 +41,8 @@ class LinkQuality:
         """Median time from a packet of the station to the first packet that acknowledges it. It
         contains the time until the robot reports and the station looks. None: unknown."""
         self._forget(now)
-        trips = sorted(trip for _, _, trip in self._arrived if trip is not None)
-        return trips[len(trips) // 2] if trips else None
+        trips = [trip for _, _, trip in self._arrived if trip is not None]
+        return quantile(trips, 0.5) if trips else None
 
     def _forget(self, now: float) -> None:
         while self._arrived and now - self._arrived[0][0] > _WINDOW_S:

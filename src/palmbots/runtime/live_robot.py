@@ -92,7 +92,7 @@ def run_live_robot(
         keeper = stack.enter_context(StateKeeper(file, state))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
-        clock = control_clock(side, scene.control.period_s / rate)
+        clock = control_clock(side, scene.control.period_s / rate, scene.stride_of(side))
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
         clock.run_at(getattr(driver, "clock_rate", 1.0))
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)

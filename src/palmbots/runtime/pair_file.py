@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ValidationError
 
 from palmbots._types import SIDES, Side
-from palmbots._util.arguments import show
+from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots.drivers.board_keys import BoardTable
 from palmbots.drivers.hardware import Hardware
@@ -252,8 +252,11 @@ def init_pair(
         The files that were written.
 
     Raises:
-        PalmbotsError: a file exists or cannot be written.
+        PalmbotsError: a file exists or cannot be written, or there is no such key.
     """
+    known = pair_keys()
+    for name in values or {}:
+        one_of("values", name, tuple(key.name for key in known))
     path = Path(file)
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
@@ -268,7 +271,7 @@ def init_pair(
     } | {f"pair.{name}": value for name, value in names.items()}
     chosen |= values or {}
     number = int(str(chosen["pair.number"]))
-    keys = (replace(key, default=chosen.get(key.name, key.default)) for key in pair_keys())
+    keys = (replace(key, default=chosen.get(key.name, key.default)) for key in known)
     text = commented_toml(_HEAD, keys)
     key, state = path.parent / names["key_file"], path.parent / names["state_folder"]
     counters = [StateFile(state / f"{end}.json", number, end) for end in ENDS]

@@ -10,6 +10,8 @@ robot.
 from collections import deque
 from dataclasses import dataclass, field
 
+from palmbots.links.round_trips import RoundTrips, Stamp, quantile
+
 _WINDOW_S = 5.0
 _REMEMBERED = 600  # packets
 _CLAIMS = 5
@@ -20,8 +22,6 @@ _NEAR = 40
 _TRIPS = 40
 _SLOW_S = 0.12
 """A packet of the station and the answer take up to two periods of the status on a fast radio."""
-
-Stamp = tuple[int, int]
 
 
 @dataclass
@@ -55,7 +55,7 @@ class RobotStream:
     _claim_said_s: float = -1e9
 
     def __post_init__(self) -> None:
-        self._sent_s: dict[Stamp, float] = {}
+        self._sent = RoundTrips()
         self._trips: deque[float] = deque(maxlen=_TRIPS)
         self._slow = _Fault("", _SLOW_S, 0.8 * _SLOW_S)
         self._faults = {
@@ -87,18 +87,16 @@ class RobotStream:
 
     def note_sent(self, stamp: Stamp, now_s: float) -> None:
         """The station has sent a packet with this epoch and number to the robot."""
-        self._sent_s[stamp] = now_s
-        if len(self._sent_s) > _REMEMBERED:
-            del self._sent_s[next(iter(self._sent_s))]
+        self._sent.note_sent(stamp, now_s)
 
     def answer(self, acknowledged: Stamp, now_s: float) -> list[str]:
         """A new packet acknowledges this one of the station; returns what there is to say."""
-        sent_s = self._sent_s.pop(acknowledged, None)
-        if sent_s is not None:
-            self._trips.append(now_s - sent_s)
+        trip_s = self._sent.answered(acknowledged, now_s)
+        if trip_s is not None:
+            self._trips.append(trip_s)
         if len(self._trips) < _TRIPS:
             return []
-        median_s = sorted(self._trips)[_TRIPS // 2]
+        median_s = quantile(self._trips, 0.5)
         is_new = self._slow.line(median_s) is not None
         return [f"a packet and its answer take {median_s:.2f} s"] if is_new else []
 

@@ -41,11 +41,13 @@ class SteppedClock:
     Args:
         name: of this program.
         address: of the program that steps it.
+        stride: granted ticks between two steps of this program.
     """
 
     is_stepped = True
 
-    def __init__(self, name: str, address: str) -> None:
+    def __init__(self, name: str, address: str, stride: int = 1) -> None:
+        self._stride = stride
         self._stepper = connect(address, "stepper", _WITHIN_S)
         self._stepper.send(name)
         self._now_s = 0.0
@@ -57,15 +59,19 @@ class SteppedClock:
         process_clock.step_by(lambda: self._now_s)
 
     def wait(self) -> int:
-        """Wait for the next tick; returns the number of ticks since the last one.
+        """Wait for the next step; returns the number of ticks since the last one.
 
         Raises:
             PalmbotsError: the program that steps is gone.
         """
-        self._stepper.send(self._sent)
-        self._now_s, elapsed, self.expected = self._stepper.receive()
-        self.overruns += elapsed - 1
-        return elapsed
+        total = 0
+        for _ in range(self._stride):
+            self._stepper.send(self._sent)
+            self._now_s, elapsed, expected = self._stepper.receive()
+            self.expected += expected
+            total += elapsed
+        self.overruns += total // self._stride - 1
+        return total
 
     def run_at(self, rate: float) -> None:
         """As for `ControlClock`: the stepper knows the rate of each clock."""

@@ -51,6 +51,9 @@ class RobotParameters(Section):
     clock_ppm: ClockError = 0.0
     """Rate error of the robot's clock, > 0 if it runs fast. Only the resilient algorithm measures
     time."""
+    period_s: Period | None = None
+    """Time between two steps of the robot's program: a whole multiple of control.period_s, and at
+    most control.watchdog_s. Without it: control.period_s."""
 
 
 class RobotOverride(Section):
@@ -64,6 +67,7 @@ class RobotOverride(Section):
     noise_tau_s: Memory | None = None
     bias_m_s: SpeedError | None = None
     clock_ppm: ClockError | None = None
+    period_s: Period | None = None
 
 
 class Robot(RobotParameters):

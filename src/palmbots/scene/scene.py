@@ -122,9 +122,15 @@ class Scene(Section):
         """The scene as the text of a scene file."""
         return toml_text(self.model_dump())
 
+    def stride_of(self, side: Side) -> int:
+        """The control periods of the scene between two steps of a robot's program."""
+        own_s = self.robot_of(side).period_s
+        return 1 if own_s is None else max(1, round(own_s / self.control.period_s))
+
     @model_validator(mode="after")
     def _check(self) -> Self:
         self._check_time()
+        self._check_periods()
         self._check_start()
         self._check_path()
         return self
@@ -139,6 +145,26 @@ class Scene(Section):
                 f"a number in m, from {least:g} to 10000",
                 "task.path.radius_m",
             )
+
+    def _check_periods(self) -> None:
+        """Refuse a robot's period between two ticks, or longer than its motors wait."""
+        tick_s, watchdog_s = self.control.period_s, self.control.watchdog_s
+        for side in SIDES:
+            own_s = self.robot_of(side).period_s
+            if own_s is None:
+                continue
+            ratio = own_s / tick_s
+            is_whole = ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6
+            if not is_whole or own_s > watchdog_s * (1 + 1e-9):
+                override = self.robot.left if side == "left" else self.robot.right
+                raise field_error(
+                    own_s,
+                    f"is not a whole multiple of control.period_s, which is {tick_s:g}"
+                    if not is_whole
+                    else f"is longer than control.watchdog_s, which is {watchdog_s:g}",
+                    f"whole multiples of {tick_s:g} s up to {watchdog_s:g} s",
+                    f"robot.{side}.period_s" if override.period_s is not None else "robot.period_s",
+                )
 
     def _check_time(self) -> None:
         period = self.control.period_s

@@ -66,6 +66,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     left, right = (_palm(scene.palm_of(side)) for side in SIDES)
     spec.palms = (left, right)
     left, right = (_robot(scene.robot_of(side)) for side in SIDES)
+    left.stride, right.stride = (scene.stride_of(side) for side in SIDES)
     spec.robots = (left, right)
     spec.zones = _zones(scene.tactile)
     spec.false_rate = scene.tactile.false_rate
