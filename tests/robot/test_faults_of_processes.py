@@ -132,6 +132,18 @@ def test_every_run_is_the_same_to_the_last_packet(tmp_path: Path) -> None:
     assert first[0] != other[0]
 
 
+def test_the_algorithm_of_the_paper_hangs_and_the_station_says_so(tmp_path: Path) -> None:
+    """A robot that waits for a message which was lost waits until the carry ends."""
+    overrides = {
+        "robot.left.bias_m_s": 0.004, "robot.noise_m_s": 0.012, "task.distance_m": 1.2,
+    }  # fmt: skip
+    radio = Impairment(0.3, 2.0)
+    with SteppedProcesses(tmp_path, "distributed", radio, seed=2, overrides=overrides) as pair:
+        pair.start()
+        pair.run_until(lambda: "it hangs" in pair.lines(), 20)
+        assert lines_match(pair, r"right assists for more than 5\.4 s: it hangs"), pair.report()
+
+
 def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
     """Both robots keep still under a drift that any controller corrects: the wheels of the left one
     run too fast, and `distributed` waits for an answer that never comes."""

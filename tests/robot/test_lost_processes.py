@@ -172,10 +172,12 @@ def test_the_wall_clock_may_be_set_back(tmp_path: Path) -> None:
         )
 
 
-@pytest.fixture
-def full_disk(tmp_path: Path) -> Iterator[Callable[[SteppedProcesses], None]]:
-    """Fills the disk on which the states lie; without root the robot may write no more bytes."""
-    folder = tmp_path / "pair-state"
+@pytest.fixture(params=["pair-state"])
+def full_disk(
+    tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[Callable[[SteppedProcesses], None]]:
+    """Fills the disk under a folder; without root the left robot may write no more bytes."""
+    folder = tmp_path / request.param
     folder.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
     is_mounted = os.geteuid() == 0 and subprocess.run(mount, capture_output=True).returncode == 0
@@ -205,3 +207,18 @@ def test_a_full_disk_ends_the_carry_with_a_reason(
         assert says(pair, r"(left|right): fault \(storage\)"), pair.report()
         after = read_state(pair.pair.state_file("left"))  # it is whole
         assert after.epoch == before.epoch
+
+
+@pytest.mark.parametrize("full_disk", ["pair-logs"], indirect=True)
+def test_a_full_disk_under_the_logs_costs_only_the_rest_of_the_logs(
+    tmp_path: Path, full_disk: Callable[[SteppedProcesses], None]
+) -> None:
+    with SteppedProcesses(tmp_path) as pair:
+        carrying(pair)
+        full_disk(pair)
+        assert pair.finish()["outcome"] == "delivered", pair.report()
+        warnings = [line for line in pair.report().splitlines() if "No space left" in line]
+        warnings += [line for line in pair.report().splitlines() if "File too large" in line]
+        assert warnings, pair.report()
+        assert len(warnings) <= 3, warnings  # one of each program
+        assert "Traceback" not in pair.report()

@@ -328,6 +328,20 @@ def test_link_quality_counts_gaps_and_measures_round_trips() -> None:
     assert link.loss(100.1) == 0
 
 
+def test_a_correction_that_never_ends_is_named_once() -> None:
+    watch = CorrectionWatch(6.0)
+    for now, side, case in ((1.0, "left", "a"), (1.2, "right", "c"), (5.0, "left", "a")):
+        watch.take(side, case, now)  # type: ignore[arg-type]
+    assert watch.hanging(7.0) == []
+    assert watch.hanging(7.1) == ["correction A of left lasts for more than 6 s: it hangs"]
+    assert watch.hanging(7.3) == ["right assists for more than 6 s: it hangs"]
+    assert watch.hanging(20.0) == []
+    watch.take("left", " ", 21.0)
+    watch.take("left", "d", 22.0)
+    watch.take("left", " ", 27.9)
+    assert watch.hanging(40.0) == []
+
+
 def test_corrections_get_labels_in_the_order_of_their_start() -> None:
     watch = CorrectionWatch()
     said = [

@@ -5,9 +5,23 @@ from dataclasses import dataclass, replace
 
 from palmbots._types import SIDES, Side
 from palmbots._util.text import letter_label
+from palmbots.scene.scene import Scene
 
 ASSISTING = "c"
 _NONE = " "
+_LEAST_LIMIT_S = 5.0
+
+
+def longest_correction_s(scene: Scene) -> float:
+    """A time that no correction needs, unless a robot waits for a message that never comes: the way
+    over a whole palm at the correction speed, and two turns of a palm [s]; at least 5 s."""
+    longest = _LEAST_LIMIT_S
+    for side in SIDES:
+        palm, speed_m_s = scene.palm_of(side), scene.robot_of(side).correction_m_s
+        if speed_m_s > 0:
+            turn_s = abs(palm.steep_deg - palm.shallow_deg) / palm.rate_deg_s
+            longest = max(longest, palm.length_m / speed_m_s + 2 * turn_s)
+    return longest
 
 
 @dataclass(frozen=True)
@@ -31,10 +45,15 @@ class CorrectionWatch:
     """Finds corrections in the cases that the robots report, with the labels of Figure 8.
 
     A correction that is shorter than the time between two reports can be missed.
+
+    Args:
+        limit_s: a correction that lasts longer hangs (`longest_correction_s`).
     """
 
-    def __init__(self) -> None:
+    def __init__(self, limit_s: float = _LEAST_LIMIT_S) -> None:
+        self._limit_s = limit_s
         self._cases: dict[Side, str] = dict.fromkeys(SIDES, _NONE)
+        self._since_s: dict[Side, float] = {}  # of the cases of which nothing has been said yet
         self._under_way: dict[Side, SeenCorrection] = {}
         self._count = 0
         self.ended: list[SeenCorrection] = []
@@ -50,6 +69,7 @@ class CorrectionWatch:
         before, self._cases[side] = self._cases[side], case
         if case == before:
             return None
+        self._since_s[side] = now
         other: Side = "right" if side == "left" else "left"
         line = None
         if (over := self._under_way.pop(side, None)) is not None:
@@ -68,3 +88,15 @@ class CorrectionWatch:
         self._count += 1
         self._under_way[side] = begun
         return f"correction {begun.label} of {side} ({case}) begins"
+
+    def hanging(self, now: float) -> list[str]:
+        """A line, once, about each robot that corrects or assists for too long."""
+        lines = []
+        for side, since_s in [*self._since_s.items()]:
+            if self._cases[side] == _NONE or now - since_s <= self._limit_s:
+                continue
+            del self._since_s[side]
+            one = self._under_way.get(side)
+            what = f"{side} assists" if one is None else f"correction {one.label} of {side} lasts"
+            lines.append(f"{what} for more than {self._limit_s:g} s: it hangs")
+        return lines

@@ -17,7 +17,7 @@ from palmbots._util import process_clock
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
 from palmbots.links.link_meter import LinkMeter
-from palmbots.runtime.correction_watch import CorrectionWatch
+from palmbots.runtime.correction_watch import CorrectionWatch, longest_correction_s
 from palmbots.runtime.fault_watch import FaultWatch
 from palmbots.runtime.fault_words import fault_line
 from palmbots.runtime.pair_file import Pair
@@ -25,6 +25,7 @@ from palmbots.runtime.reported_counts import ReportedCounts
 from palmbots.runtime.robot_view import LOST_AFTER_S, RobotView
 from palmbots.runtime.station_epochs import StationEpochs
 from palmbots.runtime.stored_state import StoredState, read_state, write_state
+from palmbots.scene.scene import load_scene
 from palmbots.wire import Endpoint, Hello, Operate, Operation, Packet, RobotMode, Status, decode
 
 PERIOD_S = 0.05
@@ -80,7 +81,7 @@ class Station:
         """What is known of each robot."""
         self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
         """What each robot has reported about its own end of the wire."""
-        self.corrections = CorrectionWatch()
+        self.corrections = CorrectionWatch(longest_correction_s(load_scene(pair.scene())))
         self._faults = FaultWatch(PERIOD_S, self._start_s)
         self._lost: set[Side] = set()
         self._boot(read_state(self._file))
@@ -220,6 +221,9 @@ class Station:
         self._lost = set(self.status.keys() - modes.keys())
         for line in self._faults.step(modes, self.clock()):
             self._say(line)
+        if len(modes) == len(SIDES) and set(modes.values()) <= set(UNDER_WAY):
+            for line in self.corrections.hanging(self.time_s()):
+                self._say(line)
 
     def claimed_twice(self) -> tuple[Side, ...]:
         """The robots that two programs claim to be. None is armed meanwhile."""
