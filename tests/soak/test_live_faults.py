@@ -42,5 +42,9 @@ def test_a_fault_at_a_random_time(fault: str, controller: str, soak_seed: int) -
         elif controller == "distributed":  # it may hang, also until it drops, and then says so
             hangs = any("hangs" in line for line in run.says)
             assert run.outcome == "delivered" or run.says or hangs, described
+        elif controller == "silent" and fault.startswith(("left", "right")):
+            # Its partner can only feel that it stands (docs/theory/sign-controllers.md), sometimes
+            # too late; the operator reads why.
+            assert run.outcome == "delivered" or run.says, described
         else:
             assert run.outcome != "dropped, avoidable", described
