@@ -39,7 +39,7 @@ test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
-	$(BIN)/python -m pytest tests/robot --numprocesses auto --dist worksteal
+	$(BIN)/python -m pytest tests/robot --numprocesses 4 --dist worksteal
 
 firmware: $(VENV)/firmware.done  ## left.hex, right.hex and dongle.hex in build/firmware, with all settings still to be put in
 	$(BIN)/python firmware/build.py --package

@@ -14,7 +14,7 @@ def test_both_robots_are_heard(tmp_path: Path) -> None:
     world = ["world", "paper", "--serve", f"unix:{tmp_path / 'world'}"]
     robots = [["robot", "pair.toml", "--side", side] for side in ("left", "right")]
     with running(world, *robots, folder=tmp_path):
-        done = started(["doctor", "pair.toml", "--seconds", "8", "--json"], tmp_path)
+        done = started(["doctor", "pair.toml", "--seconds", "5", "--json"], tmp_path)
         printed, errors = done.communicate(timeout=60)
     assert errors == ""
     found = json.loads(printed)

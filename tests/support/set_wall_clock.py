@@ -30,7 +30,7 @@ class WallClock:
         self.environment = {
             "LD_PRELOAD": str(found[0]),
             "FAKETIME_TIMESTAMP_FILE": str(self._stamp),
-            "FAKETIME_NO_CACHE": "1",
+            "FAKETIME_CACHE_DURATION": "1",  # s: it reads the file in every call otherwise
             "FAKETIME_DONT_FAKE_MONOTONIC": "1",
             "PYTHONPATH": str(folder),
         }
