@@ -42,6 +42,7 @@ _ISER, _ICPR = 0xE000E100, 0xE000E280
 STORAGE = (0x7E000, 0x2000)
 _LED_ROW_PINS = sum(1 << row for row in LED_ROWS)
 _ROW_PINS = sum(1 << row for row in ROWS)
+_ALL_PINS = 0xFFFFFFFF
 
 
 class PowerFailed(Exception):
@@ -105,8 +106,8 @@ class Board(Processor):
         for peripheral in (*self._peripherals(), *self._plain):
             self._handlers |= peripheral.handlers()
         self.set_word(at("NVMC.READY"), 1)
-        self.pins_changed(0, 0xFFFFFFFF)
-        self.pins_changed(32, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
+        self.pins_changed(32, _ALL_PINS)
 
     def _peripherals(self) -> tuple[Peripheral, ...]:
         return (
@@ -185,8 +186,8 @@ class Board(Processor):
                 for column, pin in enumerate(LED_COLUMNS):
                     if self._is_low(pin):
                         self.led_picture |= 1 << (5 * row + column)
-        if first == 0 and not mask & (_ROW_PINS | 0x80000000):
-            return
+        if not mask & (_ROW_PINS if first == 0 else 0) and mask != _ALL_PINS:
+            return  # neither the rows of the switches nor what is connected has changed
         values = [0xFFFFFFFF, 0xFFFFFFFF]
         for row in range(3):
             closed = self.closed >> 3 * row & 7
@@ -204,12 +205,12 @@ class Board(Processor):
     def close_switches(self, closed: int) -> None:
         """Close these switches of the palm and open the others; bit 3 x row + column."""
         self.closed = closed
-        self.pins_changed(0, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
 
     def hold_buttons(self, held: int) -> None:
         """Hold these buttons; bit 0 is A, bit 1 is B."""
         self.buttons = held
-        self.pins_changed(0, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
 
     # --- radio
 
@@ -239,7 +240,7 @@ class Board(Processor):
         for base, size in (PERIPHERALS, PORTS, SYSTEM):
             self.set_bytes(base, bytes(size))
         if why != "watchdog":  # RAM keeps its content in a reset, which nobody may rely on
-            self.set_bytes(RAM[0], bytes(0x2000))
+            self._paint_stack()
         self.nvmc.config = 0
         supply = self.adc.supply_mv, self.twi.answers, self.twi.hangs
         self._make_peripherals()
@@ -341,9 +342,9 @@ class Board(Processor):
         """See `Uart`."""
         self.uart.sent(data)
 
-    def uart_byte(self) -> None:
+    def uart_bytes(self) -> None:
         """See `Uart`."""
-        self.uart.byte()
+        self.uart.bytes_have_come()
 
     def twi_ends(self, data: bytes) -> None:
         """See `Twi`."""

@@ -13,7 +13,7 @@ import unicorn
 from unicorn import arm_const
 from unicorn.unicorn_py3 import Uc, UcError
 
-from emulator.native import Meter, hooks
+from emulator.native import Meter, hooks, near_it_blocks
 
 CYCLES_PER_US = 64
 FLASH = (0x00000000, 0x80000)
@@ -51,6 +51,8 @@ class Processor:
         self.set_bytes(UICR[0], b"\xff" * UICR[1])
         self.set_bytes(FLASH[0], flash)
         self.meter = Meter()
+        self._near_it = near_it_blocks(flash.ljust(FLASH[1], b"\xff"))
+        self.meter.near_it = ctypes.cast(ctypes.c_char_p(self._near_it), ctypes.c_void_p)
         for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
             uc.hook_add(unicorn.UC_HOOK_MEM_WRITE, self._on_write, begin=base, end=base + size - 1)
         self._add_native_hooks()  # the last: the one for accesses has to run after the others
@@ -163,6 +165,12 @@ class Processor:
     def run_us(self, us: float) -> None:
         """Run for a time."""
         self.run(self.now + round(us * CYCLES_PER_US))
+
+    def run_a_little(self, until: int) -> None:
+        """Run to the next event, or for some instructions if the processor is busy."""
+        sleeps = self.is_asleep and not self.wakes()
+        end = self.events[0][0] + 1 if sleeps else self.now + 20 * CYCLES_PER_US
+        self.run(min(until, max(self.now + 1, end)))
 
     def _until_event(self, until: int) -> int:
         end = min(until, self.events[0][0]) if self.events else until

@@ -9,7 +9,15 @@ import struct
 import zlib
 from dataclasses import dataclass
 
-__all__ = ["CONTROLLERS", "PAGE_ADDRESS", "PAGE_SIZE", "SWITCHES", "BoardSettings", "settings_page"]
+__all__ = [
+    "CONTROLLERS",
+    "PAGE_ADDRESS",
+    "PAGE_SIZE",
+    "SWITCHES",
+    "BoardSettings",
+    "radio_settings",
+    "settings_page",
+]
 
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
@@ -98,6 +106,25 @@ class BoardSettings:
             *self.palm_us, *self.wheels, *times,
         )  # fmt: skip
         return body + zlib.crc32(body).to_bytes(4, "little")
+
+
+def radio_settings(channel: int, power_dbm: int) -> BoardSettings:
+    """The settings of the station's radio, which has no key and belongs to no pair.
+
+    Args:
+        channel: frequency above 2400 MHz [MHz].
+        power_dbm: of the radio [dBm].
+    """
+    return BoardSettings(
+        role=2, key=bytes(16), pair=0, first_epoch=0, last_epoch=0, number=0,
+        period_us=2500, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
+        travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0,
+        state_period=0, status_period=0, least_battery_mv=0, controller=0, channel=channel,
+        power_dbm=power_dbm, rejoins=False, stops_without_station=False,
+        stops_without_partner=False, has_radio=True, leads=False, may_stop=False, by_touch=False,
+        wheel_kind=0, debounce=1, palm_slew_us=0, wheel_slew=0, switches=(), palm_us=(0, 0),
+        wheels=(0,) * 12, times=(),
+    )  # fmt: skip
 
 
 def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
