@@ -15,29 +15,38 @@ from emulator.__main__ import robot_image
 from emulator.board import Image
 from palmbots.firmware.pair_settings import BoardPair, board_pair
 from palmbots.runtime.pair_file import init_pair, load_pair
+from waiting import locked
 
 IMAGES = ROOT / "build" / "firmware"
 
 
-def compiled(name: str, folder: Path) -> Image:
-    """The program of a robot, compiled again if a source is newer."""
+def compiled(folder: Path, *options: str) -> Path:
+    """The folder of the programs, compiled again if a source is newer."""
     sources = [*(ROOT / "firmware").rglob("*.[ch]pp"), *(ROOT / "include").rglob("*.hpp")]
-    newest = max(file.stat().st_mtime for file in sources)
+    newest = max(file.stat().st_mtime for file in [*sources, ROOT / "firmware" / "build.py"])
     made = folder / "robot.hex"
-    if not made.exists() or made.stat().st_mtime < newest:
-        command = [sys.executable, str(ROOT / "firmware" / "build.py")]
-        subprocess.run([*command, "--compiler", name, "--out", str(folder)], check=True)
-    return robot_image(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder / "lock"):  # another process of the tests may want them too
+        if not made.exists() or made.stat().st_mtime < newest:
+            command = [sys.executable, str(ROOT / "firmware" / "build.py"), "--out", str(folder)]
+            subprocess.run([*command, *options], check=True)
+    return folder
 
 
 @pytest.fixture(scope="session")
 def image() -> Image:
-    return compiled("gcc", IMAGES)
+    return robot_image(compiled(IMAGES))
 
 
 @pytest.fixture(scope="session")
 def clang_image(image: Image) -> Image:
-    return compiled("clang", IMAGES / "clang")
+    return robot_image(compiled(IMAGES / "clang", "--compiler", "clang"))
+
+
+@pytest.fixture(scope="session")
+def second_program() -> Path:
+    """The program of a robot for the second board."""
+    return compiled(IMAGES / "mps2", "--target", "mps2") / "robot.hex"
 
 
 @pytest.fixture

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same program on a second board, QEMU's mps2-an386, gives the same trace."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -21,14 +19,6 @@ HARD = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def program() -> Path:
-    out = ROOT / "build" / "firmware" / "mps2"
-    command = [sys.executable, str(ROOT / "firmware" / "build.py")]
-    subprocess.run([*command, "--target", "mps2", "--out", str(out)], check=True)
-    return out / "robot.hex"
-
-
 def names(folder: Path) -> set[str]:
     return {file.name for file in folder.glob("*.cpp")}
 
@@ -41,7 +31,7 @@ def test_it_replaces_the_files_that_the_page_lists() -> None:
 
 
 @pytest.mark.parametrize("controller", ["resilient", "distributed"])
-def test_it_carries_as_one_program(program: Path, controller: str) -> None:
+def test_it_carries_as_one_program(second_program: Path, controller: str) -> None:
     made: list[QemuBoard] = []
 
     def make(image: Path, settings: BoardSettings, table: bytes, seed: int) -> LockstepBoard:
@@ -51,7 +41,7 @@ def test_it_carries_as_one_program(program: Path, controller: str) -> None:
     overrides = HARD if controller == "resilient" else {"task.distance_m": 0.5}
     scene = pb.load_scene("paper", overrides)
     try:
-        result, _ = carry_on_boards(program, scene, controller, 3, make)
+        result, _ = carry_on_boards(second_program, scene, controller, 3, make)
     finally:
         for board in made:
             board.close()
