@@ -240,6 +240,7 @@ class Board(Processor):
         for base, size in (PERIPHERALS, PORTS, SYSTEM):
             self.set_bytes(base, bytes(size))
         if why != "watchdog":  # RAM keeps its content in a reset, which nobody may rely on
+            self.set_bytes(RAM[0], bytes(0x2000))
             self._paint_stack()
         self.nvmc.config = 0
         supply = self.adc.supply_mv, self.twi.answers, self.twi.hangs
@@ -253,6 +254,8 @@ class Board(Processor):
 
     def power_fails(self) -> None:
         """The supply is cut in this instruction."""
+        if self.halt > 0:  # the processor waits for the flash memory
+            self.nvmc.tear()
         raise PowerFailed
 
     def cut_power(self) -> None:

@@ -64,6 +64,8 @@ class Processor:
         self.event_number = 0
         self.pc = 0
         self.error: Exception | None = None
+        self.fails_at: int | None = None
+        """After so many instructions the power fails; None: it stays."""
 
     def _add_native_hooks(self) -> None:
         library = hooks()
@@ -154,6 +156,9 @@ class Processor:
         """
         while self.now < until:
             self._call_due()
+            if self.fails_at is not None and self.meter.instructions >= self.fails_at:
+                self.fails_at = None
+                self.power_fails()
             if self.halt > 0:
                 self._pass(min(self.halt, self._until_event(until)), halted=True)
             elif self.is_asleep and not self.wakes():
@@ -190,6 +195,8 @@ class Processor:
     def _slice(self, cycles: int) -> None:
         meter = self.meter
         meter.limit = meter.instructions + cycles
+        if self.fails_at is not None:
+            meter.limit = min(meter.limit, self.fails_at)
         if cycles == 0:
             return
         self.is_running = True
@@ -221,6 +228,10 @@ class Processor:
 
     def wakes(self) -> bool:
         """Whether an interrupt is pending that ends the sleep."""
+        raise NotImplementedError
+
+    def power_fails(self) -> None:
+        """The supply is cut in this instruction."""
         raise NotImplementedError
 
     def slept(self) -> None:

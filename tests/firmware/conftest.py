@@ -4,6 +4,7 @@
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,26 +50,34 @@ def second_program() -> Path:
     return compiled(IMAGES / "mps2", "--target", "mps2") / "robot.hex"
 
 
+def make_boards(
+    folder: Path,
+    controller: str = "resilient",
+    overrides: dict[str, Any] | None = None,
+    values: dict[str, Any] | None = None,
+) -> BoardPair:
+    """A pair that two boards can run without a station."""
+    scene = pb.load_scene("paper", {"task.distance_m": 0.3} | (overrides or {}))
+    (folder / "scene.toml").write_text(scene.to_toml())
+    chosen = {
+        "limits.station_lost": "carry-on",
+        "limits.after_reboot": "rejoin",
+        "limits.partner_lost": "controller",
+        "hardware.acceleration_m_s2": 1000.0,
+    } | (values or {})
+    file = init_pair(
+        folder / "pair.toml", scene="scene.toml", controller=controller, values=chosen
+    )[0]
+    return board_pair(load_pair(file))
+
+
 @pytest.fixture
 def boards(tmp_path: Path) -> Callable[..., BoardPair]:
-    """Makes a pair that two boards can run without a station."""
+    """Makes a pair in a folder of the test."""
+    return partial(make_boards, tmp_path)
 
-    def make(
-        controller: str = "resilient",
-        overrides: dict[str, Any] | None = None,
-        values: dict[str, Any] | None = None,
-    ) -> BoardPair:
-        scene = pb.load_scene("paper", {"task.distance_m": 0.3} | (overrides or {}))
-        (tmp_path / "scene.toml").write_text(scene.to_toml())
-        chosen = {
-            "limits.station_lost": "carry-on",
-            "limits.after_reboot": "rejoin",
-            "limits.partner_lost": "controller",
-            "hardware.acceleration_m_s2": 1000.0,
-        } | (values or {})
-        file = init_pair(
-            tmp_path / "pair.toml", scene="scene.toml", controller=controller, values=chosen
-        )[0]
-        return board_pair(load_pair(file))
 
-    return make
+@pytest.fixture(scope="session")
+def boards_in() -> Callable[..., BoardPair]:
+    """Makes a pair in a given folder."""
+    return make_boards

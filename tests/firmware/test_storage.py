@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Permanent memory: the supply is cut at every word of every write."""
 
+import re
+
 import pytest
 
+from cxx import ROOT
 from emulator.board import Image, PowerFailed
 from emulator.lockstep import LockstepBoard, lockstep_settings
+from emulator.wear import records_of_a_carry, wear
 from palmbots.control.registry import resolve
 from palmbots.scene.scene import load_scene
 
@@ -71,3 +75,23 @@ def test_a_full_page_is_followed_by_the_other(image: Image) -> None:
     erases = robot.board.nvmc.erases
     assert sum(erases.values()) >= 1
     assert max(erases.values()) - min(erases.get(page, 0) for page in (0x7E000, 0x7F000)) <= 1
+
+
+def test_the_docs_give_the_life_of_the_memory(image: Image) -> None:
+    """The numbers of docs/reference/board.md are those that two boards need in the emulator."""
+    boot, carry = records_of_a_carry(image)
+    text = " ".join((ROOT / "docs" / "reference" / "board.md").read_text().split())
+    start = text.index("- **Wear.**")
+    said = [
+        float(number.replace(" ", ""))
+        for number in re.findall(
+            r"\d+(?: \d{3})*(?:\.\d+)?", text[start : text.index("years", start)]
+        )
+    ]
+    records = 2 * (4096 // 12) * 10_000
+    years = records / (100 * (boot + carry)) / 365.25
+    assert said == [
+        341, 10_000, records, boot, carry, round((boot + carry) / 341, 4),
+        records // (boot + carry), 100, round(years, 1),
+    ]  # fmt: skip
+    assert wear(boot, carry)["years"] == round(years, 1) > 10
