@@ -24,6 +24,7 @@ class Nvmc(Peripheral):
         self.config = 0
         self.writes: dict[int, int] = {}
         self.word_writes = 0
+        """To pages, without the settings of the chip."""
         self.erases: dict[int, int] = {}
         self.power_fails_in: int | None = None
         """How many words are still written completely before the power fails; None: it stays."""
@@ -69,7 +70,7 @@ class Nvmc(Peripheral):
         self.require(before & value == value, f"sets bits at {address:#x} that are cleared")
         self.writes[address] = self.writes.get(address, 0) + 1
         self.require(self.writes[address] <= MOST_WRITES, f"writes {address:#x} too often")
-        self.word_writes += 1
+        self.word_writes += address < FLASH[1]
         self.newest = address, before, value
         if self.power_fails_in == 0:
             self.tear()
