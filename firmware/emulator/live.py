@@ -144,6 +144,8 @@ class LivePair:
         self.world = QuasistaticEpisode(self._endless, seed, record=False)
         self.damaged = 0
         """Packets with a wrong bit."""
+        self.collided = 0
+        """Packets that nobody has received because two overlapped."""
         self._commands: list[tuple[Command, Command]] = []
         self.robots: list[LiveBoard] = []
         for number, side in enumerate(SIDES):
@@ -223,6 +225,7 @@ class LivePair:
         spans = [(t, t + round(airtime_us(len(d)) * CYCLES_PER_US), n) for t, d, n in sent]
         for (time, data, sender), (begin, end, _) in zip(sent, spans, strict=True):
             collides = any(b < end and begin < e and n != sender for b, e, n in spans)
+            self.collided += collides
             if collides:
                 continue
             arrives = time + round((airtime_us(len(data)) + QUANTUM_US) * CYCLES_PER_US)

@@ -8,6 +8,7 @@ import pytest
 
 from emulator.board import Image
 from emulator.live import A, B, LivePair
+from emulator.processor import CYCLES_PER_US
 from palmbots.firmware.pair_settings import BoardPair
 
 MakeBoards = Callable[..., BoardPair]
@@ -33,6 +34,30 @@ def test_two_boards_carry_by_their_buttons(
     assert pair.is_held
     assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
     assert [robot.board.leds_lit for robot in pair.robots] == [1, 1]  # one row at a time
+
+
+def test_packets_leave_at_random_instants(image: Image, boards: MakeBoards) -> None:
+    """All over the tick, so that robots with equal clocks do not collide for long."""
+    pair = LivePair(image, boards(), seed=3)
+    assert pair.start(), pair.state()
+    phases: list[int] = []
+    board = pair.robots[0].board
+    period = 10_000 * CYCLES_PER_US
+    inner = board.on_send
+
+    def note(data: bytes) -> None:
+        assert board.timer.started_at is not None
+        phases.append(4 * ((board.now - board.timer.started_at) % period) // period)
+        inner(data)
+
+    board.on_send = note
+    pair.collided = 0
+    pair.run(4.0)
+    assert len(phases) > 150
+    quarters = [phases.count(n) / len(phases) for n in range(4)]
+    assert all(0.15 < share < 0.35 for share in quarters), quarters
+    # A packet is on the air for 0.34 ms, so two in 9 ms overlap once in 13 times.
+    assert 0.02 < pair.collided / (2 * len(phases)) < 0.15
 
 
 @pytest.mark.parametrize("clocks", [(1.02, 0.98), (0.98, 1.02)])

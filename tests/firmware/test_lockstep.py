@@ -49,6 +49,11 @@ def check(
     image, dongle = images
     row, result, host = carried(image, controller, seed, overrides, dongle)
     assert row["trace_hash"] == row["host_trace_hash"]
+    assert list(row) == [
+        "controller", "seed", "loss", "faults", "trace_hash", "host_trace_hash",
+        "instructions_per_tick", "stack_bytes", "flash_records", "image_sha256",
+    ]  # fmt: skip
+    assert list(row["instructions_per_tick"]) == ["median", "worst"]
     assert result.summary() == host.summary()
     assert result.message_log == host.message_log
     assert 0 < row["instructions_per_tick"]["worst"] <= MOST_INSTRUCTIONS

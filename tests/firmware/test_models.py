@@ -188,6 +188,17 @@ def test_pins_of_the_antenna_become_pins_of_switches(image: Image) -> None:
     assert board.resets == ["power"]
 
 
+def test_the_debug_port_stays_open(image: Image) -> None:
+    """By the setting of the chip and by the program, after each reset."""
+    board = Board(image)
+    for reset in (board.boot, board.watchdog_bites, board.cut_power):
+        reset()
+        board.boot()
+        board.run_us(5000)
+        assert board.word(at("UICR.APPROTECT")) == 0x5A
+        assert board.word(at("APPROTECT.DISABLE")) == 0x5A
+
+
 def test_memory_of_the_radio_is_guarded(image: Image) -> None:
     """The program fails as soon as it uses a buffer into which the radio writes."""
     board = Board(image)
