@@ -16,6 +16,7 @@ __all__ = [
     "SWITCHES",
     "BoardSettings",
     "radio_settings",
+    "role_in",
     "settings_page",
 ]
 
@@ -30,6 +31,8 @@ SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 _MAGIC = 0x42504D42
 _FORMAT = 1
 _MOST_TIMES = 16
+_ROLE = 20
+"""Place of the role among the fields."""
 _STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
 
 
@@ -140,3 +143,12 @@ def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
         page += table
         page += bytes(4 - len(page) % 4) + zlib.crc32(table).to_bytes(4, "little")
     return page.ljust(PAGE_SIZE, b"\xff")
+
+
+def role_in(page: bytes) -> int | None:
+    """The role in the last page of an image; None: it holds no settings that a board accepts."""
+    body, check = page[: _STRUCT.size], page[_STRUCT.size : _STRUCT.size + 4]
+    if len(body) < _STRUCT.size or check != zlib.crc32(body).to_bytes(4, "little"):
+        return None
+    fields = _STRUCT.unpack(body)
+    return fields[_ROLE] if fields[:2] == (_MAGIC, _FORMAT) else None
