@@ -81,7 +81,7 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
-soak: $(VENV)/strict.done $(VENV)/soak.done  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
+soak: $(VENV)/strict.done $(VENV)/soak.done firmware  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
 	$(BIN)/python tests/soak/soak.py $(or $(MINUTES),60)
 
 fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600

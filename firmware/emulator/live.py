@@ -76,9 +76,12 @@ class LiveBoard:
         return FAULTS[self.note("fault")]
 
     def command(self) -> Command:
-        """Palm, move and stop, as the pulses have it."""
-        pulses = self.board.pwm.pulses
-        if not self.is_on or not pulses or not pulses[1]:
+        """Palm, move and stop, as the pulses have it, or the commands to the motor board."""
+        pulses, speeds = self.board.pwm.pulses, self.board.twi.newest
+        # A motor board gets a register, and then direction and speed of each wheel.
+        commanded = pulses[1:2] if speeds is None and pulses else (speeds or b"")[2::2]
+        turns = any(commanded)
+        if not self.is_on or not turns:
             return (self.note("palm") if self.is_on else self.last_palm, 0, True)
         self.last_palm = self.note("palm")
         return self.note("palm"), self.note("move"), bool(self.note("stop"))

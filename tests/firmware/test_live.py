@@ -161,6 +161,20 @@ def test_a_fault_rests_the_wheels_and_is_shown(
     assert pair.robots[0].mode != "armed" or code == "supply"
 
 
+def test_robots_with_motor_boards_carry(image: Image, boards: MakeBoards) -> None:
+    values = {"board.wheels": "motor-board", "board.motor_timeout_s": 0.1}
+    pair = LivePair(image, boards(values=values), seed=9)
+    assert pair.start(), pair.state()
+    pair.run(1.0)
+    # They face each other, so one drives forward and the other one backward.
+    newest = [robot.board.twi.newest or b"" for robot in pair.robots]
+    assert [(speeds[1], speeds[3]) for speeds in newest] == [(0, 0), (1, 1)]
+    assert pair.run_until("done", within_s=WITHIN_S), pair.state()
+    assert pair.is_held
+    assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
+    assert [robot.board.twi.newest for robot in pair.robots] == [bytes(5), bytes(5)]
+
+
 @pytest.mark.parametrize("hangs", [False, True])
 def test_a_silent_motor_board_is_a_fault(image: Image, boards: MakeBoards, hangs: bool) -> None:
     values = {"board.wheels": "motor-board", "board.motor_timeout_s": 0.1}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same program on a second board, QEMU's mps2-an386, gives the same trace."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,22 @@ def test_it_replaces_the_files_that_the_page_lists() -> None:
     listed = {line.split("`")[1] for line in page.splitlines() if line.startswith("| `")}
     assert names(NRF) == listed
     assert names(MPS2) == listed | {"line.cpp"}
+
+
+def test_the_page_lists_each_function_that_a_board_offers() -> None:
+    """In the row of the file that declares it."""
+    page = (ROOT / "docs" / "reference" / "board.md").read_text()
+    rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
+    listed = {row[1].strip(" `"): set(re.findall(r"`(\w+)`", row[2])) for row in rows}
+    declared: dict[str, set[str]] = {}
+    file = ""
+    for line in (ROOT / "firmware" / "board" / "board.hpp").read_text().splitlines():
+        if title := re.match(r"// --- (\w+\.cpp)", line):
+            file = title[1]
+        elif function := re.match(r"[a-z].*?[ *](\w+)\(.*\);", line):
+            declared.setdefault(file, set()).add(function[1])
+    assert sum(map(len, declared.values())) > 30
+    assert listed == declared
 
 
 @pytest.mark.parametrize("controller", ["resilient", "distributed"])
