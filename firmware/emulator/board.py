@@ -147,12 +147,11 @@ class Board(Processor):
 
     def written(self, address: int, size: int, value: int) -> None:
         """The program writes to a peripheral or to flash memory."""
-        if Nvmc.covers(address):
-            self.nvmc.write(address, size, value)
-            return
         handler = self._handlers.get(address)
         if handler is not None:
             handler(value)
+        elif Nvmc.covers(address):
+            self.nvmc.write(address, size, value)
         elif address == _ISER:
             self.unmasked |= value
         elif address == _ICPR:

@@ -28,6 +28,12 @@ _OFFSET = {0: 0xFFFFF, 1: 0xFFF, 2: 0xFFFFF, 4: 0xFFFFF, 5: 0xFFF, 0xE: 0xFFF}
 """The bits of an address that count within its region, by the upper four bits."""
 
 
+_WRITE_CALLBACK = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_uint64, ctypes.c_int, ctypes.c_int64,
+    ctypes.c_void_p,
+)  # fmt: skip
+
+
 class Violation(Exception):
     """The firmware used a peripheral in a way that the hardware does not permit."""
 
@@ -53,9 +59,7 @@ class Processor:
         self.meter = Meter()
         self._near_it = near_it_blocks(flash.ljust(FLASH[1], b"\xff"))
         self.meter.near_it = ctypes.cast(ctypes.c_char_p(self._near_it), ctypes.c_void_p)
-        for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
-            uc.hook_add(unicorn.UC_HOOK_MEM_WRITE, self._on_write, begin=base, end=base + size - 1)
-        self._add_native_hooks()  # the last: the one for accesses has to run after the others
+        self._add_hooks()
         self.offset = 0  # cycles that passed without an instruction
         self.halt = 0  # cycles for which the processor is about to be halted
         self.is_asleep = True
@@ -67,7 +71,7 @@ class Processor:
         self.fails_at: int | None = None
         """After so many instructions the power fails; None: it stays."""
 
-    def _add_native_hooks(self) -> None:
+    def _add_hooks(self) -> None:
         library = hooks()
         native = unicorn.unicorn_py3.unicorn.uclib  # type: ignore[attr-defined]
         library.use(
@@ -75,19 +79,26 @@ class Processor:
               for name in ("uc_emu_stop", "uc_reg_read", "uc_reg_write"))
         )  # fmt: skip
         handle = self.uc._uch  # type: ignore[attr-defined]
-        for kind, name, base, size in (
-            (unicorn.UC_HOOK_CODE, "on_instruction", 1, 0),  # everywhere
-            (unicorn.UC_HOOK_MEM_READ | unicorn.UC_HOOK_MEM_WRITE, "on_access", 1, 0),
-        ):
+
+        def add(kind: int, callback: Any, begin: int, end: int) -> None:
             number = ctypes.c_size_t()
-            callback = ctypes.cast(getattr(library, name), ctypes.c_void_p)
             status = native.uc_hook_add(
-                handle, ctypes.byref(number), ctypes.c_int(kind), callback,
-                ctypes.byref(self.meter), ctypes.c_uint64(base),
-                ctypes.c_uint64(base + size - 1 if size else 0),
+                handle, ctypes.byref(number), ctypes.c_int(kind),
+                ctypes.cast(callback, ctypes.c_void_p), ctypes.byref(self.meter),
+                ctypes.c_uint64(begin), ctypes.c_uint64(end),
             )  # fmt: skip
             if status != unicorn.UC_ERR_OK:
                 raise UcError(status)
+
+        # Not by Unicorn's own functions, which take half as long again for each store.
+        self._write_callback = _WRITE_CALLBACK(self._on_write)
+        for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
+            add(unicorn.UC_HOOK_MEM_WRITE, self._write_callback, base, base + size - 1)
+        everywhere = (1, 0)
+        add(unicorn.UC_HOOK_CODE, library.on_instruction, *everywhere)
+        # The last: it has to run after the others.
+        accesses = unicorn.UC_HOOK_MEM_READ | unicorn.UC_HOOK_MEM_WRITE
+        add(accesses, library.on_access, *everywhere)
 
     # --- memory
 
@@ -222,7 +233,7 @@ class Processor:
             self.written(address, size, value & 0xFFFFFFFF)
         except Exception as error:  # does not pass through the C code of Unicorn
             self.error = self.error or error
-            uc.emu_stop()
+            self.uc.emu_stop()
 
     # --- what a board adds
 
