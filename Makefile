@@ -99,7 +99,9 @@ docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the 
 	$(BIN)/python scripts/generate_docs.py
 
 book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
-	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/site/docs
+	$(BIN)/python -m sphinx -q -W --keep-going -b html -d build/book/doctrees docs build/book/html
+	@rm -rf build/site/docs && mkdir -p build/site && cp -r build/book/html build/site/docs
+	$(BIN)/python scripts/check_links.py
 
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
 	$(BIN)/python software-paper/build.py build/paper.pdf
@@ -157,7 +159,8 @@ site/src/generated/core.wasm: $(wildcard site/core/*) $(shell find include -name
 	@$(BIN)/python -m ziglang c++ -target wasm32-wasi -mexec-model=reactor -std=c++20 -Iinclude -O2 \
 		-ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti -s site/core/core.cpp -o $@
 
-site/src/generated/tables.json: scripts/site_tables.py $(shell find src/palmbots verify/counterexamples -type f) $(VENV)/extension.done
+site/src/generated/tables.json: scripts/site_tables.py verify/model_check.py verify/runs.toml \
+		$(shell find src/palmbots verify/counterexamples verify/models -type f -not -name '*.pyc') $(VENV)/extension.done
 	@$(BIN)/python scripts/site_tables.py $(@D)
 	@touch $@
 

@@ -35,6 +35,13 @@ def test_links_have_targets(page: Path) -> None:
             assert anchor in slugs, f"{page.name}: {target}"
 
 
+def test_every_page_stands_in_the_contents() -> None:
+    docs = ROOT / "docs"
+    contents = set(re.findall(r"\]\(([\w/-]+\.md)\)", (docs / "README.md").read_text()))
+    pages = {path.relative_to(docs).as_posix() for path in docs.rglob("*.md")}
+    assert contents == pages - {"README.md"}
+
+
 def test_generated_parts_are_up_to_date() -> None:
     """When this fails: `make docs`."""
     script = ROOT / "scripts" / "generate_docs.py"
