@@ -5,7 +5,7 @@ import gzip
 import re
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from site_pages import ROOT, SITE, Open
 
@@ -46,6 +46,41 @@ def test_a_phone_plays_by_touch(open_page: Open) -> None:
     page = open_page("#carry?t=2", width=390, height=844, touch=True)
     page.locator("#play").tap()
     expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+
+
+def swipe(page: Page, x: float, y: float, by: float) -> None:
+    """A finger that touches the page, moves sideways and leaves."""
+    session = page.context.new_cdp_session(page)
+    moves = [("touchMove", [by * k / 5]) for k in range(1, 6)]
+    for kind, places in (("touchStart", [0.0]), *moves, ("touchEnd", [])):
+        points = [{"x": x + place, "y": y} for place in places]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def centre(page: Page, name: str) -> tuple[float, float]:
+    """The middle of an element, which is scrolled into view."""
+    page.locator(name).scroll_into_view_if_needed()
+    box = page.locator(name).bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_finger_drags_what_a_mouse_drags(open_page: Open) -> None:
+    page = open_page("#carry?t=2", width=390, height=844, touch=True)
+    before = page.locator("#hash").inner_text()
+    x, y = centre(page, "#stage")
+    swipe(page, x, y - 40, 30)  # the object
+    expect(page.locator(".command")).to_contain_text("bumps.script")
+    assert page.locator("#hash").inner_text() != before
+    time = page.locator(".time").inner_text()
+    swipe(page, *centre(page, "#contacts-chart"), 40)
+    expect(page.locator(".time")).not_to_have_text(time)
+    time = page.locator(".time").inner_text()
+    page.get_by_role("button", name="one step back").tap()
+    expect(page.locator(".time")).not_to_have_text(time)
+    page.evaluate("location.hash = 'mechanics'")
+    swipe(page, *centre(page, "#handle-com"), 30)
+    expect(page.locator(".command")).to_contain_text("scene.toml")
 
 
 def test_the_theme_can_be_changed(open_page: Open) -> None:

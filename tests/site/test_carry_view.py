@@ -3,6 +3,7 @@
 
 import io
 import json
+import math
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -202,11 +203,35 @@ def test_robots_are_switched_off_and_on(
     page = open_page(hash_of("carry", {"t": 2, "controller": "resilient"}))
     page.locator("#switch-left").click()
     expect(page.locator("#switch-left")).to_have_text("left on")
+    page.locator("#scrub").fill("20")
+    expect(page.locator("#switch-left")).to_have_text("left on")  # until it is switched on again
+    assert_reproduced(page, capsys)
     page.locator("#scrub").fill("2.5")
     page.locator("#switch-left").click()
     (fault,) = overrides_of(page)["faults.script"]
     assert fault == {"kind": "reboot", "robot": "left", "at_s": 2, "duration_s": 0.5}
     assert_reproduced(page, capsys)
+
+
+def test_a_moment_is_taken_apart(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 4.7}))
+    page.locator("#examine").click()
+    expect(page.locator("h1")).to_have_text("Which contact slides?")
+    trace = pb.carry("figure8").trace
+    assert trace is not None
+    at = trace.sel(time=4.7, method="nearest")
+    p, theta = at.contact.values, at.palm.values
+    assert abs(p[1] - p[0]) > 0.005  # the moment is no trivial one
+    found = pb.modes(
+        "figure8", p_left_m=p[0], p_right_m=p[1], theta_left_deg=math.degrees(theta[0]),
+        theta_right_deg=math.degrees(theta[1]),
+    )  # fmt: skip
+    for what, mode in (("together", found.closing), ("apart", found.opening)):
+        assert mode is not None
+        expect(page.get_by_role("heading", name=f"Driven {what}")).to_contain_text("-".join(mode))
+    for side, place in (("left", 0), ("right", 1)):
+        shown = page.locator(f"label:has(#p-{side}) output").inner_text().removesuffix(" mm")
+        assert float(shown.replace("−", "-")) == pytest.approx(1000 * p[place], abs=0.06)
 
 
 def test_the_url_holds_the_whole_state(open_page: Open) -> None:

@@ -43,6 +43,20 @@ export function sceneOf(name: string, overrides: Overrides): Scene {
   return scene;
 }
 
+// What the built-in scene and the overrides set apart from the scene `paper`, which a scene file builds on.
+export function fromPaper(name: string, overrides: Overrides): Overrides {
+  const found: Overrides = {};
+  for (const [section, keys] of Object.entries(builtInScene(name))) {
+    if (section === "object" && "object" in overrides) continue;
+    for (const [key, value] of Object.entries(keys as Record<string, Json>)) {
+      if (JSON.stringify(get(PAPER, `${section}.${key}`)) !== JSON.stringify(value)) {
+        found[`${section}.${key}`] = value;
+      }
+    }
+  }
+  return { ...found, ...overrides };
+}
+
 function number(scene: Json, key: string): number {
   return get(scene, key) as number;
 }
