@@ -99,7 +99,7 @@ docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the 
 	$(BIN)/python scripts/generate_docs.py
 
 book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
-	$(BIN)/python -m sphinx -q -W --keep-going -b html -d build/book/doctrees docs build/book/html
+	$(BIN)/python -m sphinx -q -W --keep-going -E -a -b html -d build/book/doctrees docs build/book/html
 	@rm -rf build/site/docs && mkdir -p build/site && cp -r build/book/html build/site/docs
 	$(BIN)/python scripts/check_links.py
 

@@ -65,11 +65,12 @@ def _channels(carry: pb.simulation.Carry) -> str:
         for channel in sorted(summary.channels.values(), key=lambda channel: channel.topic)
     ]  # fmt: skip
     keys = ", ".join(f"`{key}`" for key in record.metadata)
-    return (
-        _table(("channel", "schema", "encoding"), *rows)
-        + f"\n\nThe metadata record `{record.name}` has format {record.metadata['format']}. All of its "
-        f"values are texts; lists and tables are JSON. Its keys: {keys}."
+    format_ = record.metadata["format"]
+    text = (
+        f"The metadata record `{record.name}` has format {format_}. All of its values are texts; "
+        f"lists and tables are JSON. Its keys: {keys}."
     )
+    return f"{_table(('channel', 'schema', 'encoding'), *rows)}\n\n{text}"
 
 
 def _states(carry: pb.simulation.Carry) -> str:

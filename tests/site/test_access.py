@@ -123,6 +123,13 @@ def test_the_page_without_javascript(open_page: Open) -> None:
     assert "palmbots carry figure8" in page.content()
 
 
+def test_without_javascript_nothing_moves_where_motion_is_unwelcome(open_page: Open) -> None:
+    page = open_page(script=False, motion="reduce")
+    shown = [image.get_attribute("src") for image in page.get_by_role("img").all()]
+    assert len(shown) == 4
+    assert not any(source.endswith(".gif") for source in shown if source)
+
+
 def test_the_front_page_is_small() -> None:
     """HTML, style, the script with what it imports at once, and the core."""
     html = (SITE / "index.html").read_text()

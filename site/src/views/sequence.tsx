@@ -124,7 +124,7 @@ export function Charts() {
   };
 
   return (
-    <div class="charts" ref={frame}>
+    <div class="charts">
       <div class="legend">
         <span class="left-key">left robot</span>
         <span class="right-key">right robot</span>
@@ -139,54 +139,56 @@ export function Charts() {
           whole carry
         </label>
       </div>
-      <figure>
-        <figcaption>contacts p [mm], outward is up</figcaption>
-        <Canvas
-          id="contacts-chart"
-          height={132}
-          label="contact coordinates over time; the arrow keys move the cursor"
-          onPointerDown={scrub}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          onKeyDown={keys}
-          draw={(s) =>
-            drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
-          }
-        />
-      </figure>
-      <figure>
-        <figcaption>palm angles</figcaption>
-        <Canvas
-          id="palms-chart"
-          height={66}
-          label="palm angles over time"
-          onPointerDown={scrub}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          draw={(s) => drawPalms(s, palette.value, axis(run, s.width), run, band)}
-        />
-      </figure>
-      <figure>
-        <figcaption>
-          {talks ? "corrections and messages: click one" : "corrections"}
-        </figcaption>
-        <Canvas
-          id="sequence-chart"
-          height={SEQUENCE_HEIGHT}
-          label="corrections and messages of both robots; M selects the next message"
-          onPointerDown={pick}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          onKeyDown={keys}
-          draw={(s) =>
-            drawSequence(
-              s, palette.value, axis(run, s.width), run, latency, chosen.value,
-              info?.isPeriodic ?? false,
-            )
-          }
-        />
-      </figure>
-      <Cursor run={run} frame={frame} />
+      <div class="plots" ref={frame}>
+        <figure>
+          <figcaption>contacts p [mm], outward is up</figcaption>
+          <Canvas
+            id="contacts-chart"
+            height={132}
+            label="contact coordinates over time; the arrow keys move the cursor"
+            onPointerDown={scrub}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            onKeyDown={keys}
+            draw={(s) =>
+              drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
+            }
+          />
+        </figure>
+        <figure>
+          <figcaption>palm angles</figcaption>
+          <Canvas
+            id="palms-chart"
+            height={66}
+            label="palm angles over time"
+            onPointerDown={scrub}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            draw={(s) => drawPalms(s, palette.value, axis(run, s.width), run, band)}
+          />
+        </figure>
+        <figure>
+          <figcaption>
+            {talks ? "corrections and messages: click one" : "corrections"}
+          </figcaption>
+          <Canvas
+            id="sequence-chart"
+            height={SEQUENCE_HEIGHT}
+            label="corrections and messages of both robots; M selects the next message"
+            onPointerDown={pick}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            onKeyDown={keys}
+            draw={(s) =>
+              drawSequence(
+                s, palette.value, axis(run, s.width), run, latency, chosen.value,
+                info?.isPeriodic ?? false,
+              )
+            }
+          />
+        </figure>
+        <Cursor run={run} frame={frame} />
+      </div>
       <MessageCard run={run} />
       {info?.team === "station" && (
         <p class="note">The station hears both robots and answers in every control period.</p>
