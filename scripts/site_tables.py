@@ -33,6 +33,11 @@ from palmbots.stability.linear_conditions import text_of
 from palmbots.viz.style import controller_looks
 
 ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "verify"))
+
+from model_check import claims_of, runs  # noqa: E402
+
+_FORMULA = re.compile(r"^/\* (.*) \*/\nltl (\w+) ", re.MULTILINE)
 _STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
 _CELL = re.compile(r"^([+-]\d+) (.*)$")
 
@@ -77,17 +82,28 @@ def counterexample(path: Path) -> dict[str, Any]:
             loop = len(steps)
         elif line.strip():
             before.append(line.strip())
-    what, _, claim = title.rpartition(": ")
+    what, _, violated = title.rpartition(": ")
+    claim = violated.removesuffix(" is violated")
     scene = path.with_suffix(".toml")
     return {
         "name": path.stem,
         "title": what,
-        "claim": claim.removesuffix(" is violated"),
+        "claim": claim,
+        "meaning": _meaning(runs()[path.stem].model, claim),
         "steps": steps,
         "after": before,
         "loop": loop,
         "scene": load_scene(scene).model_dump() if scene.exists() else None,
     }
+
+
+def _meaning(model: str, claim: str) -> str:
+    """A claim, or a formula of the same name, in the words of the model."""
+    stated = {name: says for name, (_, says) in claims_of(model).items()}
+    text = (ROOT / "verify" / "models" / f"{model}.pml").read_text("utf-8")
+    stated |= {name: says for says, name in _FORMULA.findall(text)}
+    says = re.sub(r"^S\d: ", "", stated[claim])
+    return says[0].lower() + says[1:]
 
 
 def _robot(text: str) -> dict[str, Any]:

@@ -10,8 +10,13 @@ import pypandoc
 import typst
 
 HERE = Path(__file__).parent
-MOST_WORDS = 1000
-"""The limit of the Journal of Open Source Software."""
+WORDS = range(750, 1751)
+"""The limits of the Journal of Open Source Software (docs/paper.md of openjournals/joss)."""
+SECTIONS = [
+    "Summary", "Statement of need", "State of the field", "Software design",
+    "Research impact statement", "AI usage disclosure", "Acknowledgements", "References",
+]  # fmt: skip
+"""The sections that it demands, in their order."""
 
 
 def words(text: str) -> int:
@@ -24,8 +29,11 @@ def main(out: Path) -> None:
     """Write the PDF."""
     text = (HERE / "paper.md").read_text(encoding="utf-8")
     count = words(text)
-    if count > MOST_WORDS:
-        sys.exit(f"paper.md: {count} words; allowed: at most {MOST_WORDS}")
+    if count not in WORDS:
+        sys.exit(f"paper.md: {count} words; allowed: {WORDS[0]} to {WORDS[-1]}")
+    found = re.findall(r"^# (.+)$", text, re.MULTILINE)
+    if found != SECTIONS:
+        sys.exit(f"paper.md: sections {', '.join(found)}; allowed: {', '.join(SECTIONS)}")
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "paper.typ"
@@ -41,11 +49,7 @@ def main(out: Path) -> None:
             "typst",
             "markdown",
             outputfile=str(source),
-            extra_args=[
-                *options,
-                "--variable=mainfont:Libertinus Serif",
-                "--variable=papersize:a4",
-            ],
+            extra_args=options,
         )
         typst.compile(str(source), output=str(out))
     print(f"{out}: {count} words")

@@ -37,8 +37,8 @@ class Dongle {
       board::serve_uart();
       from_radio();
       from_line();
-      if (board::take_alarm()) send_oldest();
-      if (board::take_slot()) board::next_row();
+      if (board::take_alarm() || (follows_ && !board::is_sending())) send_oldest();
+      if (board::take_slot() && slots_++ % slots_per_row == 0) board::next_row();
       const std::uint16_t elapsed = board::take_ticks();
       if (elapsed == 0) continue;
       tick(elapsed);
@@ -48,15 +48,15 @@ class Dongle {
 
  private:
   static constexpr std::size_t room = 8;
-  static constexpr std::uint32_t report_period = 50;  // [ticks of 10 ms]
-  static constexpr std::uint32_t span_us = 3000;      // within which a packet leaves
-  static constexpr std::uint32_t heard_for = 50;      // [ticks]
+  static constexpr std::uint32_t report_period = 200;  // [ticks of 2.5 ms]
+  static constexpr std::uint32_t slots_per_row = 4;    // a row of LEDs shines for 2 ms
+  static constexpr std::uint32_t span_us = 3000;       // within which a packet leaves
+  static constexpr std::uint32_t heard_for = 200;      // [ticks]
 
   void from_radio() {
-    board::RadioPacket packet;
-    while (board::take_packet(packet)) {
+    while (board::take_packet(received_)) {
       since_radio_ = 0;
-      if (write(wire::FrameKind::packet, {packet.bytes.data(), packet.size})) {
+      if (write(wire::FrameKind::packet, {received_.bytes.data(), received_.size})) {
         ++report_.received;
       } else {
         ++report_.serial_full;
@@ -90,10 +90,10 @@ class Dongle {
     board::RadioPacket& packet = waiting_[(first_ + count_) % room];
     packet.size = static_cast<std::uint8_t>(frame.content.size());
     for (std::size_t i = 0; i < frame.content.size(); ++i) packet.bytes[i] = frame.content[i];
-    if (count_++ == 0) set_alarm();
+    if (count_++ == 0 && !follows_) set_alarm();
   }
 
-  // A packet leaves at a random instant, as those of the robots do.
+  // A packet leaves at a random instant, as those of the robots do. What waits then follows it.
   void set_alarm() {
     random_ ^= random_ << 13;
     random_ ^= random_ >> 17;
@@ -102,13 +102,12 @@ class Dongle {
   }
 
   void send_oldest() {
-    if (count_ == 0) return;
-    if (board::send(waiting_[first_])) {
+    if (count_ > 0 && board::send(waiting_[first_])) {
       ++report_.sent;
       first_ = (first_ + 1) % room;
       --count_;
     }
-    if (count_ > 0) set_alarm();
+    follows_ = count_ > 0;
   }
 
   void tick(std::uint16_t elapsed) {
@@ -139,9 +138,12 @@ class Dongle {
   wire::BridgeReport report_;
   std::uint32_t unknown_ = 0;
   std::uint32_t random_;
+  std::uint32_t slots_ = 0;
   std::uint32_t since_line_ = heard_for, since_radio_ = heard_for, since_report_ = 0;
+  board::RadioPacket received_;  // a member, because a local one would be cleared in each call
   board::RadioPacket waiting_[room];
   std::size_t first_ = 0, count_ = 0;
+  bool follows_ = false;  // a packet has been sent, and others wait
 };
 
 }  // namespace

@@ -15,6 +15,7 @@ from typing import Any
 import palmbots as pb
 from emulator.board import Image, load_image
 from emulator.lockstep import carry_on_boards
+from palmbots.control.registry import resolve
 
 ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "build" / "firmware"
@@ -22,14 +23,22 @@ CONTROLLERS = (
     "resilient", "shared-sign", "silent", "distributed", "centralized",
     "examples/policies/table-1.toml",
 )  # fmt: skip
-FAULTS = {
-    "faults.script": [
-        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
-        {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.08},
-        {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
-    ]
-}
-"""The left board loses its supply, and the watchdog resets the right one."""
+_ROBOTS_FAIL = [
+    {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
+    {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.08},
+    {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
+]
+_RADIO_FAILS = [
+    {"kind": "station-down", "at_s": 6.0, "duration_s": 0.3},
+    {"kind": "station-down", "at_s": 15.0, "duration_s": 0.2},
+]
+
+
+def faults(controller: str) -> dict[str, Any]:
+    """The left board loses its supply, and the watchdog resets the right one; so it goes with the
+    station's radio, if the controller has a station."""
+    has_station = resolve(controller).team == "station"
+    return {"faults.script": _ROBOTS_FAIL + (_RADIO_FAILS if has_station else [])}
 
 
 def robot_image(folder: Path = IMAGES) -> Image:
@@ -43,14 +52,18 @@ def dongle_image(folder: Path = IMAGES) -> Image:
 
 
 def carried(
-    image: Image, controller: str, seed: int, overrides: dict[str, Any]
+    image: Image, controller: str, seed: int, overrides: dict[str, Any], dongle: Image
 ) -> tuple[dict[str, Any], Any, Any]:
     """One carry on boards, what it cost, and the results on boards and inside one program."""
     scene = pb.load_scene("paper", overrides)
     host = pb.carry(scene, controller, seed=seed)
-    result, boards = carry_on_boards(image, scene, controller, seed)
-    ticks = [count for board in boards.boards for count in board.instructions]
-    resets = [why for board in boards.boards for why in board.board.resets]
+    result, carriers = carry_on_boards(image, scene, controller, seed, dongle=dongle)
+    robots = [board.board for board in carriers.boards]
+    radio = carriers.dongle
+    boards = robots if radio is None else [*robots, radio.board]
+    ticks = [count for board in carriers.boards for count in board.instructions]
+    ticks += [] if radio is None else radio.instructions
+    resets = [why for board in boards for why in board.resets]
     row = {
         "controller": controller,
         "seed": seed,
@@ -59,8 +72,8 @@ def carried(
         "trace_hash": result.trace_hash,
         "host_trace_hash": host.trace_hash,
         "instructions_per_tick": {"median": int(statistics.median(ticks)), "worst": max(ticks)},
-        "stack_bytes": max(board.board.stack_bytes for board in boards.boards),
-        "flash_records": max(board.board.nvmc.word_writes for board in boards.boards) // 3,
+        "stack_bytes": max(board.stack_bytes for board in boards),
+        "flash_records": max(board.nvmc.word_writes for board in robots) // 3,
         "image_sha256": hashlib.sha256(image.flash).hexdigest(),
     }
     return row, result, host
@@ -77,13 +90,14 @@ def main() -> int:
     parser.add_argument("--images", type=Path, default=IMAGES)
     given = parser.parse_args()
     image = robot_image(given.images)
-    overrides: dict[str, Any] = {"radio.loss": given.loss} if given.loss else {}
-    if given.faults:
-        overrides |= FAULTS
+    dongle = dongle_image(given.images)
     is_same = True
     for controller in given.controllers.split(","):
+        overrides: dict[str, Any] = {"radio.loss": given.loss} if given.loss else {}
+        if given.faults:
+            overrides |= faults(controller)
         for seed in range(given.seeds):
-            row, _, _ = carried(image, controller, seed, overrides)
+            row, _, _ = carried(image, controller, seed, overrides, dongle)
             print(json.dumps(row), flush=True)
             is_same = is_same and row["trace_hash"] == row["host_trace_hash"]
     return 0 if is_same else 1

@@ -39,9 +39,13 @@ from emulator.processor import (
 from emulator.registers import at
 
 _ISER, _ICPR = 0xE000E100, 0xE000E280
+_AIRCR, _RESTART = 0xE000ED0C, 0x05FA0004
+_ANTENNA_PINS = 1 << 9 | 1 << 10
+"""Unless a setting of the chip makes them ordinary pins."""
 STORAGE = (0x7E000, 0x2000)
 _LED_ROW_PINS = sum(1 << row for row in LED_ROWS)
 _ROW_PINS = sum(1 << row for row in ROWS)
+_ALL_PINS = 0xFFFFFFFF
 
 
 class PowerFailed(Exception):
@@ -88,6 +92,8 @@ class Board(Processor):
         self.serial_out = b""
         self.torn: tuple[int, int] | None = None
         self.resets: list[str] = []
+        """Why the board was reset, except at the wish of its program."""
+        self.has_antenna = True
         self.on_send: Callable[[bytes], None] = lambda data: None
         self.can_erase: Callable[[], bool] = lambda: True
         self.nvmc = Nvmc(self)
@@ -105,8 +111,8 @@ class Board(Processor):
         for peripheral in (*self._peripherals(), *self._plain):
             self._handlers |= peripheral.handlers()
         self.set_word(at("NVMC.READY"), 1)
-        self.pins_changed(0, 0xFFFFFFFF)
-        self.pins_changed(32, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
+        self.pins_changed(32, _ALL_PINS)
 
     def _peripherals(self) -> tuple[Peripheral, ...]:
         return (
@@ -141,16 +147,18 @@ class Board(Processor):
 
     def written(self, address: int, size: int, value: int) -> None:
         """The program writes to a peripheral or to flash memory."""
-        if Nvmc.covers(address):
-            self.nvmc.write(address, size, value)
-            return
         handler = self._handlers.get(address)
         if handler is not None:
             handler(value)
+        elif Nvmc.covers(address):
+            self.nvmc.write(address, size, value)
         elif address == _ISER:
             self.unmasked |= value
         elif address == _ICPR:
             self._clear_pending(value)
+        elif address == _AIRCR:
+            self.clock.require(value == _RESTART, f"AIRCR is {value:#x}")
+            self.in_us(0, "restarts")
         else:
             self.clock.require(False, f"{address:#x} is no register that the board uses")
 
@@ -185,15 +193,15 @@ class Board(Processor):
                 for column, pin in enumerate(LED_COLUMNS):
                     if self._is_low(pin):
                         self.led_picture |= 1 << (5 * row + column)
-        if first == 0 and not mask & (_ROW_PINS | 0x80000000):
-            return
+        if not mask & (_ROW_PINS if first == 0 else 0) and mask != _ALL_PINS:
+            return  # neither the rows of the switches nor what is connected has changed
         values = [0xFFFFFFFF, 0xFFFFFFFF]
         for row in range(3):
             closed = self.closed >> 3 * row & 7
             if not closed or not self._is_low(ROWS[row]):
                 continue
             for column in range(3):
-                if closed >> column & 1:
+                if closed >> column & 1 and not self._is_antenna(COLUMNS[column]):
                     values[COLUMNS[column] // 32] &= ~(1 << COLUMNS[column] % 32)
         for number, pin in enumerate(BUTTONS):
             if self.buttons >> number & 1:
@@ -201,15 +209,18 @@ class Board(Processor):
         self.set_word(at("P0.IN"), values[0])
         self.set_word(at("P1.IN"), values[1])
 
+    def _is_antenna(self, pin: int) -> bool:
+        return self.has_antenna and pin < 32 and _ANTENNA_PINS >> pin & 1 == 1
+
     def close_switches(self, closed: int) -> None:
         """Close these switches of the palm and open the others; bit 3 x row + column."""
         self.closed = closed
-        self.pins_changed(0, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
 
     def hold_buttons(self, held: int) -> None:
         """Hold these buttons; bit 0 is A, bit 1 is B."""
         self.buttons = held
-        self.pins_changed(0, 0xFFFFFFFF)
+        self.pins_changed(0, _ALL_PINS)
 
     # --- radio
 
@@ -225,11 +236,13 @@ class Board(Processor):
 
     def boot(self) -> None:
         """Start the program."""
+        self.has_antenna = self.word(at("UICR.NFCPINS")) & 1 == 1
         self.start_at_reset()
 
     def reset(self, why: str) -> None:
         """Everything but the flash memory and the settings of the chip forgets its state."""
-        self.resets.append(why)
+        if why != "program":
+            self.resets.append(why)
         self.events.clear()
         self.halt = 0
         self.is_asleep = True
@@ -238,12 +251,18 @@ class Board(Processor):
             self.disown(place)
         for base, size in (PERIPHERALS, PORTS, SYSTEM):
             self.set_bytes(base, bytes(size))
-        if why != "watchdog":  # RAM keeps its content in a reset, which nobody may rely on
+        if why == "power":  # RAM keeps its content in a reset, which nobody may rely on
             self.set_bytes(RAM[0], bytes(0x2000))
+            self._paint_stack()
         self.nvmc.config = 0
         supply = self.adc.supply_mv, self.twi.answers, self.twi.hangs
         self._make_peripherals()
         self.adc.supply_mv, self.twi.answers, self.twi.hangs = supply
+
+    def restarts(self) -> None:
+        """The program asks for a reset."""
+        self.reset("program")
+        self.boot()
 
     def watchdog_bites(self) -> None:
         """The watchdog resets the board, which starts at once."""
@@ -252,6 +271,8 @@ class Board(Processor):
 
     def power_fails(self) -> None:
         """The supply is cut in this instruction."""
+        if self.halt > 0:  # the processor waits for the flash memory
+            self.nvmc.tear()
         raise PowerFailed
 
     def cut_power(self) -> None:
@@ -341,9 +362,9 @@ class Board(Processor):
         """See `Uart`."""
         self.uart.sent(data)
 
-    def uart_byte(self) -> None:
+    def uart_bytes(self) -> None:
         """See `Uart`."""
-        self.uart.byte()
+        self.uart.bytes_have_come()
 
     def twi_ends(self, data: bytes) -> None:
         """See `Twi`."""
@@ -360,7 +381,7 @@ class Board(Processor):
 
 _OWN = (
     "offset", "halt", "is_asleep", "events", "event_number", "pc", "enabled", "pending", "unmasked",
-    "buttons", "closed", "led_picture", "leds_lit", "serial_out", "torn", "resets",
+    "buttons", "closed", "led_picture", "leds_lit", "has_antenna", "serial_out", "torn", "resets",
 )  # fmt: skip
 
 

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #define RANGES 4
+#define FLASH_HALFWORDS 0x3FFFF
 
 typedef struct {
   uint64_t instructions; /* executed so far */
@@ -15,6 +16,7 @@ typedef struct {
   uint32_t trespasses;
   uint32_t trespassed_by; /* address of the first instruction that did */
   uint64_t* addresses;    /* if not null: the last 64 instructions, in a ring */
+  const uint8_t* near_it; /* for each halfword of flash memory: it may be in an IT block */
 } Meter;
 
 /* Functions of Unicorn, whose library this one is not linked with. */
@@ -29,7 +31,8 @@ void use(void* uc_emu_stop, void* uc_reg_read, void* uc_reg_write) {
 }
 
 /* Unicorn 2.1 leaves the state of an IT block behind when a load or store in it is hooked
-   (unicorn-engine issue 2309). It has no use for that state within translated code. */
+   (unicorn-engine issue 2309). It has no use for that state within translated code. To read the
+   state is slow, so this is done only where the program may have an IT block. */
 static void forget_it_block(void* uc) {
   const int xpsr = XPSR;
   const uint32_t bits = 0x0600FC00;
@@ -56,7 +59,7 @@ void on_access(void* uc, int type, uint64_t address, int size, int64_t value, vo
   Meter* meter = data;
   const int writes = type == 17; /* UC_MEM_WRITE */
   (void)value;
-  forget_it_block(uc);
+  if (meter->near_it[meter->address >> 1 & FLASH_HALFWORDS]) forget_it_block(uc);
   for (int i = 0; i < RANGES; ++i) {
     if (address + (uint64_t)size <= meter->begin[i] || address >= meter->end[i]) continue;
     if (!writes && meter->may_read[i]) continue;

@@ -7,6 +7,7 @@ A packet that arrives while a board does not listen is lost, and so are packets 
 
 import math
 import random
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,6 +23,8 @@ from palmbots.simulation.quasistatic import QuasistaticEpisode
 QUANTUM_US = 1000.0
 MODES = ("off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault")
 FAULTS = ("none", "switches", "palm", "motor", "supply", "storage", "settings", "stranger", "late")
+Command = tuple[int, int, bool]
+"""Palm, move and stop."""
 A, B = 1, 2
 """The buttons."""
 
@@ -39,6 +42,8 @@ class LiveBoard:
     """Switches that are closed whatever happens."""
     is_unplugged: bool = False
     bounces_us: float = 0.0
+    outage_s: float = 0.05
+    """How long the supply is away when it fails in an instruction."""
     outbox: list[tuple[int, bytes]] = field(default_factory=list)
     inbox: list[tuple[int, bytes, bool]] = field(default_factory=list)
     off_until: int = 0
@@ -70,10 +75,13 @@ class LiveBoard:
         """What is wrong with the board."""
         return FAULTS[self.note("fault")]
 
-    def command(self) -> tuple[int, int, bool]:
-        """Palm, move and stop, as the pulses have it."""
-        pulses = self.board.pwm.pulses
-        if not self.is_on or not pulses or not pulses[1]:
+    def command(self) -> Command:
+        """Palm, move and stop, as the pulses have it, or the commands to the motor board."""
+        pulses, speeds = self.board.pwm.pulses, self.board.twi.newest
+        # A motor board gets a register, and then direction and speed of each wheel.
+        commanded = pulses[1:2] if speeds is None and pulses else (speeds or b"")[2::2]
+        turns = any(commanded)
+        if not self.is_on or not turns:
             return (self.note("palm") if self.is_on else self.last_palm, 0, True)
         self.last_palm = self.note("palm")
         return self.note("palm"), self.note("move"), bool(self.note("stop"))
@@ -117,8 +125,8 @@ class LivePair:
         seed: of everything random.
         clocks: how fast the crystals are.
         loss: share of the packets that are lost.
-        bit_errors: share of the packets in which a bit is wrong although the radio's checksum is
-            right.
+        bit_errors: share of the packets in whose buffer a bit is wrong, of the length or of the
+            content, although the radio's checksum is right.
         held_at_power_up: buttons that are held at power-up.
         dongle: the program of the station's radio, if there is one.
     """
@@ -132,8 +140,16 @@ class LivePair:
         self.period_us = 1e6 * self.scene.control.period_s
         self.loss, self.bit_errors = loss, bit_errors
         self.chance = random.Random(seed)
-        endless = load_scene(self.scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0})
-        self.world = QuasistaticEpisode(endless, seed, record=False)
+        self.seed = seed
+        self._endless = load_scene(
+            self.scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0}
+        )
+        self.world = QuasistaticEpisode(self._endless, seed, record=False)
+        self.damaged = 0
+        """Packets with a wrong bit."""
+        self.collided = 0
+        """Packets that nobody has received because two overlapped."""
+        self._commands: list[tuple[Command, Command]] = []
         self.robots: list[LiveBoard] = []
         for number, side in enumerate(SIDES):
             settings = boards.settings(side, 1)
@@ -169,8 +185,11 @@ class LivePair:
                 self._run(end)
             self._pass_packets()
         left, right = (robot.command() for robot in self.robots)
-        if not self.is_held:
-            return
+        if self.is_held:
+            self._commands.append((left, right))
+            self._obey(left, right)
+
+    def _obey(self, left: Command, right: Command) -> None:
         self.world.stop(left[2], right[2])
         self.world.step((*left[:2], 0), (*right[:2], 0), 1)
 
@@ -189,11 +208,11 @@ class LivePair:
             for time, data, crc_ok in sorted(robot.inbox):
                 board.run(min(time, until))
                 if board.radio.listens:
-                    board.radio.receive(data, crc_ok)
+                    board.radio.fill_buffer(data, crc_ok)
             robot.inbox.clear()
             board.run(until)
         except PowerFailed:
-            self.cut_power(robot, 0.05)
+            self.cut_power(robot, robot.outage_s)
 
     def cut_power(self, robot: LiveBoard, seconds: float) -> None:
         """Cut the supply of a board for a time."""
@@ -209,6 +228,7 @@ class LivePair:
         spans = [(t, t + round(airtime_us(len(d)) * CYCLES_PER_US), n) for t, d, n in sent]
         for (time, data, sender), (begin, end, _) in zip(sent, spans, strict=True):
             collides = any(b < end and begin < e and n != sender for b, e, n in spans)
+            self.collided += collides
             if collides:
                 continue
             arrives = time + round((airtime_us(len(data)) + QUANTUM_US) * CYCLES_PER_US)
@@ -217,12 +237,33 @@ class LivePair:
                     end.inbox.append((arrives, self._on_the_way(data), True))
 
     def _on_the_way(self, data: bytes) -> bytes:
-        if self.chance.random() >= self.bit_errors:
-            return data
-        place = self.chance.randrange(8 * len(data))
-        wrong = bytearray(data)
-        wrong[place // 8] ^= 1 << place % 8
-        return bytes(wrong)
+        """What comes into the buffer of the receiver: length and content."""
+        content = bytearray([len(data), *data])
+        if self.chance.random() < self.bit_errors:
+            place = self.chance.randrange(8 * len(content))
+            content[place // 8] ^= 1 << place % 8
+            self.damaged += 1
+        return bytes(content)
+
+    def snapshot(self) -> Any:
+        """All that there is, to go back to."""
+        ends = [
+            (end.board.snapshot(), deepcopy({k: v for k, v in vars(end).items() if k != "board"}))
+            for end in self.ends
+        ]
+        return ends, list(self._commands), self.chance.getstate(), self.time_us
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back. The world repeats the commands that it has obeyed."""
+        ends, commands, chance, self.time_us = snapshot
+        for end, (board, own) in zip(self.ends, ends, strict=True):
+            end.board.restore(board)
+            vars(end).update(deepcopy(own))
+        self.chance.setstate(chance)
+        self._commands = list(commands)
+        self.world = QuasistaticEpisode(self._endless, self.seed, record=False)
+        for left, right in commands:
+            self._obey(left, right)
 
     def run(self, seconds: float) -> None:
         """Run for a time."""
@@ -247,10 +288,18 @@ class LivePair:
         self.run(0.1)
 
     def start(self) -> bool:
-        """Arm and start both robots by their buttons; whether they carry."""
+        """Arm and start both robots by their buttons; whether they carry.
+
+        A robot that has not heard its partner's settings yet refuses to be armed, so its button is
+        pressed again.
+        """
         self.run(0.5)
         self.press(A)
-        self.run_until("armed", within_s=1.0)
+        for _ in range(3):
+            waiting = [n for n, robot in enumerate(self.robots) if robot.mode == "disarmed"]
+            if waiting:
+                self.run(0.5)
+                self.press(A, *waiting)
         self.press(B)
         return self.run_until("carrying", "holding", within_s=2.0)
 

@@ -13,6 +13,7 @@ from typing import Any
 import palmbots as pb
 import palmbots._core as _core
 from emulator.board import Board, Image
+from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
 from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.firmware.settings_page import (
@@ -99,6 +100,7 @@ class LockstepBoard:
         while board.timer.started_at is None:
             board.run_us(10)
         self.next_tick = board.timer.started_at + self.period
+        self.executed: int | None = None
         self.rejected = self.late = 0
 
     def reboot(self) -> None:
@@ -123,9 +125,10 @@ class LockstepBoard:
             board.run(self.next_tick - 1)
             board.halt += before - board.now
         board.run(before - 10)
-        start = board.meter.instructions
-        board.run(before + 2000 * CYCLES_PER_US // 4)
-        self.instructions.append(board.meter.instructions - start)
+        if self.executed is not None:  # all that it has done since the tick before
+            self.instructions.append(board.meter.instructions - self.executed)
+        self.executed = board.meter.instructions
+        board.run(before + 500 * CYCLES_PER_US)
         self.next_tick = before + self.period
 
     def _finish_sending(self, packets: int) -> None:
@@ -133,7 +136,7 @@ class LockstepBoard:
         board = self.board
         end = self.next_tick - 20 * CYCLES_PER_US
         while (len(self.sent) < packets or not board.radio.listens) and board.now < end:
-            board.run(min(end, max(board.now + 1, board.events[0][0] + 1)))
+            board.run_a_little(end)
         if len(self.sent) < packets or not board.radio.listens:
             raise Violation("the packets of a tick do not leave within it")
 
@@ -228,11 +231,20 @@ class LockstepBoard:
 
 
 class LockstepBoards:
-    """Both robots on boards, and the station of the centralized algorithm behind a third."""
+    """Both robots on boards, and the station of the centralized algorithm behind a third.
+
+    Args:
+        image: the program of a robot, as `make` takes it.
+        scene: of the carry.
+        entry: the controller.
+        seed: of the boards' random numbers.
+        make: makes the board of a robot.
+        dongle: the program of the station's radio; a controller with a station needs it.
+    """
 
     def __init__(
         self, image: Any, scene: Scene, entry: ControllerEntry, seed: int = 0,
-        make: Callable[..., LockstepBoard] = LockstepBoard,
+        make: Callable[..., LockstepBoard] = LockstepBoard, dongle: Image | None = None,
     ) -> None:  # fmt: skip
         spec = to_spec(scene)
         tables = [b"", b""]
@@ -243,25 +255,26 @@ class LockstepBoards:
             make(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
             for side in (0, 1)
         ]
-        self.station = _core.runtime.Station(KEY, PAIR, 1) if entry.team == "station" else None
+        self.dongle: LockstepDongle | None = None
+        if entry.team == "station":
+            if dongle is None:
+                raise ValueError("a station needs its radio: give the image of the dongle")
+            period_us = round(1e6 * scene.control.period_s)
+            station = station_program(KEY, PAIR)
+            self.dongle = LockstepDongle(dongle, station, period_us, seed + 2)
         if entry.name in ("distributed", "centralized") or entry.machines is not None:
             self._greet()
 
     def _greet(self) -> None:
-        left, right = self.boards
         for speaks in range(3):
-            if self.station is not None:
-                turn = {0: 0, 2: 1}.get(speaks)
-            else:
-                turn = speaks % 2 if speaks < 3 else None
-            sent = [board.greeting(int(side == turn)) for side, board in enumerate((left, right))]
+            turn = {0: 0, 2: 1}.get(speaks) if self.dongle is not None else speaks % 2
+            sent = [board.greeting(int(side == turn)) for side, board in enumerate(self.boards)]
             for side, packets in enumerate(sent):
                 for data in packets:
-                    if self.station is None:
+                    if self.dongle is None:
                         self.boards[1 - side].receive([data])
-                        continue
-                    self.station.hear(data)
-                    self.boards[side].receive([self.station.greet(side)])
+                    else:
+                        self.boards[side].receive([self.dongle.greet(side, data)])
         for board in self.boards:  # what was rejected before the carry does not count
             board.greeting(0)
             board.rejected = board.record()["rejected"]
@@ -277,14 +290,14 @@ class LockstepBoards:
             if boots:
                 board.reboot()
             answers.append(board.step(elapsed, sign, palm_at_target, packets))
-        if station is None or self.station is None:
+        if self.dongle is None:
             return [*answers, None]
-        return [*answers, self.station.step(station[4])]
+        return [*answers, self.dongle.step(None if station is None else station[4])]
 
 
 def carry_on_boards(
     image: Any, scene: Scene, controller: str, seed: int = 0,
-    make: Callable[..., LockstepBoard] = LockstepBoard,
+    make: Callable[..., LockstepBoard] = LockstepBoard, dongle: Image | None = None,
 ) -> tuple[Any, LockstepBoards]:  # fmt: skip
     """A carry with two boards in the loop of the world.
 
@@ -294,7 +307,8 @@ def carry_on_boards(
         controller: of the robots.
         seed: of the carry.
         make: makes a board.
+        dongle: the program of the station's radio, for a controller with a station.
     """
     entry = resolve(controller)
-    boards = LockstepBoards(image, scene, entry, seed, make)
+    boards = LockstepBoards(image, scene, entry, seed, make, dongle)
     return pb.carry(scene, remote(entry, boards.exchange), seed=seed), boards

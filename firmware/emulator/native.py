@@ -30,7 +30,20 @@ class Meter(ctypes.Structure):
         ("trespasses", ctypes.c_uint32),
         ("trespassed_by", ctypes.c_uint32),
         ("addresses", ctypes.c_void_p),
+        ("near_it", ctypes.c_void_p),
     )
+
+
+def near_it_blocks(flash: bytes) -> bytes:
+    """For each halfword of flash memory: 1 if it may be in an IT block.
+
+    Whatever looks like an IT instruction counts as one, also in constants: too many cost only time.
+    """
+    found = bytearray(len(flash) // 2)
+    for place in range(len(found)):
+        if flash[2 * place + 1] == 0xBF and flash[2 * place] & 0x0F:
+            found[place + 1 : place + 9] = b"\1" * 8  # up to four instructions of four bytes
+    return bytes(found[: len(flash) // 2])
 
 
 @cache

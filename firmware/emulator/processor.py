@@ -13,7 +13,7 @@ import unicorn
 from unicorn import arm_const
 from unicorn.unicorn_py3 import Uc, UcError
 
-from emulator.native import Meter, hooks
+from emulator.native import Meter, hooks, near_it_blocks
 
 CYCLES_PER_US = 64
 FLASH = (0x00000000, 0x80000)
@@ -26,6 +26,12 @@ SYSTEM = (0xE000E000, 0x1000)
 _WFI = b"\x30\xbf"
 _OFFSET = {0: 0xFFFFF, 1: 0xFFF, 2: 0xFFFFF, 4: 0xFFFFF, 5: 0xFFF, 0xE: 0xFFF}
 """The bits of an address that count within its region, by the upper four bits."""
+
+
+_WRITE_CALLBACK = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_uint64, ctypes.c_int, ctypes.c_int64,
+    ctypes.c_void_p,
+)  # fmt: skip
 
 
 class Violation(Exception):
@@ -51,9 +57,9 @@ class Processor:
         self.set_bytes(UICR[0], b"\xff" * UICR[1])
         self.set_bytes(FLASH[0], flash)
         self.meter = Meter()
-        for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
-            uc.hook_add(unicorn.UC_HOOK_MEM_WRITE, self._on_write, begin=base, end=base + size - 1)
-        self._add_native_hooks()  # the last: the one for accesses has to run after the others
+        self._near_it = near_it_blocks(flash.ljust(FLASH[1], b"\xff"))
+        self.meter.near_it = ctypes.cast(ctypes.c_char_p(self._near_it), ctypes.c_void_p)
+        self._add_hooks()
         self.offset = 0  # cycles that passed without an instruction
         self.halt = 0  # cycles for which the processor is about to be halted
         self.is_asleep = True
@@ -62,8 +68,10 @@ class Processor:
         self.event_number = 0
         self.pc = 0
         self.error: Exception | None = None
+        self.fails_at: int | None = None
+        """After so many instructions the power fails; None: it stays."""
 
-    def _add_native_hooks(self) -> None:
+    def _add_hooks(self) -> None:
         library = hooks()
         native = unicorn.unicorn_py3.unicorn.uclib  # type: ignore[attr-defined]
         library.use(
@@ -71,19 +79,26 @@ class Processor:
               for name in ("uc_emu_stop", "uc_reg_read", "uc_reg_write"))
         )  # fmt: skip
         handle = self.uc._uch  # type: ignore[attr-defined]
-        for kind, name, base, size in (
-            (unicorn.UC_HOOK_CODE, "on_instruction", 1, 0),  # everywhere
-            (unicorn.UC_HOOK_MEM_READ | unicorn.UC_HOOK_MEM_WRITE, "on_access", 1, 0),
-        ):
+
+        def add(kind: int, callback: Any, begin: int, end: int) -> None:
             number = ctypes.c_size_t()
-            callback = ctypes.cast(getattr(library, name), ctypes.c_void_p)
             status = native.uc_hook_add(
-                handle, ctypes.byref(number), ctypes.c_int(kind), callback,
-                ctypes.byref(self.meter), ctypes.c_uint64(base),
-                ctypes.c_uint64(base + size - 1 if size else 0),
+                handle, ctypes.byref(number), ctypes.c_int(kind),
+                ctypes.cast(callback, ctypes.c_void_p), ctypes.byref(self.meter),
+                ctypes.c_uint64(begin), ctypes.c_uint64(end),
             )  # fmt: skip
             if status != unicorn.UC_ERR_OK:
                 raise UcError(status)
+
+        # Not by Unicorn's own functions, which take half as long again for each store.
+        self._write_callback = _WRITE_CALLBACK(self._on_write)
+        for base, size in (PERIPHERALS, PORTS, SYSTEM, FLASH, UICR):
+            add(unicorn.UC_HOOK_MEM_WRITE, self._write_callback, base, base + size - 1)
+        everywhere = (1, 0)
+        add(unicorn.UC_HOOK_CODE, library.on_instruction, *everywhere)
+        # The last: it has to run after the others.
+        accesses = unicorn.UC_HOOK_MEM_READ | unicorn.UC_HOOK_MEM_WRITE
+        add(accesses, library.on_access, *everywhere)
 
     # --- memory
 
@@ -152,6 +167,9 @@ class Processor:
         """
         while self.now < until:
             self._call_due()
+            if self.fails_at is not None and self.meter.instructions >= self.fails_at:
+                self.fails_at = None
+                self.power_fails()
             if self.halt > 0:
                 self._pass(min(self.halt, self._until_event(until)), halted=True)
             elif self.is_asleep and not self.wakes():
@@ -163,6 +181,12 @@ class Processor:
     def run_us(self, us: float) -> None:
         """Run for a time."""
         self.run(self.now + round(us * CYCLES_PER_US))
+
+    def run_a_little(self, until: int) -> None:
+        """Run to the next event, or for some instructions if the processor is busy."""
+        sleeps = self.is_asleep and not self.wakes()
+        end = self.events[0][0] + 1 if sleeps else self.now + 20 * CYCLES_PER_US
+        self.run(min(until, max(self.now + 1, end)))
 
     def _until_event(self, until: int) -> int:
         end = min(until, self.events[0][0]) if self.events else until
@@ -182,6 +206,8 @@ class Processor:
     def _slice(self, cycles: int) -> None:
         meter = self.meter
         meter.limit = meter.instructions + cycles
+        if self.fails_at is not None:
+            meter.limit = min(meter.limit, self.fails_at)
         if cycles == 0:
             return
         self.is_running = True
@@ -207,12 +233,16 @@ class Processor:
             self.written(address, size, value & 0xFFFFFFFF)
         except Exception as error:  # does not pass through the C code of Unicorn
             self.error = self.error or error
-            uc.emu_stop()
+            self.uc.emu_stop()
 
     # --- what a board adds
 
     def wakes(self) -> bool:
         """Whether an interrupt is pending that ends the sleep."""
+        raise NotImplementedError
+
+    def power_fails(self) -> None:
+        """The supply is cut in this instruction."""
         raise NotImplementedError
 
     def slept(self) -> None:

@@ -37,6 +37,8 @@ ResilientTeam team_of(const Spec& spec, std::uint64_t seed) {
 }
 
 [[noreturn]] void finish() {
+  while ((uart(4) & 1) != 0) {  // the last character has not left
+  }
   // SYS_EXIT with ADP_Stopped_ApplicationExit.
   register std::uint32_t operation asm("r0") = 0x18;
   register std::uint32_t reason asm("r1") = 0x20026;

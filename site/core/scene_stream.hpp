@@ -50,6 +50,7 @@ inline void read_robots(NumberStream& in, Spec& spec) {
     robot.noise_tau = in.next();
     robot.bias = in.next();
     robot.clock_drift = in.next() * 1e-6;
+    robot.stride = in.whole();
   }
   spec.zone_count = in.count(max_zones);
   for (std::size_t i = 0; i < spec.zone_count; ++i) {
@@ -90,6 +91,13 @@ inline void read_radio(NumberStream& in, Spec& spec) {
     fault.effect = in.whole();
     fault.late = in.next();
   }
+  for (DirectionSpec& direction : spec.directions) {
+    direction.latency = in.next();
+    direction.jitter = in.next();
+    direction.loss = in.next();
+  }
+  spec.replay = in.next();
+  spec.replay_delay = in.next();
 }
 
 inline void read_disturbances(NumberStream& in, Spec& spec) {
@@ -102,6 +110,9 @@ inline void read_disturbances(NumberStream& in, Spec& spec) {
     fault.lasts = in.next();
     fault.reads = static_cast<std::int32_t>(in.next());
     fault.rate = in.next();
+    fault.marks = in.whole();
+    if ((fault.marks & palm_goes_limp) != 0) fault.rate *= radians_per_degree<double>;
+    if (fault.kind == FaultKind::clock_rate) fault.rate *= 1e-6;
   }
   spec.random_reboots = in.whole();
   spec.reboot = in.next();
@@ -161,7 +172,7 @@ inline Spec read_scene(NumberStream in) {
   const double ticks = std::nearbyint(timeout / spec.period);
   spec.timeout_ticks =
       static_cast<std::uint64_t>(ticks < 1 ? 1 : (ticks < most_ticks ? ticks : most_ticks));
-  spec.safe_reach = safe_reach(spec);
+  spec.safe_reach = may_go_limp(spec) ? -1.0 : safe_reach(spec);  // a limp palm may turn anywhere
   return spec;
 }
 

@@ -5,12 +5,12 @@ import { type ComponentType, render } from "preact";
 import { CarryView } from "./views/carry";
 import { openScene } from "./views/parts";
 import { Core } from "./shared/core";
-import { VIEWS, type ViewName, address, core, followState, go, player, readAddress, recorded, view } from "./shared/state";
+import {
+  VIEWS, type ViewName, address, core, extra, followState, go, player, readAddress, recorded, setExtra, view,
+} from "./shared/state";
 import { tables } from "./shared/tables";
-import { reducedMotion, toggleTheme } from "./shared/theme";
+import { reducedMotion, setTheme, systemTheme, theme } from "./shared/theme";
 import "./style.css";
-
-declare const __HAS_DOCS__: boolean;
 
 const TITLES: Record<ViewName, string> = {
   carry: "Carry", compare: "Compare", mechanics: "Mechanics", design: "Design",
@@ -64,7 +64,7 @@ function Page() {
             </a>
           ))}
         </div>
-        {__HAS_DOCS__ && <a class="aside" href="./docs/">Documentation</a>}
+        <a class="aside" id="book" href="./docs/">documentation</a>
         <label class="file">
           open a scene
           <input
@@ -78,7 +78,7 @@ function Page() {
             }}
           />
         </label>
-        <button type="button" class="plain" id="theme" onClick={toggleTheme}>
+        <button type="button" class="plain" id="theme" onClick={changeTheme}>
           light / dark
         </button>
       </nav>
@@ -102,6 +102,17 @@ function Page() {
   );
 }
 
+// The URL holds a theme that differs from the system's.
+function changeTheme(): void {
+  setTheme(theme() === "dark" ? "light" : "dark");
+  setExtra("theme", theme(), systemTheme());
+}
+
+function takeTheme(): void {
+  const named = extra("theme", theme());
+  if (named === "dark" || named === "light") setTheme(named);
+}
+
 async function open(file: File): Promise<void> {
   try {
     await openScene(file);
@@ -114,6 +125,7 @@ async function open(file: File): Promise<void> {
 
 function takeAddress(): void {
   const time = readAddress(location.hash);
+  takeTheme();
   player.pause();
   player.seek(time ?? 0);
 }
@@ -128,6 +140,7 @@ window.addEventListener("popstate", takeAddress);
 window.addEventListener("hashchange", takeAddress);
 
 const time = readAddress(location.hash);
+takeTheme();
 render(<Page />, document.getElementById("app")!);
 
 Core.load().then(

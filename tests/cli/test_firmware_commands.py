@@ -4,6 +4,7 @@
 import json
 import stat
 import zlib
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,9 @@ def test_an_image_is_flashed_once(image: Path, tmp_path: Path, here: Run) -> Non
     done = here("flash", str(image), "--drive", str(target))
     assert_refused(done, "has been flashed already")
     assert here("flash", str(image), "--drive", str(target), "--again").returncode == 0
+    dongle = image.with_name("dongle.hex")  # it counts no boots
+    for _ in range(2):
+        assert here("flash", str(dongle), "--drive", str(target)).returncode == 0
 
 
 def test_what_is_no_board_is_refused(image: Path, tmp_path: Path, here: Run) -> None:
@@ -139,6 +143,25 @@ def test_what_is_no_image_is_refused(tmp_path: Path, here: Run) -> None:
     file.write_text("hello\n")
     done = here("flash", str(file), "--drive", str(drive(tmp_path / "MICROBIT")))
     assert_refused(done, "is no image")
+
+
+def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here: Run) -> None:
+    target = drive(tmp_path / "MICROBIT")
+    whole = image.read_text().splitlines(keepends=True)
+    ready_made = resources.files("palmbots.firmware") / "data" / "robot.hex"
+    cases = {
+        "empty.hex": "",
+        "cut.hex": "".join(whole[:-9]),
+        "endless.hex": "".join(whole[:-1]),
+        "ready-made.hex": ready_made.read_text("ascii"),
+    }
+    for name, text in cases.items():
+        file = tmp_path / name
+        file.write_text(text)
+        done = here("flash", str(file), "--drive", str(target))
+        assert_refused(done, f"{name}: has no settings, or ends too early")
+        assert list(target.iterdir()) == [target / "MICROBIT.HTM"]
+        assert not file.with_name(f"{name}.flashed").exists()
 
 
 def test_a_failure_that_the_board_reports(image: Path, tmp_path: Path, here: Run) -> None:

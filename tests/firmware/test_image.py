@@ -10,7 +10,7 @@ from elftools.elf.elffile import ELFFile
 
 from cxx import ROOT
 from emulator.board import Board, Image
-from emulator.lockstep import STEEP_END, SWITCH_OF_SIGN, LockstepBoard, lockstep_settings
+from emulator.lockstep import LockstepBoard, lockstep_settings
 from palmbots.control.registry import resolve
 from palmbots.scene.scene import load_scene
 
@@ -34,6 +34,15 @@ def test_it_fits(image: Image, program: str) -> None:
     flash = size[".vectors"] + size[".text"] + size[".data"] + size.get(".ARM.exidx", 0)
     assert 0 < flash + 0x1000 <= MOST_FLASH  # with the page of the settings
     assert 0 < size[".data"] + size[".bss"] + size[".stack"] <= MOST_RAM
+
+
+def test_the_package_has_the_notice_of_the_registers() -> None:
+    """Binary copies have to come with it."""
+    header = (ROOT / "firmware" / "board" / "nrf52833" / "registers.hpp").read_text()
+    words = header.split("#pragma")[0].replace("//", "").split()
+    notice = words[words.index("Copyright") :]
+    assert len(notice) > 200
+    assert " ".join(notice) in " ".join((PACKAGE / "NOTICE.txt").read_text().split())
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
@@ -93,7 +102,10 @@ class CountingBoard(Board):
         super().written(address, size, value)
 
 
-def test_each_store_is_made_once(image: Image, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_each_store_is_made_once(
+    image: Image, clang_image: Image, compiler: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A compiler may emit a volatile store twice. The stores of a quiet tick, counted by hand:
 
     five slots with 6 for the LEDs, 3 for the timer and 1 for its time (50), the switches (6), and
@@ -102,14 +114,14 @@ def test_each_store_is_made_once(image: Image, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr("emulator.lockstep.Board", CountingBoard)
     scene = load_scene("paper")
     settings = lockstep_settings(scene, resolve("silent"), 0)  # which sends nothing
-    robot = LockstepBoard(image, settings, b"", 1)
+    program = {"gcc": image, "clang": clang_image}[compiler]
+    robot = LockstepBoard(program, settings, b"", 1)
     for _ in range(20):
         robot.step(1, 0, True, [])
     before = CountingBoard.stores
     for _ in range(10):
         robot.step(1, 0, True, [])
     assert CountingBoard.stores - before == 10 * (5 * (6 + 3 + 1) + 6 + 1)
-    assert SWITCH_OF_SIGN[0] and STEEP_END
 
 
 def test_the_watchdog_is_fed_from_one_place(image: Image) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from emulator.__main__ import CONTROLLERS, FAULTS, carried
+from emulator.__main__ import CONTROLLERS, IMAGES, carried, dongle_image, faults
 from emulator.board import Image
 
 HARD_RADIO = {
@@ -13,14 +13,28 @@ HARD_RADIO = {
     "radio.duplicate": 0.1, "radio.corruption": 0.05,
 }  # fmt: skip
 DRIFT = {"robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0}
+CLANG_IMAGES = IMAGES / "clang"
 MOST_INSTRUCTIONS = 32_000
 MOST_STACK = 2048
+
+
+@pytest.fixture(scope="session")
+def images(image: Image) -> tuple[Image, Image]:
+    """The programs of a robot and of the station's radio."""
+    return image, dongle_image()
+
+
+def everything(controller: str) -> tuple[str, dict[str, Any]]:
+    return controller, HARD_RADIO | faults(controller) | DRIFT
+
+
 CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in CONTROLLERS} | {
-    "resilient, everything": ("resilient", HARD_RADIO | FAULTS | DRIFT),
+    "resilient, everything": everything("resilient"),
+    "centralized, everything": everything("centralized"),
 }
 MORE: dict[str, tuple[str, dict[str, Any]]] = {
-    f"{name}, everything": (name, HARD_RADIO | FAULTS | DRIFT)
-    for name in ("shared-sign", "silent", "centralized")
+    f"{name}, everything": everything(name)
+    for name in ("resilient", "shared-sign", "silent", "centralized")
 } | {
     "distributed, losses": ("distributed", {"radio.loss": 0.02}),
     "examples/policies/table-1.toml, losses": (
@@ -29,28 +43,44 @@ MORE: dict[str, tuple[str, dict[str, Any]]] = {
 }  # fmt: skip
 
 
-def check(image: Image, controller: str, overrides: dict[str, Any], seed: int = 3) -> None:
-    row, result, host = carried(image, controller, seed, overrides)
+def check(
+    images: tuple[Image, Image], controller: str, overrides: dict[str, Any], seed: int = 3
+) -> None:
+    image, dongle = images
+    row, result, host = carried(image, controller, seed, overrides, dongle)
     assert row["trace_hash"] == row["host_trace_hash"]
+    assert list(row) == [
+        "controller", "seed", "loss", "faults", "trace_hash", "host_trace_hash",
+        "instructions_per_tick", "stack_bytes", "flash_records", "image_sha256",
+    ]  # fmt: skip
+    assert list(row["instructions_per_tick"]) == ["median", "worst"]
     assert result.summary() == host.summary()
     assert result.message_log == host.message_log
-    assert row["instructions_per_tick"]["worst"] <= MOST_INSTRUCTIONS
-    assert row["stack_bytes"] <= MOST_STACK
-    if FAULTS.items() <= overrides.items():
-        assert row["faults"] == ["power", "watchdog"]
+    assert 0 < row["instructions_per_tick"]["worst"] <= MOST_INSTRUCTIONS
+    assert 0 < row["stack_bytes"] <= MOST_STACK
+    if "faults.script" in overrides:
+        # Of the left and the right board, and of the station's radio if there is one.
+        boards = 2 if controller == "centralized" else 1
+        assert row["faults"] == ["power", "watchdog"] * boards
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_boards_carry_as_one_program(image: Image, case: str) -> None:
-    check(image, *CASES[case])
+def test_boards_carry_as_one_program(images: tuple[Image, Image], case: str) -> None:
+    check(images, *CASES[case])
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("case", MORE)
-def test_boards_carry_as_one_program_in_all_conditions(image: Image, case: str, seed: int) -> None:
-    check(image, *MORE[case], seed=seed)
+def test_boards_carry_as_one_program_in_all_conditions(
+    images: tuple[Image, Image], case: str, seed: int
+) -> None:
+    check(images, *MORE[case], seed=seed)
 
 
-def test_the_image_of_another_compiler_carries_as_one_program(clang_image: Image) -> None:
-    check(clang_image, "resilient", {"task.distance_m": 0.5})
+@pytest.mark.parametrize("controller", ["resilient", "centralized"])
+def test_the_images_of_another_compiler_carry_as_one_program(
+    clang_image: Image, controller: str
+) -> None:
+    images = clang_image, dongle_image(CLANG_IMAGES)
+    check(images, controller, {"task.distance_m": 0.5})

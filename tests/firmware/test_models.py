@@ -162,6 +162,43 @@ def test_right_use_is_not(board: Board) -> None:
     erase(board)
 
 
+def test_pins_of_the_antenna_become_pins_of_switches(image: Image) -> None:
+    """Once: the program writes the setting, and restarts the chip."""
+    board = Board(image)
+    board.close_switches(0b001001001)  # all of the column at P0.10
+
+    def column() -> int:
+        """What the column reads while all rows are low."""
+        for row in (17, 1, 13):
+            write(board, "P0.PIN_CNF", 3, row)
+        write(board, "P0.OUTCLR", 1 << 17 | 1 << 1 | 1 << 13)
+        return board.word(at("P0.IN")) >> 10 & 1
+
+    assert column() == 1  # not felt
+    board.boot()
+    board.run_us(5000)
+    assert board.word(at("UICR.NFCPINS")) == 0xFFFFFFFE
+    assert column() == 0
+    written = dict(board.nvmc.writes)
+    board.cut_power()
+    board.boot()
+    board.run_us(5000)
+    assert board.nvmc.writes == written
+    assert column() == 0
+    assert board.resets == ["power"]
+
+
+def test_the_debug_port_stays_open(image: Image) -> None:
+    """By the setting of the chip and by the program, after each reset."""
+    board = Board(image)
+    for reset in (board.boot, board.watchdog_bites, board.cut_power):
+        reset()
+        board.boot()
+        board.run_us(5000)
+        assert board.word(at("UICR.APPROTECT")) == 0x5A
+        assert board.word(at("APPROTECT.DISABLE")) == 0x5A
+
+
 def test_memory_of_the_radio_is_guarded(image: Image) -> None:
     """The program fails as soon as it uses a buffer into which the radio writes."""
     board = Board(image)

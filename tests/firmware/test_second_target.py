@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same program on a second board, QEMU's mps2-an386, gives the same trace."""
 
-import subprocess
-import sys
+import re
 from pathlib import Path
 
 import pytest
@@ -21,14 +20,6 @@ HARD = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def program() -> Path:
-    out = ROOT / "build" / "firmware" / "mps2"
-    command = [sys.executable, str(ROOT / "firmware" / "build.py")]
-    subprocess.run([*command, "--target", "mps2", "--out", str(out)], check=True)
-    return out / "robot.hex"
-
-
 def names(folder: Path) -> set[str]:
     return {file.name for file in folder.glob("*.cpp")}
 
@@ -40,8 +31,24 @@ def test_it_replaces_the_files_that_the_page_lists() -> None:
     assert names(MPS2) == listed | {"line.cpp"}
 
 
+def test_the_page_lists_each_function_that_a_board_offers() -> None:
+    """In the row of the file that declares it."""
+    page = (ROOT / "docs" / "reference" / "board.md").read_text()
+    rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
+    listed = {row[1].strip(" `"): set(re.findall(r"`(\w+)`", row[2])) for row in rows}
+    declared: dict[str, set[str]] = {}
+    file = ""
+    for line in (ROOT / "firmware" / "board" / "board.hpp").read_text().splitlines():
+        if title := re.match(r"// --- (\w+\.cpp)", line):
+            file = title[1]
+        elif function := re.match(r"[a-z].*?[ *](\w+)\(.*\);", line):
+            declared.setdefault(file, set()).add(function[1])
+    assert sum(map(len, declared.values())) > 30
+    assert listed == declared
+
+
 @pytest.mark.parametrize("controller", ["resilient", "distributed"])
-def test_it_carries_as_one_program(program: Path, controller: str) -> None:
+def test_it_carries_as_one_program(second_program: Path, controller: str) -> None:
     made: list[QemuBoard] = []
 
     def make(image: Path, settings: BoardSettings, table: bytes, seed: int) -> LockstepBoard:
@@ -51,7 +58,7 @@ def test_it_carries_as_one_program(program: Path, controller: str) -> None:
     overrides = HARD if controller == "resilient" else {"task.distance_m": 0.5}
     scene = pb.load_scene("paper", overrides)
     try:
-        result, _ = carry_on_boards(program, scene, controller, 3, make)
+        result, _ = carry_on_boards(second_program, scene, controller, 3, make)
     finally:
         for board in made:
             board.close()

@@ -1,37 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Permanent memory: the supply is cut at every word of every write."""
 
+import re
+
 import pytest
 
+from cxx import ROOT
 from emulator.board import Image, PowerFailed
 from emulator.lockstep import LockstepBoard, lockstep_settings
+from emulator.wear import records_of_a_carry, wear
+from flash_records import flash_records
 from palmbots.control.registry import resolve
 from palmbots.scene.scene import load_scene
 
 WORDS_PER_RECORD = 3
 
 
-def records(board: LockstepBoard) -> list[tuple[int, int]]:
-    """Epoch and flags of all complete records, as an independent reader finds them."""
-    import zlib
-
-    raw = board.board.storage()
-    found = []
-    for page in (raw[:0x1000], raw[0x1000:]):
-        for at in range(0, 12 * 341, 12):
-            word, number, check = (
-                int.from_bytes(page[at + i : at + i + 4], "little") for i in (0, 4, 8)
-            )
-            if check == zlib.crc32(page[at : at + 8]) and word != 0xFFFFFFFF:
-                found.append((number, word & 0xFFFFFF, word >> 24))
-    return [(epoch, flags) for _, epoch, flags in sorted(found)]
-
-
-def ask_and_answer(robot: LockstepBoard, epochs: set[int]) -> None:
-    """Contacts that make the robot raise its palm by itself and lower it, which is stored."""
-    for sign in (-1,) * 40 + (0,) * 40:
-        robot.step(1, sign, True, [])
-        epochs |= {int.from_bytes(data[5:8], "little") for data in robot.sent}
+def epochs(board: LockstepBoard) -> list[int]:
+    return [record.epoch for record in flash_records(board.board.storage())]
 
 
 def made(image: Image) -> LockstepBoard:
@@ -43,20 +29,20 @@ def made(image: Image) -> LockstepBoard:
 def test_a_cut_at_every_word_of_a_boot(image: Image, word: int) -> None:
     """The board has the old or the new count, and no epoch in which it has sent is used again."""
     robot = made(image)
-    before = records(robot)[-1][0]
+    before = epochs(robot)[-1]
     robot.board.cut_power()
     robot.board.nvmc.power_fails_in = word
     used = {before}
     try:
         robot.power_up()
-        used.add(records(robot)[-1][0])
+        used.add(epochs(robot)[-1])
         robot.board.cut_power()
     except PowerFailed:
         robot.board.cut_power()
-    found = records(robot)[-1][0]
+    found = epochs(robot)[-1]
     assert found in (before, before + 1)
     robot.power_up()
-    after = records(robot)[-1][0]
+    after = epochs(robot)[-1]
     assert after not in used
     assert after == found + 1
 
@@ -67,7 +53,27 @@ def test_a_full_page_is_followed_by_the_other(image: Image) -> None:
     for expected in range(2, 760):
         robot.board.cut_power()
         robot.power_up()
-        assert records(robot)[-1][0] == expected
+        assert epochs(robot)[-1] == expected
     erases = robot.board.nvmc.erases
     assert sum(erases.values()) >= 1
     assert max(erases.values()) - min(erases.get(page, 0) for page in (0x7E000, 0x7F000)) <= 1
+
+
+def test_the_docs_give_the_life_of_the_memory(image: Image) -> None:
+    """The numbers of docs/reference/board.md are those that two boards need in the emulator."""
+    boot, carry = records_of_a_carry(image)
+    text = " ".join((ROOT / "docs" / "reference" / "board.md").read_text().split())
+    start = text.index("- **Wear.**")
+    said = [
+        float(number.replace(" ", ""))
+        for number in re.findall(
+            r"\d+(?: \d{3})*(?:\.\d+)?", text[start : text.index("years", start)]
+        )
+    ]
+    records = 2 * (4096 // 12) * 10_000
+    years = records / (100 * (boot + carry)) / 365.25
+    assert said == [
+        341, 10_000, records, boot, carry, round((boot + carry) / 341, 4),
+        records // (boot + carry), 100, round(years, 1),
+    ]  # fmt: skip
+    assert wear(boot, carry)["years"] == round(years, 1) > 10

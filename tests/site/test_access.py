@@ -3,9 +3,10 @@
 
 import gzip
 import re
+import time
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from site_pages import ROOT, SITE, Open
 
@@ -48,6 +49,51 @@ def test_a_phone_plays_by_touch(open_page: Open) -> None:
     expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
 
 
+def swipe(page: Page, x: float, y: float, by: float) -> None:
+    """A finger that touches the page, moves sideways, rests and leaves.
+
+    Its times say how fast it is. After a fast one, a browser takes the next tap for the end of a
+    fling.
+    """
+    session = page.context.new_cdp_session(page)
+    now = time.time()
+    for kind, share, age in (
+        ("touchStart", 0.0, 0.9), ("touchMove", 0.25, 0.8), ("touchMove", 0.5, 0.7),
+        ("touchMove", 0.75, 0.6), ("touchMove", 1.0, 0.5), ("touchMove", 1.0, 0.1),
+        ("touchEnd", None, 0.0),
+    ):  # fmt: skip
+        points = [] if share is None else [{"x": x + by * share, "y": y}]
+        session.send(
+            "Input.dispatchTouchEvent",
+            {"type": kind, "touchPoints": points, "timestamp": now - age},
+        )
+
+
+def centre(page: Page, name: str) -> tuple[float, float]:
+    """The middle of an element, which is scrolled into view."""
+    page.locator(name).scroll_into_view_if_needed()
+    box = page.locator(name).bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_finger_drags_what_a_mouse_drags(open_page: Open) -> None:
+    page = open_page("#carry?t=2", width=390, height=844, touch=True)
+    before = page.locator("#hash").inner_text()
+    x, y = centre(page, "#stage")
+    swipe(page, x, y - 40, 30)  # the object
+    expect(page.locator(".command")).to_contain_text("bumps.script")
+    assert page.locator("#hash").inner_text() != before
+    swipe(page, *centre(page, "#contacts-chart"), 40)
+    expect(page.locator(".time")).not_to_have_text("2.00 s")
+    shown = page.locator(".time").inner_text()
+    page.get_by_role("button", name="one step back").tap()
+    expect(page.locator(".time")).not_to_have_text(shown)
+    page.evaluate("location.hash = 'mechanics'")
+    swipe(page, *centre(page, "#handle-com"), 30)
+    expect(page.locator(".command")).to_contain_text("scene.toml")
+
+
 def test_the_theme_can_be_changed(open_page: Open) -> None:
     page = open_page("#carry?t=2")
     colour = "getComputedStyle(document.body).backgroundColor"
@@ -75,6 +121,13 @@ def test_the_page_without_javascript(open_page: Open) -> None:
         box = images.nth(k).bounding_box()
         assert box is not None and box["height"] > 100  # it has arrived
     assert "palmbots carry figure8" in page.content()
+
+
+def test_without_javascript_nothing_moves_where_motion_is_unwelcome(open_page: Open) -> None:
+    page = open_page(script=False, motion="reduce")
+    shown = [image.get_attribute("src") for image in page.get_by_role("img").all()]
+    assert len(shown) == 4
+    assert not any(source.endswith(".gif") for source in shown if source)
 
 
 def test_the_front_page_is_small() -> None:

@@ -2,13 +2,13 @@
 """The view Carry: playing, scrubbing, forking, disturbing, saving, and the URL."""
 
 import io
-import json
+import math
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageChops
 from playwright.sync_api import Page, expect
 
 import palmbots as pb
@@ -202,11 +202,35 @@ def test_robots_are_switched_off_and_on(
     page = open_page(hash_of("carry", {"t": 2, "controller": "resilient"}))
     page.locator("#switch-left").click()
     expect(page.locator("#switch-left")).to_have_text("left on")
+    page.locator("#scrub").fill("20")
+    expect(page.locator("#switch-left")).to_have_text("left on")  # until it is switched on again
+    assert_reproduced(page, capsys)
     page.locator("#scrub").fill("2.5")
     page.locator("#switch-left").click()
     (fault,) = overrides_of(page)["faults.script"]
     assert fault == {"kind": "reboot", "robot": "left", "at_s": 2, "duration_s": 0.5}
     assert_reproduced(page, capsys)
+
+
+def test_a_moment_is_taken_apart(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 4.7}))
+    page.locator("#examine").click()
+    expect(page.locator("h1")).to_have_text("Which contact slides?")
+    trace = pb.carry("figure8").trace
+    assert trace is not None
+    at = trace.sel(time=4.7, method="nearest")
+    p, theta = at.contact.values, at.palm.values
+    assert abs(p[1] - p[0]) > 0.005  # the moment is no trivial one
+    found = pb.modes(
+        "figure8", p_left_m=p[0], p_right_m=p[1], theta_left_deg=math.degrees(theta[0]),
+        theta_right_deg=math.degrees(theta[1]),
+    )  # fmt: skip
+    for what, mode in (("together", found.closing), ("apart", found.opening)):
+        assert mode is not None
+        expect(page.get_by_role("heading", name=f"Driven {what}")).to_contain_text("-".join(mode))
+    for side, place in (("left", 0), ("right", 1)):
+        shown = page.locator(f"label:has(#p-{side}) output").inner_text().removesuffix(" mm")
+        assert float(shown.replace("−", "-")) == pytest.approx(1000 * p[place], abs=0.06)
 
 
 def test_the_url_holds_the_whole_state(open_page: Open) -> None:
@@ -296,7 +320,7 @@ def test_a_bad_scene_file_gives_one_line(
     assert page.locator("#hash").inner_text() == before
 
 
-def test_pictures_and_films(open_page: Open, tmp_path: Path) -> None:
+def test_a_picture(open_page: Open, tmp_path: Path) -> None:
     page = open_page(hash_of("carry", {**FIGURE8, "t": 5.9, "speed": 2}))
     with page.expect_download() as found:
         page.locator("#save-picture").click()
@@ -304,16 +328,27 @@ def test_pictures_and_films(open_page: Open, tmp_path: Path) -> None:
     picture = Image.open(io.BytesIO((tmp_path / "picture.png").read_bytes())).convert("RGB")
     assert picture.width > 600
     assert len(picture.getcolors(1 << 24) or ()) > 20
+
+
+def test_a_film_of_the_rest_of_the_carry(open_page: Open, tmp_path: Path) -> None:
+    """Also while the drawing is outside the window, where the carry stands still otherwise."""
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.4, "speed": 2}), height=420)
     with page.expect_download() as found:
         page.locator("#save-film").click()
+    assert page.evaluate("document.getElementById('stage').getBoundingClientRect().bottom") < 0
     film = tmp_path / found.value.suggested_filename
     found.value.save_as(film)
-    probed = subprocess.run(
-        ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
-         "-of", "json", str(film)],
-        capture_output=True, text=True, check=True,
+    subprocess.run(
+        ["ffmpeg", "-v", "error", "-i", str(film), "-fps_mode", "passthrough",
+         str(tmp_path / "frame%04d.png")],
+        check=True,
     )  # fmt: skip
-    assert int(json.loads(probed.stdout)["streams"][0]["nb_read_frames"]) > 2
+    frames = [Image.open(path).convert("RGB") for path in sorted(tmp_path.glob("frame*.png"))]
+    assert len(frames) > 3
+    # Both palms are steep at the end, and the left one is shallow at the beginning.
+    changed = ImageChops.difference(frames[0], frames[-1]).convert("L").point(lambda v: v > 60)
+    assert changed.getbbox() is not None
+    assert page.locator(".time").inner_text() == "6.43 s"
 
 
 def test_a_controller_that_refuses_the_scene_says_why(open_page: Open) -> None:

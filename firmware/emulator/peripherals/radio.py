@@ -148,10 +148,13 @@ class Radio(Peripheral):
 
     def receive(self, data: bytes, crc_ok: bool = True) -> None:
         """A packet has arrived as a whole."""
+        self.fill_buffer(bytes([len(data)]) + data, crc_ok)
+
+    def fill_buffer(self, content: bytes, crc_ok: bool = True) -> None:
+        """A packet has arrived: its length and its bytes, which may be damaged, in the buffer."""
         assert self.listens
         most = self.get("PCNF1") & 0xFF
-        content = bytes([len(data)]) + data[:most]
-        self.board.set_bytes(self.pointer, content)
+        self.board.set_bytes(self.pointer, content[: 1 + most])
         self.put("CRCSTATUS", int(crc_ok))
         self.mode = "rxidle"
         self.board.disown(OWNED)

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """UARTE0 and TWIM0: serial lines."""
 
+import math
+
 from emulator.peripherals.peripheral import Peripheral
+from emulator.processor import CYCLES_PER_US
 from emulator.registers import at
 
 US_PER_BYTE = 10.0
@@ -18,7 +21,8 @@ class Uart(Peripheral):
     def __init__(self, board) -> None:
         super().__init__(board)
         self.arriving: list[int] = []
-        self.is_arriving = False
+        self.first_us = 0.0
+        """When the first of them has begun to arrive."""
         self.pointer = self.size = self.filled = 0
         self.listens = False
         self.overruns = 0
@@ -57,8 +61,11 @@ class Uart(Peripheral):
     def on_TASKS_STARTRX(self, value: int) -> None:
         """Receive into a buffer."""
         self.require(self.get("ENABLE") == 8, "started while it is disabled")
+        self.require(self.get("INTENSET") & 1 << 2 == 0, "an interrupt for each byte")
+        self.catch_up()  # what came before is lost
         self.listens = True
         self._next_buffer()
+        self._wait_for_full()
 
     def _next_buffer(self) -> None:
         self.pointer, self.size, self.filled = self.get("RXD_PTR"), self.get("RXD_MAXCNT"), 0
@@ -67,28 +74,54 @@ class Uart(Peripheral):
 
     def feed(self, data: bytes) -> None:
         """Bytes arrive, one after the other."""
+        if not data:
+            return
+        self.catch_up()
+        if not self.arriving:
+            self.first_us = self.board.now / CYCLES_PER_US
         self.arriving += data
-        if not self.is_arriving and self.arriving:
-            self.is_arriving = True
-            self.board.in_us(US_PER_BYTE, "uart_byte")
+        self._wait_for_full()
 
-    def byte(self) -> None:
-        """A byte has arrived."""
-        value = self.arriving.pop(0)
-        if self.listens:
-            self.board.set_bytes(self.pointer + self.filled, bytes([value]))
-            self.filled += 1
-            self.event("EVENTS_RXDRDY")
-            if self.board.word(at("PPI.CH0_EEP")) == at("UARTE0.EVENTS_RXDRDY"):
-                self.board.counter.tick()
-            if self.filled == self.size:
-                self.event("EVENTS_ENDRX")
-                self.require(self.get("SHORTS") & 1 << 5 != 0, "stops to receive")
-                self._next_buffer()
-        if self.arriving:
-            self.board.in_us(US_PER_BYTE, "uart_byte")
-        else:
-            self.is_arriving = False
+    def catch_up(self) -> None:
+        """Put the bytes that have arrived by now into the buffer.
+
+        Nothing looks at a byte before the counter is read or a buffer is full, so there is no event
+        for each of them.
+        """
+        passed_us = self.board.now / CYCLES_PER_US - self.first_us
+        count = min(len(self.arriving), int(passed_us / US_PER_BYTE + 1e-6))
+        for value in self.arriving[:count]:
+            self._byte(value)
+        del self.arriving[:count]
+        self.first_us += count * US_PER_BYTE
+
+    def _byte(self, value: int) -> None:
+        if not self.listens:
+            return
+        self.board.set_bytes(self.pointer + self.filled, bytes([value]))
+        self.filled += 1
+        self.event("EVENTS_RXDRDY")
+        if self.board.word(at("PPI.CH0_EEP")) == at("UARTE0.EVENTS_RXDRDY"):
+            self.board.counter.count_event()
+        if self.filled == self.size:
+            self.event("EVENTS_ENDRX")
+            self.require(self.get("SHORTS") & 1 << 5 != 0, "stops to receive")
+            self._next_buffer()
+
+    def _wait_for_full(self) -> None:
+        """Be called when the buffer is full, or when the last byte has arrived."""
+        self.board.cancel("uart_bytes")
+        if not self.arriving:
+            return
+        room = self.size - self.filled if self.listens else len(self.arriving)
+        count = min(room, len(self.arriving))
+        end_us = self.first_us + count * US_PER_BYTE
+        self.board.at_time(math.ceil(end_us * CYCLES_PER_US), "uart_bytes")
+
+    def bytes_have_come(self) -> None:
+        """A buffer is full, or the line falls silent."""
+        self.catch_up()
+        self._wait_for_full()
 
 
 class Twi(Peripheral):

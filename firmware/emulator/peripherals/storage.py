@@ -24,9 +24,12 @@ class Nvmc(Peripheral):
         self.config = 0
         self.writes: dict[int, int] = {}
         self.word_writes = 0
+        """To pages, without the settings of the chip."""
         self.erases: dict[int, int] = {}
         self.power_fails_in: int | None = None
         """How many words are still written completely before the power fails; None: it stays."""
+        self.newest: tuple[int, int, int] | None = None
+        """Address of the newest word, and its content before and after."""
         self.chance = random.Random(1)
 
     def on_CONFIG(self, value: int) -> None:
@@ -41,6 +44,7 @@ class Nvmc(Peripheral):
         self.require(self.board.may_erase(), "erases while the robot is not disarmed")
         self.erases[value] = self.erases.get(value, 0) + 1
         self.require(self.erases[value] <= MOST_ERASES, "a page is worn out")
+        self.newest = None
         self.writes = {a: n for a, n in self.writes.items() if not value <= a < value + PAGE}
         if self.power_fails_in == 0:
             noise = bytes(
@@ -66,14 +70,20 @@ class Nvmc(Peripheral):
         self.require(before & value == value, f"sets bits at {address:#x} that are cleared")
         self.writes[address] = self.writes.get(address, 0) + 1
         self.require(self.writes[address] <= MOST_WRITES, f"writes {address:#x} too often")
-        self.word_writes += 1
+        self.word_writes += address < FLASH[1]
+        self.newest = address, before, value
         if self.power_fails_in == 0:
-            # The power fails in the middle: some of the bits that had to be cleared are.
-            self.board.torn = (address, before & (value | self.chance.getrandbits(32)))
+            self.tear()
             self.board.power_fails()
             return
         self._count_word()
         self.board.halt_for(WORD_US)
+
+    def tear(self) -> None:
+        """The power fails while a word is written: some of the bits that had to be cleared are."""
+        if self.newest is not None:
+            address, before, value = self.newest
+            self.board.torn = (address, before & (value | self.chance.getrandbits(32)))
 
     @staticmethod
     def covers(address: int) -> bool:

@@ -113,9 +113,10 @@ class Counter(Peripheral):
 
     def on_TASKS_CAPTURE(self, number: int, value: int) -> None:
         """Take the count."""
+        self.board.uart.catch_up()
         self.put("CC", self.count, number)
 
-    def tick(self) -> None:
+    def count_event(self) -> None:
         """An event to count."""
         self.count += self.runs
 

@@ -36,7 +36,11 @@ export function sceneWords(base: string, overrides: Overrides): string[] {
 export function carryCommand(
   base: string, overrides: Overrides, controller: string, seed: number, forks: Fork[],
 ): string {
-  const words = ["palmbots", "carry", ...sceneWords(base, overrides)];
+  return carryOf(sceneWords(base, overrides), controller, seed, forks);
+}
+
+export function carryOf(sceneWords: string[], controller: string, seed: number, forks: Fork[]): string {
+  const words = ["palmbots", "carry", ...sceneWords];
   words.push("--controller", controllerWord(controller), "--seed", String(seed));
   for (const fork of forks) words.push("--fork", `${fork.at}:${fork.seed}`);
   return words.join(" ");

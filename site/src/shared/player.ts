@@ -11,6 +11,7 @@ export class Player {
   readonly frames = signal(0); // drawn so far, for measurements
   end = () => 0; // how long the carry lasts [s]
   onEnd: () => void = () => {};
+  filming = false; // a film goes on where nobody looks
   private visible = true;
   private last = 0;
   private request = 0;
@@ -57,9 +58,12 @@ export class Player {
     };
   }
 
+  private runs(): boolean {
+    return this.playing.peek() && (this.visible || this.filming) && !document.hidden;
+  }
+
   private next(): void {
-    const runs = this.playing.peek() && this.visible && !document.hidden;
-    if (!runs) {
+    if (!this.runs()) {
       this.last = 0;
       return;
     }
@@ -68,7 +72,7 @@ export class Player {
       this.request = 0;
       const passed = this.last ? Math.min(now - this.last, 100) : 0;
       this.last = now;
-      if (!this.playing.peek() || !this.visible) return;
+      if (!this.runs()) return;
       const time = this.time.peek() + (passed / 1000) * this.speed.peek();
       this.frames.value += 1;
       if (time >= this.end()) {

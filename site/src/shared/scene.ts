@@ -43,6 +43,20 @@ export function sceneOf(name: string, overrides: Overrides): Scene {
   return scene;
 }
 
+// What the built-in scene and the overrides set apart from the scene `paper`, which a scene file builds on.
+export function fromPaper(name: string, overrides: Overrides): Overrides {
+  const found: Overrides = {};
+  for (const [section, keys] of Object.entries(builtInScene(name))) {
+    if (section === "object" && "object" in overrides) continue;
+    for (const [key, value] of Object.entries(keys as Record<string, Json>)) {
+      if (JSON.stringify(get(PAPER, `${section}.${key}`)) !== JSON.stringify(value)) {
+        found[`${section}.${key}`] = value;
+      }
+    }
+  }
+  return { ...found, ...overrides };
+}
+
 function number(scene: Json, key: string): number {
   return get(scene, key) as number;
 }
@@ -64,6 +78,22 @@ const ROBOT = [
   "speed_m_s", "correction_m_s", "acceleration_m_s2", "max_speed_m_s", "noise_m_s", "noise_tau_s",
   "bias_m_s", "clock_ppm",
 ];
+
+const LINK = ["latency_s", "jitter_s", "loss"];
+
+// The control periods of the scene between two steps of a robot's program.
+function stride(scene: Scene, side: string): number {
+  const own = ofSide(scene, "robot", side, "period_s") as number | undefined;
+  return own === undefined ? 1 : Math.round(own / number(scene, "control.period_s"));
+}
+
+// The last two numbers of a fault: its probability, rate, jump or angle, and what a reboot does besides.
+function faultValue(fault: { [key: string]: Json }): number[] {
+  const jump = fault.kind === "clock-jump" ? fault.duration_s : 0;
+  const value = fault.probability ?? fault.ppm ?? fault.limp_deg ?? jump;
+  const marks = (fault.loses_boot_counter ? 1 : 0) + (fault.limp_deg === undefined ? 0 : 2);
+  return [value as number, marks];
+}
 
 const place = (side: Json | undefined) => Math.max(0, SENDERS.indexOf(side as string));
 const counted = (rows: number[][]) => [rows.length, ...rows.flat()];
@@ -93,7 +123,9 @@ export function sceneNumbers(scene: Scene): number[] {
     ...(get(scene, "object.contacts") as number[]),
     ...(get(scene, "object.com_m") as number[]),
     ...SIDES.flatMap((side) => PALM.map((name) => ofSide(scene, "palm", side, name))),
-    ...SIDES.flatMap((side) => ROBOT.map((name) => ofSide(scene, "robot", side, name))),
+    ...SIDES.flatMap((side) => [
+      ...ROBOT.map((name) => ofSide(scene, "robot", side, name)), stride(scene, side),
+    ]),
     ...zones(scene),
     n("tactile.false_rate"),
     n("control.period_s"),
@@ -117,11 +149,15 @@ export function sceneNumbers(scene: Scene): number[] {
         (m.delay_s as number | undefined) ?? 0,
       ]),
     ),
+    ...SENDERS.flatMap((sender) =>
+      LINK.map((name) => (get(scene, `radio.${sender}.${name}`) as number | undefined) ?? -1),
+    ),
+    n("radio.replay"), n("radio.replay_within_s"),
     ...counted(
       list(scene, "faults.script").map((f) => [
         tables.faultKinds.indexOf(f.kind as string), place(f.robot), f.at_s as number,
         f.duration_s as number, SIGNS[(f.stuck_at as string | undefined) ?? "0"]!,
-        (f.probability as number | undefined) ?? 0,
+        ...faultValue(f),
       ]),
     ),
     n("faults.random_reboots"),

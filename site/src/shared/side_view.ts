@@ -101,7 +101,7 @@ function drawFloor(surface: Surface, view: View, p: Palette, level: number): voi
     path(c, [[x, y], [x, y + (whole ? 8 : 4)]], false);
     c.strokeStyle = p.quiet;
     c.stroke();
-    if (whole) text(c, `${(k * step).toFixed(1)} m`, x, y + 16, p.quiet, 11);
+    if (whole) text(c, `${(k * step).toFixed(1)} m`.replace("-", "−"), x, y + 16, p.quiet, 11);
   }
 }
 

@@ -96,6 +96,15 @@ export function setExtra(name: string, value: string, usual: string): void {
   extras.value = next;
 }
 
+// A switch of a view, off by default.
+export function extraFlag(name: string): boolean {
+  return extras.value[name] === "1";
+}
+
+export function setExtraFlag(name: string, on: boolean): void {
+  setExtra(name, on ? "1" : "", "");
+}
+
 export function extraNumber(name: string, usual: number): number {
   const value = Number(extras.value[name] ?? usual);
   return Number.isFinite(value) ? value : usual;
@@ -196,5 +205,4 @@ export function go(hash: string): void {
   history.pushState(null, "", hash);
   const time = readAddress(hash);
   player.seek(time ?? 0);
-  window.dispatchEvent(new CustomEvent("palmbots:go", { detail: { time } }));
 }

@@ -36,21 +36,27 @@ function read(): Palette {
 
 const root = document.documentElement;
 const dark = matchMedia("(prefers-color-scheme: dark)");
-root.dataset.theme = dark.matches ? "dark" : "light";
+root.dataset.theme = systemTheme();
 
 export const palette = signal<Palette>(read());
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
-function setTheme(isDark: boolean): void {
-  root.dataset.theme = isDark ? "dark" : "light";
+export type Theme = "dark" | "light";
+
+export function systemTheme(): Theme {
+  return dark.matches ? "dark" : "light";
+}
+
+export function theme(): Theme {
+  return root.dataset.theme as Theme;
+}
+
+export function setTheme(next: Theme): void {
+  root.dataset.theme = next;
   palette.value = read();
 }
 
-dark.addEventListener("change", () => setTheme(dark.matches));
-
-export function toggleTheme(): void {
-  setTheme(root.dataset.theme !== "dark");
-}
+dark.addEventListener("change", () => setTheme(systemTheme()));
 
 export function sideColour(p: Palette, side: number): string {
   return side === 0 ? p.left : side === 1 ? p.right : p.both;

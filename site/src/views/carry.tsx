@@ -2,22 +2,24 @@
 // Carry: one carry to watch, to scrub through, to fork and to disturb.
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { Field, AtHome, ControllerChoice, Disturbances, SceneChoice, caseMeaning, setController } from "./parts";
+import {
+  AtHome, ControllerChoice, Disturbances, Field, SceneChoice, caseMeaning, presentRun, setController,
+} from "./parts";
 import { PlayerBar, playerKeys } from "./player_bar";
 import { saveFilm, savePicture } from "./save";
 import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
-import { carryCommand } from "../shared/command";
 import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene";
 import {
-  append, base, controller, forks, go, overrides, player, recorded, refusal, scene, seed,
-  setKey,
+  address, append, controller, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
+  setExtraFlag, setKey,
 } from "../shared/state";
 import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
 
 const NUDGE_M = 0.012;
+const UNTIL_SWITCHED_ON_S = 1000; // longer than any carry
 
 export function outcomeText(run: Recorded): string {
   const name = tables.outcomes[run.outcome]!;
@@ -60,7 +62,9 @@ function switchRobot(side: 0 | 1): void {
   const time = Number(player.time.peek().toFixed(2));
   const script = get(scene.peek(), "faults.script") as { [key: string]: Json }[];
   if (!offAt(scene.peek(), time)[side]) {
-    append("faults.script", { kind: "reboot", robot: SIDES[side], at_s: time, duration_s: 2 });
+    append("faults.script", {
+      kind: "reboot", robot: SIDES[side], at_s: time, duration_s: UNTIL_SWITCHED_ON_S,
+    });
     return;
   }
   // Switch it on again now.
@@ -78,6 +82,19 @@ function fork(): void {
   const others = forks.peek().filter((f) => f.at < at);
   const next = last && last.at >= at ? last.seed + 1 : (forks.peek().at(-1)?.seed ?? seed.peek()) + 1;
   forks.value = [...others, { at, seed: next }];
+}
+
+// Opens this moment in Mechanics.
+function examine(): void {
+  const run = recorded.peek();
+  if (!run) return;
+  const row = rowAt(run, player.time.peek(), Number(get(scene.peek(), "control.period_s")));
+  const state = { t: pair(run, row, ROW.palm), p: pair(run, row, ROW.contact) };
+  SIDES.forEach((side, k) => {
+    setExtra(`t${side[0]}`, String(Number(((state.t[k]! * 180) / Math.PI).toFixed(3))), "");
+    setExtra(`p${side[0]}`, String(Number((1000 * state.p[k]!).toFixed(3))), "");
+  });
+  go(address({ view: "mechanics" }));
 }
 
 function Hands() {
@@ -107,6 +124,9 @@ function Hands() {
           </button>
         </>
       ))}
+      <button type="button" id="examine" onClick={examine} title="Contact modes, cones and forces of this moment">
+        why does it slide?
+      </button>
       {(changed.length > 0 || forks.value.length > 0) && (
         <button
           type="button"
@@ -171,7 +191,7 @@ export function CarryView() {
             type="checkbox"
             id="cones"
             checked={showCones.value}
-            onChange={(event) => (showCones.value = event.currentTarget.checked)}
+            onChange={(event) => setExtraFlag("cones", event.currentTarget.checked)}
           />
           friction cones
         </label>
@@ -184,10 +204,7 @@ export function CarryView() {
         <Charts />
       </section>
       <Disturbances />
-      <AtHome
-        lines={[carryCommand(base.value, overrides.value, controller.value, seed.value, forks.value)]}
-        hash={run?.hash}
-      />
+      <AtHome runs={presentRun()} />
       <p class="row save">
         <button type="button" id="save-picture" onClick={() => savePicture("stage")}>
           save a picture

@@ -2,11 +2,11 @@
 // Compare: two controllers on the same noise, and how many of 1000 carries each drops.
 import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { AtHome, ControllerChoice, Disturbances, SceneChoice, controllerTitle } from "./parts";
+import { AtHome, type Run, ControllerChoice, Disturbances, SceneChoice, controllerTitle } from "./parts";
 import { PlayerBar, playerKeys } from "./player_bar";
 import { outcomeText } from "./carry";
 import { Stage } from "./stage";
-import { controllerWord, sceneWords } from "../shared/command";
+import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
 import { get } from "../shared/scene";
 import {
@@ -178,6 +178,11 @@ export function CompareView() {
     "palmbots compare", ...sceneWords(base.value, without), "--controllers", both, "--values",
     String(latency), "--carries", String(CARRIES), "--seed", String(seed.value),
   ].join(" ");
+  const carries = [...new Set(names.value)].flatMap((name): Run[] => {
+    const run = runs[names.value.indexOf(name)]!.value;
+    if (!run || typeof run === "string") return [];
+    return [{ command: carryCommand(base.value, overrides.value, name, seed.value, []), hash: run.hash }];
+  });
   const end = Math.max(...runs.map((run) => lengthOf(run.value)));
   return (
     <>
@@ -239,7 +244,7 @@ export function CompareView() {
         </div>
       </section>
       {names.value.includes(OWN_ROWS) && <Rows />}
-      <AtHome lines={[command]} note="Prints the same numbers of drops." />
+      <AtHome lines={[command]} runs={carries} note="The first command prints the same numbers of drops." />
     </>
   );
 }

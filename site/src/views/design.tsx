@@ -3,13 +3,15 @@
 import { computed } from "@preact/signals";
 import { AtHome, KeySlider, SceneChoice } from "./parts";
 import { Canvas, type Surface } from "../shared/canvas";
-import { SCENE_FILE } from "../shared/command";
+import { SCENE_FILE, carryOf, controllerWord } from "../shared/command";
 import type { Limit } from "../shared/core";
 import { MAP, REACH, type Region, drawModeMap, modeColour } from "../shared/mode_map";
 import { modeName } from "../shared/mode_words";
 import { drawCells } from "../shared/raster";
-import { get, ofSide } from "../shared/scene";
-import { base, core, extra, extraNumber, overrides, scene, setExtra } from "../shared/state";
+import { fromPaper, get, ofSide } from "../shared/scene";
+import {
+  base, controller, core, extra, extraNumber, forks, overrides, recorded, scene, seed, setExtra,
+} from "../shared/state";
 import { type Json, SIDES, tables } from "../shared/tables";
 import { palette } from "../shared/theme";
 import { sceneFile } from "../shared/toml";
@@ -261,7 +263,7 @@ export function DesignView() {
     event.preventDefault();
     setPair(shallow + step[0], steep + step[1]);
   };
-  const file = { ...overrides.value };
+  const run = recorded.value;
   const region_mm = 1000 * region.value;
   const ends = (value: number) => Number(value.toFixed(4));
   return (
@@ -327,26 +329,12 @@ export function DesignView() {
       <AtHome
         lines={[
           `palmbots certify ${SCENE_FILE} --region-m ${ends(-region.value)} ${ends(region.value)} -o box.json`,
-          `palmbots noise-limit ${SCENE_FILE}`,
+          `palmbots noise-limit ${SCENE_FILE} --controller ${controllerWord(controller.value)}`,
         ]}
-        files={[[SCENE_FILE, sceneFile({ ...baseOverrides(base.value), "palm.shallow_deg": shallow, "palm.steep_deg": steep, ...file })]]}
+        runs={run ? [{ command: carryOf([SCENE_FILE], controller.value, seed.value, forks.value), hash: run.hash }] : []}
+        files={[[SCENE_FILE, sceneFile({ "palm.shallow_deg": shallow, "palm.steep_deg": steep, ...fromPaper(base.value, overrides.value) })]]}
         note="The page claims no certificate; the first command proves one, or says where it fails."
       />
     </>
   );
 }
-
-// What a built-in scene sets apart from the scene paper.
-function baseOverrides(name: string): Record<string, Json> {
-  const paper = tables.scenes.find((s) => s.name === "paper")!.scene;
-  const own = tables.scenes.find((s) => s.name === name)!.scene;
-  const found: Record<string, Json> = {};
-  for (const [section, keys] of Object.entries(own)) {
-    for (const [key, value] of Object.entries(keys as Record<string, Json>)) {
-      const usual = (paper[section] as Record<string, Json> | undefined)?.[key];
-      if (JSON.stringify(usual) !== JSON.stringify(value)) found[`${section}.${key}`] = value;
-    }
-  }
-  return found;
-}
-

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mechanics: one state to take apart. Figures 3 to 6 of the paper, alive.
 import { computed, signal } from "@preact/signals";
-import { AtHome, SceneChoice } from "./parts";
+import { AtHome, SceneChoice, presentRun } from "./parts";
 import { type Handle, Handles } from "./handles";
 import { zeroZone } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
@@ -481,7 +481,11 @@ export function MechanicsView() {
           </section>
         </>
       )}
-      <AtHome lines={[`palmbots modes ${words} ${numbers}`, `palmbots analyze ${words} --figures out`]} />
+      <AtHome
+        lines={[`palmbots modes ${words} ${numbers}`, `palmbots analyze ${words} --figures out`]}
+        runs={presentRun()}
+        note="The last command carries the object of this view."
+      />
     </>
   );
 }

@@ -3,10 +3,10 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
-import { POLICY_FILE, SCENE_FILE, needsFile, policyFile } from "../shared/command";
-import { get, overridesOf } from "../shared/scene";
+import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "../shared/command";
+import { fromPaper, get, overridesOf } from "../shared/scene";
 import {
-  OWN_ROWS, base, controller, forks, overrides, player, policy, scene, setKey,
+  OWN_ROWS, base, controller, forks, overrides, player, policy, recorded, scene, seed, setKey,
 } from "../shared/state";
 import { type Json, type Scene, controllerInfo, tables } from "../shared/tables";
 import { sceneFile } from "../shared/toml";
@@ -140,16 +140,31 @@ export function download(name: string, data: Blob): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// "The same at home": one or more command lines, and the files that they need.
+export interface Run {
+  command: string;
+  hash: string | undefined;
+}
+
+// The carry that the state describes, at home.
+export function presentRun(): Run[] {
+  if (!recorded.value) return [];
+  const command = carryCommand(
+    base.value, overrides.value, controller.value, seed.value, forks.value,
+  );
+  return [{ command, hash: recorded.value.hash }];
+}
+
+// "The same at home": command lines, those of carries with their traces, and the files that they need.
 export function AtHome(props: {
-  lines: string[]; hash?: string; note?: ComponentChildren; files?: [string, string][];
+  runs: Run[]; lines?: string[]; note?: ComponentChildren; files?: [string, string][];
 }) {
   const copied = useSignal(false);
   const lines = useRef<HTMLPreElement>(null);
-  const text = props.lines.join("\n");
+  const text = [...(props.lines ?? []), ...props.runs.map((run) => run.command)].join("\n");
   const files = [...(props.files ?? [])];
-  if (needsFile(overrides.value) && text.includes(SCENE_FILE)) {
-    files.push([SCENE_FILE, sceneFile(overrides.value)]);
+  const isThere = files.some(([name]) => name === SCENE_FILE);
+  if (!isThere && needsFile(overrides.value) && text.includes(SCENE_FILE)) {
+    files.push([SCENE_FILE, sceneFile(fromPaper(base.value, overrides.value))]);
   }
   if (text.includes(POLICY_FILE)) files.push([POLICY_FILE, policyFile(policy.value)]);
   return (
@@ -174,9 +189,16 @@ export function AtHome(props: {
             save {name}
           </button>
         ))}
-        {props.hash && (
+        {props.runs.length > 0 && (
           <span>
-            trace <code id="hash">{props.hash}</code>: your computer computes the same bits.
+            {props.runs.length > 1 ? "traces " : "trace "}
+            {props.runs.map(({ hash }, k) => (
+              <>
+                {k > 0 && " and "}
+                <code id={k === 0 ? "hash" : `hash-${k}`}>{hash}</code>
+              </>
+            ))}
+            : your computer computes the same bits.
           </span>
         )}
         {props.note && <span>{props.note}</span>}
@@ -184,8 +206,6 @@ export function AtHome(props: {
     </section>
   );
 }
-
-export const dropError = { value: "" };
 
 // Opens a scene file that was dropped or chosen. Throws an Error with one line.
 export async function openScene(file: File): Promise<void> {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proofs: the counterexamples that the model checker found, as sequences to play.
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { AtHome } from "./parts";
 import { Canvas, type Surface } from "../shared/canvas";
-import { overridesOf } from "../shared/scene";
-import { address, base, controller, extra, forks, go, overrides, seed, setExtra } from "../shared/state";
+import type { Recorded } from "../shared/core";
+import { overridesOf, sceneOf } from "../shared/scene";
+import {
+  address, base, controller, controllerNumber, core, extra, extraNumber, forks, go, overrides, seed,
+  setExtra,
+} from "../shared/state";
 import type { Scene } from "../shared/tables";
 import { palette, reducedMotion } from "../shared/theme";
 
@@ -18,41 +22,21 @@ interface Counterexample {
   name: string;
   title: string;
   claim: string;
+  meaning: string; // of the claim, as the model states it
   steps: { before: string[]; robots: [Robot, Robot] }[];
   after: string[];
   loop: number | null;
   scene: Scene | null;
 }
 
-// The names of the claims (docs/theory/verification.md), in words.
-const CLAIMS: Record<string, string> = {
-  HANG: "no robot waits forever",
-  FALL: "no contact runs off its palm",
-  FIGHT: "one robot never moves away while the other moves closer",
-  PULL: "a robot moves away only from a shallow palm at rest",
-  LONE: "a robot moves closer only if its partner's palm is steep and at rest, or its partner is in (d)",
-  ALONE: "no robot travels for longer than the lease while the other stands",
-  STOP: "the robots do not both stop",
-  converges: "corrections come to an end",
-};
-
 const all = signal<Counterexample[]>([]);
-const step = signal(0);
+const step = computed(() => Math.max(0, Math.floor(extraNumber("step", 0))));
+const goTo = (place: number) => setExtra("step", String(place), "0");
 const playing = signal(false);
 const STEP_MS = 650;
 
 function chosen(): Counterexample | undefined {
   return all.value.find((c) => c.name === extra("run", "lost-c-ack")) ?? all.value[0];
-}
-
-let shown = "";
-
-// Begins a run from its first step, once.
-function begin(name: string): void {
-  if (name === shown) return;
-  shown = name;
-  step.value = 0;
-  playing.value = !reducedMotion.matches;
 }
 
 function useClock(): void {
@@ -61,17 +45,25 @@ function useClock(): void {
       if (!playing.value || document.hidden) return;
       const item = chosen();
       if (!item) return;
-      if (step.value + 1 < item.steps.length) step.value += 1;
-      else if (item.loop !== null) step.value = Math.min(item.loop, item.steps.length - 1);
+      if (step.value + 1 < item.steps.length) goTo(step.value + 1);
+      else if (item.loop !== null) goTo(Math.min(item.loop, item.steps.length - 1));
       else playing.value = false;
     }, STEP_MS);
     return () => clearInterval(timer);
   }, []);
 }
 
+// The same faults in the quasistatic world, where there is a scene for them.
+function runOf(item: Counterexample): Recorded | null {
+  const machine = core.value;
+  if (!machine || !item.scene) return null;
+  machine.setScene(sceneOf("paper", overridesOf(item.scene)));
+  return machine.run(controllerNumber("distributed"), 0);
+}
+
 // Both palms as rows of cells with the contact on them.
 function draw(surface: Surface, item: Counterexample): void {
-  const now = item.steps[step.value];
+  const now = item.steps[Math.min(step.value, item.steps.length - 1)];
   if (!now) return;
   const p = palette.value;
   const c = surface.context;
@@ -120,6 +112,8 @@ function draw(surface: Surface, item: Counterexample): void {
 
 export function ProofsView() {
   useEffect(() => {
+    // It begins by itself, unless the URL names a step or motion is unwelcome.
+    playing.value = step.peek() === 0 && !reducedMotion.matches;
     if (all.value.length > 0) return;
     void import("../generated/counterexamples.json").then((m) => {
       all.value = m.default as unknown as Counterexample[];
@@ -127,12 +121,11 @@ export function ProofsView() {
   }, []);
   useClock();
   const item = chosen();
-  useEffect(() => {
-    if (item) begin(item.name);
-  }, [item?.name]);
   if (!item) return <p class="status">…</p>;
-  const now = item.steps[step.value];
-  const isLast = step.value === item.steps.length - 1;
+  const place = Math.min(step.value, item.steps.length - 1);
+  const now = item.steps[place];
+  const isLast = place === item.steps.length - 1;
+  const run = runOf(item);
   const carry = () => {
     base.value = "paper";
     overrides.value = overridesOf(item.scene!);
@@ -156,7 +149,8 @@ export function ProofsView() {
           <span>counterexample</span>
           <select id="run" value={item.name}
             onChange={(event) => {
-              begin(event.currentTarget.value);
+              goTo(0);
+              playing.value = !reducedMotion.matches;
               setExtra("run", event.currentTarget.value, "lost-c-ack");
             }}>
             {all.value.map((c) => <option value={c.name}>{c.name}</option>)}
@@ -165,7 +159,7 @@ export function ProofsView() {
       </div>
       <section class="panel proof" aria-label="the run">
         <p class="claim">
-          <strong>{item.title}.</strong> Fails: {CLAIMS[item.claim] ?? item.claim} ({item.claim}).
+          <strong>{item.title}.</strong> The claim “{item.meaning}” ({item.claim}) fails.
         </p>
         <div>
           <Canvas id="proof" height={104} draw={(s) => draw(s, item)} label="contacts and palms in cells" />
@@ -186,18 +180,18 @@ export function ProofsView() {
         <div class="player" role="group" aria-label="playback">
           <button type="button" class="round" id="play" aria-label={playing.value ? "pause" : "play"}
             onClick={() => {
-              if (!playing.value && isLast && item.loop === null) step.value = 0;
+              if (!playing.value && isLast && item.loop === null) goTo(0);
               playing.value = !playing.value;
             }}>
             {playing.value ? "❚❚" : "▶"}
           </button>
           <input type="range" id="scrub" aria-label="step" min={0} max={item.steps.length - 1} step={1}
-            value={step.value}
+            value={place}
             onInput={(event) => {
               playing.value = false;
-              step.value = Number(event.currentTarget.value);
+              goTo(Number(event.currentTarget.value));
             }} />
-          <output class="time">{step.value + 1} of {item.steps.length}</output>
+          <output class="time">{place + 1} of {item.steps.length}</output>
         </div>
       </section>
       {item.scene && (
@@ -207,11 +201,9 @@ export function ProofsView() {
         </p>
       )}
       <AtHome
-        lines={[
-          ...(item.scene ? [`palmbots carry verify/counterexamples/${item.name}.toml`] : []),
-          "make verify",
-        ]}
-        note="In a copy of the sources."
+        lines={[`.venv/bin/python verify/model_check.py ${item.name}`]}
+        runs={run ? [{ command: `palmbots carry verify/counterexamples/${item.name}.toml`, hash: run.hash }] : []}
+        note="In a copy of the sources, after make verify."
       />
     </>
   );

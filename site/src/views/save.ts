@@ -43,6 +43,7 @@ export async function saveFilm(id: string): Promise<void> {
   recorder.ondataavailable = (event) => parts.push(event.data);
   const stopped = new Promise((done) => (recorder.onstop = done));
   recorder.start();
+  player.filming = true;
   player.play();
   const began = performance.now();
   await new Promise<void>((done) => {
@@ -55,6 +56,7 @@ export async function saveFilm(id: string): Promise<void> {
     requestAnimationFrame(frame);
   });
   player.pause();
+  player.filming = false;
   recorder.stop();
   await stopped;
   const suffix = recorder.mimeType.includes("mp4") ? "mp4" : "webm";

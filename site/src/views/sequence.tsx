@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contacts, palms and messages over time, with one cursor. A message can be lost, delayed or copied.
-import { signal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { computed, signal } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { Canvas } from "../shared/canvas";
 import {
   LEFT_MARGIN, RIGHT_MARGIN, SEQUENCE_HEIGHT, type TimeAxis, arrowsOf, drawContacts, drawPalms,
@@ -9,13 +9,21 @@ import {
 } from "../shared/charts";
 import type { Message, Recorded } from "../shared/core";
 import { get, ofSide } from "../shared/scene";
-import { append, before, controller, player, recorded, scene, setKey } from "../shared/state";
+import {
+  append, before, controller, extraFlag, extras, player, recorded, scene, setExtra, setExtraFlag,
+  setKey,
+} from "../shared/state";
 import { type Json, SIDES, controllerInfo } from "../shared/tables";
 import { palette } from "../shared/theme";
 import { zeroZone } from "./stage";
 
-const chosen = signal<number | null>(null);
-const whole = signal(false);
+// The chosen message by its place among those of the carry.
+const chosen = computed(() => {
+  const place = Number(extras.value.m ?? NaN);
+  return Number.isInteger(place) && place >= 0 ? place : null;
+});
+const choose = (place: number | null) => setExtra("m", place === null ? "" : String(place), "");
+const whole = computed(() => extraFlag("whole"));
 // While a finger drags the cursor, the axis stands still.
 const held = signal<TimeAxis | null>(null);
 const DELAY_S = 0.5;
@@ -89,7 +97,7 @@ export function Charts() {
       const gap = Math.abs(x - (a.x0 + (a.x1 - a.x0) * share));
       if (gap < nearest) [nearest, best] = [gap, index];
     });
-    chosen.value = best >= 0 ? best : null;
+    choose(best >= 0 ? best : null);
     if (best >= 0) {
       player.pause();
     } else {
@@ -108,7 +116,7 @@ export function Charts() {
         const next = chosen.value === null
           ? Math.max(0, run.messages.findIndex((m) => m.sent >= player.time.value))
           : (chosen.value + (event.key === "m" ? 1 : count - 1)) % count;
-        chosen.value = next;
+        choose(next);
         player.seek(run.messages[next]!.sent);
       }
     } else return;
@@ -116,7 +124,7 @@ export function Charts() {
   };
 
   return (
-    <div class="charts" ref={frame}>
+    <div class="charts">
       <div class="legend">
         <span class="left-key">left robot</span>
         <span class="right-key">right robot</span>
@@ -126,59 +134,61 @@ export function Charts() {
             type="checkbox"
             id="whole"
             checked={whole.value}
-            onChange={(event) => (whole.value = event.currentTarget.checked)}
+            onChange={(event) => setExtraFlag("whole", event.currentTarget.checked)}
           />
           whole carry
         </label>
       </div>
-      <figure>
-        <figcaption>contacts p [mm], outward is up</figcaption>
-        <Canvas
-          id="contacts-chart"
-          height={132}
-          label="contact coordinates over time; the arrow keys move the cursor"
-          onPointerDown={scrub}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          onKeyDown={keys}
-          draw={(s) =>
-            drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
-          }
-        />
-      </figure>
-      <figure>
-        <figcaption>palm angles</figcaption>
-        <Canvas
-          id="palms-chart"
-          height={66}
-          label="palm angles over time"
-          onPointerDown={scrub}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          draw={(s) => drawPalms(s, palette.value, axis(run, s.width), run, band)}
-        />
-      </figure>
-      <figure>
-        <figcaption>
-          {talks ? "corrections and messages: click one" : "corrections"}
-        </figcaption>
-        <Canvas
-          id="sequence-chart"
-          height={SEQUENCE_HEIGHT}
-          label="corrections and messages of both robots; M selects the next message"
-          onPointerDown={pick}
-          onPointerMove={scrub}
-          onPointerUp={release}
-          onKeyDown={keys}
-          draw={(s) =>
-            drawSequence(
-              s, palette.value, axis(run, s.width), run, latency, chosen.value,
-              info?.isPeriodic ?? false,
-            )
-          }
-        />
-      </figure>
-      <Cursor run={run} frame={frame} />
+      <div class="plots" ref={frame}>
+        <figure>
+          <figcaption>contacts p [mm], outward is up</figcaption>
+          <Canvas
+            id="contacts-chart"
+            height={132}
+            label="contact coordinates over time; the arrow keys move the cursor"
+            onPointerDown={scrub}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            onKeyDown={keys}
+            draw={(s) =>
+              drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
+            }
+          />
+        </figure>
+        <figure>
+          <figcaption>palm angles</figcaption>
+          <Canvas
+            id="palms-chart"
+            height={66}
+            label="palm angles over time"
+            onPointerDown={scrub}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            draw={(s) => drawPalms(s, palette.value, axis(run, s.width), run, band)}
+          />
+        </figure>
+        <figure>
+          <figcaption>
+            {talks ? "corrections and messages: click one" : "corrections"}
+          </figcaption>
+          <Canvas
+            id="sequence-chart"
+            height={SEQUENCE_HEIGHT}
+            label="corrections and messages of both robots; M selects the next message"
+            onPointerDown={pick}
+            onPointerMove={scrub}
+            onPointerUp={release}
+            onKeyDown={keys}
+            draw={(s) =>
+              drawSequence(
+                s, palette.value, axis(run, s.width), run, latency, chosen.value,
+                info?.isPeriodic ?? false,
+              )
+            }
+          />
+        </figure>
+        <Cursor run={run} frame={frame} />
+      </div>
       <MessageCard run={run} />
       {info?.team === "station" && (
         <p class="note">The station hears both robots and answers in every control period.</p>
@@ -189,8 +199,13 @@ export function Charts() {
 
 // One line over all charts at the time of the player.
 function Cursor(props: { run: Recorded; frame: { current: HTMLDivElement | null } }) {
-  const width = props.frame.current?.clientWidth ?? 0;
-  const shown = axis(props.run, width || 800);
+  const [width, setWidth] = useState(800);
+  useEffect(() => {
+    const observer = new ResizeObserver(([entry]) => setWidth(entry!.contentRect.width));
+    observer.observe(props.frame.current!);
+    return () => observer.disconnect();
+  }, []);
+  const shown = axis(props.run, width);
   const share = Math.min(1, Math.max(0, (player.time.value - shown.from) / (shown.to - shown.from)));
   const inner = `(100% - ${LEFT_MARGIN + RIGHT_MARGIN}px)`;
   return <div class="cursor" style={{ left: `calc(${LEFT_MARGIN}px + ${share} * ${inner})` }} />;
@@ -221,7 +236,7 @@ function MessageCard(props: { run: Recorded }) {
             {words[effect]}
           </button>
         ))}
-        <button type="button" class="plain" onClick={() => (chosen.value = null)} aria-label="close">
+        <button type="button" class="plain" onClick={() => choose(null)} aria-label="close">
           ×
         </button>
       </p>

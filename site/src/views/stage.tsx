@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The side view of one carry at the time of the player. On it one can drag the object or a robot.
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Canvas, type Surface } from "../shared/canvas";
 import { PLACES, ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene";
 import { type Flight, type View, drawSide, lowestPoint, viewOf } from "../shared/side_view";
-import { append, core, player, scene } from "../shared/state";
+import { append, core, extraFlag, player, scene } from "../shared/state";
 import { palette } from "../shared/theme";
 import { tables, type Scene } from "../shared/tables";
 
@@ -19,7 +19,7 @@ interface Drag {
   by: number; // m, towards +x
 }
 
-export const showCones = signal(false);
+export const showCones = computed(() => extraFlag("cones"));
 
 export function zeroZone(of: Scene): { from: number; to: number } {
   const zones = get(of, "tactile.zones") as { sign: string; from_m: number; to_m: number }[] | undefined;

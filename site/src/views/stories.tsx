@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stories: eight short scenes with one thing to do in each.
-import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { AtHome } from "./parts";
+import { AtHome, presentRun } from "./parts";
 import { PlayerBar, playerKeys } from "./player_bar";
 import { Charts } from "./sequence";
-import { Stage, showCones } from "./stage";
+import { Stage } from "./stage";
 import { outcomeText } from "./carry";
-import { carryCommand } from "../shared/command";
 import type { Overrides } from "../shared/scene";
 import {
-  base, controller, extraNumber, forks, overrides, player, recorded, seed, setExtra,
+  base, controller, extraFlag, extraNumber, forks, overrides, player, recorded, seed, setExtra,
+  setExtraFlag,
 } from "../shared/state";
 import { controllerInfo } from "../shared/tables";
 import { reducedMotion } from "../shared/theme";
@@ -36,10 +35,19 @@ interface Story {
 }
 
 const QUIET = { "robot.noise_m_s": 0 };
-const LOST_ACK = { "radio.script": [{ sender: "left", message: 1, effect: "lost" }] };
-const ONE_BUMP = {
+// The left robot is silent while it should answer.
+const SILENT_LEFT = {
   ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.36,
+  "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 1 }],
 };
+const REBOOT = {
+  ...QUIET, "task.distance_m": 0.5,
+  "bumps.script": [
+    { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
+  ],
+  "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
+};
+const FAST_RIGHT = { ...QUIET, "robot.right.bias_m_s": 0.008 };
 
 export const STORIES: Story[] = [
   {
@@ -52,42 +60,22 @@ export const STORIES: Story[] = [
     after: "The left palm is shallow, so opening slides only the right contact. The right robot drives away until its contact is back.",
   },
   {
-    title: "A lost Ack",
-    start: { set: ONE_BUMP },
+    title: "A lost Ack, and leases",
+    start: { set: SILENT_LEFT },
     text:
-      "Table 2 waits for answers. One bump, one request, one answer, and everything is well. Now the answer gets lost.",
-    task: "Lose the Ack.",
-    actions: [{ label: "lose it", act: { set: { ...ONE_BUMP, ...LOST_ACK } } }],
-    after: "The right robot waits for the Ack, the left one for TiltDown, forever. The box arrives only because nothing else happens.",
-  },
-  {
-    title: "Leases",
-    start: { controller: "resilient", set: { ...ONE_BUMP, "radio.loss": 0.3 } },
-    text:
-      "The controller resilient repeats what it has to say in beacons, and acts on a beacon only for as long as a lease. Here three of ten messages are lost.",
-    task: "Silence the left robot for one and a half seconds.",
-    actions: [
-      {
-        label: "silence it",
-        act: {
-          controller: "resilient",
-          set: {
-            ...ONE_BUMP, "radio.loss": 0.3,
-            "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 2 }],
-          },
-        },
-      },
-    ],
-    after: "When the lease runs out the right robot stops and waits. It starts again when it hears its partner. Nobody waits forever.",
+      "The radio of the left robot fails for half a second, and the Ack is lost. The paper's algorithm hangs: the right robot waits for the Ack, and the left one waits for TiltDown, forever. The box arrives only because nothing else happens.",
+    task: "Give the pair a controller with leases, on the same radio.",
+    actions: [{ label: "resilient", act: { controller: "resilient", set: SILENT_LEFT } }],
+    after: "The controller resilient repeats what it has to say in beacons, and acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
   },
   {
     title: "Why the palms tilt",
-    start: { cones: true, controller: "none", set: { ...QUIET, "robot.right.bias_m_s": 0.008 }, at: 0.01 },
+    start: { cones: true, controller: "none", set: FAST_RIGHT, at: 0.01 },
     text:
       "The right robot drives 8 mm/s too fast. With both palms steep the object decides which contact slides, and nobody corrects. Watch it walk off the palm.",
     task: "Give the pair a controller.",
     actions: [
-      { label: "distributed", act: { cones: true, controller: "distributed", set: { ...QUIET, "robot.right.bias_m_s": 0.008 } } },
+      { label: "distributed", act: { cones: true, controller: "distributed", set: FAST_RIGHT } },
     ],
     after: "A shallow palm has another friction cone than a steep one. So the robots choose the contact that slides.",
   },
@@ -102,43 +90,32 @@ export const STORIES: Story[] = [
   },
   {
     title: "A reboot",
-    start: {
-      set: {
-        ...QUIET, "task.distance_m": 0.5,
-        "bumps.script": [
-          { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
-        ],
-        "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
-      },
-    },
+    start: { set: REBOOT },
     text:
       "The right robot reboots for 20 ms while it assists, and forgets that it does. Now one robot drives away and the other closer, forever: the contacts no longer move.",
     task: "Let the same happen to the controller resilient.",
-    actions: [
-      {
-        label: "resilient",
-        act: {
-          controller: "resilient",
-          set: {
-            ...QUIET, "task.distance_m": 0.5,
-            "bumps.script": [
-              { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
-            ],
-            "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
-          },
-        },
-      },
-    ],
+    actions: [{ label: "resilient", act: { controller: "resilient", set: REBOOT } }],
     after: "The beacons of a robot that has booted say so. The partner lets go, and both begin anew.",
   },
   {
-    title: "A slope, and the edge of what is possible",
+    title: "A slope",
     start: { set: { "task.slope_deg": 4 } },
     text:
       "On a slope gravity pulls the box towards one robot. At the paper's angles both properties hold up to 4.5°.",
     task: "Make it 8°.",
     actions: [{ label: "8°", act: { set: { "task.slope_deg": 8 } } }],
-    after: "Beyond the limit the wrong contact may slide, and corrections push the contact the wrong way. Design shows which angles stand a steeper floor.",
+    after: "Beyond the limit the wrong contact may slide, and corrections push the contact the wrong way. Design shows which angles tolerate a steeper floor.",
+  },
+  {
+    title: "The edge of the feasible region",
+    start: { cones: true, set: { "object.com_m": [0.141, 0.04] } },
+    text:
+      "The box is 250 mm wide. At the paper's angles both properties hold while its centre of mass lies between 108.5 and 141.5 mm, wherever the contacts are. Here it lies at 141 mm.",
+    task: "Move it to 160 mm.",
+    actions: [
+      { label: "160 mm", act: { cones: true, set: { "object.com_m": [0.16, 0.04] } } },
+    ],
+    after: "More of the weight now presses on the right palm. When the right robot tilts it and drives closer, the left contact may slide instead, although the left palm is steep. Mechanics draws the region on the box.",
   },
   {
     title: "Predict first, then watch",
@@ -162,8 +139,14 @@ export const STORIES: Story[] = [
   },
 ];
 
-const done = signal(false);
-const answer = signal<number | null>(null);
+const isDone = () => extraFlag("done");
+
+function setDone(done: boolean): void {
+  setExtraFlag("done", done);
+}
+
+// The answer that the visitor has chosen, from 1.
+const answered = () => extraNumber("answer", 0);
 
 function begin(start: Start): void {
   base.value = start.scene ?? "paper";
@@ -171,7 +154,7 @@ function begin(start: Start): void {
   seed.value = start.seed ?? 0;
   overrides.value = start.set ?? {};
   forks.value = [];
-  showCones.value = start.cones ?? false;
+  setExtraFlag("cones", start.cones ?? false);
   player.seek(start.at ?? 0);
 }
 
@@ -191,12 +174,11 @@ function isOfStory(story: Story): boolean {
 }
 
 export function StoriesView() {
-  const place = Math.min(STORIES.length, Math.max(1, extraNumber("story", 1)));
+  const place = Math.min(STORIES.length, Math.max(1, Math.floor(extraNumber("story", 1))));
   const story = STORIES[place - 1]!;
   useEffect(() => {
-    done.value = false;
-    answer.value = null;
-    if (!isOfStory(story) || player.time.peek() === 0) {
+    if (!isOfStory(story) || (player.time.peek() === 0 && !isDone())) {
+      setDone(false);
       begin(story.start);
       run(story.start);
     }
@@ -213,7 +195,12 @@ export function StoriesView() {
         {STORIES.map((item, k) => (
           <li>
             <button type="button" aria-current={k + 1 === place ? "step" : undefined}
-              onClick={() => setExtra("story", String(k + 1), "1")}>
+              onClick={() => {
+                for (const name of ["done", "answer", "m"]) setExtra(name, "", "");
+                begin(item.start);
+                setExtra("story", String(k + 1), "1");
+                run(item.start);
+              }}>
               {item.title}
             </button>
           </li>
@@ -230,16 +217,16 @@ export function StoriesView() {
             {story.actions.map(({ label, act }) => (
               <button type="button" class="act" onClick={() => {
                 begin(act);
-                done.value = true;
+                setDone(true);
                 run(act);
               }}>
                 {label}
               </button>
             ))}
-            {done.value && (
+            {isDone() && (
               <button type="button" class="plain" onClick={() => {
                 begin(story.start);
-                done.value = false;
+                setDone(false);
                 run(story.start);
               }}>
                 back to the beginning
@@ -248,17 +235,14 @@ export function StoriesView() {
           </>
         )}
       </div>
-      {done.value && story.after && <p class="after" role="status">{story.after}</p>}
+      {isDone() && story.after && <p class="after" role="status">{story.after}</p>}
       <section class="panel" aria-label="the carry">
         <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
         <Ending />
         <PlayerBar />
         <Charts />
       </section>
-      <AtHome
-        lines={[carryCommand(base.value, overrides.value, controller.value, seed.value, forks.value)]}
-        hash={carried?.hash}
-      />
+      <AtHome runs={presentRun()} />
     </>
   );
 }
@@ -285,18 +269,18 @@ function Question(props: { story: Story }) {
       <legend>{ask}</legend>
       {answers.map((words, k) => (
         <label class="check">
-          <input type="radio" name="prediction" checked={answer.value === k}
+          <input type="radio" name="prediction" checked={answered() === k + 1}
             onChange={() => {
-              answer.value = k;
+              setExtra("answer", String(k + 1), "");
               player.seek(0.6);
               if (!reducedMotion.matches) player.play();
             }} />
           {words}
         </label>
       ))}
-      {answer.value !== null && (
+      {answered() > 0 && (
         <p class="after" role="status">
-          {answer.value === right ? "Yes. " : "Look again. "}
+          {answered() === right + 1 ? "Yes. " : "Look again. "}
           A robot corrects a negative contact alone: with its own palm shallow and its partner's steep,
           closing slides only its own contact, up.
         </p>

@@ -6,17 +6,21 @@ reports a failure in a file FAIL.TXT on the drive.
 """
 
 import hashlib
+import io
 import os
 from pathlib import Path
 
+from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
+from palmbots.firmware.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 
 __all__ = ["find_drives", "flash"]
 
 _MARK = "MICROBIT.HTM"
 """A file that every micro:bit has on its drive."""
+_END = ":00000001FF"
 _PLACES = ("/media", "/run/media", "/Volumes", "/mnt")
 
 
@@ -32,8 +36,8 @@ def find_drives(places: tuple[str, ...] = _PLACES) -> list[Path]:
 def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Path:
     """Copy an image to a board.
 
-    A board that is flashed forgets how often it has booted, so an image that has been flashed is
-    refused: with it the board would use old epochs again, and old packets would count as new.
+    A robot that is flashed forgets how often it has booted, so its image is refused if it has been
+    flashed: with it the robot would use old epochs again, and old packets would count as new.
 
     Args:
         image: a file of `palmbots firmware`.
@@ -46,18 +50,24 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
     Raises:
         PalmbotsError: the image is none, there is no board, or the copy failed.
     """
-    text = _image_text(image)
+    text, counts_boots = _image_text(image)
     target = _only(find_drives()) if drive is None else drive
     if not (target / _MARK).exists():
         raise PalmbotsError(f"{target}: is no drive of a board; it has no file {_MARK}")
     mark = image.with_name(f"{image.name}.flashed")
     check = hashlib.sha256(text.encode()).hexdigest()
-    if not again and mark.exists() and mark.read_text("ascii", "replace").strip() == check:
+    if (
+        counts_boots
+        and not again
+        and mark.exists()
+        and mark.read_text("ascii", "replace").strip() == check
+    ):
         raise PalmbotsError(
             f"{image}: has been flashed already; run: palmbots firmware, or flash it --again if no "
             "board has run it"
         )
-    write_whole(mark, check + "\n")
+    if counts_boots:
+        write_whole(mark, check + "\n")
     copy = target / image.name
     try:
         with copy.open("w", encoding="ascii", newline="\n") as stream:
@@ -73,16 +83,23 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
     return copy
 
 
-def _image_text(image: Path) -> str:
+def _image_text(image: Path) -> tuple[str, bool]:
+    """What the image contains, and whether it is that of a robot, which counts boots."""
     intelhex = require("intelhex", "firmware")
     try:
         text = image.read_text("ascii")
-        intelhex.IntelHex(str(image))
+        content = intelhex.IntelHex(io.StringIO(text))
     except OSError as error:
         raise PalmbotsError(f"{image}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, intelhex.IntelHexError):
         raise PalmbotsError(f"{image}: is no image; allowed: a .hex of palmbots firmware") from None
-    return text
+    # The settings are its last page, and a record that ends the file follows them.
+    role = role_in(content.tobinstr(start=PAGE_ADDRESS, size=PAGE_SIZE))
+    if role is None or not text.rstrip().endswith(_END):
+        raise PalmbotsError(
+            f"{image}: has no settings, or ends too early; allowed: a .hex of palmbots firmware"
+        )
+    return text, role < len(SIDES)
 
 
 def _only(drives: list[Path]) -> Path:

@@ -21,6 +21,7 @@ from palmbots.firmware.settings_page import (
     CONTROLLERS,
     SWITCHES,
     BoardSettings,
+    radio_settings,
     settings_page,
 )
 from palmbots.runtime.drive_table import drive_table
@@ -63,19 +64,7 @@ class BoardPair:
     def dongle_page(self) -> bytes:
         """The page of the settings of the station's radio, which has no key."""
         board = self.pair.settings.board
-        return settings_page(
-            BoardSettings(
-                role=2, key=bytes(16), pair=0, first_epoch=0, last_epoch=0, number=0,
-                period_us=10000, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
-                travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0,
-                state_period=0,
-                status_period=0, least_battery_mv=0, controller=0, channel=board.channel,
-                power_dbm=board.power_dbm, rejoins=False, stops_without_station=False,
-                stops_without_partner=False, has_radio=True, leads=False, may_stop=False,
-                by_touch=False, wheel_kind=0, debounce=1, palm_slew_us=0, wheel_slew=0,
-                switches=(), palm_us=(0, 0), wheels=(0,) * 12, times=(),
-            )
-        )  # fmt: skip
+        return settings_page(radio_settings(board.channel, board.power_dbm))
 
     def settings(self, side: Side, first_epoch: int) -> BoardSettings:
         """The settings of one robot.

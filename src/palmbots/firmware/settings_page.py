@@ -9,7 +9,16 @@ import struct
 import zlib
 from dataclasses import dataclass
 
-__all__ = ["CONTROLLERS", "PAGE_ADDRESS", "PAGE_SIZE", "SWITCHES", "BoardSettings", "settings_page"]
+__all__ = [
+    "CONTROLLERS",
+    "PAGE_ADDRESS",
+    "PAGE_SIZE",
+    "SWITCHES",
+    "BoardSettings",
+    "radio_settings",
+    "role_in",
+    "settings_page",
+]
 
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
@@ -22,6 +31,8 @@ SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 _MAGIC = 0x42504D42
 _FORMAT = 1
 _MOST_TIMES = 16
+_ROLE = 20
+"""Place of the role among the fields."""
 _STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
 
 
@@ -100,6 +111,25 @@ class BoardSettings:
         return body + zlib.crc32(body).to_bytes(4, "little")
 
 
+def radio_settings(channel: int, power_dbm: int) -> BoardSettings:
+    """The settings of the station's radio, which has no key and belongs to no pair.
+
+    Args:
+        channel: frequency above 2400 MHz [MHz].
+        power_dbm: of the radio [dBm].
+    """
+    return BoardSettings(
+        role=2, key=bytes(16), pair=0, first_epoch=0, last_epoch=0, number=0,
+        period_us=2500, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
+        travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0,
+        state_period=0, status_period=0, least_battery_mv=0, controller=0, channel=channel,
+        power_dbm=power_dbm, rejoins=False, stops_without_station=False,
+        stops_without_partner=False, has_radio=True, leads=False, may_stop=False, by_touch=False,
+        wheel_kind=0, debounce=1, palm_slew_us=0, wheel_slew=0, switches=(), palm_us=(0, 0),
+        wheels=(0,) * 12, times=(),
+    )  # fmt: skip
+
+
 def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
     """The whole page.
 
@@ -113,3 +143,12 @@ def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
         page += table
         page += bytes(4 - len(page) % 4) + zlib.crc32(table).to_bytes(4, "little")
     return page.ljust(PAGE_SIZE, b"\xff")
+
+
+def role_in(page: bytes) -> int | None:
+    """The role in the last page of an image; None: it holds no settings that a board accepts."""
+    body, check = page[: _STRUCT.size], page[_STRUCT.size : _STRUCT.size + 4]
+    if len(body) < _STRUCT.size or check != zlib.crc32(body).to_bytes(4, "little"):
+        return None
+    fields = _STRUCT.unpack(body)
+    return fields[_ROLE] if fields[:2] == (_MAGIC, _FORMAT) else None
