@@ -94,6 +94,7 @@ def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> 
         ("control.period_s", "0.001", True, "control.period_s: value is 0.001"),
         ("control.watchdog_s", "0.05", True, "control.watchdog_s: value is 0.05"),
         ("radio.lease_s", "0.1", True, "radio.lease_s: "),
+        ("robot.period_s", "0.02", True, "robot.left.period_s: value is 0.02; allowed on a board"),
     ],
 )
 def test_a_pair_that_cannot_work_is_refused(
