@@ -150,3 +150,8 @@ def test_the_end_reaches_every_screen(place: Place) -> None:
         assert client.end == {"done": False}
         assert client.lines == ["last"]
     assert not place.path.exists()
+
+
+def test_a_screen_that_reads_only_half_of_the_end_is_left(place: Place) -> None:
+    place.client()
+    place.server.close({"done": True, "lines": ["x" * 10_000_000]}, within_s=0.05)

@@ -136,10 +136,12 @@ class StationServer:
         while waiting and self._clock() < give_up:
             for screen in [*waiting]:
                 try:
-                    if self._offer_lines(screen) and screen.connection.offer({"end": end}):
-                        waiting.remove(screen)
+                    has_all = self._offer_lines(screen) and screen.connection.offer({"end": end})
+                    if has_all:
                         screen.connection.drain(max(0.0, give_up - self._clock()))
                 except ConnectionLost:
+                    has_all = True
+                if has_all:
                     waiting.remove(screen)
             if waiting:
                 time.sleep(0.01)
