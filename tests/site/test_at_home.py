@@ -38,6 +38,19 @@ def test_both_carries_of_a_race(open_page: Open, capsys: pytest.CaptureFixture[s
     assert_traces(page, capsys, 2)
 
 
+def test_rows_of_ones_own(
+    open_page: Open, capsys: pytest.CaptureFixture[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """A station runs them, in the page as at home."""
+    page = open_page(hash_of("compare", {"t": 1, "v.a": "none", "v.b": "own-rows"}))
+    page.get_by_label("row +-, palm of the left robot").select_option("shallow")
+    page.get_by_label("row 0+, drive of the right robot").select_option("hold")
+    save(page, "rows.toml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert_traces(page, capsys, 2)
+
+
 def test_an_object_of_ones_own_in_another_scene(
     open_page: Open, capsys: pytest.CaptureFixture[str], tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

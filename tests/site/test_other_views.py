@@ -90,6 +90,19 @@ def test_mechanics_names_the_modes(
             expect(heading).to_contain_text("-".join(mode))
         else:
             expect(heading).to_contain_text("held" if found.margin_rad < 0 else "jammed")
+        if mode is None or found.squeeze is None:
+            continue
+        # The binding inequality: which end of whose interval the squeeze reaches first.
+        ends = {side: found.squeeze[side][what == "together"] for side in ("left", "right")}
+        first, second = sorted(ends, key=lambda side: ends[side], reverse=what == "apart")
+        said = page.locator("#closing-words" if what == "together" else "#opening-words")
+        if ends[first] == pytest.approx(ends[second], abs=1e-9):
+            wanted = [f"edges of both cones at once: H = {ends[first]:.3f}."]
+        else:
+            wanted = [f"edge of the {first} cone first: H = {ends[first]:.3f}",
+                      f"{ends[second]:.3f} at the", f"edge of the {second} cone."]  # fmt: skip
+        for words in wanted:
+            expect(said).to_contain_text(words.replace("-", "−"))
     balanced = page.locator(".modes td:not(.no)")
     expect(balanced).to_have_count(len(found.feasible))
     printed = run_json(runner(capsys), command_of(page))
@@ -108,15 +121,29 @@ def drag_handle(page: Page, name: str, dx: float, dy: float) -> None:
     page.mouse.up()
 
 
+def drawings(page: Page) -> dict[str, str]:
+    """What the canvases show, as soon as they show it."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))")
+    names = ("mechanics", "map-closing", "com-map")
+    return {name: page.evaluate(f"document.getElementById('{name}').toDataURL()") for name in names}
+
+
 def test_mechanics_can_be_dragged(open_page: Open) -> None:
-    page = open_page("#mechanics")
+    page = open_page("#mechanics?v.tl=9&v.tr=12")
     words = page.locator("#closing-words").inner_text
     seen = {words()}
     for name, dx, dy in (
         ("com", 12, 0), ("corner-2", -10, 14), ("palm-left", 0, 10), ("contact-right", 14, 4),
         ("cone", 20, 0),
     ):  # fmt: skip
+        before = drawings(page)
         drag_handle(page, name, dx, dy)
+        after = drawings(page)
+        assert after["mechanics"] != before["mechanics"]  # Figures 3 and 4
+        if name in ("palm-left", "contact-right"):
+            assert after["map-closing"] != before["map-closing"]  # Figure 5
+        if name not in ("palm-left", "contact-right"):  # it needs the scene's angles, all contacts
+            assert after["com-map"] != before["com-map"]  # Figure 6
         if name != "corner-2":  # an upper corner does not touch a palm
             assert words() not in seen, name
         seen.add(words())
@@ -140,80 +167,6 @@ def test_mechanics_map_sets_the_contacts(open_page: Open) -> None:
     assert page.locator("#p-left").input_value() != "-20"
 
 
-def exports(page: Page, call: str) -> list[float]:
-    """The numbers that an export of the page's core returns for the scene `paper`."""
-    return page.evaluate(
-        """async call => {
-          const url = performance.getEntriesByType('resource').map(e => e.name)
-            .find(name => name.endsWith('.wasm'));
-          const stop = () => { throw new Error('stopped'); };
-          const wasi = { fd_close: stop, fd_seek: stop, fd_write: stop };
-          const { instance } = await WebAssembly.instantiateStreaming(
-            fetch(url), { wasi_snapshot_preview1: wasi });
-          const m = instance.exports;
-          m._initialize();
-          const inf = Infinity;
-          const palm = [0.15, 0, 0.3, 5, 15, 50];
-          const robot = [0.06, 0.03, 0.5, 0.2, 0.01, 0.5, 0, 0];
-          const scene = [4, 0, 0, .25, 0, .25, .16, 0, .16, 0, 1, .125, .04, ...palm, ...palm,
-            ...robot, ...robot, 3, -1, -inf, -.005, 0, -.005, .005, 1, .005, inf, 0, .01, 1, 0, .1,
-            .05, 0, 0, 0, 0, 0, 1, 0, .1, 0, .05, 0, 0, 0, 0, 0, .5, 0, 0, 0, .004, 0, 0, 1.5, 1,
-            0, 1, .05, NaN];
-          new Float64Array(m.memory.buffer, m.input(), scene.length).set(scene);
-          m.set_scene();
-          const at = eval(call)(m);
-          return Array.from(new Float64Array(m.memory.buffer, at, m.length()));
-        }""",
-        call,
-    )
-
-
-def test_maps_equal_those_of_the_package(open_page: Open) -> None:
-    import math
-
-    import numpy as np
-
-    from palmbots.mechanics.mode_analysis import modes_batch
-    from palmbots.scene.scene import load_scene
-    from palmbots.stability.problem import stability_problem
-
-    page = open_page("#carry?t=1")
-    shallow, steep = math.radians(5), math.radians(15)
-    places = 0.075 * 2.6 * ((np.arange(20) + 0.5) / 10 - 1)
-    left, right = np.meshgrid(places, places)
-    found = modes_batch(
-        width=0.25, com_x=0.125, com_y=0.04, theta_left=shallow, theta_right=steep,
-        p_left=left, p_right=right, friction_left=0.3, friction_right=0.3,
-    )  # fmt: skip
-    for closing, modes in ((1, found.closing), (0, found.opening)):
-        seen = exports(page, f"m => m.mode_map({shallow}, {steep}, {closing}, 20, 2.6)")
-        assert seen == modes.ravel().tolist()
-    problem = stability_problem(load_scene("paper"))
-    grid = np.radians(np.arange(0.0, 40.0, 4.0))
-    tolerance, clearance = problem.envelope().map(
-        grid, grid, (0.125, 0.125), 0, 10.0, np.empty((0, 0))
-    )
-    step = math.radians(4.0)
-    seen = np.array(exports(page, f"m => m.tolerance_map(0, {step}, 10, 0, 10, 0.075)")).reshape(
-        -1, 2
-    )
-    np.testing.assert_allclose(seen[:, 0], tolerance.ravel(), rtol=1e-9)
-    np.testing.assert_allclose(seen[:, 1], clearance.ravel(), rtol=1e-9)
-    for k, n in ((0, 50), (3, 50), (50, 50), (17, 1000)):
-        np.testing.assert_allclose(
-            exports(page, f"m => m.wilson({k}, {n})"), wilson(k, n), rtol=1e-12
-        )
-
-
-def test_the_permitted_coms_are_those_of_analyze(open_page: Open) -> None:
-    page = open_page("#carry?t=1")
-    bits = exports(page, "m => m.com_map(0, 0.25, 0.0399, 0.0401, 1000, 1)")
-    both = [k * 0.25 / 1000 for k, bit in enumerate(bits) if bit == 3]
-    found = pb.analyze("paper").com_x_m
-    assert found is not None
-    assert (both[0], both[-1]) == pytest.approx(found, abs=3e-4)
-
-
 def test_design_shows_the_tolerance_of_a_pair(open_page: Open, tmp_path: Path) -> None:
     page = open_page("#design")
     found = pb.analyze("paper").com_x_m
@@ -221,6 +174,14 @@ def test_design_shows_the_tolerance_of_a_pair(open_page: Open, tmp_path: Path) -
     most = 1000 * min(0.125 - found[0], found[1] - 0.125)
     expect(page.locator("#tolerance")).to_contain_text(f"±{most:.1f} mm")
     expect(page.locator("#tolerance")).to_contain_text("0.55°")
+    limits = page.locator("table", has_text="what happens beyond").locator("tbody tr")
+    ranges = [
+        tuple(map(float, re.findall(r"([\d.]+) to ([\d.]+) mm: holds", text)[0]))
+        for text in limits.all_inner_texts()
+    ]
+    assert len(ranges) == 4
+    common = (max(low for low, _ in ranges), min(high for _, high in ranges))
+    assert common == pytest.approx([1000 * end for end in found], abs=0.06)
     page.locator("#design-map").focus()
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowRight")

@@ -45,6 +45,9 @@ export function decision(found: Statics, closing: boolean): string {
   const edge = closing ? "upper" : "lower";
   const grows = closing ? "rises" : "falls";
   const relation = closing ? "≤" : "≥";
+  if (Math.abs(one - two) < 1e-9) {
+    return `The squeeze ${grows} until it reaches the ${edge} edges of both cones at once: H = ${end(one)}.`;
+  }
   const [near, far] = first ? [one, two] : [two, one];
   // As many digits as show which of the two is smaller.
   const digits = [3, 4, 5, 6].find((n) => end(near, n) !== end(far, n)) ?? 3;
