@@ -49,10 +49,10 @@ class Dongle {
 
  private:
   static constexpr std::size_t room = 8;
-  static constexpr std::uint32_t report_period = 200;  // [ticks of 2.5 ms]
-  static constexpr std::uint32_t slots_per_row = 4;    // a row of LEDs shines for 2 ms
+  static constexpr std::uint32_t report_period = 100;  // [ticks of 5 ms]
+  static constexpr std::uint32_t slots_per_row = 2;    // a row of LEDs shines for 2 ms
   static constexpr std::uint32_t span_us = 3000;       // within which a packet leaves
-  static constexpr std::uint32_t heard_for = 200;      // [ticks]
+  static constexpr std::uint32_t heard_for = 100;      // [ticks]
 
   void from_radio() {
     while (board::take_packet(received_)) {
