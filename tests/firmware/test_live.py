@@ -10,6 +10,7 @@ import pytest
 from emulator.board import Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
+from flash_records import flash_record
 from palmbots.firmware.pair_settings import BoardPair, board_pair
 from palmbots.runtime.pair_file import init_pair, load_pair
 
@@ -252,19 +253,13 @@ def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
     assert modes(pair) == ("disarmed", "disarmed")
 
 
-def record(number: int, epoch: int) -> bytes:
-    """A record of permanent memory, as an independent writer makes it."""
-    body = epoch.to_bytes(4, "little") + number.to_bytes(4, "little")
-    return body + zlib.crc32(body).to_bytes(4, "little")
-
-
 def test_a_page_is_erased_while_the_robot_is_disarmed(image: Image, boards: MakeBoards) -> None:
     """One page is full and the other half full after the boot. The erase halts the processor for
     longer than eight ticks, which the watchdog admits."""
     pair = LivePair(image, boards(), seed=13)
     board = pair.robots[0].board
-    full = b"".join(record(n, 1) for n in range(1, 342))
-    half = b"".join(record(n, 2) for n in range(342, 511))
+    full = b"".join(flash_record(n, 1) for n in range(1, 342))
+    half = b"".join(flash_record(n, 2) for n in range(342, 511))
     board.set_bytes(0x7E000, full)
     board.set_bytes(0x7F000, half)
     pair.run(0.5)
