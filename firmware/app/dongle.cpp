@@ -9,6 +9,7 @@
 
 #include "../board/board.hpp"
 #include "crc32.hpp"
+#include "only_show.hpp"
 #include "palmbots/wire/device_frames.hpp"
 #include "palmbots/wire/serial_frame.hpp"
 #include "picture.hpp"
@@ -48,10 +49,10 @@ class Dongle {
 
  private:
   static constexpr std::size_t room = 8;
-  static constexpr std::uint32_t report_period = 200;  // [ticks of 2.5 ms]
-  static constexpr std::uint32_t slots_per_row = 4;    // a row of LEDs shines for 2 ms
+  static constexpr std::uint32_t report_period = 100;  // [ticks of 5 ms]
+  static constexpr std::uint32_t slots_per_row = 2;    // a row of LEDs shines for 2 ms
   static constexpr std::uint32_t span_us = 3000;       // within which a packet leaves
-  static constexpr std::uint32_t heard_for = 200;      // [ticks]
+  static constexpr std::uint32_t heard_for = 100;      // [ticks]
 
   void from_radio() {
     while (board::take_packet(received_)) {
@@ -157,15 +158,7 @@ extern "C" void run_program() {
   const app::Settings& s = page.settings;
   const bool is_right = s.magic == app::Settings::right_magic && s.role == 2 &&
                         s.check == app::crc32(&s, offsetof(app::Settings, check));
-  if (!is_right) {
-    board::start_ticks(10000);
-    board::show(app::picture_of(wire::RobotMode::fault, wire::FaultCode::none,
-                                app::BoardFault::settings, false, Sign::zero));
-    while (true) {
-      board::sleep();
-      if (board::take_slot()) board::next_row();
-    }
-  }
+  if (!is_right) app::only_show(app::BoardFault::settings);
   board::start_uart();
   board::start_radio(s.channel, s.power_dbm);
   static app::Dongle dongle(board::random_word());

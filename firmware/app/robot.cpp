@@ -8,6 +8,7 @@
 #include "../board/board.hpp"
 #include "controller.hpp"
 #include "missed_ticks.hpp"
+#include "only_show.hpp"
 #include "outbox.hpp"
 #include "palm_switches.hpp"
 #include "palmbots/runtime/hand_controls.hpp"
@@ -33,16 +34,6 @@ bool are_right(const SettingsPage& page) {
   if (s.check != crc32(&s, offsetof(Settings, check))) return false;
   return static_cast<ControllerKind>(s.controller) != ControllerKind::policy ||
          page.table_check == crc32(&page.table, sizeof page.table);
-}
-
-// A board that cannot run shows why, and does nothing else.
-[[noreturn]] void only_show(BoardFault fault) {
-  board::start_ticks(10000);
-  board::show(picture_of(wire::RobotMode::fault, wire::FaultCode::none, fault, false, Sign::zero));
-  while (true) {
-    board::sleep();
-    if (board::take_slot()) board::next_row();
-  }
 }
 
 class Program {

@@ -115,7 +115,8 @@ void feed_watchdog();
 // --- uart.cpp: the serial line of the dongle.
 
 void start_uart();
-// Takes the bytes that have arrived, at most `size`; returns how many.
+// Takes the bytes that have arrived, at most `size`; returns how many. To be called in every slot, which
+// may last 1 ms: bytes that are not taken in time are overwritten.
 std::size_t read_uart(std::uint8_t* bytes, std::size_t size);
 // How many bytes may be written now.
 std::size_t uart_room();

@@ -12,20 +12,26 @@ namespace palmbots::board {
 
 inline void barrier() { asm volatile("" ::: "memory"); }
 
+inline void store(std::uint32_t address, std::uint32_t value) {
+  barrier();
+  *reinterpret_cast<volatile std::uint32_t*>(address) = value;
+  barrier();
+}
+
+inline std::uint32_t load(std::uint32_t address) {
+  barrier();
+  const std::uint32_t value = *reinterpret_cast<volatile std::uint32_t*>(address);
+  barrier();
+  return value;
+}
+
 template <std::uint32_t address>
 struct Register {
   const Register& operator=(std::uint32_t value) const {
-    barrier();
-    *reinterpret_cast<volatile std::uint32_t*>(address) = value;
-    barrier();
+    store(address, value);
     return *this;
   }
-  operator std::uint32_t() const {
-    barrier();
-    const std::uint32_t value = *reinterpret_cast<volatile std::uint32_t*>(address);
-    barrier();
-    return value;
-  }
+  operator std::uint32_t() const { return load(address); }
   static constexpr std::uint32_t at = address;
 };
 
@@ -35,17 +41,10 @@ struct Registers {
   struct One {
     std::uint32_t address;
     const One& operator=(std::uint32_t value) const {
-      barrier();
-      *reinterpret_cast<volatile std::uint32_t*>(address) = value;
-      barrier();
+      store(address, value);
       return *this;
     }
-    operator std::uint32_t() const {
-      barrier();
-      const std::uint32_t value = *reinterpret_cast<volatile std::uint32_t*>(address);
-      barrier();
-      return value;
-    }
+    operator std::uint32_t() const { return load(address); }
   };
   constexpr One operator[](std::uint32_t number) const { return {first + step * number}; }
 };

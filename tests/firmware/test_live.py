@@ -3,13 +3,16 @@
 
 import zlib
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from emulator.board import Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
-from palmbots.firmware.pair_settings import BoardPair
+from flash_records import flash_record
+from palmbots.firmware.pair_settings import BoardPair, board_pair
+from palmbots.runtime.pair_file import init_pair, load_pair
 
 MakeBoards = Callable[..., BoardPair]
 RESTING = ("disarmed", "armed", "done", "stopped", "fault")
@@ -34,6 +37,19 @@ def test_two_boards_carry_by_their_buttons(
     assert pair.is_held
     assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
     assert [robot.board.leds_lit for robot in pair.robots] == [1, 1]  # one row at a time
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "silent", "distributed"])
+def test_the_pair_of_the_guide_carries(image: Image, tmp_path: Path, controller: str) -> None:
+    """With the one change of docs/guide/firmware.md, all the way of the paper's box."""
+    values = {"limits.station_lost": "carry-on"}
+    file = init_pair(tmp_path / "pair.toml", controller=controller, values=values)[0]
+    pair = LivePair(image, board_pair(load_pair(file)), seed=5)
+    assert pair.start(), pair.state()
+    assert pair.run_until("done", within_s=60.0), pair.state()
+    assert pair.is_held
+    assert pair.world.midpoint == pytest.approx(1.5, rel=0.05)
 
 
 def test_packets_leave_at_random_instants(image: Image, boards: MakeBoards) -> None:
@@ -237,19 +253,13 @@ def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
     assert modes(pair) == ("disarmed", "disarmed")
 
 
-def record(number: int, epoch: int) -> bytes:
-    """A record of permanent memory, as an independent writer makes it."""
-    body = epoch.to_bytes(4, "little") + number.to_bytes(4, "little")
-    return body + zlib.crc32(body).to_bytes(4, "little")
-
-
 def test_a_page_is_erased_while_the_robot_is_disarmed(image: Image, boards: MakeBoards) -> None:
     """One page is full and the other half full after the boot. The erase halts the processor for
     longer than eight ticks, which the watchdog admits."""
     pair = LivePair(image, boards(), seed=13)
     board = pair.robots[0].board
-    full = b"".join(record(n, 1) for n in range(1, 342))
-    half = b"".join(record(n, 2) for n in range(342, 511))
+    full = b"".join(flash_record(n, 1) for n in range(1, 342))
+    half = b"".join(flash_record(n, 2) for n in range(342, 511))
     board.set_bytes(0x7E000, full)
     board.set_bytes(0x7F000, half)
     pair.run(0.5)

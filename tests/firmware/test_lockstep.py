@@ -33,14 +33,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in CON
     "centralized, everything": everything("centralized"),
 }
 MORE: dict[str, tuple[str, dict[str, Any]]] = {
-    f"{name}, everything": everything(name)
-    for name in ("resilient", "shared-sign", "silent", "centralized")
-} | {
-    "distributed, losses": ("distributed", {"radio.loss": 0.02}),
-    "examples/policies/table-1.toml, losses": (
-        "examples/policies/table-1.toml", {"radio.loss": 0.02},
-    ),
-}  # fmt: skip
+    f"{name}, everything": everything(name) for name in CONTROLLERS
+} | {f"{name}, faults": (name, faults(name) | {"radio.loss": 0.02}) for name in CONTROLLERS}
 
 
 def check(

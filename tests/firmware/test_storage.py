@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Permanent memory: the supply is cut at every word of every write."""
 
+import random
 import re
 
 import pytest
@@ -9,7 +10,7 @@ from cxx import ROOT
 from emulator.board import Image, PowerFailed
 from emulator.lockstep import LockstepBoard, lockstep_settings
 from emulator.wear import records_of_a_carry, wear
-from flash_records import flash_records
+from flash_records import flash_record, flash_records
 from palmbots.control.registry import resolve
 from palmbots.scene.scene import load_scene
 
@@ -45,6 +46,27 @@ def test_a_cut_at_every_word_of_a_boot(image: Image, word: int) -> None:
     after = epochs(robot)[-1]
     assert after not in used
     assert after == found + 1
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_cut_in_an_erase(image: Image, seed: int) -> None:
+    """It leaves anything in the page that is erased, which is the older one."""
+    robot = made(image)
+    board = robot.board
+    board.cut_power()
+    board.set_bytes(0x7E000, b"".join(flash_record(n, 1) for n in range(1, 342)))
+    board.set_bytes(0x7F000, b"".join(flash_record(n, 2) for n in range(342, 342 + 200)))
+    old = board.bytes_at(0x7E000, 0x1000)
+    board.nvmc.chance = random.Random(seed)
+    board.nvmc.power_fails_in = 0
+    with pytest.raises(PowerFailed):
+        robot.power_up()
+    board.cut_power()
+    assert board.bytes_at(0x7E000, 0x1000) not in (old, b"\xff" * 0x1000)
+    assert epochs(robot)[-1] == 2
+    robot.power_up()
+    assert epochs(robot)[-1] == 3
+    assert board.bytes_at(0x7E000, 0x1000) == b"\xff" * 0x1000
 
 
 def test_a_full_page_is_followed_by_the_other(image: Image) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An independent reader of what a board has stored (docs/reference/board.md)."""
+"""An independent reader and writer of what a board stores (docs/reference/board.md)."""
 
 import zlib
 from typing import NamedTuple
@@ -27,3 +27,9 @@ def flash_records(storage: bytes) -> list[Record]:
             if check == zlib.crc32(page[at : at + 8]) and content != 0xFFFFFFFF:
                 found.append((number, Record(content & 0xFFFFFF, content >> 24)))
     return [record for _, record in sorted(found)]
+
+
+def flash_record(number: int, epoch: int) -> bytes:
+    """A record with this number and epoch, and no flags."""
+    body = epoch.to_bytes(4, "little") + number.to_bytes(4, "little")
+    return body + zlib.crc32(body).to_bytes(4, "little")

@@ -3,54 +3,19 @@
 #include <cstdint>
 
 #include "../board.hpp"
+#include "../cortex_m4.hpp"
 #include "pins.hpp"
 #include "registers.hpp"
 #include "wake.hpp"
 
-extern "C" {
-// From the linker script.
-extern std::uint32_t data_from[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[];
-void run_program();
-[[noreturn]] void reset();
-[[noreturn]] void unexpected();
-}
-
 namespace {
 
-using Handler = void (*)();
-
-struct VectorTable {
-  std::uint32_t* stack;
-  Handler handlers[15 + 48];
-};
-
-// No interrupt is ever taken. A fault of the processor ends in `unexpected`, and the watchdog resets.
-constexpr VectorTable make_vectors() {
-  VectorTable table{stack_top, {}};
-  for (Handler& handler : table.handlers) handler = unexpected;
-  table.handlers[0] = reset;
-  return table;
-}
+constexpr std::size_t interrupts = 48;
 
 }  // namespace
 
-extern "C" {
-[[gnu::section(".vectors"), gnu::used]] constinit const VectorTable vectors = make_vectors();
-
-[[noreturn]] void unexpected() {
-  while (true) {
-  }
-}
-
-[[noreturn]] void reset() {
-  asm volatile("cpsid i" ::: "memory");
-  const std::uint32_t* from = data_from;
-  for (std::uint32_t* to = data_begin; to < data_end; ++to) *to = *from++;
-  for (std::uint32_t* to = bss_begin; to < bss_end; ++to) *to = 0;
-  run_program();
-  unexpected();
-}
-}
+extern "C" [[gnu::section(".vectors"), gnu::used]] constinit const auto vectors =
+    palmbots::board::make_vectors<interrupts>();
 
 namespace palmbots::board {
 
@@ -104,6 +69,6 @@ void start() {
   pins::configure(pins::button_b, pins::input_pull_up);
 }
 
-void sleep() { asm volatile("wfi" ::: "memory"); }
+void sleep() { wait_for_interrupt(); }
 
 }  // namespace palmbots::board

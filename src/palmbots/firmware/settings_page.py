@@ -120,7 +120,7 @@ def radio_settings(channel: int, power_dbm: int) -> BoardSettings:
     """
     return BoardSettings(
         role=2, key=bytes(16), pair=0, first_epoch=0, last_epoch=0, number=0,
-        period_us=2500, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
+        period_us=5000, watchdog_us=100000, lease=0, station_limit=0, time_limit=0,
         travel=0, stopping_limit=0, stopping=0, turn_limit=0, most_overruns=0,
         state_period=0, status_period=0, least_battery_mv=0, controller=0, channel=channel,
         power_dbm=power_dbm, rejoins=False, stops_without_station=False,
