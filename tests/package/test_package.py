@@ -14,7 +14,6 @@ import palmbots
 from cxx import ROOT
 from waiting import locked
 
-
 REFERENCE = "palmbots/scene/data/scene-keys.md"
 # In a text for users: an installation from an index, which does not have the package.
 FROM_INDEX = re.compile(r"""pip3? install [^\n`]*(?<![\w./-])palmbots(?![\w/-]|\S*\.whl)""")

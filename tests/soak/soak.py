@@ -10,6 +10,7 @@ libFuzzer, then the tests of tests/soak, then every Hypothesis property with ran
 every test marked `soak`, with those of the firmware where its compiler is installed. Each failure
 is appended to build/soak/failures.txt with the example that shows it; such an example then becomes
 an explicit `@example` of the property. Exit code 1 if anything failed.
+"""
 
 import secrets
 import shutil

@@ -4,11 +4,14 @@
 from collections.abc import Mapping
 from typing import Any
 
+from palmbots.cli.analysis_json_shapes import ANALYSIS_SHAPES
 from palmbots.cli.json_shapes import JSON_SHAPES
+from palmbots.cli.robot_json_shapes import ROBOT_SHAPES
 from palmbots.errors import PalmbotsError
 
 __all__ = ["schema_names", "schema_of"]
 
+_SHAPES: dict[str, Any] = JSON_SHAPES | ANALYSIS_SHAPES | ROBOT_SHAPES
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _WORDS: dict[str, dict[str, Any]] = {
     "any": {},
@@ -23,7 +26,7 @@ _WORDS: dict[str, dict[str, Any]] = {
 
 def schema_names() -> list[str]:
     """What there are schemas of: ``scene``, ``log``, and the names of commands."""
-    return ["scene", "log", *JSON_SHAPES]
+    return ["scene", "log", *_SHAPES]
 
 
 def schema_of(name: str) -> dict[str, Any]:
@@ -41,13 +44,13 @@ def schema_of(name: str) -> dict[str, Any]:
         from palmbots.mujoco.trace_columns import COLUMNS
 
         return log_schema(COLUMNS)
-    if name not in JSON_SHAPES:
+    if name not in _SHAPES:
         from palmbots._util.arguments import show
 
         allowed = ", ".join(schema_names())
         raise PalmbotsError(f"NAME: value is {show(name)}; allowed: {allowed}")
     title = {"$schema": _DIALECT, "title": f"What palmbots {name} --json prints"}
-    return title | _schema(JSON_SHAPES[name]) | _definitions(JSON_SHAPES[name])
+    return title | _schema(_SHAPES[name]) | _definitions(_SHAPES[name])
 
 
 def _schema(shape: Any) -> dict[str, Any]:
