@@ -33,9 +33,9 @@ def main(tests: list[str]) -> int:
     WORK.mkdir(parents=True, exist_ok=True)
     for counters in WORK.rglob("*.gcda"):
         counters.unlink()
-    core_copy.build(WORK, ROOT / "include", FLAGS, is_quick=True)
+    failed = core_copy.build(WORK, ROOT / "include", FLAGS, is_quick=True)
     sources = sorted((ROOT / "tests" / "cpp").glob("*/*_test.cpp"))
-    failed = core_copy.programs(WORK, ROOT / "include", sources, f"-O0 {FLAGS}")
+    failed = failed or core_copy.programs(WORK, ROOT / "include", sources, f"-O0 {FLAGS}")
     if failed:
         sys.exit(failed)
     status = 0
@@ -59,7 +59,8 @@ def _python_tests(tests: list[str]) -> int:
     command = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses", "auto"]
     command += [f"--cov={WORK / 'package' / 'palmbots'}", "--cov-report="]
     command += [f"--cov-report=json:{WORK / 'python.json'}", *tests]
-    return subprocess.run(command, cwd=ROOT, env=os.environ, check=False).returncode
+    own = os.environ | {"COVERAGE_FILE": str(WORK / "python.coverage")}
+    return subprocess.run(command, cwd=ROOT, env=own, check=False).returncode
 
 
 def _cpp_rows() -> list[tuple[str, str, int, int]]:

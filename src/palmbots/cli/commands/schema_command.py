@@ -21,7 +21,7 @@ def schema(
     ],
     as_json: JsonOption = False,
 ) -> int:
-    """Print the JSON Schema of scenes, of logs or of what a command prints.
+    """Print the JSON Schema of scenes, logs or --json.
 
     The schemas have the form of draft 2020-12. --json prints the same in one line.
     """
