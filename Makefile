@@ -65,6 +65,18 @@ test-site: build/site/index.html $(VENV)/strict.done  ## the page in a real brow
 serve-site: build/site/index.html  ## a local server for build/site
 	$(BIN)/python scripts/serve_site.py
 
+wheels: $(VENV)/test.done  ## two wheels each for x86-64 and aarch64, and the sources, in dist/; PYTHON312=/path/to/python3.12
+	$(BIN)/python scripts/build_wheels.py $(if $(PYTHON312),--python $(PYTHON312))
+
+test-wheels: $(VENV)/strict.done  ## the files of make wheels in empty environments, with every Python there is
+	$(BIN)/python -m pytest tests/wheels -s
+
+coverage: $(VENV)/soak.done $(VENV)/strict.done  ## lines of C++ and Python that the tests run; figures in benchmarks/results/coverage.csv
+	$(BIN)/python tests/soak/measure_coverage.py
+
+mutation: $(VENV)/soak.done $(VENV)/strict.done  ## how many small defects of the core the tests find (hours); goes on where it stopped
+	$(BIN)/python tests/soak/mutation_score.py
+
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
 
@@ -136,7 +148,7 @@ $(VENV)/robot.done: requirements/robot.txt requirements/test.txt $(VENV)/test.do
 	@scripts/setup carry test robot
 	@touch $@
 
-$(VENV)/soak.done: $(VENV)/robot.done scripts/setup
+$(VENV)/soak.done: $(VENV)/robot.done requirements/soak.txt scripts/setup
 	@scripts/setup soak
 	@touch $@
 
@@ -195,5 +207,5 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
+.PHONY: wheels test-wheels coverage mutation docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
 	test-firmware lint format soak fuzz bench stubs lock clean

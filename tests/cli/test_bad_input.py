@@ -14,6 +14,7 @@ from palmbots.cli.main import build_app
 
 BAD: list[tuple[list[str], list[str]]] = [
         (["carry", "nowhere.toml"], ["nowhere.toml", "paper"]),
+        (["schema", "scenery"], ["NAME", "scene, log"]),
         (["calibrate", "p.toml", "--side", "middle"], ["--side", "left, right"]),
         (["calibrate", "p.toml", "--side", "left", "--only", "palm,x"], ["--only", "dead-zone"]),
         (["calibrate", "p.toml", "--side", "left", "--length", "0"], ["--length", "allowed"]),

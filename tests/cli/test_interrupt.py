@@ -39,6 +39,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "derive": ("palmbots.derivation.local_rules", "derive", []),
     "scenes": ("palmbots.scene.key_reference", "built_in_meanings", []),
     "objects": ("palmbots.scene.key_reference", "built_in_meanings", []),
+    "schema": ("palmbots.cli.json_schemas", "schema_of", ["scene"]),
     "keys": ("palmbots.scene.key_reference", "scene_keys", []),
     "controllers": ("palmbots.control.registry", "controller_names", []),
     "up": ("palmbots.runtime.launcher", "run_live", []),

@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from jsonschema import Draft202012Validator
 from typer.main import get_command
 
 from commands import Run
+from palmbots.cli.json_schemas import schema_of
 from palmbots.cli.main import build_app
 
 ROOT = Path(__file__).parents[2]
@@ -135,6 +137,7 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ("keys", (), 0, {"keys[].name", "keys[].meaning", "keys[].default", "keys[].unit"}),
     ("init", ("scene", "SCENE"), 0, {"file", "scene"}),
     ("init", ("pair", "PAIR"), 0, {"files"}),
+    ("schema", ("log",), 0, {"$schema", "oneOf", "$defs"}),
 ]  # fmt: skip
 
 
@@ -191,6 +194,7 @@ def test_json_has_the_keys_of_the_contract(
     assert result.stdout.count("\n") == 1
     table = json.loads(result.stdout)
     assert {key for key in keys if not has(table, key)} == set()
+    Draft202012Validator(schema_of(command)).validate(table)
 
 
 def test_every_command_is_in_the_contract() -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How hard and how fast the pair may go: the dynamic world against closed forms."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from PIL import Image
 from scipy.optimize import linprog
 
 import palmbots as pb
+from json_output import read_json
 from palmbots.cli import main as cli
 from palmbots.mujoco.validation import speed_limits as speed
 from palmbots.mujoco.validation import trials
@@ -82,7 +82,7 @@ def test_the_command_reports_and_draws(
     monkeypatch.setattr(speed, "FACTORS", (1.0, 4.0))
     short = ["--set", "task.distance_m=0.3", "--carries", "1"]
     assert cli.run(["speed-limits", *short, "--out", str(tmp_path), "--json"]) == 0
-    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    result: dict[str, Any] = read_json("speed-limits", capsys.readouterr().out)
     assert len(result["limits"]) == 4 and len(result["paces"]) == 2
     assert result["paces"][1]["speed_m_s"] == pytest.approx(0.24)
     assert result["max_acceleration_m_s2"] == pb.analyze("paper").max_acceleration_m_s2

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """MuJoCo agrees with the quasistatic world because of its contact settings."""
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 from PIL import Image
 
 import palmbots as pb
+from json_output import read_json
 from palmbots._util.confidence_intervals import wilson
 from palmbots.cli import main as cli
 from palmbots.control.interface import StepInput, StepOutput
@@ -161,7 +161,7 @@ def test_at_high_noise_both_worlds_deliver_as_often(
 def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["validate", "--states", "3", "--carries", "1", "--out", str(tmp_path)]
     status = cli.run([*arguments, "--set", "task.distance_m=0.1", "--json"])
-    result = json.loads(capsys.readouterr().out)
+    result = read_json("validate", capsys.readouterr().out)
     assert status == (0 if result["holds"] else 1)
     assert len(result["carries"]) == 1 and len(result["agreement"]) == 3
     picture = Image.open(tmp_path / "validation.png")

@@ -14,6 +14,10 @@ import palmbots
 from cxx import ROOT
 from waiting import locked
 
+REFERENCE = "palmbots/scene/data/scene-keys.md"
+# In a text for users: an installation from an index, which does not have the package.
+FROM_INDEX = re.compile(r"""pip3? install [^\n`]*(?<![\w./-])palmbots(?![\w/-]|\S*\.whl)""")
+
 
 def stated_version(file: str, pattern: str) -> str:
     result = re.search(pattern, (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE)
@@ -27,6 +31,22 @@ def test_every_file_states_the_same_version() -> None:
     assert project["version"] == stated_version("CITATION.cff", r"^version: (\S+)$")
     # The first heading: the changelog's newest version, released or not yet.
     assert project["version"] == stated_version("CHANGELOG.md", r"\A(?:(?!## ).*\n)*## \[(.+?)\]")
+
+
+def test_no_instruction_names_an_index_without_the_package() -> None:
+    assert FROM_INDEX.search("pip install 'palmbots[mujoco]'")
+    assert FROM_INDEX.search("python -m pip install --user palmbots")
+    assert not FROM_INDEX.search("pip install dist/palmbots-0.1.0-cp311-cp311-linux_x86_64.whl")
+    assert not FROM_INDEX.search("pip install ./examples/zenoh_link")
+    texts = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "src").rglob("*.py")]
+    texts += [*(ROOT / "examples").rglob("*.py"), *(ROOT / "docs").rglob("*.ipynb")]
+    assert len(texts) > 100
+    named = [
+        f"{path}: {found[0]}"
+        for path in texts
+        if (found := FROM_INDEX.search(path.read_text(encoding="utf-8")))
+    ]
+    assert named == []
 
 
 def test_stubs_describe_the_built_module(tmp_path: Path) -> None:
@@ -66,10 +86,13 @@ def test_wheel_holds_every_source_scene_and_type(wheel: Path) -> None:
         "palmbots/_core/__init__.pyi",
     } <= table
     assert {f"palmbots/scene/data/objects/{name}.toml" for name in palmbots.object_names()} <= table
-    extensions = {Path(name).name.split(".")[0] for name in held - table}
+    assert {f"palmbots/firmware/data/{name}.hex" for name in ("robot", "dongle")} <= table
+    extensions = {Path(n).name.split(".")[0] for n in held - table if n.endswith(".so")}
     assert {"_core", "_batch"} <= extensions <= {"_core", "_batch", "_batch_v3", "_batch_v4"}
-    assert len(held - table) == len(extensions)
+    assert held - table - {name for name in held if name.endswith(".so")} == {REFERENCE}
     assert table <= held
+    reference = (ROOT / "docs" / "reference" / "scene-keys.md").read_bytes()
+    assert zipfile.ZipFile(wheel).read(REFERENCE) == reference
 
 
 def test_unpacked_wheel_runs_a_carry(wheel: Path, tmp_path: Path) -> None:

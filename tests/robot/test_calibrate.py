@@ -2,7 +2,6 @@
 """`palmbots calibrate` on a terminal of its own, with a workbench as another process."""
 
 import contextlib
-import json
 import os
 import pty
 import re
@@ -14,6 +13,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from json_output import read_json
 from palmbots.runtime.pair_file import init_pair, load_pair
 
 RATE = "4"
@@ -165,7 +165,7 @@ def test_a_person_calibrates_wheels_and_palm(tmp_path: Path) -> None:
         person(terminal, workbench)
         status, out = terminal.close()
     assert status == 0, terminal.text
-    table = json.loads(out)
+    table = read_json("calibrate", out)
     assert set(table) >= {"side", "file", "backup", "hardware", "intervals", "warnings"}
     for key, value in HIDDEN.items():
         low, high = table["intervals"][key]

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
 
+from json_output import read_json
 from robot_processes import new_pair, running, started
 
 
@@ -17,7 +17,7 @@ def test_both_robots_are_heard(tmp_path: Path) -> None:
         done = started(["doctor", "pair.toml", "--seconds", "5", "--json"], tmp_path)
         printed, errors = done.communicate(timeout=60)
     assert errors == ""
-    found = json.loads(printed)
+    found = read_json("doctor", printed)
     for side in ("left", "right"):
         link = found["links"][side]
         assert link["mode"] == "disarmed"
@@ -49,7 +49,7 @@ def test_the_driver_is_checked_on_the_robot(tmp_path: Path) -> None:
     process.communicate("quit\n", timeout=60)
     assert errors == ""
     assert done.returncode == 1
-    found = {check["about"]: check for check in json.loads(printed)["checks"]}
+    found = {check["about"]: check for check in read_json("doctor", printed)["checks"]}
     assert found["driver"]["is_well"]
     assert found["palm"]["is_well"]
     assert (found["contact"]["is_well"], found["contact"]["text"]) == (False, "not sensed")

@@ -5,7 +5,6 @@ Required each time: no avoidable drop; ten seconds after the fault every process
 has ended with a reason; and a line at the station says what has happened.
 """
 
-import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from json_output import read_json
 from palmbots.runtime.impairment import Impairment
 from stepped_processes import UNDER_WAY, SteppedProcesses
 
@@ -153,5 +153,5 @@ def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
         pair.run_until(pair.carries, 20)
         pair.packets.cut(("left", "right"), ("right", "left"))
         pair.run_until(lambda: pair.has_ended("world"), 60)
-        world = json.loads(pair.programs["world"].printed())
+        world = read_json("world", pair.programs["world"].printed())
         assert (world["outcome"], world["avoidable"]) == ("dropped", True), pair.report()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole carries over a link that is not UDP: serial lines with bridges, and an installed link."""
 
-import json
 import socket
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import pytest
 
 from distributions import installed_example
+from json_output import read_json
 from pair_programs import ended
 from robot_processes import ENDS, new_pair, running, started
 from serial_lines import Bridges, lines
@@ -29,7 +29,7 @@ def carry(folder: Path, environment: dict[str, str] | None = None) -> tuple[Any,
         for side, robot in zip(OTHER, both, strict=True):
             found[side], errors = ended(robot)
             assert errors == ""
-    return json.loads(printed.splitlines()[-1]), found
+    return read_json("station", printed.splitlines()[-1]), found
 
 
 def check_counts(station: Any, robots: dict[str, Any]) -> None:

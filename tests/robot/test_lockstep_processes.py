@@ -2,7 +2,6 @@
 """A world and two robots as processes give the result of `palmbots carry`, bit for bit."""
 
 import contextlib
-import json
 import os
 import signal
 import subprocess
@@ -13,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from cxx import ROOT
+from json_output import read_json
 from waiting import wait_until
 
 HARD_RADIO = (
@@ -80,7 +80,7 @@ def test_processes_carry_as_one_program(case: str, own_class: str) -> None:
     assert errors == ""
     assert printed == expected
     assert up_status == status
-    json.loads(printed)
+    read_json("world", printed)
 
 
 def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:

@@ -4,7 +4,6 @@
 One robot with the controller `silent`, whose operator alone starts it, with each kind of driver.
 """
 
-import json
 import signal
 import subprocess
 import threading
@@ -16,6 +15,7 @@ import pytest
 
 import palmbots as pb
 from distributions import installed
+from json_output import read_json
 from motor_board import board
 from pair_programs import ended, hold, operator
 from palmbots.drivers.simulated import SimulatedDriver
@@ -173,7 +173,7 @@ def test_ctrl_c_is_an_orderly_end(tmp_path: Path) -> None:
         robot.send_signal(signal.SIGINT)
         printed, errors = robot.communicate(timeout=60)
     assert robot.returncode == 0
-    assert json.loads(printed)["boots"] == 1
+    assert read_json("robot", printed)["boots"] == 1
     assert errors.splitlines()[-1] == "palmbots: left robot, dry run: wheels at rest"
 
 

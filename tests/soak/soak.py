@@ -3,11 +3,13 @@
 
     .venv/bin/python tests/soak/soak.py MINUTES
 
-Rounds follow one another, each with another seed: first libFuzzer, then the tests of tests/soak,
-then every Hypothesis property with random examples and every test marked `soak`, with those of the
-firmware where its compiler is installed. Each failure is
-appended to build/soak/failures.txt with the example that shows it; such an example then becomes an
-explicit `@example` of the property. Exit code 1 if anything failed.
+First come the measurements that a release states: instructions, coverage and the mutation score.
+They take at most half of the time, and are left out if there is less than an hour; the mutation
+score goes on where it stopped before. Then rounds follow one another, each with another seed: first
+libFuzzer, then the tests of tests/soak, then every Hypothesis property with random examples and
+every test marked `soak`, with those of the firmware where its compiler is installed. Each failure
+is appended to build/soak/failures.txt with the example that shows it; such an example then becomes
+an explicit `@example` of the property. Exit code 1 if anything failed.
 """
 
 import secrets
@@ -22,6 +24,8 @@ import live_table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 FAILURES = ROOT / "build" / "soak" / "failures.txt"
+MEASURED_FROM_MIN = 60.0
+MEASURED_SHARE = 0.5
 FUZZ_SHARE = 0.1  # of the time that is left
 FUZZ_MAX_S = 300.0
 INTERRUPTED = 2  # pytest's exit code when the time is over before the tests are
@@ -31,6 +35,31 @@ NO_TESTS = 5
 def note(text: str) -> None:
     with FAILURES.open("a", encoding="utf-8") as stream:
         print(text, file=stream)
+
+
+def measure(seconds: float) -> None:
+    """Instructions, coverage and mutation score; what fails or takes too long is noted."""
+    until = time.time() + seconds
+    commands = [
+        [ROOT / "benchmarks" / "bench_instructions.py"],
+        [ROOT / "tests" / "soak" / "measure_coverage.py"],
+        [ROOT / "tests" / "soak" / "mutation_score.py", "--seconds"],
+    ]
+    for command in commands:
+        left_s = max(60.0, until - time.time())
+        words = [str(word) for word in command]
+        if words[-1] == "--seconds":
+            words.append(str(round(left_s)))
+            left_s += 1800.0  # to finish what it has begun
+        print(f"soak: {Path(words[0]).name}", flush=True)
+        try:
+            status = subprocess.run(
+                [sys.executable, *words], cwd=ROOT, check=False, timeout=left_s
+            ).returncode
+        except subprocess.TimeoutExpired:
+            status = "out of time"
+        if status != 0 and "--seconds" not in words:
+            note(f"== {Path(words[0]).name}: {status}")
 
 
 def fuzz(seconds: float) -> bool:
@@ -67,6 +96,8 @@ def main(minutes: str) -> int:
     FAILURES.touch()
     failures_before = FAILURES.stat().st_size
     rounds = 0
+    if float(minutes) >= MEASURED_FROM_MIN:
+        measure(60.0 * float(minutes) * MEASURED_SHARE)
     while (left_s := until - time.time()) > 0:
         rounds += 1
         seed = secrets.randbelow(2**32)

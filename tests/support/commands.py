@@ -6,6 +6,7 @@ from subprocess import CompletedProcess
 
 import pytest
 
+from json_output import read_json
 from palmbots.cli import main as cli
 
 Run = Callable[..., CompletedProcess[str]]
@@ -17,6 +18,8 @@ def runner(capsys: pytest.CaptureFixture[str]) -> Run:
         capsys.readouterr()
         status = cli.run(list(arguments))
         printed = capsys.readouterr()
+        if "--json" in arguments and status in (cli.DONE, cli.FAILED) and printed.out:
+            read_json(arguments[0], printed.out)
         return CompletedProcess(arguments, status, printed.out, printed.err)
 
     return run

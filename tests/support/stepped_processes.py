@@ -8,7 +8,6 @@ same time. A fault therefore comes at the same instant in every run, and `trace`
 
 import contextlib
 import hashlib
-import json
 import os
 import signal
 import socket
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import palmbots as pb
+from json_output import read_json
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
 from palmbots.runtime.impairment import ImpairedPackets, Impairment
 from palmbots.runtime.launcher import free_addresses, own_file
@@ -307,7 +307,7 @@ class SteppedProcesses:
             if not self.has_ended(side):
                 self.programs[side].process.terminate()
         self.run_until(lambda: self.has_ended(*ORDER), 10.0)
-        return json.loads(self.programs["world"].printed())
+        return read_json("world", self.programs["world"].printed())
 
     # What has happened
 

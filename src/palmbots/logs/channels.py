@@ -13,7 +13,7 @@ Events: ``/messages`` and ``/corrections``.
 Protobuf stores a double exactly. Every schema is in the log.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,15 +22,18 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
+from palmbots.simulation.trace import VARIABLES, trace_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
+    from google.protobuf.descriptor import Descriptor
 
 __all__ = [
     "CorrectionEvent",
     "MessageEvent",
     "StateChannel",
     "Variable",
+    "channels_of_worlds",
     "message_type",
     "state_channels",
     "variables_of",
@@ -101,6 +104,11 @@ class StateChannel:
             for k in range(len(self.topics))
         ]
 
+    @property
+    def descriptor(self) -> "Descriptor":
+        """The protobuf description of the message."""
+        return self._message.DESCRIPTOR
+
     def message(self, values: dict[str, Any]) -> Any:
         """The message of one instant, from the values of variables by their names."""
         pairs = zip(self._fields, self.variables, strict=True)
@@ -130,6 +138,26 @@ def state_channels(variables: Iterable[Variable]) -> list[StateChannel]:
         kind = f"{'Robot' if by_side else 'Pair'}{channel.capitalize() or 'State'}"
         channels.append(StateChannel(topics, kind, group))
     return channels
+
+
+def channels_of_worlds(more: Mapping[str, Mapping[str, str]] | None = None) -> list[StateChannel]:
+    """The channels for the variables that every world records, and for more of them.
+
+    Args:
+        more: attributes of variables that a world adds or replaces: numbers, one for each robot.
+    """
+    pairs, single = np.zeros((1, 2)), np.zeros(1)
+    kinds = {
+        "separation": single,
+        "midpoint": single,
+        "object": single,
+        "sign": np.zeros((1, 2), np.int64),
+        "motion": np.zeros((1, 2), np.int64),
+        "case": np.full((1, 2), b" ", "S1"),
+    }
+    arrays = {attrs["log_field"]: kinds.get(name, pairs) for name, attrs in VARIABLES.items()}
+    added = {name: (pairs, attrs) for name, attrs in (more or {}).items()}
+    return state_channels(variables_of(trace_dataset(arrays | {"time_s": single}, added)))
 
 
 def _values(trace: "xr.Dataset", variable: Variable) -> list[list[Any]]:

@@ -8,14 +8,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.logs import scene_updates
-from palmbots.logs.channels import CorrectionEvent, StateChannel, state_channels, variables_of
+from palmbots.logs.channels import CorrectionEvent, StateChannel, channels_of_worlds
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.solids import contact_balls, solids, urdf
 from palmbots.runtime.estimated_carry import EstimatedCarry
@@ -23,7 +22,6 @@ from palmbots.runtime.foxglove_server import FoxgloveServer
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.station_client import StationClient
 from palmbots.scene.scene import load_scene
-from palmbots.simulation.trace import VARIABLES, trace_dataset
 
 _AGAIN_S = 2.0  # what does not change is sent again, for viewers that come later
 
@@ -148,16 +146,5 @@ _STRING = b"string data"
 
 def _state_channels() -> dict[str, StateChannel]:
     """The channels of a carry log for the state of a robot, and of the pair."""
-    pairs, single = np.zeros((1, 2)), np.zeros(1)
-    kinds = {
-        "separation": single,
-        "midpoint": single,
-        "object": single,
-        "sign": np.zeros((1, 2), np.int64),
-        "motion": np.zeros((1, 2), np.int64),
-        "case": np.full((1, 2), b" ", "S1"),
-    }
-    arrays = {attrs["log_field"]: kinds.get(name, pairs) for name, attrs in VARIABLES.items()}
-    trace = trace_dataset(arrays | {"time_s": single})
-    channels = state_channels(variables_of(trace))
+    channels = channels_of_worlds()
     return {"robot" if len(one.topics) > 1 else "pair": one for one in channels}

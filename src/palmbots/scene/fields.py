@@ -10,7 +10,6 @@ Numbers become plain floats, so that equal scenes print alike.
 
 import math
 import numbers
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime, time
 from typing import Annotated, Any
@@ -103,21 +102,25 @@ class Range:
         return number + 0.0  # −0.0 becomes 0.0: it would show in the bits of a mirrored scene
 
 
-def whole(least: int, most: int | None = None) -> Callable[[object], int]:
+@dataclass(frozen=True)
+class whole:
     """A validator for whole numbers from `least` to `most`."""
-    allowed = f"a whole number, at least {least}"
-    if most is not None:
-        allowed = f"a whole number, from {least} to {most}"
 
-    def check(value: object) -> int:
+    least: int
+    most: int | None = None
+
+    def __call__(self, value: object) -> int:
+        """The value as an int, if it is a whole number within the limits."""
+        allowed = f"a whole number, at least {self.least}"
+        if self.most is not None:
+            allowed = f"a whole number, from {self.least} to {self.most}"
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             raise field_error(value, f"is {_kind(value)}, not a whole number", allowed)
         number = int(value)
-        if number < least or (most is not None and number > most):
-            raise field_error(value, "is too small" if number < least else "is too large", allowed)
+        low = number < self.least
+        if low or (self.most is not None and number > self.most):
+            raise field_error(value, "is too small" if low else "is too large", allowed)
         return number
-
-    return check
 
 
 def _switch(value: object) -> bool:
@@ -144,17 +147,22 @@ def _kind(value: object) -> str:
     return words.get(type(value), f"of type {type(value).__name__}")
 
 
-def from_list(allowed: str, least: int = 0, most: int | None = None) -> Callable[[object], Any]:
+@dataclass(frozen=True)
+class from_list:
     """A validator that turns a list (or tuple) of `least` to `most` items into a tuple."""
 
-    def check(value: object) -> Any:
-        if not isinstance(value, list | tuple):
-            raise field_error(value, f"is {_kind(value)}, not a list", allowed)
-        if len(value) < least or (most is not None and len(value) > most):
-            raise field_error(value, f"has {len(value)} item{'s' * (len(value) != 1)}", allowed)
-        return tuple(value)
+    allowed: str
+    least: int = 0
+    most: int | None = None
 
-    return check
+    def __call__(self, value: object) -> Any:
+        """The value as a tuple, if it is a list with so many items."""
+        if not isinstance(value, list | tuple):
+            raise field_error(value, f"is {_kind(value)}, not a list", self.allowed)
+        count = len(value)
+        if count < self.least or (self.most is not None and count > self.most):
+            raise field_error(value, f"has {count} item{'s' * (count != 1)}", self.allowed)
+        return tuple(value)
 
 
 Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `--json` prints of analyses and proofs; `json_shapes` explains the notation."""
+
+from typing import Any
+
+from palmbots.cli.json_shapes import sides
+
+__all__ = ["ANALYSIS_SHAPES"]
+
+_CLAIMED_SIDES = sides(["text"])
+_BOX = {
+    "com_m": [["text"]],
+    "width_m": ["text"],
+    "friction": {"left": ["text"], "right": ["text"], "common": "boolean"},
+    "shallow_deg": _CLAIMED_SIDES,
+    "steep_deg": _CLAIMED_SIDES,
+    "contacts_m": _CLAIMED_SIDES,
+    "beyond_m": "text",
+    "half_length_m": _CLAIMED_SIDES,
+    "offset_m": _CLAIMED_SIDES,
+    "slope": ["text"],
+    "outline_m": [["text"]],
+    "right_contact": "whole",
+}
+_CERTIFICATE = {
+    "format": "text",
+    "claims": ["text"],
+    "scene": "scene",
+    "box": _BOX,
+    "verdict": "text",
+    "proof?": {"*": "any"},
+    "witness?": {"*": "any"},
+}
+_CONTACT = {"side": "text", "kind": "text", "place_m": "number", "point_m": "pair"}
+_PROPERTY = sides(
+    {
+        "holds": "boolean",
+        "margins": {
+            "travel_m": "number?", "angle_rad": "number?", "friction": "number?",
+            "com_m": "number?",
+        },
+        "binding": "text",
+        "binding_p_m": "pair",
+        "com_x_m": "pair?",
+    }
+)  # fmt: skip
+_BAND = sides(
+    {
+        "k_lower": "number?", "k_upper": "number?", "lower_binding": "text",
+        "upper_binding": "text",
+    }
+)  # fmt: skip
+_CLOSEST = {
+    "margin": "number", "side": "text", "kind": "text", "angles_rad": "pair", "contacts_m": "pair",
+}  # fmt: skip
+_ANGLES = {
+    "shallow_deg": "number?", "steep_deg": "number?", "sigma_star_m_s": "number?",
+    "interval": "pair?", "tolerance": "number?",
+}  # fmt: skip
+_RULES = {"*": {"when": "text", "lines": ["text"], "robots": ["text"], "from": [["whole"]]}}
+_DEPARTURE = {
+    "differs": "text", "case": "any", "permitted_by": "text?", "strays": "any", "motions": "whole",
+    "start": ["any"], "explanation": "text", "run": "any",
+}  # fmt: skip
+_REFINED = {
+    "states": "whole", "motions": {"*": "whole"}, "weakest_permission": "text?", "stuck": "any",
+    "falls": "any", "departures": [_DEPARTURE],
+}  # fmt: skip
+_DERIVATION = {
+    "policy": [
+        {
+            "case": "whole",
+            "signs": ["whole"],
+            "tilt": "text?",
+            "moves": [{"direction": "text", "until": ["text"]}],
+        }
+    ],
+    "guards": [
+        {
+            "case": "whole", "move": "whole", "owner": "text", "guard": "text",
+            "dropped": "boolean", "reason": "text",
+        }
+    ],
+    "rules": _RULES,
+    "conflicts": [
+        {
+            "rules": ["text"], "signs": [["whole"]], "palms_clash": "boolean",
+            "moves_clash": "boolean", "cases": ["whole"], "order": "text",
+        }
+    ],
+    "findings": ["text"],
+    "is_table_2": "boolean",
+    "refinement": {"*": _REFINED},
+}  # fmt: skip
+_MACHINE = {
+    "states": [
+        {"name": "text", "case": "text", "palm": "text", "move": "text", "awaits": "text"}
+    ],
+    "rows": [
+        {
+            "state": "text", "contact": "text", "got": "text", "tilt": "text", "next": "text",
+            "send": "text",
+        }
+    ],
+}  # fmt: skip
+_POLICY = {
+    "policy": "text",
+    "description": "text",
+    "rows": {"*": {"palms": ["text"], "drives": ["text"]}},
+    "rules": _RULES,
+    "is_table_2": "boolean",
+    "reasons": ["text"],
+    "machines": (sides(_MACHINE), None),
+    "verification": (
+        {
+            "proved": "boolean", "states": "whole", "worst_turns": "whole?",
+            "counterexamples": {"*": "any"},
+        },
+        None,
+    ),
+}  # fmt: skip
+
+ANALYSIS_SHAPES: dict[str, Any] = {
+    "modes": {
+        "feasible": [["text"]],
+        "consistent_closing": [["text"]],
+        "consistent_opening": [["text"]],
+        "closing": (["text"], None),
+        "opening": (["text"], None),
+        "wedged": sides("boolean"),
+        "squeeze": sides(["number?"]),
+        "margin_rad": "number",
+        "object_deg": "number",
+        "p_left_m": "number",
+        "p_right_m": "number",
+        "theta_left_deg": "number",
+        "theta_right_deg": "number",
+        "contacts": [_CONTACT],
+        "held?": "boolean?",
+        "motions_closing?": [["text"]],
+        "motions_opening?": [["text"]],
+        "scene": "scene",
+    },
+    "analyze": {
+        "holds": "boolean",
+        "properties": {"1": _PROPERTY, "2": _PROPERTY, "0": _PROPERTY},
+        "bands": {"1": _BAND, "2": _BAND},
+        "com_x_m": "pair?",
+        "com_y_m": ["pair"],
+        "friction": ["pair"],
+        "half_length_m": "any",
+        "max_slope_deg": "number?",
+        "max_acceleration_m_s2": "number?",
+        "slope_deg": "pair?",
+        "angle_error_deg": "number?",
+        "clearance_deg": "number",
+        "clearance": {
+            "rotation_margin": _CLOSEST,
+            "length_margin": (_CLOSEST, None),
+            "touches": "boolean",
+        },
+        "touch": (
+            {
+                "angles_rad": "pair",
+                "contacts_m": "pair",
+                "contacts": [_CONTACT],
+                "held": "boolean",
+                "closing": [["text"]],
+                "opening": [["text"]],
+                "motion_names": {"*": "text"},
+            },
+            None,
+        ),
+        "wedging": {"friction": "number?", "side": "text", "palm": "text", "happens": "boolean"},
+        "sideways": {
+            "support_m": ["pair"],
+            "margin_m": "number",
+            "tilt_rad": "number",
+            "acceleration_g": "number",
+        },
+        "warnings": ["text"],
+        "region_m": sides("pair"),
+        "scene": "scene",
+    },
+    "design": {
+        "shallow_deg": "number",
+        "steep_deg": "number",
+        "maximize": "text",
+        "sigma_star_m_s": "number?",
+        "interval": "pair?",
+        "controller": "text?",
+        "tolerance": "number",
+        "tolerance_of": "text",
+        "unit": "text",
+        "own": _ANGLES,
+        "paper_tolerance": "number?",
+        "clearance_deg": "number",
+        "friction": "pair?",
+        "friction_floor": "number?",
+        "reaction_s": {"own": "number", "asked": "number"},
+        "reach_m": "number",
+        "region_m": "pair",
+        "warnings": ["text"],
+        "certificate": _CERTIFICATE,
+        "designed_scene": "scene",
+        "scene": "scene",
+    },
+    "certify": _CERTIFICATE | {"parts": "whole"},
+    "check": {
+        "valid": "boolean",
+        "claim": "text",
+        "reason": "text",
+        "box": (_BOX, None),
+        "outside": ["text"],
+        "scene": ("scene", None),
+    },
+    "derive": (_DERIVATION, _POLICY),
+}

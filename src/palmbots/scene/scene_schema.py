@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The JSON Schema of a scene (draft 2020-12), made from the same fields that check a scene.
+
+It states the keys, their types, limits, meanings and defaults. What depends on several keys, such
+as a centre of mass inside the outline, only `load_scene` checks.
+"""
+
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
+
+from palmbots.scene.fields import Range, from_list, whole
+from palmbots.scene.key_reference import field_meanings
+from palmbots.scene.object_library import by_name
+from palmbots.scene.scene import Scene
+
+__all__ = ["scene_schema"]
+
+
+def scene_schema() -> dict[str, Any]:
+    """The schema of a scene file, and of the key ``scene`` of ``--json``."""
+    schema = Scene.model_json_schema(schema_generator=_SceneSchema)
+    schema["title"] = "Scene of palmbots"
+    return {"$schema": _SceneSchema.schema_dialect} | schema
+
+
+class _SceneSchema(GenerateJsonSchema):
+    """Adds the limits of the validators and the docstrings of the fields."""
+
+    def function_before_schema(
+        self, schema: core_schema.BeforeValidatorFunctionSchema
+    ) -> JsonSchemaValue:
+        """The schema of a value that one of our validators checks."""
+        inner = dict(super().function_before_schema(schema))
+        check: Any = schema["function"]["function"]
+        if check is by_name:
+            return {"anyOf": [inner, {"type": "string", "description": "An object or file."}]}
+        return inner | _limits(check)
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
+        """The schema of a table, with the meanings of its keys."""
+        table = super().model_schema(schema)
+        model: type[BaseModel] = schema["cls"]
+        try:
+            meanings = field_meanings(model)
+        except OSError:  # a table made at run time has no source
+            meanings = {}
+        for name, key in table.get("properties", {}).items():
+            key.pop("title", None)
+            if name in meanings:
+                key["description"] = meanings[name]
+        return table
+
+
+def _limits(check: Any) -> dict[str, Any]:
+    """The limits of a validator, in the words of JSON Schema."""
+    limits: dict[str, Any] = {}
+    if isinstance(check, Range):
+        limits = {
+            "minimum": check.least,
+            "exclusiveMinimum": check.above,
+            "maximum": check.most,
+            "exclusiveMaximum": check.below,
+        }
+    elif isinstance(check, whole):
+        limits = {"minimum": check.least, "maximum": check.most}
+    elif isinstance(check, from_list):
+        limits = {"minItems": check.least, "maxItems": check.most}
+    return {word: limit for word, limit in limits.items() if limit is not None}

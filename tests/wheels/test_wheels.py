@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The wheels and the source distribution that `make wheels` leaves in dist (`make test-wheels`).
+
+Each Python that this machine has, from 3.11 on, installs its wheel into an empty environment from
+packages that lie on the disk, and carries; the bits are those of this tree. The wheel for aarch64
+does so with Debian's Python 3.11 under qemu-user.
+"""
+
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from cxx import ROOT
+
+DIST = Path(os.environ.get("PALMBOTS_DIST", ROOT / "dist"))
+WORK = ROOT / "build" / "wheels"
+VERSION = pb.__version__
+TAGS = {
+    "cp311": "cp311-cp311",
+    "cp312-abi3": "cp312-abi3",
+}
+MACHINES = ("x86_64", "aarch64")
+WHEELS = [
+    DIST / f"palmbots-{VERSION}-{tag}-manylinux_2_17_{machine}.whl"
+    for machine in MACHINES
+    for tag in TAGS.values()
+]
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+AARCH64_PACKAGES = (
+    "python3.11-minimal", "libpython3.11-minimal", "libpython3.11-stdlib", "libc6", "libgcc-s1",
+    "libstdc++6", "zlib1g", "libexpat1", "libssl3", "libbz2-1.0", "liblzma5", "libffi8",
+    "libsqlite3-0", "libncursesw6", "libtinfo6", "libreadline8", "libuuid1", "libcrypt1",
+)  # fmt: skip
+GLIBC = (2, 17)
+
+
+def dependencies() -> list[str]:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    return project["dependencies"]
+
+
+def run(*command: str | Path, **options: Any) -> str:
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, check=False, **options
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def hash_here(*words: str) -> str:
+    found = run(sys.executable, "-m", "palmbots", "carry", "--json", *words)
+    return json.loads(found)["trace_hash"]
+
+
+@pytest.mark.parametrize("wheel", WHEELS, ids=lambda path: path.name)
+def test_wheel_is_complete_and_needs_only_old_libraries(wheel: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        held = set(archive.namelist())
+        archive.extractall(tmp_path)
+    sources = {
+        path.relative_to(ROOT / "src").as_posix()
+        for path in (ROOT / "src" / "palmbots").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert sources <= held
+    assert {"palmbots/firmware/data/robot.hex", "palmbots/scene/data/scene-keys.md"} <= held
+    modules = sorted(tmp_path.rglob("*.so"))
+    names = {module.name.partition(".")[0] for module in modules}
+    more = {"_batch_v3", "_batch_v4"} if "x86_64" in wheel.name else set()
+    assert names == {"_core", "_batch"} | more
+    for module in modules:
+        needed = re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-dW", module))
+        assert not [name for name in needed if re.match(r"lib(stdc\+\+|gcc|c\+\+)", name)], needed
+        versions = re.findall(r"GLIBC_(\d+)\.(\d+)", run("readelf", "-VW", module))
+        assert versions
+        assert max((int(a), int(b)) for a, b in versions) <= GLIBC
+        assert str(ROOT).encode() not in module.read_bytes()
+
+
+def test_source_distribution_holds_what_a_build_needs() -> None:
+    with tarfile.open(DIST / f"palmbots-{VERSION}.tar.gz") as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    needed = {"CMakeLists.txt", "pyproject.toml", "docs/reference/scene-keys.md", "LICENSE"}
+    headers = {str(p.relative_to(ROOT)) for p in (ROOT / "include").rglob("*.hpp")}
+    assert needed | headers <= names
+    assert not [name for name in names if name.startswith(("build/", ".venv/", "out/"))]
+
+
+def interpreter(version: str) -> str | None:
+    """An interpreter of this version; the shims of pyenv do not answer for all that there are."""
+    folders = [*os.environ.get("PATH", os.defpath).split(os.pathsep)]
+    folders += [str(p) for p in Path.home().glob(f".pyenv/versions/{version}*/bin")]
+    for folder in folders:
+        path = shutil.which(f"python{version}", path=folder)
+        if path is None:
+            continue
+        if subprocess.run([path, "-c", ""], check=False, capture_output=True).returncode == 0:
+            return path
+    return None
+
+
+@pytest.mark.parametrize("version", PYTHONS)
+def test_wheel_is_installed_and_carries(version: str, tmp_path: Path) -> None:
+    python = interpreter(version)
+    if python is None:
+        pytest.skip(f"untested: this machine has no Python {version}")
+    tag = TAGS["cp311" if version == "3.11" else "cp312-abi3"]
+    wheel = DIST / f"palmbots-{VERSION}-{tag}-manylinux_2_17_{platform.machine()}.whl"
+    run(python, "-m", "venv", tmp_path / "env")
+    own = tmp_path / "env" / "bin" / "python"
+    packages = WORK / f"packages-{version}"
+    pip = (own, "-m", "pip", "--disable-pip-version-check")
+    run(*pip, "download", "-q", "--only-binary=:all:", "-d", packages, *dependencies())
+
+    began = time.monotonic()
+    run(*pip, "install", "-q", "--no-index", "--find-links", packages, wheel)
+    installed = time.monotonic()
+    out = run(own, "-m", "palmbots", "carry", "--out", tmp_path / "out", cwd=tmp_path)
+    done = time.monotonic()
+    print(
+        f"Python {version}: install {installed - began:.1f} s, carry {done - installed:.1f} s, "
+        f"together {done - began:.1f} s"
+    )
+    assert "DELIVERED" in out
+    words = ("--seed", "3")
+    found = json.loads(run(own, "-m", "palmbots", "carry", "--json", *words, cwd=tmp_path))
+    assert found["trace_hash"] == hash_here(*words)
+    code = (
+        "import palmbots as pb; print(pb.__file__);"
+        "print(pb.compare('paper', carries=64, values=[0.1]).rows[0].n)"
+    )
+    where, carried = run(own, "-c", code, cwd=tmp_path).splitlines()
+    assert where.startswith(str(tmp_path))
+    assert carried == "64"
+
+
+def test_wheel_for_aarch64_carries_the_same_bits(tmp_path: Path) -> None:
+    if shutil.which("qemu-aarch64-static") is None or shutil.which("apt-get") is None:
+        pytest.skip("untested: qemu-user-static, or Debian's packages, are not at hand")
+    root = aarch64_root()
+    site = WORK / "aarch64-site"
+    platforms = [f"manylinux_2_{n}_aarch64" for n in (28, 27, 26, 24, 17)]
+    kind = ["--only-binary=:all:", "--python-version", "3.11", "--implementation", "cp"]
+    kind += [f"--abi={abi}" for abi in ("cp311", "abi3", "none")]
+    kind += [f"--platform={name}" for name in (*platforms, "manylinux2014_aarch64")]
+    pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "-q")
+    if not site.exists():
+        run(*pip, "--no-compile", "--target", site, *kind, *dependencies())
+    wheel = DIST / f"palmbots-{VERSION}-cp311-cp311-manylinux_2_17_aarch64.whl"
+    run(*pip, "--no-compile", "--no-deps", "--target", tmp_path / "own", *kind, wheel)
+    words = ("--seed", "3", "--set", "task.distance_m=0.3", "--set", "robot.noise_m_s=0.02")
+    environment = {"PYTHONPATH": f"{tmp_path / 'own'}:{site}", "PATH": os.defpath}
+    command = ("qemu-aarch64-static", "-L", root, root / "usr/bin/python3.11", "-m", "palmbots")
+    found = json.loads(run(*command, "carry", "--json", *words, env=environment, cwd=tmp_path))
+    assert found["outcome"] == "delivered"
+    assert found["trace_hash"] == hash_here(*words)
+
+
+def aarch64_root() -> Path:
+    """Debian's Python for aarch64, unpacked."""
+    root = WORK / "aarch64-root"
+    if root.exists():
+        return root
+    lists, archives, fresh = (WORK / f"aarch64-{name}" for name in ("lists", "debs", "new-root"))
+    (lists / "partial").mkdir(parents=True, exist_ok=True)
+    archives.mkdir(exist_ok=True)
+    settings = {"APT::Architecture": "arm64", "APT::Architectures": "arm64"}
+    settings |= {"Dir::State::Lists": str(lists), "APT::Sandbox::User": "root"}
+    apt = ("apt-get", "-qq", *(f"-o{key}={value}" for key, value in settings.items()))
+    run(*apt, "update")
+    run(*apt, "download", *AARCH64_PACKAGES, cwd=archives)
+    for archive in archives.glob("*.deb"):
+        run("dpkg", "-x", archive, fresh)
+    return fresh.rename(root)
