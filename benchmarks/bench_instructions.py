@@ -29,7 +29,7 @@ HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "instructions.csv"
 SOURCE = HERE.parent / "tests" / "cpp" / "sim" / "trace_hash.cpp"
 CONTROLLERS = ("none", "centralized", "distributed", "resilient", "shared-sign", "silent")
-FIELDS = ("benchmark", "version", "instructions", "processor", "compiler")
+FIELDS: tuple[str, ...] = ("benchmark", "version", "instructions", "processor", "compiler")
 
 
 def compiled(folder: str) -> Path:
