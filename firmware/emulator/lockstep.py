@@ -128,7 +128,7 @@ class LockstepBoard:
         if self.executed is not None:  # all that it has done since the tick before
             self.instructions.append(board.meter.instructions - self.executed)
         self.executed = board.meter.instructions
-        board.run(before + 500 * CYCLES_PER_US)
+        board.run(before + 1000 * CYCLES_PER_US)
         self.next_tick = before + self.period
 
     def _finish_sending(self, packets: int) -> None:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t ready_start = 1, end_disable = 2;
 constexpr std::uint32_t wakes_on = 1U << 3 | 1U << 4;  // END, DISABLED
-constexpr std::size_t room = 8;
+constexpr std::size_t room = 16;
 
 enum class State : std::uint8_t { listening, turning, sending };
 
