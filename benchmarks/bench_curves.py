@@ -68,14 +68,14 @@ def main() -> None:
     known = list(csv.DictReader(RESULTS.open())) if options.predict else []
     rows: list[dict[str, Any]] = []
     with Progress(console=Console(stderr=True)) as bar:
-        task = bar.add_task("carrying", total=options.seeds * len(CASES))
+        task = bar.add_task("carrying", total=options.carries * len(CASES))
         for name, keys in CASES.items():
             scene = load_scene("paper", keys)
             try:
                 foreseen = Forecast(scene)
             except SceneError:
                 foreseen = None  # lips that jam
-            for seed in range(options.seeds):
+            for seed in range(options.carries):
                 if options.predict:
                     row = next(r for r in known if (r["case"], r["seed"]) == (name, str(seed)))
                 else:

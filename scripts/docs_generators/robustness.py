@@ -42,6 +42,28 @@ def overview(column: str) -> str:
     return _table(["dropped [%]", *(f"`{name}`" for name in names)], lines)
 
 
+def rare() -> str:
+    """The drop rates at 1 cm/s: estimates, their intervals, and upper bounds."""
+    rows = _read("rare_drops.csv")
+    names = list(dict.fromkeys(row["controller"] for row in rows))
+    lines = []
+    for condition in dict.fromkeys(row["condition"] for row in rows):
+        of = {row["controller"]: row for row in rows if row["condition"] == condition}
+        lines.append([condition, *(_rate(of[name]) if name in of else "refused" for name in names)])
+    return _table(["drop rate", *(f"`{name}`" for name in names)], lines)
+
+
+def _rate(row: dict[str, str]) -> str:
+    low, high = _short(row["low"]), _short(row["high"])
+    return f"< {high}" if row["method"] == "bound" else f"{_short(row['rate'])} ({low}–{high})"
+
+
+def _short(number: str) -> str:
+    """As 0.013 or 2e-9."""
+    value = float(number)
+    return f"{value:.2g}" if value >= 1e-3 or value == 0 else f"{value:.1e}".replace("e-0", "e-")
+
+
 def over_the_noise() -> str:
     """The drop rates of all controllers and references at some noises."""
     rows = _read("noise.csv")
@@ -103,6 +125,7 @@ def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     return {
         "drops over the noise": over_the_noise(),
+        "rates at 1 cm/s": rare(),
         "drops at 2 cm/s": overview("dropped_2_cm_s"),
         "drops at 3 cm/s": overview("dropped_3_cm_s"),
         "dynamic": dynamic(),
