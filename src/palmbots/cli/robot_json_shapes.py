@@ -12,7 +12,7 @@ _LIVE_CARRY = {
     "avoidable": "boolean?",
 }  # fmt: skip
 _END_COUNTS = {
-    "sent": "whole", "received": "whole", "lost": "whole", "copies": "whole", "overtaken": "whole",
+    "sent": "whole", "received": "whole", "lost": "whole?", "copies": "whole", "overtaken": "whole",
     "round_trip_median_s": "number?", "round_trip_p99_s": "number?",
     "round_trip_longest_s": "number?",
 }  # fmt: skip
