@@ -64,7 +64,7 @@ FEW = {
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
          ["robot", "--json"], ["station"], ["ros2"], ["calibrate"], ["firmware"],
-         ["flash"])  # fmt: skip
+         ["flash"], ["schema"])  # fmt: skip
 
 
 def commands() -> list[str]:

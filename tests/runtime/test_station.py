@@ -154,6 +154,7 @@ class Tap:
 def second_laptop(pair: LivePair, folder: Path, boots: int) -> tuple[Station, Tap, list[str]]:
     """A station with the key of the pair and a boot counter of its own."""
     folder.mkdir()
+    (folder / "scene.toml").write_text(pair.scene.to_toml())
     number = pair.pair.settings.pair.number
     other = load_pair(init_pair(folder / "pair.toml", values={"pair.number": number})[0])
     other = type(other)(other.file, pair.pair.settings, pair.pair.key)
