@@ -49,6 +49,7 @@ BAD: list[tuple[list[str], list[str]]] = [
         (["compare", "--values", "1,b"], ["--values", "1,b"]),
         (["compare", "--carries", "0"], ["carries", "allowed"]),
         (["compare", "--seed", "-1"], ["seed", "allowed"]),
+        (["world", "--seed", "-1"], ["seed", "allowed"]),
         (["compare", "--controllers", "none,magic"], ["controller", "magic"]),
         (["compare", "--controllers", "none, none"], ["controllers", "none", "twice"]),
         (["compare", "--values", "0.1,0.10"], ["values", "0.1", "twice"]),

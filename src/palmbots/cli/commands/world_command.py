@@ -61,6 +61,7 @@ def world(
 
     Exit status 1: the object was not delivered.
     """
+    from palmbots._util.arguments import seed_of
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
     from palmbots.links.local_connection import listen
@@ -71,6 +72,7 @@ def world(
     from palmbots.stability.scene_limits import self_check
 
     chosen = load(scene, changes)
+    seed = seed_of(seed)
     if bench:
         if lockstep or as_json:
             other = "--lockstep" if lockstep else "--json"
