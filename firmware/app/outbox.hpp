@@ -16,6 +16,8 @@ class Outbox {
   // `seed` is a number that nobody can predict.
   Outbox(std::uint32_t period_us, std::uint32_t seed) : period_us_(period_us), state_(seed | 1) {}
 
+  // A tick begins. The work of the tick, before its packets are released, is part of it.
+  void begin_tick() { began_us_ = board::now_us(); }
   // Forgets what has not left: it is older than what comes now.
   void clear() { count_ = sent_ = 0; }
   void add(const wire::Bytes& bytes) {
@@ -31,9 +33,10 @@ class Outbox {
     state_ ^= state_ << 13;
     state_ ^= state_ >> 17;
     state_ ^= state_ << 5;
-    const std::uint32_t span =
-        period_us_ - work_us - static_cast<std::uint32_t>(count_) * airtime_us;
-    board::set_alarm(least_us + static_cast<std::uint32_t>(std::uint64_t{state_} * span >> 32));
+    const std::uint32_t span = period_us_ - static_cast<std::uint32_t>(count_) * airtime_us;
+    const auto instant = static_cast<std::uint32_t>(std::uint64_t{state_} * span >> 32);
+    const std::uint32_t passed = board::now_us() - began_us_;
+    board::set_alarm(instant > passed + least_us ? instant - passed : least_us);
   }
   // The instant has come.
   void send_next() {
@@ -48,11 +51,10 @@ class Outbox {
   // A packet takes 0.34 ms on the air and 0.29 ms for the ramps of the radio; the rest is reserve.
   static constexpr std::uint32_t airtime_us = 1000;
   static constexpr std::uint32_t least_us = 100;
-  // The work of a tick before the packets are released: 32 000 instructions at 64 MHz, and reserve.
-  static constexpr std::uint32_t work_us = 600;
 
   std::uint32_t period_us_;
   std::uint32_t state_;
+  std::uint32_t began_us_ = 0;
   std::size_t count_ = 0;
   std::size_t sent_ = 0;
   board::RadioPacket packets_[wire::role_count];

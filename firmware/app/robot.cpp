@@ -60,6 +60,7 @@ class Program {
       outbox_.go_on();
       const std::uint16_t elapsed = board::take_ticks();
       if (elapsed == 0) continue;
+      outbox_.begin_tick();
       if (greetings_ > 0) {
         greet();
       } else {

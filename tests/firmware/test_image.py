@@ -108,8 +108,8 @@ def test_each_store_is_made_once(
 ) -> None:
     """A compiler may emit a volatile store twice. The stores of a quiet tick, counted by hand:
 
-    five slots with 6 for the LEDs, 3 for the timer and 1 for its time (50), the switches (6), and
-    the watchdog (1).
+    five slots with 6 for the LEDs, 3 for the timer and 1 for its time (50), the time at which the
+    tick begins (1), the switches (6), and the watchdog (1).
     """
     monkeypatch.setattr("emulator.lockstep.Board", CountingBoard)
     scene = load_scene("paper")
@@ -121,7 +121,7 @@ def test_each_store_is_made_once(
     before = CountingBoard.stores
     for _ in range(10):
         robot.step(1, 0, True, [])
-    assert CountingBoard.stores - before == 10 * (5 * (6 + 3 + 1) + 6 + 1)
+    assert CountingBoard.stores - before == 10 * (5 * (6 + 3 + 1) + 1 + 6 + 1)
 
 
 def test_the_watchdog_is_fed_from_one_place(image: Image) -> None:
