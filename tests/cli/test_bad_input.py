@@ -112,6 +112,7 @@ BAD: list[tuple[list[str], list[str]]] = [
     (["firmware", "no.toml"], ["no.toml", "cannot be read"]),
     (["flash", "no.hex"], ["no.hex", "cannot be read"]),
     (["world", "--serve", "here"], ["here", "HOST:PORT"]),
+    (["up", "--plain", "--live", "foo"], ["--live", '"foo"', "HOST:PORT"]),
     (["up", "--link", "lost=1"], ["--link", "lost=1", "delay_ms"]),
     (["up", "--rate", "0"], ["--rate", "0.01 to 100"]),
     (["init"], ["init", "--help"]),

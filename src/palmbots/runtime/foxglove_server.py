@@ -11,15 +11,15 @@ from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
 
 
-def place_of(address: str) -> tuple[str, int]:
-    """Host and port.
+def place_of(address: str, option: str = "--serve") -> tuple[str, int]:
+    """Host and port of an address that was given with this option.
 
     Raises:
         PalmbotsError: it is no such address.
     """
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or len(port) > 5 or int(port) > 65535:
-        raise PalmbotsError(f"--serve: value is {show(address)}; allowed: HOST:PORT")
+        raise PalmbotsError(f"{option}: value is {show(address)}; allowed: HOST:PORT")
     return host, int(port)
 
 

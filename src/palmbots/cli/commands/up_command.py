@@ -113,7 +113,10 @@ def up(
     if has_screen:
         require("textual", "station")
     if live is not None:
+        from palmbots.runtime.foxglove_server import place_of
+
         require("foxglove", "station")
+        place_of(live, "--live")
     logs = "" if no_log else _log_folder(log, scene)
     with _output(has_screen) as (output, on_line):
         status = run_live(
