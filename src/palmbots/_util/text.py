@@ -34,11 +34,11 @@ def duration(seconds: float) -> str:
 
 
 def data_size(n: int) -> str:
-    """A number of bytes as text: 12 kB, 3.4 MB."""
+    """A number of bytes as text: 33 B, 12 kB, 3.4 MB."""
     for factor, unit in ((1e9, "GB"), (1e6, "MB")):
         if n >= factor:
             return f"{n / factor:.1f} {unit}"
-    return f"{n / 1e3:.0f} kB"
+    return f"{n / 1e3:.0f} kB" if n >= 1000 else f"{n:.0f} B"
 
 
 def letter_label(index: int) -> str:
