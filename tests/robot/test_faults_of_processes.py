@@ -87,7 +87,7 @@ def lines_match(pair: SteppedProcesses, pattern: str) -> bool:
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_a_carry(fault: str, tmp_path: Path) -> None:
     given = FAULTS[fault]
-    distance_m = 0.8 if given.clock_rate else 0.4
+    distance_m = 0.8 if given.clock_rate else 0.3
     with SteppedProcesses(
         tmp_path, "resilient", given.radio, clock_rate=given.clock_rate,
         overrides={"task.distance_m": distance_m},
@@ -120,7 +120,7 @@ def run_once(folder: Path, **options: Any) -> tuple[str, str]:
         pair.run_until(pair.carries, 20)
         pair.run(1.0)
         killed("left")(pair)
-        pair.finish()
+        pair.run(1.0)
         return pair.trace.hexdigest(), pair.lines()
 
 

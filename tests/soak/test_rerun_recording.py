@@ -11,6 +11,7 @@ import pytest
 import palmbots as pb
 
 pytest.importorskip("rerun")
+pytestmark = pytest.mark.soak
 
 from palmbots.logs.rerun_recording import BLUEPRINT, save_blueprint, save_recording
 
