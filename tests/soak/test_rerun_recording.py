@@ -11,9 +11,10 @@ import pytest
 import palmbots as pb
 
 pytest.importorskip("rerun")
-pytestmark = pytest.mark.soak
 
 from palmbots.logs.rerun_recording import BLUEPRINT, save_blueprint, save_recording
+
+pytestmark = pytest.mark.soak
 
 
 def rerun(*words: str) -> str:
