@@ -71,6 +71,7 @@ def zenoh(tmp_path: Path) -> dict[str, str]:
     return installed_example("zenoh_link", tmp_path / "site")
 
 
+@pytest.mark.soak
 def test_the_example_over_zenoh(zenoh: dict[str, str], tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
     ports = []

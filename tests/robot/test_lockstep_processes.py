@@ -33,21 +33,25 @@ OTHERS = (
     ' {kind="reboot", robot="right", at_s=14.0, duration_s=0.5, loses_boot_counter=true}]',
     "task.timeout_s=20.0",
 )  # fmt: skip
+SHORT = ("task.distance_m=0.9",)  # long enough for all faults
 PERIODS = ("robot.left.period_s=0.03", "robot.right.period_s=0.02")
 CASES = {
     "resilient": ("resilient", ()),
-    "resilient, everything": ("resilient", (*HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, everything": ("resilient", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
     "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
     "distributed, directions, replays, lost counter": ("distributed", OTHERS),
-    "shared-sign, everything": ("shared-sign", (*HARD_RADIO, *FAULTS, *DRIFT)),
-    "resilient, a period per robot, everything": ("resilient", (*HARD_RADIO, *FAULTS, *PERIODS)),
-    "centralized, a period per robot": ("centralized", PERIODS),
-    "silent": ("silent", FAULTS),
-    "distributed": ("distributed", ()),
-    "distributed, losses": ("distributed", ("radio.loss=0.02",)),
-    "centralized, everything": ("centralized", (*HARD_RADIO, *FAULTS)),
-    "policy": ("examples/policies/table-1.toml", ()),
-    "class in Python": ("CLASS", ()),
+    "shared-sign, everything": ("shared-sign", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, a period per robot, everything": (
+        "resilient",
+        (*SHORT, *HARD_RADIO, *FAULTS, *PERIODS),
+    ),
+    "centralized, a period per robot": ("centralized", (*SHORT, *PERIODS)),
+    "silent": ("silent", (*SHORT, *FAULTS)),
+    "distributed": ("distributed", SHORT),
+    "distributed, losses": ("distributed", (*SHORT, "radio.loss=0.02")),
+    "centralized, everything": ("centralized", (*SHORT, *HARD_RADIO, *FAULTS)),
+    "policy": ("examples/policies/table-1.toml", SHORT),
+    "class in Python": ("CLASS", SHORT),
 }
 
 
@@ -68,7 +72,15 @@ def own_class(tmp_path_factory: pytest.TempPathFactory) -> str:
     return f"{file}:Patient"
 
 
-@pytest.mark.parametrize("case", CASES)
+# Of these `make test` compares the programs inside one process (tests/runtime).
+LONG = {
+    "resilient", "distributed", "distributed, directions, replays, lost counter",
+    "centralized, a period per robot",
+}  # fmt: skip
+EACH = [pytest.param(case, marks=pytest.mark.soak if case in LONG else ()) for case in CASES]
+
+
+@pytest.mark.parametrize("case", EACH)
 def test_processes_carry_as_one_program(case: str, own_class: str) -> None:
     controller, overrides = CASES[case]
     controller = controller.replace("CLASS", own_class)

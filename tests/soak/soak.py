@@ -106,6 +106,8 @@ def main(minutes: str) -> int:
         pytest(seed, until, "tests/soak")
         if time.time() < until:
             pytest(seed, until, "-m", "hypothesis or soak", "tests")
+        if time.time() < until:
+            pytest(seed, until, "-m", "soak", "tests/robot")
         if time.time() < until and shutil.which("arm-none-eabi-g++"):
             pytest(seed, until, "-m", "soak", "tests/firmware")
     if rounds:
