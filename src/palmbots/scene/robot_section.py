@@ -49,8 +49,8 @@ class RobotParameters(Section):
     bias_m_s: SpeedError = 0.0
     """Constant speed error, as from wrong calibration. > 0: faster in the direction of travel."""
     clock_ppm: ClockError = 0.0
-    """Rate error of the robot's clock, > 0 if it runs fast. Only the resilient algorithm measures
-    time."""
+    """Rate error of the robot's clock, > 0 if it runs fast. Controllers that measure no time ignore
+    it: centralized and distributed."""
     period_s: Period | None = None
     """Time between two steps of the robot's program: a whole multiple of control.period_s, and at
     most control.watchdog_s. Without it: control.period_s."""
