@@ -92,6 +92,25 @@ def test_everything_is_visible(size: tuple[int, int]) -> None:
         assert part in texts[0], (part, texts[0])
 
 
+def test_nothing_is_drawn_while_the_screen_closes() -> None:
+    """Textual removes the fields one by one while the timer still runs."""
+    closed: list[bool] = []
+
+    async def close_slowly(app: Any, pilot: Any) -> None:
+        close_all = app._close_all
+
+        async def remove_one_field_first() -> None:
+            await app.query_one("#head").remove()
+            app._refresh_view()
+            closed.append(True)
+            await close_all()
+
+        app._close_all = remove_one_field_first
+
+    run(Client(), close_slowly)
+    assert closed == [True]
+
+
 def test_plain_lines_have_the_same_content() -> None:
     left, right, warning = plain_status(STATE)
     assert left == (

@@ -152,7 +152,7 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
                 self._note_loss()
 
         def _refresh_view(self) -> None:
-            if not self.query("#lines"):  # the screen is closing
+            if not self.is_running:  # closing: the fields go away one by one
                 return
             client.poll()
             self._note_loss()
