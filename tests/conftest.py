@@ -25,6 +25,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# No test multiplies large matrices, and each of these processes would start threads for them.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # Each test process has a cache of its own: no result of earlier code is read.
 os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
 atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)

@@ -17,7 +17,7 @@ from palmbots.wire import Endpoint, Hello, Operate
 
 HEAVY = {
     "matplotlib", "pandas", "xarray", "polars", "pyarrow", "scipy", "mujoco", "rich", "dask",
-    "zarr", "mcap", "gymnasium", "pettingzoo", "textual", "foxglove", "PIL",
+    "zarr", "mcap", "gymnasium", "pettingzoo", "textual", "foxglove", "PIL", "numpy",
 }  # fmt: skip
 
 

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 import palmbots as pb
 from palmbots import load_scene
-from palmbots._types import SIDES, FloatArray, Side
+from palmbots._types import SIDES, Side
+from palmbots.mechanics.array_arguments import FloatArray
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
 from palmbots.stability.problem import StabilityProblem, stability_problem
 
@@ -20,7 +21,7 @@ def happens(
     at: StabilityProblem,
     number: int,
     shallow: Side,
-    angles: tuple[FloatArray | float, FloatArray | float],
+    angles: tuple[FloatArray, FloatArray],
     p: tuple[NDArray[np.float64], NDArray[np.float64]],
     **changed: FloatArray,
 ) -> NDArray[np.bool_]:

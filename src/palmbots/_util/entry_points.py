@@ -7,7 +7,6 @@ A distribution names them in its ``pyproject.toml``::
     mine = "my_package:MyDriver"
 """
 
-import importlib.metadata
 from collections.abc import Mapping
 from typing import Any
 
@@ -31,6 +30,8 @@ def built_in_or_installed(key: str, name: str, built_in: Mapping[str, Any], grou
     """
     if name in built_in:
         return built_in[name]
+    import importlib.metadata  # here, because every program of a robot imports this module
+
     installed = importlib.metadata.entry_points(group=group)
     if name not in installed.names:
         allowed = ", ".join([*built_in, *sorted(installed.names - built_in.keys())])

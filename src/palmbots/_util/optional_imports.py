@@ -6,7 +6,6 @@ index that has palmbots, these install in a clone and beside an installed palmbo
 """
 
 import importlib
-import importlib.metadata
 import re
 import shlex
 import sys
@@ -49,6 +48,8 @@ def install_command(extra: str, package: str = "") -> str:
 
 def _packages(extra: str) -> list[str]:
     """What an extra installs, from the metadata of palmbots; empty where there is none."""
+    import importlib.metadata  # here, because every program of a robot imports this module
+
     try:
         lines = importlib.metadata.requires("palmbots") or []
     except importlib.metadata.PackageNotFoundError:

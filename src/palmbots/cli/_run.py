@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palmbots._util.arguments import show
 from palmbots.cli._streams import say
 from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Interrupted",
     "check_output",
+    "check_rate",
     "controller_of",
     "interruption_line",
     "load",
@@ -31,6 +33,17 @@ __all__ = [
     "print_list",
     "set_aside_certificate",
 ]
+
+
+def check_rate(rate: float) -> float:
+    """The rate, if it is one.
+
+    Raises:
+        PalmbotsError: it is too small or too large.
+    """
+    if not 0.01 <= rate <= 100:
+        raise PalmbotsError(f"rate: value is {show(rate)}; allowed: a number from 0.01 to 100")
+    return rate
 
 
 class Interrupted(PalmbotsError):

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
+from palmbots.logs.message_types import FIELD, message_type
 from palmbots.simulation.trace import VARIABLES, trace_dataset
 
 if TYPE_CHECKING:
@@ -34,15 +34,13 @@ __all__ = [
     "StateChannel",
     "Variable",
     "channels_of_worlds",
-    "message_type",
     "state_channels",
     "variables_of",
 ]
 
-_Field = descriptor_pb2.FieldDescriptorProto
-_STRING = _Field.TYPE_STRING
-_DOUBLE = _Field.TYPE_DOUBLE
-_TYPES = {"f": _DOUBLE, "i": _Field.TYPE_SINT64, "U": _STRING}  # by the kind of the NumPy type
+_STRING = FIELD.TYPE_STRING
+_DOUBLE = FIELD.TYPE_DOUBLE
+_TYPES = {"f": _DOUBLE, "i": FIELD.TYPE_SINT64, "U": _STRING}  # by the kind of the NumPy type
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,20 +164,6 @@ def _values(trace: "xr.Dataset", variable: Variable) -> list[list[Any]]:
     if variable.by_side:
         return column.transpose("side", "time").to_numpy().tolist()
     return [column.to_numpy().tolist()]
-
-
-def message_type(name: str, fields: dict[str, Any], repeated: tuple[str, ...] = ()) -> Any:
-    """A protobuf message type with these fields, made at run time."""
-    file = descriptor_pb2.FileDescriptorProto(
-        name=f"palmbots/{name}.proto", package="palmbots", syntax="proto3"
-    )
-    message = file.message_type.add(name=name)
-    for number, (field, kind) in enumerate(fields.items(), start=1):
-        label = _Field.LABEL_REPEATED if field in repeated else _Field.LABEL_OPTIONAL
-        message.field.add(name=field, number=number, type=kind, label=label)
-    pool = descriptor_pool.DescriptorPool()  # its own, so that no name clashes with other packages
-    pool.Add(file)
-    return message_factory.GetMessageClass(pool.FindMessageTypeByName(f"palmbots.{name}"))
 
 
 MessageEvent: Any = message_type(

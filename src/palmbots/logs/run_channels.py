@@ -8,9 +8,7 @@ monotonic clock, from its start.
 
 from typing import Any
 
-from google.protobuf import descriptor_pb2
-
-from palmbots.logs.channels import message_type
+from palmbots.logs.message_types import FIELD, message_type
 
 __all__ = ["RUN_FORMAT", "RUN_RECORD", "LineEvent", "PacketEvent", "RobotTick", "StatusEvent"]
 
@@ -19,9 +17,8 @@ RUN_RECORD = "palmbots-run"
 RUN_FORMAT = "1"
 """Version of the format of these logs."""
 
-_Field = descriptor_pb2.FieldDescriptorProto
-_BOOL, _BYTES, _STRING = _Field.TYPE_BOOL, _Field.TYPE_BYTES, _Field.TYPE_STRING
-_INT, _COUNT = _Field.TYPE_SINT64, _Field.TYPE_UINT64
+_BOOL, _BYTES, _STRING = FIELD.TYPE_BOOL, FIELD.TYPE_BYTES, FIELD.TYPE_STRING
+_INT, _COUNT = FIELD.TYPE_SINT64, FIELD.TYPE_UINT64
 
 RobotTick: Any = message_type(
     "RobotTick",

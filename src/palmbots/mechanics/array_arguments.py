@@ -8,16 +8,19 @@ degrees), a width that is not positive, negative friction, and numbers that are 
 import math
 from collections.abc import Sequence
 from itertools import chain
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._types import SIDES, FloatArray
+from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 
-__all__ = ["columns_of"]
+__all__ = ["FloatArray", "columns_of"]
 
+FloatArray: TypeAlias = float | np.floating[Any] | Sequence[Any] | NDArray[np.floating[Any]]
+"""A number, or an array or nested sequence of numbers, which broadcasts as in NumPy."""
 
 _HALF_PI = math.pi / 2
 _PAIRS = ("offset", "friction", "theta", "p")

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import palmbots._core as _core
-from palmbots._types import SIDES, FloatArray, Overrides
+from palmbots._types import SIDES, Overrides
 from palmbots._util.optional_imports import require
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
-from palmbots.mechanics.array_arguments import columns_of
+from palmbots.mechanics.array_arguments import FloatArray, columns_of
 from palmbots.mechanics.contact_points import CODE_OF, Contact, Motions, touching
 from palmbots.mechanics.state import palm_state
 from palmbots.scene.scene import Scene, SceneLike

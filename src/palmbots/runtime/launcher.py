@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Self
 
 from palmbots._types import SIDES
-from palmbots._util.arguments import show
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.impairment import Impairment, Proxy
@@ -26,17 +25,6 @@ from palmbots.wire import Role
 _BAD_INPUT = 2
 _POLL_S = 0.02
 _END_WITHIN_S = 5.0
-
-
-def check_rate(rate: float) -> float:
-    """The rate, if it is one.
-
-    Raises:
-        PalmbotsError: it is too small or too large.
-    """
-    if not 0.01 <= rate <= 100:
-        raise PalmbotsError(f"rate: value is {show(rate)}; allowed: a number from 0.01 to 100")
-    return rate
 
 
 def run_lockstep(

@@ -17,6 +17,8 @@ from palmbots.errors import PalmbotsError
 
 _END_WITHIN_S = 5.0
 _POLL_S = 0.02
+# No program of a pair multiplies large matrices: the threads of NumPy take time and memory.
+_FEW_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
 
 
 class Processes:
@@ -57,7 +59,7 @@ class Processes:
                 self._running[name] = subprocess.Popen(
                     [sys.executable, "-m", "palmbots", *arguments],
                     stdout=stream,
-                    env=os.environ | self._environment | lifeline(pipe),
+                    env=_FEW_THREADS | os.environ | self._environment | lifeline(pipe),
                     pass_fds=[pipe],
                 )
         except OSError as error:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from palmbots.cli._run import print_json, warn
+from palmbots.cli._run import check_rate, print_json, warn
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
@@ -44,7 +44,6 @@ def calibrate(
     from palmbots._util.arguments import one_of
     from palmbots.cli.reports.calibrate_report import TerminalPerson, calibrate_report, summary
     from palmbots.runtime.calibration_run import run_calibration, steps_of
-    from palmbots.runtime.launcher import check_rate
     from palmbots.runtime.pair_file import load_pair
 
     one_of("--side", side, SIDES)

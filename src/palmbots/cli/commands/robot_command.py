@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import check_rate, print_json
 from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
 __all__ = ["COMMAND", "EXAMPLE", "ORDER"]
@@ -27,7 +27,7 @@ def robot(
 ) -> int:
     """Run the program of one robot of a pair.
 
-    The robot is a simulated one: its world is another process (palmbots world).
+    Its driver moves the robot. That of a new pair is simulated: it needs a palmbots world.
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
@@ -41,7 +41,7 @@ def robot(
     if lockstep:
         end = {"side": side, "boots": run_robot(pair_of, chosen)}
     else:
-        end = run_live_robot(pair_of, chosen, _checked(rate), _say).summary()
+        end = run_live_robot(pair_of, chosen, check_rate(rate), _say).summary()
     if as_json:
         print_json(end)
     return DONE
@@ -51,12 +51,6 @@ def _say(line: str) -> None:
     from palmbots.cli._streams import say
 
     say(f"palmbots: {line}")
-
-
-def _checked(rate: float) -> float:
-    from palmbots.runtime.launcher import check_rate
-
-    return check_rate(rate)
 
 
 COMMAND = robot

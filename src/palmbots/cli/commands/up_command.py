@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from palmbots._util.optional_imports import require
-from palmbots.cli._run import controller_of, load
+from palmbots.cli._run import check_rate, controller_of, load
 from palmbots.cli._streams import say
 from palmbots.cli.options import (
     ControllerOption,
@@ -81,7 +81,7 @@ def up(
     from palmbots._util.arguments import seed_of
     from palmbots.control.registry import check
     from palmbots.runtime.impairment import Impairment
-    from palmbots.runtime.launcher import check_rate, run_live, run_lockstep
+    from palmbots.runtime.launcher import run_live, run_lockstep
     from palmbots.runtime.lockstep_world import remote
     from palmbots.simulation.worlds import check_precision, check_scene, world_entry
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import check_rate, print_json
 from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
@@ -86,7 +86,6 @@ def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list
 
 def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
     from palmbots.runtime.foxglove_server import FoxgloveServer
-    from palmbots.runtime.launcher import check_rate
     from palmbots.runtime.log_player import announce, play, read_playable, viewable
 
     check_rate(rate)

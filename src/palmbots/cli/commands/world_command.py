@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palmbots.cli._run import controller_of, load, print_json, warn
+from palmbots.cli._run import check_rate, controller_of, load, print_json, warn
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -62,14 +62,6 @@ def world(
     Exit status 1: the object was not delivered.
     """
     from palmbots._util.arguments import seed_of
-    from palmbots.cli.reports.carry_report import carry_report
-    from palmbots.control.dead_band import warnings_before
-    from palmbots.links.local_connection import listen
-    from palmbots.runtime.greeting import scene_number
-    from palmbots.runtime.lockstep_world import Programs, ends_of, remote
-    from palmbots.simulation.single import carry
-    from palmbots.simulation.worlds import check_precision, world_entry
-    from palmbots.stability.scene_limits import self_check
 
     chosen = load(scene, changes)
     seed = seed_of(seed)
@@ -82,19 +74,42 @@ def world(
         return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
     if imperfect:
         raise PalmbotsError("--imperfect has no effect with --lockstep; allowed: without it")
+    return _lockstep(chosen, serve, world, seed, controller, precision, called or scene, as_json)
+
+
+def _lockstep(
+    scene: "Scene",
+    serve: str,
+    world: str,
+    seed: int,
+    controller: str,
+    precision: str,
+    name: str,
+    as_json: bool,
+) -> int:
+    """A world that waits in every tick for the programs of the robots."""
+    from palmbots.cli.reports.carry_report import carry_report
+    from palmbots.control.dead_band import warnings_before
+    from palmbots.links.local_connection import listen
+    from palmbots.runtime.greeting import scene_number
+    from palmbots.runtime.lockstep_world import Programs, ends_of, remote
+    from palmbots.simulation.single import carry
+    from palmbots.simulation.worlds import check_precision, world_entry
+    from palmbots.stability.scene_limits import self_check
+
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve) as door:
-        programs = Programs(door, ends_of(entry), scene_number(chosen))
+        programs = Programs(door, ends_of(entry), scene_number(scene))
         remote_entry = remote(entry, programs.exchange)
         try:
             programs.wait()
             result = carry(
-                chosen, remote_entry, world=world, precision=precision, seed=seed, record=True
+                scene, remote_entry, world=world, precision=precision, seed=seed, record=True
             )
         finally:
             programs.close()
-    before = [*warnings_before(chosen, entry), *self_check(chosen)]
+    before = [*warnings_before(scene, entry), *self_check(scene)]
     late = [text for text in result.warnings if text not in before]
     if as_json:
         forecast = {"drift_forecast": None}
@@ -102,7 +117,7 @@ def world(
     else:
         for text in before:
             warn(text)
-        carry_report(result, called or scene, late, [], [], None)
+        carry_report(result, name, late, [], [], None)
     return DONE if result.outcome == "delivered" else FAILED
 
 
@@ -119,7 +134,6 @@ def _live(
     """A world in real time."""
     from palmbots.links.local_connection import listen
     from palmbots.runtime.imperfections import load_imperfections
-    from palmbots.runtime.launcher import check_rate
     from palmbots.runtime.live_world import run_live_world
 
     imperfections = load_imperfections(imperfect) if imperfect else None
@@ -142,7 +156,6 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     from palmbots.links.local_connection import listen
     from palmbots.runtime.bench_world import run_bench
     from palmbots.runtime.imperfections import load_imperfections
-    from palmbots.runtime.launcher import check_rate
 
     check_rate(rate)
     imperfections = load_imperfections(imperfect or [])
