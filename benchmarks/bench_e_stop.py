@@ -30,8 +30,8 @@ import palmbots as pb
 from _machine import processor
 from palmbots.runtime.impairment import Impairment
 from palmbots.runtime.launcher import LiveCarryProcesses
-from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.station_client import StationClient
+from palmbots.runtime.stopping_limit import stopping_limit_s
 
 RESULTS = Path(__file__).parent / "results"
 LOSSES = (0.0, 0.05, 0.2)

@@ -25,8 +25,8 @@ from json_output import read_json
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
 from palmbots.runtime.impairment import ImpairedPackets, Impairment
 from palmbots.runtime.launcher import free_addresses, own_file
-from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.wire import Status, decode
 
 ENDS = ("left", "right", "station")

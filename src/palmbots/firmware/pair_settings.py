@@ -25,9 +25,10 @@ from palmbots.firmware.settings_page import (
     settings_page,
 )
 from palmbots.runtime.drive_table import drive_table
-from palmbots.runtime.live_robot import core_settings, stopping_limit_s
+from palmbots.runtime.live_robot import core_settings
 from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.robot_program import controller_of
+from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 

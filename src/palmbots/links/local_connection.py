@@ -23,6 +23,13 @@ _LONGEST_PATH = 107  # bytes
 _ALLOWED = "HOST:PORT, or unix:PATH"
 
 
+_encode = json.JSONEncoder(separators=(",", ":")).encode
+
+
+def _line(frame: Any) -> bytes:
+    return _encode(frame).encode() + b"\n"
+
+
 class ConnectionLost(PalmbotsError):
     """The other process has closed the connection, or does not answer in time."""
 
@@ -45,8 +52,8 @@ class Connection:
             ConnectionLost: the connection is closed.
         """
         try:
-            self._stream.settimeout(None)
-            self._stream.sendall(json.dumps(frame, separators=(",", ":")).encode() + b"\n")
+            self._wait_at_most(None)
+            self._stream.sendall(_line(frame))
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
 
@@ -60,11 +67,11 @@ class Connection:
             ConnectionLost: the connection is closed.
         """
         try:
-            self._stream.settimeout(0)
+            self._wait_at_most(0)
             if self._unsent:  # the rest of an earlier frame
                 self._unsent = self._unsent[self._stream.send(self._unsent) :]
             if not self._unsent:
-                data = json.dumps(frame, separators=(",", ":")).encode() + b"\n"
+                data = _line(frame)
                 self._unsent = data[self._stream.send(data) :]
                 return True
         except BlockingIOError:
@@ -80,7 +87,7 @@ class Connection:
             ConnectionLost: the connection is closed, no frame arrives in time, or what arrives is
                 not a frame.
         """
-        self._stream.settimeout(timeout_s)
+        self._wait_at_most(timeout_s)
         while b"\n" not in self._received:
             try:
                 more = self._stream.recv(65536)
@@ -106,7 +113,7 @@ class Connection:
             ConnectionLost: as for `receive`.
         """
         if b"\n" not in self._received:
-            self._stream.settimeout(0)
+            self._wait_at_most(0)
             try:
                 more = self._stream.recv(65536)
             except BlockingIOError:
@@ -129,11 +136,15 @@ class Connection:
             ConnectionLost: the connection is closed, or the other end does not read.
         """
         try:
-            self._stream.settimeout(max(within_s, 0.001))
+            self._wait_at_most(max(within_s, 0.001))
             self._stream.sendall(self._unsent)
             self._unsent = b""
         except OSError as error:
             raise ConnectionLost(f"{self.name}: {error.strerror or error}") from None
+
+    def _wait_at_most(self, timeout_s: float | None) -> None:
+        if self._stream.gettimeout() != timeout_s:  # to set it is a call of the system
+            self._stream.settimeout(timeout_s)
 
     def fileno(self) -> int:
         """Number of the socket, to wait for more than one."""

@@ -18,8 +18,8 @@ from palmbots.errors import PalmbotsError
 from palmbots.runtime.control_clock import JITTER_LIMITS_MS, ControlClock
 from palmbots.runtime.fault_words import FAULT_WORDS
 from palmbots.runtime.link_check import LinkFigures
-from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.pair_file import Pair
+from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene
 
 _STATUS_S = 0.05  # between two status packets of a robot, about

@@ -14,11 +14,11 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.runtime.impairment import Impairment, Proxy
-from palmbots.runtime.live_robot import stopping_limit_s
 from palmbots.runtime.lockstep_robot import REBOOTED
 from palmbots.runtime.pair_file import ENDS, init_pair, load_pair
 from palmbots.runtime.processes import Processes
 from palmbots.runtime.station_server import station_address
+from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 

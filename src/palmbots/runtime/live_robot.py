@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, get_args
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
+from palmbots._types import Side
 from palmbots._util import process_clock
 from palmbots._util.end_signal import ended_by_signal
 from palmbots.control.registry import ControllerEntry, check
@@ -28,6 +28,7 @@ from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.reading_gauge import ReadingGauge
 from palmbots.runtime.robot_program import controller_of, robot_program
 from palmbots.runtime.state_keeper import StateKeeper
+from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.runtime.stored_state import StoredState, booted
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Role, Verdict
@@ -281,13 +282,6 @@ def _little_garbage() -> Iterator[None]:
 def ticks_in(seconds: float, period_s: float) -> int:
     """The ticks that a time takes, at least 1; rounded up."""
     return max(1, math.ceil(seconds / period_s - 1e-9))
-
-
-def stopping_limit_s(scene: Scene) -> float:
-    """The time in which a robot of the scene brakes from its nominal speed [s]. The time bounds of
-    the controllers assume that no robot takes longer."""
-    robots = [scene.robot_of(side) for side in SIDES]
-    return max(robot.speed_m_s / robot.acceleration_m_s2 for robot in robots)
 
 
 def logged_program(

@@ -5,26 +5,30 @@
 batches of carries, whether a drop could have been prevented, and what registers a world.
 """
 
-from palmbots.simulation.batch import run_batch as run_batch
-from palmbots.simulation.batch import run_seeds as run_seeds
-from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit
-from palmbots.simulation.noise_limit import NoisePoint as NoisePoint
-from palmbots.simulation.prepare import Prepared as Prepared
-from palmbots.simulation.rare_events import DropRate as DropRate
-from palmbots.simulation.result import Carry as Carry
-from palmbots.simulation.result import ContactEvent as ContactEvent
-from palmbots.simulation.result import Correction as Correction
-from palmbots.simulation.result import LinkStatistics as LinkStatistics
-from palmbots.simulation.result import Message as Message
-from palmbots.simulation.sweep import Comparison as Comparison
-from palmbots.simulation.sweep import Refusal as Refusal
-from palmbots.simulation.sweep import Row as Row
-from palmbots.simulation.unavoidable_drops import is_unavoidable as is_unavoidable
-from palmbots.simulation.worlds import WorldEntry as WorldEntry
-from palmbots.simulation.worlds import WorldRun as WorldRun
-from palmbots.simulation.worlds import register_world as register_world
-from palmbots.simulation.worlds import unregister_world as unregister_world
-from palmbots.simulation.worlds import world_names as world_names
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from palmbots.simulation.batch import run_batch as run_batch
+    from palmbots.simulation.batch import run_seeds as run_seeds
+    from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit
+    from palmbots.simulation.noise_limit import NoisePoint as NoisePoint
+    from palmbots.simulation.prepare import Prepared as Prepared
+    from palmbots.simulation.rare_events import DropRate as DropRate
+    from palmbots.simulation.result import Carry as Carry
+    from palmbots.simulation.result import ContactEvent as ContactEvent
+    from palmbots.simulation.result import Correction as Correction
+    from palmbots.simulation.result import LinkStatistics as LinkStatistics
+    from palmbots.simulation.result import Message as Message
+    from palmbots.simulation.sweep import Comparison as Comparison
+    from palmbots.simulation.sweep import Refusal as Refusal
+    from palmbots.simulation.sweep import Row as Row
+    from palmbots.simulation.unavoidable_drops import is_unavoidable as is_unavoidable
+    from palmbots.simulation.worlds import WorldEntry as WorldEntry
+    from palmbots.simulation.worlds import WorldRun as WorldRun
+    from palmbots.simulation.worlds import register_world as register_world
+    from palmbots.simulation.worlds import unregister_world as unregister_world
+    from palmbots.simulation.worlds import world_names as world_names
 
 __all__ = [
     "Carry",
@@ -48,6 +52,36 @@ __all__ = [
     "unregister_world",
     "world_names",
 ]
+
+# Imported on first use: the programs of robots need little of this room, and no NumPy.
+_LAZY = {
+    "Carry": "result",
+    "Comparison": "sweep",
+    "ContactEvent": "result",
+    "Correction": "result",
+    "DropRate": "rare_events",
+    "LinkStatistics": "result",
+    "Message": "result",
+    "NoiseLimit": "noise_limit",
+    "NoisePoint": "noise_limit",
+    "Prepared": "prepare",
+    "Refusal": "sweep",
+    "Row": "sweep",
+    "WorldEntry": "worlds",
+    "WorldRun": "worlds",
+    "is_unavoidable": "unavoidable_drops",
+    "register_world": "worlds",
+    "run_batch": "batch",
+    "run_seeds": "batch",
+    "unregister_world": "worlds",
+    "world_names": "worlds",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LAZY:
+        raise AttributeError(f"module 'palmbots.simulation' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"palmbots.simulation.{_LAZY[name]}"), name)
 
 
 def __dir__() -> list[str]:

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The result of a carry: outcome, corrections, messages, warnings, trace."""
 
+import math
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
-
-import numpy as np
 
 from palmbots._types import SIDES
 from palmbots._util.renamed_names import renamed_fields
@@ -278,7 +277,7 @@ def make_carry(
         trace_hash=measured.trace_hash,
         trace=trace_dataset(measured.trace, run.trace) if record else None,
         message_log=tuple(
-            Message(sent, None if np.isnan(got) else got, SIDES[sender], SIDES[receiver], kind)
+            Message(sent, None if math.isnan(got) else got, SIDES[sender], SIDES[receiver], kind)
             for sent, got, sender, receiver, kind in measured.message_log
         ),
         mujoco_record=run.recording,

@@ -8,11 +8,10 @@ logs, so that a log writer needs no list of its own.
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from palmbots._types import SIDES
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
 
 __all__ = ["VARIABLES", "trace_dataset"]
@@ -40,8 +39,8 @@ VARIABLES = {
 
 
 def trace_dataset(
-    trace: Mapping[str, np.ndarray],
-    more: Mapping[str, tuple[np.ndarray, Mapping[str, str]]] | None = None,
+    trace: Mapping[str, "np.ndarray"],
+    more: Mapping[str, "tuple[np.ndarray, Mapping[str, str]]"] | None = None,
 ) -> "xr.Dataset":
     """The arrays of a trace, named as the core names them, as a labelled dataset.
 

@@ -105,7 +105,7 @@ def _lockstep(
         try:
             programs.wait()
             result = carry(
-                scene, remote_entry, world=world, precision=precision, seed=seed, record=True
+                scene, remote_entry, world=world, precision=precision, seed=seed, record=False
             )
         finally:
             programs.close()
