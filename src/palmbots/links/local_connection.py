@@ -24,6 +24,7 @@ _ALLOWED = "HOST:PORT, or unix:PATH"
 
 
 _encode = json.JSONEncoder(separators=(",", ":")).encode
+_decode = json.JSONDecoder().decode
 
 
 def _line(frame: Any) -> bytes:
@@ -102,7 +103,7 @@ class Connection:
                 raise ConnectionLost(f"{self.name}: sends frames that are too long")
         line, self._received = self._received.split(b"\n", 1)
         try:
-            return json.loads(line)
+            return _decode(line.decode())
         except (ValueError, RecursionError):
             raise ConnectionLost(f"{self.name}: sends no frames") from None
 

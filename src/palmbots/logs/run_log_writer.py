@@ -26,6 +26,7 @@ _CHUNK_BYTES = 16_384  # what a program that is killed loses at most
 _CLOSES_WITHIN_S = 5.0
 _MOST_BYTES = 500_000_000
 _FLUSHED_EVERY = 100  # messages
+_LOOKS_EVERY_S = 0.1  # to wake for every message would take time from the control thread
 Fill = Callable[[], Any]
 _now_ns = time.monotonic_ns
 
@@ -61,6 +62,7 @@ class RunLogWriter:
         self._warn: Callable[[str], None] | None = on_warning
         self._queue: queue.Queue[tuple[int, str, Fill] | None] = queue.Queue(_MOST_WAITING)
         self._start_ns: int = self._facts["monotonic_ns"]
+        self._closes = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -85,6 +87,7 @@ class RunLogWriter:
 
     def close(self) -> None:
         """Write what is left, but do not wait long for it."""
+        self._closes.set()
         with contextlib.suppress(queue.Full):
             self._queue.put(None, timeout=_CLOSES_WITHIN_S)
         self._thread.join(_CLOSES_WITHIN_S)
@@ -111,6 +114,8 @@ class RunLogWriter:
             while (item := self._queue.get()) is not None:
                 instant, topic, fill = item
                 channels.write(topic, fill(), instant)
+                if self._queue.empty():
+                    self._closes.wait(_LOOKS_EVERY_S)
                 if os.fstat(stream.fileno()).st_size > _MOST_BYTES:
                     self._say(f"has reached {_MOST_BYTES // 1_000_000} MB, and ends")
                     break
