@@ -158,13 +158,17 @@ def clock_rate(
 
 
 def check_own_clock(
-    period_s: float, seconds: float, clock: Callable[[], float] = time.monotonic
+    period_s: float,
+    seconds: float,
+    clock: Callable[[], float] = time.monotonic,
+    report: Callable[[float], None] = lambda fraction: None,
 ) -> Check:
     """Whether this computer can run a control loop: its jitter, and the rate of its clock."""
     loop = ControlClock(period_s)
     begin, raw = clock(), time.clock_gettime(time.CLOCK_MONOTONIC_RAW)
     ticks = 0
     while clock() - begin < seconds:
+        report((clock() - begin) / seconds)
         loop.wait()
         ticks += 1
     elapsed = clock() - begin

@@ -11,7 +11,7 @@ from palmbots.runtime.pair_file import Pair
 from palmbots.runtime.stored_state import held, read_state
 from palmbots.scene.scene import Scene
 
-_WITHIN_S = 10.0  # the user has started the world before, or is just doing it
+_WITHIN_S = 3.0  # the user has started the world before, or is just doing it
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots.runtime.checkup import Check
     from palmbots.runtime.pair_file import Pair
     from palmbots.scene.scene import Scene
 
@@ -43,7 +44,7 @@ def doctor(
 
     Exit status 1: something is wrong. A line says what to do.
     """
-    from palmbots.runtime.checkup import check_own_clock, checks_of_status
+    from palmbots.runtime.checkup import checks_of_status
     from palmbots.runtime.link_check import PERIOD_S, measure, needs_of
     from palmbots.runtime.live_ends import open_pair_link
     from palmbots.runtime.pair_file import load_pair
@@ -57,13 +58,13 @@ def doctor(
     scene = load_scene(chosen.scene())
     if side:
         return _check_robot(chosen, scene, side, as_json=as_json)
-    own = check_own_clock(scene.control.period_s, min(seconds, _CLOCK_S))
+    own = _check_clock(scene, min(seconds, _CLOCK_S), as_json=as_json)
     verdicts: dict[Any, int] = {}
     controller = controller_of(chosen).name
     with (
         booted(chosen.state_file("station")) as state,
         contextlib.closing(open_pair_link(chosen, "station")) as link,
-        progress("measuring the radio", as_json, seconds) as report,
+        progress("measuring the radio", as_json) as report,
     ):
         start_s = time.monotonic()
 
@@ -96,17 +97,24 @@ def doctor(
     return DONE if is_well else FAILED
 
 
+def _check_clock(scene: "Scene", seconds: float, *, as_json: bool) -> "Check":
+    from palmbots.runtime.checkup import check_own_clock
+
+    with progress("measuring the clock", as_json) as report:
+        return check_own_clock(scene.control.period_s, seconds, report=report)
+
+
 def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> int:
     """The checks on the robot itself."""
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
     from palmbots.links.local_connection import ConnectionLost
-    from palmbots.runtime.checkup import Check, check_driver, check_own_clock
+    from palmbots.runtime.checkup import Check, check_driver
     from palmbots.runtime.robot_driver import opened_driver
 
     one_of("--side", side, SIDES)
     chosen: Any = side
-    checks = [check_own_clock(scene.control.period_s, _CLOCK_S)]
+    checks = [_check_clock(scene, _CLOCK_S, as_json=as_json)]
     try:
         with opened_driver(pair, chosen, scene) as driver:
             checks += check_driver(driver, chosen, scene, pair.settings.hardware.of(chosen))
