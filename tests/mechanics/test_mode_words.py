@@ -43,9 +43,7 @@ def test_the_contact_that_slides_is_the_one_that_the_inequality_names() -> None:
                 assert "no squeeze in common" in said and "holds the object" in words
                 seen.add("not held")
                 continue
-            sliding = [
-                side for side, motion in zip(SLIDES, mode, strict=True) if motion != "ST"
-            ]
+            sliding = [side for side, motion in zip(SLIDES, mode, strict=True) if motion != "ST"]
             near, far = re.findall(r"edge of the (\w+) cone", said)
             assert sliding == [near] and far != near
             way = "up" if closing else "down"

@@ -34,6 +34,7 @@ function flightsAt(run: Recorded, time: number, latency: number, periodic: boole
   const found: Flight[] = [];
   for (const m of run.messages) {
     if (m.sent > time) break;
+    if (m.sender > 1 || m.receiver > 1) continue; // a station is not in the picture
     const lost = Number.isNaN(m.received);
     const length = Math.max(lost ? latency : m.received - m.sent, 0.25); // long enough to be seen
     if (time > m.sent + length) continue;

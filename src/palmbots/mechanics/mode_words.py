@@ -21,8 +21,8 @@ SENTENCES: dict[str, str] = {
     "down": "slides down",
     "not_held": "No squeeze holds the object: it slides on both palms.",
     "jammed": "No squeeze makes a contact slide: the object is jammed.",
-    "apart": "I_L = [{left_low}, {left_high}] and I_R = [{right_low}, {right_high}] have no squeeze "
-    "in common.",
+    "apart": "I_L = [{left_low}, {left_high}] and I_R = [{right_low}, {right_high}] have no "
+    "squeeze in common.",
     "endless": "The squeeze rises without end, because neither I_L nor I_R has an upper end.",
     "closing_tie": "The squeeze rises until it reaches the upper edges of both cones at once: "
     "H = {first}.",

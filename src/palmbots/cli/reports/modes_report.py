@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["modes_report"]
 
+
 def modes_report(found: "ContactModes") -> None:
     """Print the nine modes as a 3 × 3 table, and those that occur."""
     from palmbots.mechanics.contact_points import MOTION_CODES
