@@ -126,7 +126,7 @@ def _meaning(model: str, claim: str) -> str:
     stated = {name: says for name, (_, says) in claims_of(model).items()}
     text = (ROOT / "verify" / "models" / f"{model}.pml").read_text("utf-8")
     stated |= {name: says for says, name in _FORMULA.findall(text)}
-    says = re.sub(r"^S\d: ", "", stated[claim])
+    says = re.sub(r"^S\d: ", "", stated[claim]).removesuffix(".")
     return says[0].lower() + says[1:]
 
 

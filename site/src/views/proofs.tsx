@@ -255,6 +255,7 @@ export function ProofsView() {
   const now = item.steps[place]!;
   const isLast = place === item.steps.length - 1;
   const carried = carry.value;
+  const hasPalms = now.robots[0].palm !== undefined;
   return (
     <>
       <header class="lead">
@@ -285,7 +286,9 @@ export function ProofsView() {
         </p>
         <div class={carried ? "columns" : ""}>
           <div>
-            <Canvas id="proof" height={104} draw={(s) => drawPalms(s, item, place)} label="contacts and palms in cells" />
+            {hasPalms && (
+              <Canvas id="proof" height={104} draw={(s) => drawPalms(s, item, place)} label="contacts and palms in cells" />
+            )}
             <Chart item={item} place={place} />
           </div>
           {carried && (
@@ -294,15 +297,16 @@ export function ProofsView() {
                 label="side view of a carry with the same failure" />
               <p class="note">
                 The same failure in a carry with friction and geometry, at{" "}
-                <output id="carry-time">{carried.times[place]!.toFixed(2)} s</output>.{" "}
+                <output id="carry-time">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
                 <button type="button" id="carry-it" onClick={() => openInCarry(item)}>open this carry</button>
               </p>
             </div>
           )}
         </div>
         <p class="note">
-          Number: contact p in cells, outward &gt; 0. Line: the palm, dashed while it turns. Arrow: the
-          drive, away or closer. Diamond: a bump or a reboot.
+          {hasPalms
+            ? "Number: contact p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
+            : "This model has no contacts. Filled circle: the robot hears its partner."}
         </p>
         <div><Robots robots={now.robots} /></div>
         <p class="events" role="status">
