@@ -468,8 +468,8 @@ export function MechanicsView() {
             <h2>Every centre of mass</h2>
             <p class="note">
               Where it may lie so that, with the scene's two angles and the contacts anywhere on the
-              palms, closing slides the shallow contact up (property 1) and opening slides the steep
-              one down (property 2). Figure 6 of the paper.
+              palms, both properties hold. Property 1: {tables.modeSentences.property_1} Property
+              2: {tables.modeSentences.property_2} Figure 6 of the paper.
             </p>
             <Canvas id="com-map" height={(width) => Math.min(280, Math.max(160, width * 0.4))} draw={drawCom}
               label="region of centres of mass for which both properties hold, on the object" />

@@ -239,7 +239,7 @@ def listen(address: str, called: str = "address") -> socket.socket:
         stream.listen()
     except OSError as error:
         stream.close()
-        why = _WHY_NOT.get(error.errno, error.strerror or error)
+        why = _WHY_NOT.get(error.errno or 0, error.strerror or error)
         raise PalmbotsError(f"{called}: cannot listen at {address}: {why}") from None
     return stream
 

@@ -34,8 +34,11 @@ SENTENCES: dict[str, str] = {
     "H = {first} there ≥ {second} at the lower edge of the {far} cone.",
     "margin": "Both friction cones may shrink by {angle} before the object slides.",
     "no_margin": "Both friction cones would have to grow by {angle} to hold the object.",
+    "property_1": "Driving the palms together slides the contact on the shallow palm up.",
+    "property_2": "Driving the palms apart slides the contact on the steep palm down.",
 }
-"""Every sentence, with names in braces for what is filled in."""
+"""Every sentence, with names in braces for what is filled in. The two properties are those of a pair
+of palm angles (paper, section 2)."""
 
 _TIE = 1e-9  # ends that are closer than this are the same one
 
