@@ -37,7 +37,7 @@ SENTENCES: dict[str, str] = {
     "property_1": "Driving the palms together slides the contact on the shallow palm up.",
     "property_2": "Driving the palms apart slides the contact on the steep palm down.",
 }
-"""Every sentence, with names in braces for what is filled in. The two properties are those of a pair
+"""Every sentence, with names in braces for what is filled in. The properties are those of a pair
 of palm angles (paper, section 2)."""
 
 _TIE = 1e-9  # ends that are closer than this are the same one
