@@ -16,13 +16,16 @@ from typing import Any
 from pydantic import BaseModel, BeforeValidator
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._version import __version__
 from palmbots.cli.reports.carry_report import REASONS
 from palmbots.control.registry import describe, shipped_names
+from palmbots.control.state_words import STATE_MEANINGS
 from palmbots.derivation.global_policy import table_1
 from palmbots.geometry import robot_dimensions
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
+from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.scene.faults_section import Fault
 from palmbots.scene.fields import Range
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
@@ -35,11 +38,19 @@ from palmbots.viz.style import controller_looks
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "verify"))
 
-from model_check import claims_of, runs  # noqa: E402
+from model_check import Run, claims_of, runs  # noqa: E402
 
 _FORMULA = re.compile(r"^/\* (.*) \*/\nltl (\w+) ", re.MULTILINE)
 _STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
-_CELL = re.compile(r"^([+-]\d+) (.*)$")
+_SENT = re.compile(r"(left|right) sends (\w+)(?:, (lost|copied))?")
+# A robot of Table 2 is in a case; the others are in a state that has a name.
+_IN_CASE = re.compile(
+    r"(?P<cell>[+-]\d+) \((?P<case>[ a-d])\) (?P<palm>\w+) *(?P<turning>…)? *(?P<does>.*)"
+)
+_IN_STATE = re.compile(
+    r"(?P<cell>[+-]\d+) (?P<state>\w+) +(?P<rests>rests)? *(?P<palm>steep|shallow) *"
+    r"(?P<turning>…)? *(?P<naps>naps)? *(?P<does>away|closer)?"
+)
 
 
 def limits(model: type[BaseModel], section: str) -> dict[str, list[float | None]]:
@@ -69,19 +80,24 @@ def _range(annotations: list[Any]) -> Range | None:
 def counterexample(path: Path) -> dict[str, Any]:
     """A transcript of the model checker as steps, and the scene in which it can be carried."""
     title, *lines = path.read_text("utf-8").splitlines()
+    run = runs()[path.stem]
+    shown = controller_of(run)
     steps: list[dict[str, Any]] = []
-    before: list[str] = []
+    before: list[dict[str, Any]] = []
     loop: int | None = None
     for line in lines:
         step = _STEP.match(line)
         if step:
-            robots = [_robot(step[2]), _robot(step[3])]
+            robots = [_robot(step[2], shown), _robot(step[3], shown)]
+            if run.parameters.get("SPAN") == 0:  # the model has no contacts
+                for robot in robots:
+                    robot.pop("cell", None)
             steps.append({"before": before, "robots": robots})
             before = []
         elif "from here for ever" in line:
             loop = len(steps)
         elif line.strip():
-            before.append(line.strip())
+            before.append(_event(line.strip()))
     what, _, violated = title.rpartition(": ")
     claim = violated.removesuffix(" is violated")
     scene = path.with_suffix(".toml")
@@ -89,7 +105,8 @@ def counterexample(path: Path) -> dict[str, Any]:
         "name": path.stem,
         "title": what,
         "claim": claim,
-        "meaning": _meaning(runs()[path.stem].model, claim),
+        "meaning": _meaning(run.model, claim),
+        "controller": shown,
         "steps": steps,
         "after": before,
         "loop": loop,
@@ -97,21 +114,57 @@ def counterexample(path: Path) -> dict[str, Any]:
     }
 
 
+def controller_of(run: Run) -> str:
+    """The shipped controller that a run of the model checker explores."""
+    if run.model == "signs" and not run.parameters["TALKS"]:
+        return "silent"
+    return {"signs": "shared-sign", "beacons": "shared-sign"}.get(run.model, run.model)
+
+
 def _meaning(model: str, claim: str) -> str:
     """A claim, or a formula of the same name, in the words of the model."""
     stated = {name: says for name, (_, says) in claims_of(model).items()}
     text = (ROOT / "verify" / "models" / f"{model}.pml").read_text("utf-8")
     stated |= {name: says for says, name in _FORMULA.findall(text)}
-    says = re.sub(r"^S\d: ", "", stated[claim])
+    says = re.sub(r"^S\d: ", "", stated[claim]).removesuffix(".")
     return says[0].lower() + says[1:]
 
 
-def _robot(text: str) -> dict[str, Any]:
-    """The cell of a contact, if the model has cells, and what the robot does."""
-    cell = _CELL.match(text)
-    if cell is None:
-        return {"cell": None, "does": " ".join(text.split())}
-    return {"cell": int(cell[1]), "does": " ".join(cell[2].split())}
+def _event(text: str) -> dict[str, Any]:
+    """What happens between two steps: its text, and what of it can be drawn."""
+    sent = _SENT.fullmatch(text)
+    if sent:
+        sender, name, fate = sent.groups()
+        return {"text": text, "sender": SIDES.index(sender), "name": name, "fate": fate or ""}
+    side = next((k for k, side in enumerate(SIDES) if side in text.split()), None)
+    return {"text": text, "robot": side}
+
+
+def _robot(text: str, controller: str) -> dict[str, Any]:
+    """What a transcript says about a robot in a step, and the meaning of its state in words."""
+    said = _IN_CASE.fullmatch(text.strip()) or _IN_STATE.fullmatch(text.strip())
+    if said is None:  # a model without contacts
+        return {"state": text.strip()}
+    part = said.groupdict()
+    state, letter = part.get("state"), (part.get("case") or "").strip()
+    if state is not None:
+        words = "switched off" if state == "off" else STATE_MEANINGS[controller][state]
+        letter = state[0] if re.match("[a-d]_", state) else ""
+    else:
+        words = describe(controller).cases[letter] if letter else "no correction"
+    does = (part.get("does") or "").strip()
+    return {
+        "cell": int(part["cell"]),
+        "case": letter,
+        "name": state or "",
+        "state": words,
+        "palm": part["palm"],
+        "turns": part["turning"] is not None,
+        "drive": next((way for way in ("away", "closer") if does.endswith(way)), "hold"),
+        "waits": does.removeprefix("waits for ") if does.startswith("waits for ") else "",
+        "stands": part.get("rests") is not None,
+        "misses": part.get("naps") is not None,
+    }
 
 
 def controllers() -> list[dict[str, Any]]:
@@ -163,6 +216,8 @@ def tables() -> dict[str, Any]:
         "outcomes": list(_core.carry_outcomes),
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
         "modes": ["-".join(mode) for mode in CONTACT_MODES],
+        "motionMeanings": MOTION_MEANINGS,
+        "modeSentences": SENTENCES,
         "faultKinds": list(Fault.model_fields["kind"].annotation.__args__),
         "bindings": {
             f"{number}.{name}": text_of(number, name)

@@ -2,6 +2,7 @@
 // One carry of the shipped core with everything that the page draws, as flat arrays of numbers.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -19,9 +20,13 @@ struct RecordedCarry {
   // angle, signs, cases (character codes), motions, lifts.
   static constexpr std::size_t row_width = 20;
   Numbers rows;
-  // Rows of 6: sent, received (not a number: lost), sender, receiver, kind (−1: hello), number among
-  // all that the sender transmits.
+  // Rows of 7: sent, received (not a number: lost), sender, receiver (2: the station), kind (as
+  // MessageKind, or a kind_… below), number among all that the sender transmits to this receiver,
+  // content (PacketRecorder).
   Numbers messages;
+  static constexpr double kind_hello = -1;
+  static constexpr double kind_report = -2;   // of a robot to the station
+  static constexpr double kind_command = -3;  // of the station
   // Rows of 5: robot (2: both), case, assistant (−1: nobody), start, end.
   Numbers corrections;
   // Rows of 4: side, kind, start, end.
@@ -30,6 +35,55 @@ struct RecordedCarry {
   // times, number of corrections, of bumps, the trace hash (high and low word), for how long each
   // robot has waited at the end and for which message.
   Numbers metrics;
+};
+
+// A TraceRecorder that also stores the packets of a team with a station, of which one goes over each
+// link in each tick.
+class PageRecorder : public TraceRecorder {
+ public:
+  explicit PageRecorder(bool stores_rows) : TraceRecorder(stores_rows), stores_(stores_rows) {}
+
+  template <class Carry>
+  void after(const Carry& carry) {
+    TraceRecorder::after(carry);
+    if constexpr (requires { carry.team().packets(tick_); }) {
+      if (stores_) store(carry.team().packets(tick_), carry.spec().period);
+    }
+    ++tick_;
+  }
+  Numbers take_packets() { return std::move(packets_); }
+
+ private:
+  // A report's content: sign + 1, + 3 if the palm is shallow, + 6 if it has reached its angle. A
+  // command's: 1 if the palm is to be shallow, + 2 × the move.
+  template <class Packets>
+  void store(const Packets& sent, double period) {
+    for (std::uint32_t link = 0; link < sent.arrivals.size(); ++link) {
+      const std::uint32_t arrival = sent.arrivals[link];
+      if (arrival == Packets::not_sent) continue;
+      const bool is_report = link < 2;
+      const std::size_t robot = link % 2;
+      const auto& report = sent.reports[robot];
+      const auto& command = sent.commands[robot];
+      const double said = is_report ? (double(report.sign) + 1) + 3 * double(report.palm) +
+                                          6 * double(report.palm_at_target)
+                                    : double(command.palm) + 2 * double(command.move);
+      const double kind = is_report            ? RecordedCarry::kind_report
+                          : sent.hellos[robot] ? RecordedCarry::kind_hello
+                                               : RecordedCarry::kind_command;
+      const double received =
+          arrival == 0 ? std::numeric_limits<double>::quiet_NaN() : double(arrival) * period;
+      const double station = 2;
+      packets_.insert(packets_.end(),
+                      {double(tick_) * period, received, is_report ? double(robot) : station,
+                       is_report ? station : double(robot), kind, double(++numbers_[link]), said});
+    }
+  }
+
+  bool stores_;
+  std::uint32_t tick_ = 0;
+  std::array<std::uint32_t, 4> numbers_{};
+  Numbers packets_;
 };
 
 namespace detail {
@@ -72,7 +126,7 @@ void append_metrics(const Carry& carry, Numbers& out) {
 template <class Team>
 RecordedCarry record(const Spec& spec, std::uint64_t seed, Team team,
                      const std::vector<Fork>& forks) {
-  Carry<double, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(true));
+  Carry<double, Team, PageRecorder> carry(spec, seed, std::move(team), PageRecorder(true));
   carry.run(forks);
   RecordedCarry kept;
   const Metrics& m = carry.metrics();
@@ -83,14 +137,15 @@ RecordedCarry record(const Spec& spec, std::uint64_t seed, Team team,
   for (std::size_t k = 0; k < rows.size(); ++k) {
     detail::append_row(rows[k], k + 1 < rows.size() ? double(k) * spec.period : end, kept.rows);
   }
+  kept.messages = carry.recorder().take_packets();
   PerSide<std::uint32_t> numbers{};
   for (const SentMessage& message : carry.recorder().take_sent_messages()) {
     const double received = message.received == 0 ? std::numeric_limits<double>::quiet_NaN()
                                                   : double(message.received) * spec.period;
-    const double kind = message.is_hello ? -1 : double(message.kind);
-    kept.messages.insert(kept.messages.end(),
-                         {double(message.sent) * spec.period, received, double(message.sender),
-                          double(message.receiver), kind, double(++numbers[message.sender % 2])});
+    const double kind = message.is_hello ? RecordedCarry::kind_hello : double(message.kind);
+    kept.messages.insert(kept.messages.end(), {double(message.sent) * spec.period, received,
+                                               double(message.sender), double(message.receiver),
+                                               kind, double(++numbers[message.sender % 2]), 0.0});
   }
   const std::uint32_t listed = m.corrections < max_corrections ? m.corrections : max_corrections;
   for (std::uint32_t i = 0; i < listed; ++i) {
@@ -122,7 +177,7 @@ struct Tally {
 
   template <class Team>
   void add(const Spec& spec, std::uint64_t seed, Team team) {
-    Carry<double, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(false));
+    Carry<double, Team, PageRecorder> carry(spec, seed, std::move(team), PageRecorder(false));
     carry.run();
     const Metrics& m = carry.metrics();
     carries += 1;

@@ -86,7 +86,7 @@ inline void read_radio(NumberStream& in, Spec& spec) {
   spec.message_fault_count = in.count(max_message_faults);
   for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
     MessageFaultSpec& fault = spec.message_faults[i];
-    fault.sender = in.whole();
+    fault.link = in.whole();
     fault.message = in.whole();
     fault.effect = in.whole();
     fault.late = in.next();

@@ -165,7 +165,7 @@ void bind_spec(nb::module_& m) {
             std::vector<MessageFaultItem> items;
             for (std::size_t i = 0; i < s.message_fault_count; ++i) {
               const MessageFaultSpec& plan = s.message_faults[i];
-              items.emplace_back(plan.sender, plan.message, plan.effect, plan.late);
+              items.emplace_back(plan.link, plan.message, plan.effect, plan.late);
             }
             return items;
           },
@@ -177,9 +177,9 @@ void bind_spec(nb::module_& m) {
                                           std::get<3>(item)};
                 });
           },
-          "(sender, message, effect, late) of single messages: sender 0: left, 1: right; message "
-          "from "
-          "1; effect 0: lost, 1: late, 2: copied; late in s.")
+          "(link, message, effect, late) of single messages: link 0: from left, 1: from right, 2: "
+          "from the station to left, 3: to right; message from 1; effect 0: lost, 1: late, 2: "
+          "copied; late in s.")
       .def_prop_rw(
           "faults",
           [](const Spec& s) {

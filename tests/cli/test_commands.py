@@ -85,7 +85,8 @@ def test_modes_reports_properties_1_and_2(here: Run) -> None:
     assert len(table["feasible"]) == 3
     assert len(table["consistent_closing"]) == len(table["consistent_opening"]) == 5
     text = here("modes", "--theta-left-deg", "5").stdout
-    assert "closing: left SL, right ST\nopening: left ST, right SL\n" in text
+    assert "closing: left SL, right ST\nThe left contact slides up, the right one sticks.\n" in text
+    assert "opening: left ST, right SL\n" in text
 
 
 def test_compare_writes_its_figure(here: Run, tmp_path: Path) -> None:

@@ -208,7 +208,7 @@ def test_keys_of_one_robot_override_those_of_both() -> None:
 @pytest.mark.parametrize(
     ("table", "line"),
     [
-        ({"trm": 1}, "trm: 1 is the value of an unknown key; did you mean trim? "),
+        ({"trm": 1}, "trm: 1 is the value of an unknown key; did you mean trim?"),
         (
             {"left": {"trm": 1}},
             "left.trm: 1 is the value of an unknown key; did you mean",

@@ -86,7 +86,7 @@ def test_addresses_are_checked(address: str) -> None:
 def test_the_socket_of_a_file_goes_with_the_door(tmp_path: Path) -> None:
     address = f"unix:{tmp_path / 's'}"
     door = listen(address)
-    with pytest.raises(pb.PalmbotsError, match=r"cannot listen: Address already in use$"):
+    with pytest.raises(pb.PalmbotsError, match=r"cannot listen at .*: Address already in use$"):
         listen(address)
     door.close()
     assert [*tmp_path.iterdir()] == []
@@ -98,7 +98,7 @@ def test_a_socket_that_was_left_behind_is_replaced_and_a_file_is_not(tmp_path: P
     with listen(f"unix:{tmp_path / 's'}"):
         pass
     (tmp_path / "f").write_text("mine")
-    with pytest.raises(pb.PalmbotsError, match=r"cannot listen: Address already in use$"):
+    with pytest.raises(pb.PalmbotsError, match=r"cannot listen at .*: Address already in use$"):
         listen(f"unix:{tmp_path / 'f'}")
     assert (tmp_path / "f").read_text() == "mine"
 
@@ -123,5 +123,5 @@ def test_an_offer_never_waits_and_no_frame_is_cut(ends: tuple[Connection, Connec
 def test_nobody_listens(tmp_path: Path) -> None:
     with pytest.raises(ConnectionLost, match=r"^world: nobody listens at unix:.*: No such file"):
         connect(f"unix:{tmp_path / 's'}", "world", 0.05)
-    with pytest.raises(pb.PalmbotsError, match=r"cannot listen: "):
+    with pytest.raises(pb.PalmbotsError, match=r"cannot listen at .*: the folder does not exist$"):
         listen(f"unix:{tmp_path / 'no' / 's'}")

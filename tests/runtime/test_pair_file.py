@@ -56,11 +56,11 @@ def test_existing_files_are_never_overwritten(name: str, tmp_path: Path) -> None
             'after_reboot = "mind"',
             'limits.after_reboot: "mind" is not known; allowed: ',
         ),
-        ("[driver]", "[driver", "is not valid TOML: "),
+        ("[driver]", "[driver", "not valid TOML: "),
         ('"pair.key"', '"lost.key"', "lost.key: cannot be read: No such file or directory"),
         ('"pair.key"', '"a\\u0000b"', "cannot be read: embedded null byte"),
-        ("number = ", "number = " + "9" * 5000 + " #", "is not valid TOML: "),
-        ("number = ", "number = " + "[" * 100_000, "is not valid TOML: lists nested too deeply"),
+        ("number = ", "number = " + "9" * 5000 + " #", "not valid TOML: "),
+        ("number = ", "number = " + "[" * 100_000, "not valid TOML: lists nested too deeply"),
         ('"pair.key"', "5", "pair.key_file: 5 is not a string; allowed: a string"),
     ],
 )
@@ -103,6 +103,31 @@ def test_a_pair_that_cannot_be_written_leaves_nothing(
     assert [*tmp_path.iterdir()] == []
 
 
+def test_a_missing_folder_is_refused_and_not_made(tmp_path: Path) -> None:
+    """It may be a misspelt name."""
+    with pytest.raises(
+        pb.PalmbotsError, match=r"/new/pair\.toml: cannot be written: .*/new does not"
+    ):
+        init_pair(tmp_path / "new" / "pair.toml")
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize(
+    ("data", "line"),
+    [
+        (b"\x7fELF\x02\x01\x01\x00", "is not a text file; allowed: a pair file in TOML"),
+        ("\u2013 {".encode("utf-16"), "is not a text file; "),
+        ("[pair]\nscene = 'm\u00e4'".encode("latin-1"), "line 2 is not UTF-8 (byte 0xe4); "),
+    ],
+)
+def test_a_file_that_is_no_text_is_called_so(data: bytes, line: str, tmp_path: Path) -> None:
+    file = tmp_path / "pair.toml"
+    file.write_bytes(data)
+    with pytest.raises(pb.PalmbotsError) as error:
+        load_pair(file)
+    assert str(error.value).startswith(f"{file}: {line}")
+
+
 @pytest.mark.parametrize("why", [pb.PalmbotsError("full"), KeyboardInterrupt()])
 def test_folders_that_were_made_for_a_pair_go_with_it(
     why: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -112,7 +137,7 @@ def test_folders_that_were_made_for_a_pair_go_with_it(
 
     monkeypatch.setattr("palmbots.runtime.pair_file.write_state", fails)
     with pytest.raises(type(why)):
-        init_pair(tmp_path / "new" / "deep" / "pair.toml")
+        init_pair(tmp_path / "pair.toml")
     assert [*tmp_path.iterdir()] == []
     (tmp_path / "old").mkdir()
     with pytest.raises(type(why)):

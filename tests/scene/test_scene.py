@@ -198,7 +198,7 @@ def test_unreadable_file_is_refused_in_one_line(tmp_path):
     [
         (
             b"[radio]\nloss = \xff\n",
-            "line 2 is not UTF-8 (byte 0xff); allowed: a scene file in TOML, which is UTF-8",
+            "line 2 is not UTF-8 (byte 0xff); allowed: a scene file in TOML, saved as UTF-8",
         ),
         (b"[radio]\nloss = \n", "line 2, column 8: not valid TOML: Invalid value"),
         (

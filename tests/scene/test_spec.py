@@ -109,6 +109,12 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
                         {"sender": "right", "message": 4, "effect": "delayed", "delay_s": 0.11},
                         {"sender": "left", "message": 2, "effect": "lost"},
                         {"sender": "left", "message": 3, "effect": "duplicated", "delay_s": 0.12},
+                        {
+                            "sender": "station",
+                            "receiver": "right",
+                            "message": 5,
+                            "effect": "lost",
+                        },
                     ],
                 },
                 "faults": {
@@ -148,7 +154,8 @@ def test_keys_of_radio_and_faults_set_their_fields_of_the_spec():
     assert spec.reorders == 1
     assert not spec.sessions
     assert spec.outages == [(2, 1.5, 2.5), (1, 0.5, 3.5)]
-    assert spec.message_faults == [(1, 4, 1, 0.11), (0, 2, 0, 0.0), (0, 3, 2, 0.12)]
+    faults = [(1, 4, 1, 0.11), (0, 2, 0, 0.0), (0, 3, 2, 0.12), (3, 5, 0, 0.0)]
+    assert spec.message_faults == faults
     assert spec.faults == [
         (4, 0, 1.1, 0.21, 0, 0.0, 0),
         (2, 1, 1.2, 0.22, -1, 0.0, 0),

@@ -113,6 +113,58 @@ def test_mirrored_scene_has_a_mirrored_script() -> None:
     assert [(exchanged[s], letter, took) for s, letter, took in transits(back)] == transits(there)
 
 
+# --- the packets of a station: one from and to each robot in each control period ---
+
+
+def commanded(*script: dict[str, Any]) -> pb.simulation.Carry:
+    return pb.carry("paper", "centralized", overrides=ASSISTED | {"radio.script": script})
+
+
+def shallow_since_s(carry: pb.simulation.Carry, side: str) -> float:
+    """When the command to tilt the palm up arrives: the palm leaves its steep angle."""
+    assert carry.trace is not None
+    palm = carry.trace["palm"].sel(side=side).to_numpy()
+    return float(carry.trace["time"].to_numpy()[(palm < palm[0] - 1e-9).argmax()])
+
+
+@pytest.mark.parametrize(
+    ("name", "link"),
+    [
+        ({"sender": "left"}, "left_to_station"),
+        ({"sender": "right"}, "right_to_station"),
+        ({"sender": "station", "receiver": "left"}, "station_to_left"),
+        ({"sender": "station", "receiver": "right"}, "station_to_right"),
+    ],
+)
+def test_a_packet_of_each_link_is_lost(name: dict[str, Any], link: str) -> None:
+    """Nothing changes when a packet is lost that only repeats the one before."""
+    carry = commanded({**name, "message": 20, "effect": "lost"})
+    assert {key: counts.lost for key, counts in carry.links.items()} == {
+        key: int(key == link) for key in carry.links
+    }
+    assert carry.trace_hash == commanded().trace_hash
+
+
+def test_a_late_command_holds_up_those_after_it() -> None:
+    """The left robot assists. The station's first command leaves after the latency, in the sixth
+    control period, so its command 31 leaves at 0.35 s, before the bump."""
+    fault = {"sender": "station", "message": 31, "effect": "delayed", "delay_s": 0.6}
+    usual = shallow_since_s(commanded(), "left")
+    assert 0.45 < usual < 0.6
+    late = commanded({**fault, "receiver": "left"})
+    assert shallow_since_s(late, "left") == pytest.approx(0.35 + 0.05 + 0.6, abs=0.0101)
+    other = commanded({**fault, "receiver": "right"})
+    assert shallow_since_s(other, "left") == usual
+
+
+def test_a_mirrored_scene_has_the_mirrored_packets() -> None:
+    fault = {"sender": "station", "receiver": "left", "message": 31, "effect": "lost"}
+    scene = pb.load_scene("paper", ASSISTED | {"radio.script": [fault]})
+    there = pb.carry(scene, "centralized").links
+    back = pb.carry(scene.mirrored(), "centralized").links
+    assert there["station_to_left"].lost == back["station_to_right"].lost == 1
+
+
 @pytest.mark.parametrize(
     ("mishap", "says"),
     [
@@ -120,7 +172,9 @@ def test_mirrored_scene_has_a_mirrored_script() -> None:
         ({"sender": "left", "message": 1, "effect": "delayed"}, "has no delay"),
         ({"sender": "left", "message": 1, "effect": "lost", "delay_s": 1.0}, "has a delay"),
         ({"sender": "left", "message": 1, "effect": "eaten"}, "effect"),
-        ({"sender": "station", "message": 1, "effect": "lost"}, "sender"),
+        ({"sender": "world", "message": 1, "effect": "lost"}, "sender"),
+        ({"sender": "station", "message": 1, "effect": "lost"}, "has no receiver"),
+        ({"sender": "left", "receiver": "right", "message": 1, "effect": "lost"}, "has a receiver"),
     ],
 )
 def test_bad_input_is_one_line(mishap: dict[str, Any], says: str) -> None:

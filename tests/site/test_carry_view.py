@@ -5,21 +5,15 @@ import io
 import math
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image, ImageChops
 from playwright.sync_api import Page, expect
 
 import palmbots as pb
-from commands import runner
-from site_pages import Open, command_of, hash_of, run_json
+from site_pages import Open, assert_reproduced, command_of, hash_of, overrides_of, seconds
 
 FIGURE8 = {"scene": "figure8"}
-
-
-def seconds(page: Page) -> float:
-    return float(page.locator(".player .time").inner_text().removesuffix(" s"))
 
 
 def frames(page: Page, count: int) -> None:
@@ -29,19 +23,6 @@ def frames(page: Page, count: int) -> None:
         " f(); })",
         count,
     )
-
-
-def overrides_of(page: Page) -> dict[str, Any]:
-    """The overrides that the command of the page sets."""
-    from palmbots.scene.overrides import parse_overrides
-
-    words = command_of(page)
-    return dict(parse_overrides([words[k + 1] for k, w in enumerate(words) if w == "--set"]))
-
-
-def assert_reproduced(page: Page, capsys: pytest.CaptureFixture[str]) -> None:
-    found = run_json(runner(capsys), command_of(page))
-    expect(page.locator("#hash")).to_have_text(found["trace_hash"])
 
 
 def test_it_moves_without_a_click_and_pauses_off_screen(open_page: Open) -> None:
@@ -127,46 +108,6 @@ def test_forks(open_page: Open, capsys: pytest.CaptureFixture[str]) -> None:
     expect(page.locator("#hash")).to_have_text(first)
 
 
-@pytest.mark.parametrize(
-    ("effect", "entry"),
-    [
-        ("lost", {"effect": "lost"}),
-        ("delayed", {"effect": "delayed", "delay_s": 0.5}),
-        ("duplicated", {"effect": "duplicated", "delay_s": 0.5}),
-    ],
-)
-def test_messages(
-    open_page: Open, capsys: pytest.CaptureFixture[str], effect: str, entry: dict[str, object]
-) -> None:
-    page = open_page(hash_of("carry", {**FIGURE8, "t": 0.1}))
-    page.locator("#sequence-chart").focus()
-    page.keyboard.press("m")  # TiltUp
-    page.keyboard.press("m")  # Ack
-    expect(page.locator(".card")).to_contain_text("Ack from the left robot")
-    page.locator(f"[data-effect={effect}]").click()
-    assert overrides_of(page)["radio.script"] == [{"sender": "left", "message": 1, **entry}]
-    carried = pb.carry("figure8", overrides=overrides_of(page))
-    ack = next(m for m in carried.message_log if m.kind == "Ack")
-    assert (ack.received_s is None) == (effect == "lost")
-    assert_reproduced(page, capsys)
-    page.locator(f"[data-effect={effect}]").click()  # once more takes it back
-    expect(page.locator("#hash")).to_have_text(pb.carry("figure8").trace_hash)
-
-
-def test_a_beacon_is_lost(open_page: Open, capsys: pytest.CaptureFixture[str]) -> None:
-    """Messages of other controllers, too: each has its number."""
-    page = open_page(hash_of("carry", {"controller": "resilient", "t": 1.02}))
-    page.locator("#sequence-chart").focus()
-    page.keyboard.press("m")
-    page.locator("[data-effect=lost]").click()
-    (fault,) = overrides_of(page)["radio.script"]
-    carried = pb.carry("paper", "resilient", overrides=overrides_of(page))
-    mine = [m for m in carried.message_log if m.sender == fault["sender"]]
-    assert [k for k, m in enumerate(mine) if m.received_s is None] == [fault["message"] - 1]
-    assert mine[fault["message"] - 1].sent_s == pytest.approx(seconds(page), abs=0.006)
-    assert_reproduced(page, capsys)
-
-
 @pytest.mark.parametrize("width", [1200, 700])
 def test_one_cursor_links_the_charts(open_page: Open, width: int) -> None:
     """At the time of the player in each of them, from the first picture on."""
@@ -181,19 +122,6 @@ def test_one_cursor_links_the_charts(open_page: Open, width: int) -> None:
         assert cursor["x"] == pytest.approx(expected, abs=2)
         assert cursor["y"] <= box["y"]
         assert cursor["y"] + cursor["height"] >= box["y"] + box["height"] - 1
-
-
-def test_a_message_is_chosen_by_a_click(open_page: Open) -> None:
-    page = open_page(hash_of("carry", {**FIGURE8, "t": 0.1}))
-    box = page.locator("#sequence-chart").bounding_box()
-    assert box is not None
-    carried = pb.carry("figure8")
-    message = carried.message_log[0]
-    assert message.received_s is not None
-    middle = (message.sent_s + message.received_s) / 2
-    x = 46 + (box["width"] - 56) * middle / carried.time_s
-    page.locator("#sequence-chart").click(position={"x": x, "y": 65})
-    expect(page.locator(".card")).to_contain_text("TiltUp from the right robot")
 
 
 def drag(page: Page, x: float, y: float, by: float) -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The views Compare, Mechanics, Design, Stories and Proofs."""
+"""The views Compare, Mechanics, Design and Stories."""
 
-import json
 import re
 from pathlib import Path
 
@@ -11,9 +10,8 @@ from playwright.sync_api import Page, expect
 import palmbots as pb
 from commands import runner
 from palmbots._util.confidence_intervals import wilson
-from site_pages import ROOT, Open, command_of, hash_of, run_json
-
-COUNTEREXAMPLES = ROOT / "verify" / "counterexamples"
+from palmbots.mechanics.mode_words import decision_sentence, margin_sentence, mode_sentence
+from site_pages import Open, command_of, hash_of, run_json
 
 
 def counted(page: Page) -> list[int]:
@@ -103,6 +101,20 @@ def test_mechanics_names_the_modes(
                       f"{ends[second]:.3f} at the", f"edge of the {second} cone."]  # fmt: skip
         for words in wanted:
             expect(said).to_contain_text(words.replace("-", "−"))
+    # The page's sentences are those of the package.
+    held = ("ST", "ST") in found.feasible
+    for name, mode in (("closing", found.closing), ("opening", found.opening)):
+        decided = decision_sentence(found.squeeze, closing=name == "closing", held=held)
+        said = page.locator(f"#{name}-words")
+        expect(said).to_have_text(f"{mode_sentence(mode, held=held)} {decided}")
+    expect(page.locator("#margin-words")).to_have_text(margin_sentence(found.margin_rad))
+    happens = page.locator(".modes td.happens")
+    for name, mode in (("closing", found.closing), ("opening", found.opening)):
+        if mode is not None:  # in the row and the column of its codes
+            row = page.locator(".modes tbody tr", has=page.get_by_role("rowheader", name=mode[0]))
+            column = page.locator(".modes thead th").all_inner_texts().index(mode[1])
+            expect(row.locator("th, td").nth(column)).to_contain_text(name)
+    expect(happens).to_have_count(len({m for m in (found.closing, found.opening) if m}))
     balanced = page.locator(".modes td:not(.no)")
     expect(balanced).to_have_count(len(found.feasible))
     printed = run_json(runner(capsys), command_of(page))
@@ -277,47 +289,3 @@ def test_the_texts_of_the_stories_are_true() -> None:
         overrides={"object.com_m": [0.16, 0.04]},
     )  # fmt: skip
     assert moved.closing == ("SL", "ST")
-
-
-def stated_claims() -> dict[str, set[str]]:
-    """The claims and formulas of all models by name, in the words of their comments."""
-    found: dict[str, set[str]] = {}
-    for path in (ROOT / "verify" / "models").glob("*.pml"):
-        lines = path.read_text().splitlines()
-        for line, after in zip(lines, [*lines[1:], ""], strict=True):
-            words = re.search(r"/\* (?:S\d: )?(.+) \*/$", line)
-            name = re.match(r"#define (\w+) \d+ ", line) or re.match(r"ltl (\w+) ", after)
-            if words and name:
-                found.setdefault(name[1], set()).add(words[1][0].lower() + words[1][1:])
-    return found
-
-
-def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
-    page = open_page("#proofs", motion="reduce")
-    expect(page.locator("#run")).to_be_visible()
-    claims = stated_claims()
-    names = page.locator("#run option").all_inner_texts()
-    assert names == sorted(path.stem for path in COUNTEREXAMPLES.glob("*.txt"))
-    for name in names:
-        page.locator("#run").select_option(name)
-        title = (COUNTEREXAMPLES / f"{name}.txt").read_text().splitlines()[0]
-        expect(page.locator(".claim strong")).to_contain_text(title.rsplit(": ", 1)[0])
-        claim = title.rsplit(": ", 1)[1].removesuffix(" is violated")
-        assert any(f"“{words}” ({claim}) fails" in page.locator(".claim").inner_text()
-                   for words in claims[claim])  # fmt: skip
-        page.locator("#scrub").fill("100000")
-        expect(page.locator(".time")).to_have_text(re.compile(r"^(\d+) of \1$"))
-        expect(page.locator(".robots p")).to_have_count(2)
-
-
-def test_a_counterexample_is_carried(open_page: Open) -> None:
-    page = open_page("#proofs?v.run=reboot-fight", motion="reduce")
-    page.locator("#carry-it").click()
-    carried = pb.carry(COUNTEREXAMPLES / "reboot-fight.toml")
-    expect(page.locator("#hash")).to_have_text(carried.trace_hash)
-
-
-def test_a_counterexample_moves_by_itself(open_page: Open) -> None:
-    page = open_page("#proofs")
-    expect(page.locator(".time")).to_contain_text("4 of 4")
-    assert json.loads(page.evaluate("JSON.stringify(document.title)"))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from commands import Run
+from commands import Run, runner
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "build" / "site"
@@ -42,3 +42,24 @@ def run_json(run: Run, words: list[str]) -> dict[str, Any]:
     result = run(*words, "--json")
     assert result.returncode in (0, 1), result.stderr
     return json.loads(result.stdout)
+
+
+def seconds(page: Any) -> float:
+    """The time that the player shows."""
+    return float(page.locator(".player .time").inner_text().removesuffix(" s"))
+
+
+def overrides_of(page: Any) -> dict[str, Any]:
+    """The overrides that the command of the page sets."""
+    from palmbots.scene.overrides import parse_overrides
+
+    words = command_of(page)
+    return dict(parse_overrides([words[k + 1] for k, w in enumerate(words) if w == "--set"]))
+
+
+def assert_reproduced(page: Any, capsys: Any) -> None:
+    """The command that the page prints gives the hash that it shows."""
+    from playwright.sync_api import expect
+
+    found = run_json(runner(capsys), command_of(page))
+    expect(page.locator("#hash")).to_have_text(found["trace_hash"])

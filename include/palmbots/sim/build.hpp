@@ -117,7 +117,7 @@ inline Channel channel_of(const Spec& spec) {
   channel.message_fault_count = spec.message_fault_count;
   for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
     const MessageFaultSpec& m = spec.message_faults[i];
-    channel.message_faults[i] = {m.sender, m.message, static_cast<MessageEffect>(m.effect),
+    channel.message_faults[i] = {m.link, m.message, static_cast<MessageEffect>(m.effect),
                                  static_cast<std::uint32_t>(m.late / spec.period + 0.5)};
   }
   for (std::size_t sender = 0; sender < channel.directions.size(); ++sender) {

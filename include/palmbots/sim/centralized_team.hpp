@@ -10,6 +10,7 @@
 // messages are only counted. This ends before a robot or the station fails.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <type_traits>
 
@@ -80,6 +81,7 @@ class StationTeam {
     due_ = tick + 1;
     const Moment before = now_;
     const bool lost = faults_.any() && faults_.station_lost(tick);
+    arrivals_.fill(Packets::not_sent);
     PerSide<bool> runs{true, true};
     bool all_accepted = true;
     for (const std::size_t side : {left, right}) {
@@ -107,8 +109,8 @@ class StationTeam {
       if (!runs[side]) return;
       // `palm_at_target` refers to the command in force until this tick.
       const Centralized::Report said{sensed[side].sign, obeyed_[side], sensed[side].palm_at_target};
-      radio_.post(up_[side], tick, robot_ends_[side].stamp(said), side, side, collides,
-                  link_totals);
+      arrivals_[side] = radio_.post(up_[side], tick, robot_ends_[side].stamp(said), side, side,
+                                    collides, link_totals);
       now_.said[side] = said;
       obeyed_[side] = now_.commands[side].palm;
     });
@@ -131,6 +133,25 @@ class StationTeam {
     for (LinkCounts& link : link_totals.links) link.sent += skipped;
     link_totals.sent += 4 * skipped;
     due_ = tick;
+  }
+
+  // What is sent in one tick, for a recorder.
+  struct Packets {
+    static constexpr std::uint32_t not_sent = ~0U;
+    std::array<std::uint32_t, 4> arrivals;  // ticks, by link (LinkTotals); 0: lost
+    PerSide<Centralized::Report> reports;
+    PerSide<Command> commands;
+    PerSide<bool> hellos;  // the station answers a packet without a session, and commands nothing
+  };
+
+  // The packets of this tick, the last one that has begun. In a tick without a step, the packets of
+  // the last step are repeated.
+  Packets packets(std::uint32_t tick) const {
+    Packets sent{arrivals_, now_.said, {}, hellos_};
+    for (const std::size_t side : {left, right})
+      sent.commands[side] = now_.station_output.command[side];
+    if (tick >= due_) sent.arrivals.fill(tick + travel_);
+    return sent;
   }
 
   void fork(std::uint64_t seed) { radio_.fork(seed); }
@@ -184,7 +205,8 @@ class StationTeam {
 
   // Sends a packet of the station to a robot.
   void command(std::uint32_t tick, std::size_t side, const Stamped<Command>& packet) {
-    radio_.post(down_[side], tick, packet, 2, side, false, link_totals);
+    arrivals_[2 + side] = radio_.post(down_[side], tick, packet, 2, side, false, link_totals);
+    hellos_[side] = packet.is_hello;
   }
 
   // True if a robot's program runs. A robot that boots keeps driving until it hears from the
@@ -214,6 +236,8 @@ class StationTeam {
   std::uint32_t changed_ = 0;  // the last tick that differed from the one before
   std::uint32_t due_ = 0;      // the tick after the last step
   bool judges_;
+  std::array<std::uint32_t, 4> arrivals_{};  // of the packets of the last step (Packets)
+  PerSide<bool> hellos_{};
   PerSide<SessionEnd> robot_ends_;
   PerSide<SessionEnd> station_ends_;
 };

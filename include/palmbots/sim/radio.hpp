@@ -113,7 +113,8 @@ class Radio {
         channel.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
     // The attacker hears every packet, whatever becomes of it on its way.
     if (channel.replay_words > 0) replay(link, tick, payload, channel, lane, counts);
-    const MessageFault* message_fault = channel.message_fault(sender, counts.sent);
+    const MessageFault* message_fault =
+        channel.message_fault(robot + (sender == 2 ? 2 : 0), counts.sent);
     const bool lost = message_fault != nullptr && message_fault->effect == MessageEffect::lost;
     const bool late = message_fault != nullptr && message_fault->effect == MessageEffect::late;
     if (collides || lost || channel.is_dead(static_cast<std::uint32_t>(sender), tick) ||

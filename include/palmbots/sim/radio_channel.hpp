@@ -37,8 +37,10 @@ enum class MessageEffect : std::uint32_t { lost = 0, late = 1, copied = 2 };
 
 // A scheduled fault of one message.
 struct MessageFault {
-  std::uint32_t sender = 0;   // 0: the left robot, 1: the right one
-  std::uint32_t message = 0;  // number among all that it sends, from 1
+  // 0: from the left robot, 1: from the right one, 2: from the station to the left one, 3: to the
+  // right one
+  std::uint32_t link = 0;
+  std::uint32_t message = 0;  // number among all on this link, from 1
   MessageEffect effect = MessageEffect::lost;
   std::uint32_t late = 0;  // ticks in addition to the link's own delay
 };
@@ -116,10 +118,10 @@ struct Channel {
     return false;
   }
 
-  // The scheduled fault of the n-th message of a robot, or null.
-  constexpr const MessageFault* message_fault(std::size_t sender, std::uint32_t n) const {
+  // The scheduled fault of the n-th message on a link, or null.
+  constexpr const MessageFault* message_fault(std::size_t link, std::uint32_t n) const {
     for (std::size_t i = 0; i < message_fault_count; ++i) {
-      if (message_faults[i].sender == sender && message_faults[i].message == n)
+      if (message_faults[i].link == link && message_faults[i].message == n)
         return &message_faults[i];
     }
     return nullptr;

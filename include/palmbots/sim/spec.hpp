@@ -93,9 +93,9 @@ struct OutageSpec {
   double to = 0;             // [s]
 };
 
-// A scheduled fault of one message of a robot (kinds as in MessageEffect).
+// A scheduled fault of one message (kinds as in MessageEffect).
 struct MessageFaultSpec {
-  std::uint32_t sender = 0;
+  std::uint32_t link = 0;     // as in MessageFault
   std::uint32_t message = 0;  // from 1
   std::uint32_t effect = 0;
   double late = 0;  // [s]

@@ -26,6 +26,8 @@ export function Canvas(props: Props) {
   const place = useRef<HTMLCanvasElement>(null);
   const draw = useRef(props.draw);
   draw.current = props.draw;
+  const height = useRef(props.height);
+  height.current = props.height;
   const size = useRef({ width: 0, height: 0 });
   const again = useRef(() => {});
 
@@ -46,17 +48,23 @@ export function Canvas(props: Props) {
       stop();
       stop = effect(paint);
     };
-    again.current = start;
-    const observer = new ResizeObserver(() => {
+    const heightFor = (width: number) =>
+      typeof height.current === "number" ? height.current : height.current(width);
+    const measure = () => {
       const width = canvas.clientWidth;
-      const height = typeof props.height === "number" ? props.height : props.height(width);
+      const high = heightFor(width);
       const ratio = window.devicePixelRatio || 1;
-      size.current = { width, height };
-      canvas.style.height = `${height}px`;
+      size.current = { width, height: high };
+      canvas.style.height = `${high}px`;
       canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
+      canvas.height = Math.round(high * ratio);
       start();
-    });
+    };
+    again.current = () => {
+      if (size.current.width > 0 && heightFor(size.current.width) !== size.current.height) measure();
+      else start();
+    };
+    const observer = new ResizeObserver(measure);
     observer.observe(canvas);
     return () => {
       observer.disconnect();

@@ -41,6 +41,17 @@ function label(
   c.fillText(words, x, y);
 }
 
+// Keeps the lines behind a label away from it.
+function halo(c: CanvasRenderingContext2D, p: Palette, words: string, x: number, y: number): void {
+  c.font = "650 11px system-ui, sans-serif";
+  c.strokeStyle = p.background;
+  c.lineWidth = 4;
+  c.lineJoin = "round";
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  c.strokeText(words, x, y);
+}
+
 function line(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
   c.beginPath();
   c.moveTo(x0, y0);
@@ -169,15 +180,30 @@ export function drawPalms(surface: Surface, p: Palette, axis: TimeAxis, run: Rec
   c.setLineDash([]);
 }
 
-export const LANES = [26, 104] as const; // y of the robots' lines in the sequence chart
-export const SEQUENCE_HEIGHT = 150;
+// The y of the lines in the sequence chart: of both robots and, between them, of a station.
+export interface Lanes {
+  robots: [number, number];
+  station: number;
+  hasStation: boolean;
+}
 
-function drawCorrection(surface: Surface, p: Palette, axis: TimeAxis, item: Correction): void {
+export function lanesOf(hasStation: boolean): Lanes {
+  const bottom = hasStation ? 166 : 104;
+  return { robots: [26, bottom], station: (26 + bottom) / 2, hasStation };
+}
+
+export function sequenceHeight(lanes: Lanes): number {
+  return lanes.robots[1] + 46;
+}
+
+function drawCorrection(
+  surface: Surface, p: Palette, axis: TimeAxis, item: Correction, lanes: Lanes,
+): void {
   const c = surface.context;
   const x0 = timeX(axis, item.start);
   const x1 = Math.max(timeX(axis, item.end), x0 + 2);
   const bar = (side: number, solid: boolean) => {
-    const y = LANES[side]! - 8;
+    const y = lanes.robots[side]! - 8;
     c.fillStyle = solid ? sideColour(p, item.robot) : p.background;
     c.strokeStyle = sideColour(p, item.robot);
     c.lineWidth = 1.2;
@@ -197,6 +223,7 @@ function drawCorrection(surface: Surface, p: Palette, axis: TimeAxis, item: Corr
 }
 
 export interface Arrow {
+  index: number; // among the messages of the carry
   message: Message;
   x0: number;
   y0: number;
@@ -204,55 +231,77 @@ export interface Arrow {
   y1: number;
 }
 
-export function arrowsOf(axis: TimeAxis, messages: Message[], latency: number): Arrow[] {
-  return messages.map((message) => {
+// The arrows of the messages that a chart shows: of reports and commands those that say something new,
+// and the chosen one, because a station sends in every control period.
+export function arrowsOf(
+  axis: TimeAxis, messages: Message[], latency: number, lanes: Lanes, chosen: number | null = null,
+): Arrow[] {
+  const found: Arrow[] = [];
+  messages.forEach((message, index) => {
+    if (message.sent > axis.to || !(message.isNews || index === chosen)) return;
     const lost = Number.isNaN(message.received);
     const share = lost ? 0.5 : 1;
     const arrival = lost ? message.sent + latency * share : message.received;
-    const [y0, y1] = [LANES[message.sender]!, LANES[message.receiver]!];
-    const inset = Math.sign(y1 - y0) * 9;
-    return {
-      message,
-      x0: timeX(axis, message.sent),
-      y0: y0 + inset,
-      x1: timeX(axis, arrival),
-      y1: lost ? y0 + (y1 - y0) * share : y1 - inset,
-    };
+    if (arrival < axis.from) return;
+    const [y0, y1] = [message.sender, message.receiver].map(
+      (role) => lanes.robots[role] ?? lanes.station,
+    ) as [number, number];
+    // An arrow leaves room for the bars on the lines of the robots.
+    const inset = 9 * Math.sign(y1 - y0);
+    const start = y0 + (message.sender < 2 ? inset : 0);
+    const stop = y1 - (message.receiver < 2 ? inset : 0);
+    found.push({
+      index, message, x0: timeX(axis, message.sent), y0: start, x1: timeX(axis, arrival),
+      y1: lost ? start + (stop - start) * share : stop,
+    });
   });
+  return found;
 }
 
-// The lanes of both robots with corrections, and an arrow for each message.
+// Where the words of an arrow stand: near the line of the sender.
+function wordsY(message: Message, lanes: Lanes): number {
+  if (message.sender === 2) return lanes.station + (message.receiver === 0 ? -16 : 16);
+  return lanes.robots[message.sender]! + (message.sender === 0 ? 28 : -26);
+}
+
+// The lanes of both robots, and of a station, with corrections, and an arrow for each message.
 export function drawSequence(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, latency: number,
-  chosen: number | null, isPeriodic: boolean,
+  chosen: number | null, isPeriodic: boolean, lanes: Lanes,
 ): void {
   const c = surface.context;
   drawTimeTicks(surface, p, axis, true);
+  if (lanes.hasStation) {
+    c.strokeStyle = p.quiet;
+    c.lineWidth = 1;
+    line(c, LEFT_MARGIN, lanes.station, surface.width - RIGHT_MARGIN, lanes.station);
+    label(c, "station", LEFT_MARGIN - 4, lanes.station, p.quiet, "right", 600);
+  }
   for (const side of [0, 1]) {
     c.strokeStyle = sideColour(p, side);
     c.lineWidth = 1.5;
-    line(c, LEFT_MARGIN, LANES[side]!, surface.width - RIGHT_MARGIN, LANES[side]!);
-    label(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, LANES[side]!, sideColour(p, side), "right", 600);
+    line(c, LEFT_MARGIN, lanes.robots[side]!, surface.width - RIGHT_MARGIN, lanes.robots[side]!);
+    label(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, lanes.robots[side]!, sideColour(p, side), "right", 600);
   }
   clipped(surface, () => {
     for (const item of run.corrections) {
-      if (item.end >= axis.from && item.start <= axis.to) drawCorrection(surface, p, axis, item);
+      if (item.end >= axis.from && item.start <= axis.to) drawCorrection(surface, p, axis, item, lanes);
     }
-    drawArrows(surface, p, axis, run, latency, chosen, isPeriodic);
+    drawArrows(surface, p, axis, run, latency, chosen, isPeriodic, lanes);
   });
 }
 
 function drawArrows(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, latency: number,
-  chosen: number | null, isPeriodic: boolean,
+  chosen: number | null, isPeriodic: boolean, lanes: Lanes,
 ): void {
   const c = surface.context;
-  const busyUntil = [-1e9, -1e9];
-  arrowsOf(axis, run.messages, latency).forEach((arrow, index) => {
-    if (arrow.x1 < LEFT_MARGIN || arrow.x0 > surface.width) return;
+  const busyUntil = new Map<number, number>(); // by height
+  for (const arrow of arrowsOf(axis, run.messages, latency, lanes, chosen)) {
+    if (arrow.x1 < LEFT_MARGIN || arrow.x0 > surface.width) continue;
     const { message } = arrow;
     const lost = Number.isNaN(message.received);
-    const isChosen = index === chosen;
+    const isChosen = arrow.index === chosen;
     c.strokeStyle = lost ? p.drop : isChosen ? p.ink : p.quiet;
     c.fillStyle = c.strokeStyle;
     c.lineWidth = isChosen ? 2.6 : isPeriodic ? 0.7 : 1.3;
@@ -271,12 +320,12 @@ function drawArrows(
       c.stroke();
     }
     const middle = Math.max(arrow.x0, arrow.x1);
-    const lane = message.sender;
-    if (isChosen || (!isPeriodic && middle > busyUntil[lane]! + 8)) {
-      const wide = c.measureText(message.kind).width;
-      const y = lane === 0 ? 54 : 78;
-      label(c, message.kind, middle + 6, y, lost ? p.drop : p.ink, "left", isChosen ? 650 : 400);
-      busyUntil[lane] = middle + 6 + wide;
+    const y = wordsY(message, lanes);
+    if (isChosen || (!isPeriodic && middle > (busyUntil.get(y) ?? -1e9) + 8)) {
+      const name = message.short || message.kind;
+      halo(c, p, name, middle + 6, y);
+      label(c, name, middle + 6, y, lost ? p.drop : p.ink, "left", isChosen ? 650 : 400);
+      busyUntil.set(y, middle + 6 + c.measureText(name).width);
     }
-  });
+  }
 }

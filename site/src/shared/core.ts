@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
-import type { Scene } from "./tables";
+import { type Scene, tables } from "./tables";
 import { sceneNumbers } from "./scene";
 
 interface Exports {
@@ -57,7 +57,10 @@ export interface Message {
   sender: number;
   receiver: number;
   kind: string;
-  number: number; // among all that the sender transmits, from 1
+  number: number; // among all that the sender transmits to this receiver, from 1
+  says: string; // in words, of a report or a command
+  short: string; // the same, as short as a chart needs it
+  isNews: boolean; // a report or a command that differs from the one before on its link
 }
 
 export interface Correction {
@@ -130,6 +133,21 @@ const IMPORTS = {
   wasi_snapshot_preview1: { fd_close: refuse, fd_seek: refuse, fd_write: refuse },
 };
 
+// The report of a robot and the command of the station (site/core/recorded_carry.hpp).
+const STATION_MESSAGES = tables.controllers.find((c) => c.team === "station")!.messages;
+const SIGN_WORDS = ["p < 0", "p = 0", "p > 0"];
+
+function words(code: number, content: number): { says: string; short: string } {
+  if (code === -2) {
+    const short = SIGN_WORDS[content % 3]!;
+    const turns = content < 6 ? ", turning" : "";
+    return { says: `${short}, palm ${PALMS[Math.floor(content / 3) % 2]}${turns}`, short };
+  }
+  if (code !== -3) return { says: "", short: "" };
+  const short = `${PALMS[content % 2]}, ${DRIVES[Math.floor(content / 2)]}`;
+  return { says: `palm ${short}`, short };
+}
+
 function pairs<T>(numbers: Float64Array, width: number, make: (row: Float64Array) => T): T[] {
   const found: T[] = [];
   for (let at = 0; at < numbers.length; at += width) {
@@ -194,7 +212,6 @@ export class Core {
     this.put([forks.length, ...forks.flatMap((f) => [f.at, f.seed])]);
     this.wasm.set_forks();
     const m = this.take(this.wasm.run(controller, seed));
-    const kind = (k: number) => (k < 0 ? "Hello" : this.text(this.wasm.message_name(k)));
     const word = (value: number) => value.toString(16).padStart(8, "0");
     const rows = this.take(this.wasm.rows());
     return {
@@ -204,18 +221,34 @@ export class Core {
       hash: word(m[14]!) + word(m[15]!),
       rows,
       count: rows.length / ROW.width,
-      messages: pairs(this.take(this.wasm.messages()), 6, (r) => ({
-        sent: r[0]!, received: r[1]!, sender: r[2]!, receiver: r[3]!, kind: kind(r[4]!),
-        number: r[5]!,
-      })),
+      messages: this.messages(),
       corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
         robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
       })),
       hanging: [0, 1].map((side) => ({
         since: m[16 + 2 * side]!,
-        awaits: kind(Math.max(0, m[17 + 2 * side]!)),
+        awaits: this.kind(Math.max(0, m[17 + 2 * side]!)),
       })),
     };
+  }
+
+  private kind(k: number): string {
+    if (k >= 0) return this.text(this.wasm.message_name(k));
+    return k === -1 ? "Hello" : STATION_MESSAGES[-2 - k]!;
+  }
+
+  private messages(): Message[] {
+    const before = new Map<number, number>(); // what was last said, by link
+    return pairs(this.take(this.wasm.messages()), 7, (r) => {
+      const [code, content] = [r[4]!, r[6]!];
+      const link = 3 * r[2]! + r[3]!;
+      const isNews = code >= -1 || before.get(link) !== content;
+      before.set(link, content);
+      return {
+        sent: r[0]!, received: r[1]!, sender: r[2]!, receiver: r[3]!, kind: this.kind(code),
+        number: r[5]!, ...words(code, content), isNews,
+      };
+    });
   }
 
   // World coordinates (PLACES) at row `k` of a carry of the scene.

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contact mode of a motion, and the inequality that decides it, in words.
+// The contact mode of a motion, and the inequality that decides it, in the words of the package
+// (src/palmbots/mechanics/mode_words.py).
 import type { Statics } from "./core";
 import { tables } from "./tables";
 
 export const NOT_HELD = -1;
 export const JAMMED = -2;
 
-// How a contact of a mode moves, in the order of the core: sticks, slides up, slides down.
-const MOTIONS = ["sticks", "slides up", "slides down"];
+const TIE = 1e-9; // ends that are closer than this are the same one
+
+// How a contact of a mode moves, in the order of the core.
+const MOTIONS = ["sticks", "up", "down"];
+
+function filled(name: string, values: Record<string, string> = {}): string {
+  return tables.modeSentences[name]!.replace(/\{(\w+)\}/g, (_, key: string) => values[key]!);
+}
 
 export function motionsOf(mode: number): [number, number] {
   return [Math.floor(mode / 3), mode % 3];
@@ -20,10 +27,10 @@ export function modeName(mode: number): string {
 }
 
 export function modeWords(mode: number): string {
-  if (mode === NOT_HELD) return "no squeeze holds the object: it slides on both palms";
-  if (mode === JAMMED) return "no squeeze makes a contact slide: the object is jammed";
-  const [l, r] = motionsOf(mode);
-  return `the left contact ${MOTIONS[l]}, the right one ${MOTIONS[r]}`;
+  if (mode === NOT_HELD) return filled("not_held");
+  if (mode === JAMMED) return filled("jammed");
+  const [left, right] = motionsOf(mode).map((motion) => filled(MOTIONS[motion]!)) as [string, string];
+  return filled("mode", { left, right });
 }
 
 function end(value: number, digits = 3): string {
@@ -38,22 +45,24 @@ export function decision(found: Statics, closing: boolean): string {
     [number, number],
   ];
   if (found.closing === NOT_HELD) {
-    return `I_L = [${end(leftLow)}, ${end(leftHigh)}] and I_R = [${end(rightLow)}, ${end(rightHigh)}] have no squeeze in common.`;
+    return filled("apart", {
+      left_low: end(leftLow), left_high: end(leftHigh),
+      right_low: end(rightLow), right_high: end(rightHigh),
+    });
   }
-  const [one, two] = closing ? [leftHigh, rightHigh] : [leftLow, rightLow];
-  const first = closing ? one <= two : one >= two;
-  const edge = closing ? "upper" : "lower";
-  const grows = closing ? "rises" : "falls";
-  const relation = closing ? "≤" : "≥";
-  if (Math.abs(one - two) < 1e-9) {
-    return `The squeeze ${grows} until it reaches the ${edge} edges of both cones at once: H = ${end(one)}.`;
-  }
-  const [near, far] = first ? [one, two] : [two, one];
+  const [left, right] = closing ? [leftHigh, rightHigh] : [leftLow, rightLow];
+  const isLeft = closing ? left <= right : left >= right;
+  const [first, second] = isLeft ? [left, right] : [right, left];
+  if (!Number.isFinite(first)) return filled("endless");
+  const name = closing ? "closing" : "opening";
+  if (Math.abs(first - second) < TIE) return filled(`${name}_tie`, { first: end(first) });
   // As many digits as show which of the two is smaller.
-  const digits = [3, 4, 5, 6].find((n) => end(near, n) !== end(far, n)) ?? 3;
-  const [nearSide, farSide] = first ? ["left", "right"] : ["right", "left"];
-  return (
-    `The squeeze ${grows} until it reaches the ${edge} edge of the ${nearSide} cone first: ` +
-    `H = ${end(near, digits)} there ${relation} ${end(far, digits)} at the ${edge} edge of the ${farSide} cone.`
-  );
+  const digits = [3, 4, 5, 6].find((n) => end(first, n) !== end(second, n)) ?? 3;
+  const [near, far] = isLeft ? ["left", "right"] : ["right", "left"];
+  return filled(name, { near, far, first: end(first, digits), second: end(second, digits) });
+}
+
+export function marginWords(margin: number): string {
+  const angle = `${Math.abs((margin * 180) / Math.PI).toFixed(2)}°`;
+  return filled(margin >= 0 ? "margin" : "no_margin", { angle });
 }

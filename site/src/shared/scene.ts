@@ -3,7 +3,7 @@
 //
 // The core converts the numbers (site/core/scene_stream.hpp reads them in this order). Defaults and
 // limits come from the package.
-import { type Json, type Scene, SIDES, tables } from "./tables";
+import { type Json, SENDERS, type Scene, SIDES, tables } from "./tables";
 
 export type Overrides = Record<string, Json>;
 
@@ -71,7 +71,6 @@ export function ofSide(scene: Scene, section: string, side: string, name: string
 }
 
 const EFFECTS = ["lost", "delayed", "duplicated"];
-const SENDERS = [...SIDES, "station"];
 const SIGNS: Record<string, number> = { "-": -1, "0": 0, "+": 1 };
 const PALM = ["length_m", "pivot_offset_m", "friction", "shallow_deg", "steep_deg", "rate_deg_s"];
 const ROBOT = [
@@ -95,7 +94,10 @@ function faultValue(fault: { [key: string]: Json }): number[] {
   return [value as number, marks];
 }
 
-const place = (side: Json | undefined) => Math.max(0, SENDERS.indexOf(side as string));
+const place = (side: Json | undefined) => Math.max(0, SENDERS.indexOf(side as "station"));
+// A link, as the core numbers them: from each robot, then from the station to each robot.
+const link = (m: { [key: string]: Json }) =>
+  m.sender === "station" ? 2 + place(m.receiver) : place(m.sender);
 const counted = (rows: number[][]) => [rows.length, ...rows.flat()];
 
 function zones(scene: Scene): number[] {
@@ -145,7 +147,7 @@ export function sceneNumbers(scene: Scene): number[] {
     ),
     ...counted(
       list(scene, "radio.script").map((m) => [
-        place(m.sender), m.message as number, EFFECTS.indexOf(m.effect as string),
+        link(m), m.message as number, EFFECTS.indexOf(m.effect as string),
         (m.delay_s as number | undefined) ?? 0,
       ]),
     ),

@@ -26,6 +26,8 @@ interface Tables {
   outcomes: string[];
   dropReasons: [string, string][];
   modes: string[];
+  motionMeanings: Record<string, string>; // of the symbols in modes
+  modeSentences: Record<string, string>; // with names in braces for what is filled in
   faultKinds: string[];
   bindings: Record<string, string>;
   bindingNames: string[];
@@ -37,6 +39,7 @@ interface Tables {
 export const tables = data as unknown as Tables;
 
 export const SIDES = ["left", "right"] as const;
+export const SENDERS = [...SIDES, "station"] as const;
 export type Side = 0 | 1;
 
 // Colours that readers with any colour vision can tell apart (Okabe and Ito); those of viz/style.py.

@@ -8,7 +8,7 @@ import { Canvas, type Surface } from "../shared/canvas";
 import { sceneWords } from "../shared/command";
 import { PLACES, type Statics } from "../shared/core";
 import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from "../shared/mode_map";
-import { decision, modeName, modeWords } from "../shared/mode_words";
+import { decision, marginWords, modeName, modeWords } from "../shared/mode_words";
 import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
 import { get, ofSide } from "../shared/scene";
@@ -272,7 +272,7 @@ function Arrow(props: { x: number; direction: number }) {
 
 function NineModes(props: { f: Statics }) {
   const { f } = props;
-  const title = ["ST", "SL", "SR"];
+  const title = MODE_CELLS.map((k) => tables.modes[3 * k]!.split("-")[0]!);
   // The core orders the motions of a contact as sticks, up, down; up is SL left and SR right.
   const leftAt = [0, 1, 2];
   const rightAt = [0, 2, 1];
@@ -441,17 +441,17 @@ export function MechanicsView() {
           <div class="columns">
             <section>
               <h2>Driven together: {modeName(f.closing)}</h2>
-              <p id="closing-words">{sentence(modeWords(f.closing))} {decision(f, true)}</p>
+              <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
               <h2>Driven apart: {modeName(f.opening)}</h2>
-              <p id="opening-words">{sentence(modeWords(f.opening))} {decision(f, false)}</p>
-              <p class="note">
-                Both friction cones may shrink by {(f.margin / DEGREE).toFixed(2).replace("-", "−")}° before the object slides.
-              </p>
+              <p id="opening-words">{modeWords(f.opening)} {decision(f, false)}</p>
+              <p class="note" id="margin-words">{marginWords(f.margin)}</p>
             </section>
             <section>
               <Squeezes f={f} />
               <NineModes f={f} />
-              <p class="note">ST sticks, SL slides to the left, SR slides to the right.</p>
+              <p class="note">
+                {Object.entries(tables.motionMeanings).map((both) => both.join(": ")).reverse().join(", ")}
+              </p>
             </section>
           </div>
           <section>
@@ -468,8 +468,8 @@ export function MechanicsView() {
             <h2>Every centre of mass</h2>
             <p class="note">
               Where it may lie so that, with the scene's two angles and the contacts anywhere on the
-              palms, closing slides the shallow contact up (property 1) and opening slides the steep
-              one down (property 2). Figure 6 of the paper.
+              palms, both properties hold. Property 1: {tables.modeSentences.property_1} Property
+              2: {tables.modeSentences.property_2} Figure 6 of the paper.
             </p>
             <Canvas id="com-map" height={(width) => Math.min(280, Math.max(160, width * 0.4))} draw={drawCom}
               label="region of centres of mass for which both properties hold, on the object" />
@@ -488,8 +488,4 @@ export function MechanicsView() {
       />
     </>
   );
-}
-
-function sentence(words: string): string {
-  return `${words[0]!.toUpperCase()}${words.slice(1)}.`;
 }

@@ -1,69 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proofs: the counterexamples that the model checker found, as sequences to play.
+// Proofs: the counterexamples that the model checker found, as sequences to play, beside a carry in
+// with the same failure.
 import { computed, signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { AtHome } from "./parts";
+import { PROOF_CHART_HEIGHT, cellText, drawProofChart, stepAt } from "./proof_chart";
+import { Stage } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
 import type { Recorded } from "../shared/core";
+import { type Counterexample, type RobotStep, stepTimes } from "../shared/counterexamples";
 import { overridesOf, sceneOf } from "../shared/scene";
 import {
-  address, base, controller, controllerNumber, core, extra, extraNumber, forks, go, overrides, seed,
-  setExtra,
+  address, base, controller, controllerNumber, core, extra, extraNumber, extras, forks, go,
+  overrides, seed, setExtra,
 } from "../shared/state";
-import type { Scene } from "../shared/tables";
+import { SIDES, type Scene } from "../shared/tables";
 import { palette, reducedMotion } from "../shared/theme";
 
-interface Robot {
-  cell: number | null;
-  does: string;
-}
-
-interface Counterexample {
-  name: string;
-  title: string;
-  claim: string;
-  meaning: string; // of the claim, as the model states it
-  steps: { before: string[]; robots: [Robot, Robot] }[];
-  after: string[];
-  loop: number | null;
-  scene: Scene | null;
-}
-
 const all = signal<Counterexample[]>([]);
-const step = computed(() => Math.max(0, Math.floor(extraNumber("step", 0))));
-const goTo = (place: number) => setExtra("step", String(place), "0");
 const playing = signal(false);
+const phase = signal(0); // how much of the present step has passed, for the carry
 const STEP_MS = 650;
+const USUAL = "lost-c-ack";
 
-function chosen(): Counterexample | undefined {
-  return all.value.find((c) => c.name === extra("run", "lost-c-ack")) ?? all.value[0];
+const chosen = computed(() => {
+  void extras.value;
+  return all.value.find((c) => c.name === extra("run", USUAL)) ?? all.value[0];
+});
+const step = computed(() => {
+  const asked = Math.max(0, Math.floor(extraNumber("step", 0)));
+  return Math.min(asked, (chosen.value?.steps.length ?? 1) - 1);
+});
+
+function goTo(place: number): void {
+  phase.value = 0;
+  setExtra("step", String(place), "0");
+}
+
+// By hand: a step back or on, or to a place.
+function stepTo(place: number): void {
+  playing.value = false;
+  goTo(Math.min(Math.max(place, 0), chosen.value!.steps.length - 1));
+}
+
+// The same faults in the quasistatic world, where there is a scene for them.
+const carry = computed<{ run: Recorded; of: Scene; times: number[] } | null>(() => {
+  const machine = core.value;
+  const item = chosen.value;
+  if (!machine || !item?.scene) return null;
+  const of = sceneOf("paper", overridesOf(item.scene));
+  machine.setScene(of);
+  const run = machine.run(controllerNumber("distributed"), 0);
+  return { run, of, times: stepTimes(item, run) };
+});
+const carryTime = computed(() => {
+  const times = carry.value?.times;
+  if (!times) return 0;
+  const now = times[step.value]!;
+  return now + phase.value * ((times[step.value + 1] ?? now) - now);
+});
+
+function advance(): void {
+  const item = chosen.value!;
+  if (step.value + 1 < item.steps.length) goTo(step.value + 1);
+  else if (item.loop !== null) goTo(Math.min(item.loop, item.steps.length - 1));
+  else playing.value = false;
 }
 
 function useClock(): void {
   useEffect(() => {
-    const timer = setInterval(() => {
-      if (!playing.value || document.hidden) return;
-      const item = chosen();
-      if (!item) return;
-      if (step.value + 1 < item.steps.length) goTo(step.value + 1);
-      else if (item.loop !== null) goTo(Math.min(item.loop, item.steps.length - 1));
-      else playing.value = false;
-    }, STEP_MS);
-    return () => clearInterval(timer);
+    let last = 0;
+    let request = requestAnimationFrame(function next(now) {
+      const passed = last ? Math.min(now - last, 200) : 0;
+      last = now;
+      if (playing.value && !document.hidden && chosen.value) {
+        const share = phase.value + passed / STEP_MS;
+        if (share < 1) phase.value = share;
+        else advance();
+      }
+      request = requestAnimationFrame(next);
+    });
+    return () => cancelAnimationFrame(request);
   }, []);
 }
 
-// The same faults in the quasistatic world, where there is a scene for them.
-function runOf(item: Counterexample): Recorded | null {
-  const machine = core.value;
-  if (!machine || !item.scene) return null;
-  machine.setScene(sceneOf("paper", overridesOf(item.scene)));
-  return machine.run(controllerNumber("distributed"), 0);
-}
-
 // Both palms as rows of cells with the contact on them.
-function draw(surface: Surface, item: Counterexample): void {
-  const now = item.steps[Math.min(step.value, item.steps.length - 1)];
+function drawPalms(surface: Surface, item: Counterexample, place: number): void {
+  const now = item.steps[place];
   if (!now) return;
   const p = palette.value;
   const c = surface.context;
@@ -72,25 +96,22 @@ function draw(surface: Surface, item: Counterexample): void {
   const gap = surface.width * 0.1;
   const wide = (surface.width - gap) / 2 - 16;
   now.robots.forEach((robot, side) => {
+    if (!robot.palm) return;
     const x0 = side === 0 ? 6 : surface.width / 2 + gap / 2 + 6;
-    const y = 46;
     const cell = wide / (2 * reach + 1);
-    const colour = side === 0 ? p.left : p.right;
-    const shallow = /shallow|c_tilt_up|d_|c_grant/.test(robot.does);
-    const turning = robot.does.includes("…");
-    const tilt = (shallow ? 5 : 15) * (side === 0 ? 1 : -1) * (Math.PI / 180);
+    const tilt = (robot.palm === "shallow" ? 5 : 15) * (side === 0 ? 1 : -1) * (Math.PI / 180);
     c.save();
-    c.translate(x0 + wide / 2, y);
+    c.translate(x0 + wide / 2, 46);
     c.rotate(tilt * 0.45);
-    c.strokeStyle = colour;
+    c.strokeStyle = side === 0 ? p.left : p.right;
     c.lineWidth = 5;
-    c.setLineDash(turning ? [8, 5] : []);
+    c.setLineDash(robot.turns ? [8, 5] : []);
     c.beginPath();
     c.moveTo(-wide / 2 + 6, 0);
     c.lineTo(wide / 2 - 6, 0);
     c.stroke();
     c.setLineDash([]);
-    if (robot.cell !== null) {
+    if (robot.cell !== undefined) {
       // Outward is to the left on the left palm.
       for (let k = -reach + 1; k < reach; ++k) {
         const x = (side === 0 ? -k : k) * cell;
@@ -110,38 +131,139 @@ function draw(surface: Surface, item: Counterexample): void {
   });
 }
 
+function palmWords(robot: RobotStep): string {
+  return robot.palm ? `${robot.palm}${robot.turns ? ", turning" : ""}` : "";
+}
+
+function driveWords(robot: RobotStep): string {
+  if (!robot.drive) return "";
+  const notes = [robot.stands ? "stands" : "", robot.misses ? "misses this step" : ""];
+  return [robot.drive, ...notes].filter(Boolean).join(", ");
+}
+
+function stateWords(robot: RobotStep) {
+  const letter = robot.case ? `(${robot.case}) ` : "";
+  const words = `${letter}${robot.state}${robot.waits ? `; waits for ${robot.waits}` : ""}`;
+  return robot.name ? <>{words} <code>{robot.name}</code></> : words;
+}
+
+// What both robots do in a step, line by line. A line that the model does not have is left out.
+function Robots(props: { robots: [RobotStep, RobotStep] }) {
+  const rows: [string, (robot: RobotStep) => ComponentChildren][] = [
+    ["contact p", (r) => (r.cell === undefined ? "" : cellText(r.cell))],
+    ["state", stateWords],
+    ["palm", palmWords],
+    ["drive", driveWords],
+  ];
+  return (
+    <table class="robots">
+      <thead>
+        <tr>
+          <td />
+          {SIDES.map((side) => <th scope="col" class={`${side}-text`}>{side}</th>)}
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map(([name, words]) => {
+          const both = props.robots.map(words);
+          if (!both.some(Boolean)) return null;
+          return (
+            <tr>
+              <th scope="row">{name}</th>
+              {both.map((said) => <td>{said}</td>)}
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}
+
+function Chart(props: { item: Counterexample; place: number }) {
+  const { item, place } = props;
+  const count = item.steps.length;
+  const pick = (event: PointerEvent) => {
+    if (event.buttons === 0) return;
+    const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
+    stepTo(stepAt(rect.width, count, place, event.clientX - rect.left));
+  };
+  const keys = (event: KeyboardEvent) => {
+    const to = { ArrowLeft: place - 1, ArrowRight: place + 1, Home: 0, End: count - 1 }[event.key];
+    if (to === undefined) return;
+    stepTo(to);
+    event.preventDefault();
+  };
+  return (
+    <Canvas
+      id="proof-chart"
+      height={PROOF_CHART_HEIGHT}
+      draw={(s) => drawProofChart(s, palette.value, item, place)}
+      label="sequence chart: contact, palm and drive of both robots in each step, and the messages between them; the arrow keys move the cursor"
+      onPointerDown={pick}
+      onKeyDown={keys}
+    />
+  );
+}
+
+function Player(props: { item: Counterexample; place: number }) {
+  const { item, place } = props;
+  const last = item.steps.length - 1;
+  return (
+    <div class="player" role="group" aria-label="playback">
+      <button type="button" class="round" id="play" aria-label={playing.value ? "pause" : "play"}
+        onClick={() => {
+          if (!playing.value && place === last && item.loop === null) goTo(0);
+          playing.value = !playing.value;
+        }}>
+        {playing.value ? "❚❚" : "▶"}
+      </button>
+      <button type="button" class="plain" id="step-back" aria-label="one step back" onClick={() => stepTo(place - 1)}>
+        ‹
+      </button>
+      <button type="button" class="plain" id="step-on" aria-label="one step on" onClick={() => stepTo(place + 1)}>
+        ›
+      </button>
+      <input type="range" id="scrub" aria-label="step" min={0} max={last} step={1} value={place}
+        onInput={(event) => stepTo(Number(event.currentTarget.value))} />
+      <output class="time">{place + 1} of {last + 1}</output>
+    </div>
+  );
+}
+
+function openInCarry(item: Counterexample): void {
+  base.value = "paper";
+  overrides.value = overridesOf(item.scene!);
+  controller.value = "distributed";
+  seed.value = 0;
+  forks.value = [];
+  go(address({ view: "carry", time: false }));
+}
+
 export function ProofsView() {
   useEffect(() => {
     // It begins by itself, unless the URL names a step or motion is unwelcome.
-    playing.value = step.peek() === 0 && !reducedMotion.matches;
+    playing.value = step.peek() === 0 && !("step" in extras.peek()) && !reducedMotion.matches;
     if (all.value.length > 0) return;
     void import("../generated/counterexamples.json").then((m) => {
       all.value = m.default as unknown as Counterexample[];
     });
   }, []);
   useClock();
-  const item = chosen();
+  const item = chosen.value;
   if (!item) return <p class="status">…</p>;
-  const place = Math.min(step.value, item.steps.length - 1);
-  const now = item.steps[place];
+  const place = step.value;
+  const now = item.steps[place]!;
   const isLast = place === item.steps.length - 1;
-  const run = runOf(item);
-  const carry = () => {
-    base.value = "paper";
-    overrides.value = overridesOf(item.scene!);
-    controller.value = "distributed";
-    seed.value = 0;
-    forks.value = [];
-    go(address({ view: "carry", time: false }));
-  };
+  const carried = carry.value;
+  const hasPalms = now.robots[0].palm !== undefined;
   return (
     <>
       <header class="lead">
         <h1>Where the algorithms fail</h1>
         <p>
           The model checker Spin explores every run of the shipped controllers in a world of cells.
-          What holds is proved for that model; where a claim fails it finds the shortest run. These are
-          all such runs that the project keeps.
+          What holds is proved for that model. Where a claim fails, Spin finds the shortest run. These
+          are all such runs that the project keeps.
         </p>
       </header>
       <div class="choices">
@@ -151,58 +273,51 @@ export function ProofsView() {
             onChange={(event) => {
               goTo(0);
               playing.value = !reducedMotion.matches;
-              setExtra("run", event.currentTarget.value, "lost-c-ack");
+              setExtra("run", event.currentTarget.value, USUAL);
             }}>
             {all.value.map((c) => <option value={c.name}>{c.name}</option>)}
           </select>
         </label>
+        <span class="note">controller: {item.controller}</span>
       </div>
       <section class="panel proof" aria-label="the run">
         <p class="claim">
-          <strong>{item.title}.</strong> The claim “{item.meaning}” ({item.claim}) fails.
+          <strong>{item.title[0]!.toUpperCase() + item.title.slice(1)}.</strong> The claim “{item.meaning}” ({item.claim}) fails.
         </p>
-        <div>
-          <Canvas id="proof" height={104} draw={(s) => draw(s, item)} label="contacts and palms in cells" />
+        <div class={carried ? "columns" : ""}>
+          <div>
+            {hasPalms && (
+              <Canvas id="proof" height={104} draw={(s) => drawPalms(s, item, place)} label="contacts and palms in cells" />
+            )}
+            <Chart item={item} place={place} />
+          </div>
+          {carried && (
+            <div>
+              <Stage run={carried.run} of={carried.of} name="distributed" id="proof-carry" low time={carryTime}
+                label="side view of a carry with the same failure" />
+              <p class="note">
+                The same failure in a carry with friction and geometry, at{" "}
+                <output id="carry-time">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
+                <button type="button" id="carry-it" onClick={() => openInCarry(item)}>open this carry</button>
+              </p>
+            </div>
+          )}
         </div>
-        <div class="robots">
-          {now?.robots.map((robot, side) => (
-            <p class={side === 0 ? "left-text" : "right-text"}>
-              <strong>{side === 0 ? "left" : "right"}</strong>{" "}
-              {robot.cell !== null && `p = ${String(robot.cell).replace("-", "−")}, `}
-              {robot.does}
-            </p>
-          ))}
-        </div>
+        <p class="note">
+          {hasPalms
+            ? "Number: contact p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
+            : "This model has no contacts. Filled circle: the robot hears its partner."}
+        </p>
+        <div><Robots robots={now.robots} /></div>
         <p class="events" role="status">
-          {[...(now?.before ?? []), ...(isLast ? item.after : [])].join("; ")}
-          {isLast && item.loop !== null && " From here it repeats forever."}
+          {[...now.before, ...(isLast ? item.after : [])].map((event) => event.text).join("; ")}
+          {isLast && item.loop !== null && ` From here it continues with step ${item.loop + 1}, without end.`}
         </p>
-        <div class="player" role="group" aria-label="playback">
-          <button type="button" class="round" id="play" aria-label={playing.value ? "pause" : "play"}
-            onClick={() => {
-              if (!playing.value && isLast && item.loop === null) goTo(0);
-              playing.value = !playing.value;
-            }}>
-            {playing.value ? "❚❚" : "▶"}
-          </button>
-          <input type="range" id="scrub" aria-label="step" min={0} max={item.steps.length - 1} step={1}
-            value={place}
-            onInput={(event) => {
-              playing.value = false;
-              goTo(Number(event.currentTarget.value));
-            }} />
-          <output class="time">{place + 1} of {item.steps.length}</output>
-        </div>
+        <Player item={item} place={place} />
       </section>
-      {item.scene && (
-        <p class="row">
-          <button type="button" id="carry-it" onClick={carry}>carry it with friction and geometry</button>
-          <span class="note">The same messages fail in the quasistatic world.</span>
-        </p>
-      )}
       <AtHome
         lines={[`.venv/bin/python verify/model_check.py ${item.name}`]}
-        runs={run ? [{ command: `palmbots carry verify/counterexamples/${item.name}.toml`, hash: run.hash }] : []}
+        runs={carried ? [{ command: `palmbots carry verify/counterexamples/${item.name}.toml`, hash: carried.run.hash }] : []}
         note="In a copy of the sources, after make verify."
       />
     </>

@@ -4,16 +4,16 @@ import { computed, signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Canvas } from "../shared/canvas";
 import {
-  LEFT_MARGIN, RIGHT_MARGIN, SEQUENCE_HEIGHT, type TimeAxis, arrowsOf, drawContacts, drawPalms,
-  drawSequence, timeAt,
+  LEFT_MARGIN, type Lanes, RIGHT_MARGIN, type TimeAxis, arrowsOf, drawContacts, drawPalms,
+  drawSequence, lanesOf, sequenceHeight, timeAt,
 } from "../shared/charts";
 import type { Message, Recorded } from "../shared/core";
 import { get, ofSide } from "../shared/scene";
 import {
-  append, before, controller, extraFlag, extras, player, recorded, scene, setExtra, setExtraFlag,
+  OWN_ROWS, append, before, controller, extraFlag, extras, player, recorded, scene, setExtra, setExtraFlag,
   setKey,
 } from "../shared/state";
-import { type Json, SIDES, controllerInfo } from "../shared/tables";
+import { type Json, SENDERS, SIDES, controllerInfo } from "../shared/tables";
 import { palette } from "../shared/theme";
 import { zeroZone } from "./stage";
 
@@ -27,6 +27,7 @@ const whole = computed(() => extraFlag("whole"));
 // While a finger drags the cursor, the axis stands still.
 const held = signal<TimeAxis | null>(null);
 const DELAY_S = 0.5;
+const MOST_FAULTS = 16; // entries of radio.script
 const PIXELS_PER_S = 85; // where the axis shows a part of the carry
 
 // The part of the carry that the charts show: all of it, or what lies around the cursor.
@@ -40,21 +41,38 @@ function axis(run: Recorded, width: number): TimeAxis {
 }
 
 export function faultOf(message: Message): { [key: string]: Json } | undefined {
-  const script = get(scene.value, "radio.script") as { [key: string]: Json }[];
-  return script.find((f) => f.sender === SIDES[message.sender] && f.message === message.number);
+  return faultScript().find(isFaultOf(message));
+}
+
+function faultScript(): { [key: string]: Json }[] {
+  return get(scene.value, "radio.script") as { [key: string]: Json }[];
+}
+
+// Sender, receiver and number of a message, as radio.script names them.
+function nameOf(message: Message): { [key: string]: Json } {
+  const name: { [key: string]: Json } = { sender: SENDERS[message.sender]!, message: message.number };
+  if (message.sender === 2) name.receiver = SENDERS[message.receiver]!;
+  return name;
+}
+
+function isFaultOf(message: Message): (fault: { [key: string]: Json }) => boolean {
+  const name = nameOf(message);
+  return (fault) => ["sender", "receiver", "message"].every((key) => fault[key] === name[key]);
 }
 
 export function setFault(message: Message, effect: "lost" | "delayed" | "duplicated" | null): void {
-  const script = get(scene.value, "radio.script") as { [key: string]: Json }[];
-  const own = (f: { [key: string]: Json }) =>
-    f.sender === SIDES[message.sender] && f.message === message.number;
-  const rest = script.filter((f) => !own(f));
+  const isOwn = isFaultOf(message);
+  const rest = faultScript().filter((f) => !isOwn(f));
   setKey("radio.script", rest.length > 0 ? rest : undefined);
   if (effect === null) return;
   append("radio.script", {
-    sender: SIDES[message.sender]!, message: message.number, effect,
-    ...(effect === "lost" ? {} : { delay_s: DELAY_S }),
+    ...nameOf(message), effect, ...(effect === "lost" ? {} : { delay_s: DELAY_S }),
   });
+}
+
+// True if a station commands the robots.
+function stationed(name: string): boolean {
+  return name === OWN_ROWS || controllerInfo(name)?.team === "station";
 }
 
 export function Charts() {
@@ -69,7 +87,9 @@ export function Charts() {
     ofSide(of, "palm", side, "shallow_deg"), ofSide(of, "palm", side, "steep_deg"),
   ]);
   const band = { from: Math.min(...angles), to: Math.max(...angles) };
-  const talks = info?.usesRadio !== false && info?.team !== "station" && info !== undefined;
+  const hasStation = stationed(controller.value);
+  const lanes = lanesOf(hasStation);
+  const talks = hasStation || (info !== undefined && info.usesRadio);
 
   const scrub = (event: PointerEvent) => {
     if (event.buttons === 0) return;
@@ -88,15 +108,16 @@ export function Charts() {
   const pick = (event: PointerEvent) => {
     const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
     const [x, y] = [event.clientX - rect.left, event.clientY - rect.top];
-    const arrows = arrowsOf(axis(run, rect.width), run.messages, latency);
+    const shown = axis(run, rect.width);
     let best = -1;
     let nearest = 14;
-    arrows.forEach((a, index) => {
+    for (const a of arrowsOf(shown, run.messages, latency, lanes, chosen.peek())) {
       const share = (y - a.y0) / (a.y1 - a.y0);
-      if (share < -0.1 || share > 1.1) return;
+      if (share < -0.1 || share > 1.1) continue;
       const gap = Math.abs(x - (a.x0 + (a.x1 - a.x0) * share));
-      if (gap < nearest) [nearest, best] = [gap, index];
-    });
+      if (gap < nearest) [nearest, best] = [gap, a.index];
+    }
+    if (best < 0 && hasStation) best = packetAt(run.messages, timeAt(shown, x), y, lanes);
     choose(best >= 0 ? best : null);
     if (best >= 0) {
       player.pause();
@@ -111,11 +132,8 @@ export function Charts() {
     else if (event.key === "Home") player.seek(0);
     else if (event.key === "End") player.seek(run.time);
     else if (event.key === "m" || event.key === "M") {
-      const count = run.messages.length;
-      if (count > 0) {
-        const next = chosen.value === null
-          ? Math.max(0, run.messages.findIndex((m) => m.sent >= player.time.value))
-          : (chosen.value + (event.key === "m" ? 1 : count - 1)) % count;
+      const next = nextNews(run.messages, event.key === "m" ? 1 : -1);
+      if (next >= 0) {
         choose(next);
         player.seek(run.messages[next]!.sent);
       }
@@ -173,7 +191,7 @@ export function Charts() {
           </figcaption>
           <Canvas
             id="sequence-chart"
-            height={SEQUENCE_HEIGHT}
+            height={sequenceHeight(lanes)}
             label="corrections and messages of both robots; M selects the next message"
             onPointerDown={pick}
             onPointerMove={scrub}
@@ -182,7 +200,7 @@ export function Charts() {
             draw={(s) =>
               drawSequence(
                 s, palette.value, axis(run, s.width), run, latency, chosen.value,
-                info?.isPeriodic ?? false,
+                info?.isPeriodic ?? false, lanes,
               )
             }
           />
@@ -190,11 +208,42 @@ export function Charts() {
         <Cursor run={run} frame={frame} />
       </div>
       <MessageCard run={run} />
-      {info?.team === "station" && (
-        <p class="note">The station hears both robots and answers in every control period.</p>
+      {hasStation && (
+        <p class="note">
+          Each robot reports to the station in every control period, and the station sends each robot a
+          command. The chart shows those that say something new. A click between two lines chooses any.
+        </p>
       )}
     </div>
   );
+}
+
+// The next or last message that says something new, from the chosen one or the time of the player.
+function nextNews(messages: Message[], direction: 1 | -1): number {
+  const count = messages.length;
+  const start = chosen.value ?? messages.findIndex((m) => m.sent >= player.time.value) - direction;
+  for (let k = 1; k <= count; ++k) {
+    const index = (start + direction * k + 2 * count) % count;
+    if (messages[index]!.isNews) return index;
+  }
+  return -1;
+}
+
+// The packet between a robot and the station that was sent nearest to a time: a report near the line
+// of the robot, a command near that of the station.
+function packetAt(messages: Message[], time: number, y: number, lanes: Lanes): number {
+  const [top, bottom] = lanes.robots;
+  if (y < top + 9 || y > bottom - 9) return -1;
+  const robot = y < lanes.station ? 0 : 1;
+  const isReport = Math.abs(y - lanes.station) > (bottom - top) / 4;
+  const [sender, receiver] = isReport ? [robot, 2] : [2, robot];
+  let best = -1;
+  messages.forEach((m, index) => {
+    if (m.sender !== sender || m.receiver !== receiver) return;
+    const nearest = best < 0 ? Infinity : Math.abs(messages[best]!.sent - time);
+    if (Math.abs(m.sent - time) < nearest) best = index;
+  });
+  return best;
 }
 
 // One line over all charts at the time of the player.
@@ -216,14 +265,17 @@ function MessageCard(props: { run: Recorded }) {
   const message = props.run.messages[chosen.value];
   if (!message) return null;
   const fault = faultOf(message);
+  const isFull = fault === undefined && faultScript().length >= MOST_FAULTS;
+  const sender = message.sender === 2 ? "the station" : `the ${SENDERS[message.sender]} robot`;
+  const receiver = message.sender === 2 ? ` to the ${SENDERS[message.receiver]} robot` : "";
   const lost = Number.isNaN(message.received);
   const effects = ["lost", "delayed", "duplicated"] as const;
   const words = { lost: "lose it", delayed: `delay it by ${DELAY_S} s`, duplicated: "deliver it twice" };
   return (
     <div class="card" role="group" aria-label="the chosen message">
       <p>
-        <strong>{message.kind}</strong> from the {SIDES[message.sender]} robot at{" "}
-        {message.sent.toFixed(2)} s{lost ? ", lost" : `, received at ${message.received.toFixed(2)} s`}
+        <strong>{message.kind}</strong> from {sender}{receiver} at {message.sent.toFixed(2)} s{lost ? ", lost" : `, received at ${message.received.toFixed(2)} s`}
+        {message.says && `: ${message.says}`}
       </p>
       <p class="row">
         {effects.map((effect) => (
@@ -231,6 +283,7 @@ function MessageCard(props: { run: Recorded }) {
             type="button"
             data-effect={effect}
             aria-pressed={fault?.effect === effect}
+            disabled={isFull}
             onClick={() => setFault(message, fault?.effect === effect ? null : effect)}
           >
             {words[effect]}

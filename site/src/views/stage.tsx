@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The side view of one carry at the time of the player. On it one can drag the object or a robot.
-import { computed, signal } from "@preact/signals";
+import { type ReadonlySignal, computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Canvas, type Surface } from "../shared/canvas";
 import { PLACES, ROW, type Recorded } from "../shared/core";
@@ -34,6 +34,7 @@ function flightsAt(run: Recorded, time: number, latency: number, periodic: boole
   const found: Flight[] = [];
   for (const m of run.messages) {
     if (m.sent > time) break;
+    if (m.sender > 1 || m.receiver > 1) continue; // a station is not in the picture
     const lost = Number.isNaN(m.received);
     const length = Math.max(lost ? latency : m.received - m.sent, 0.25); // long enough to be seen
     if (time > m.sent + length) continue;
@@ -63,6 +64,7 @@ function lowHeight(width: number): number {
 export function Stage(props: {
   run: Recorded | null; of?: Scene; name: string; id?: string; draggable?: boolean; label?: string;
   periodic?: boolean; low?: boolean;
+  time?: ReadonlySignal<number>; // of the carry, if it is not the player's
 }) {
   const view = useRef<View | null>(null);
   const places = useRef<Float64Array | null>(null);
@@ -77,7 +79,7 @@ export function Stage(props: {
     if (!machine || !run || run.count === 0) return;
     const of = props.of ?? scene.value;
     const period = Number(get(of, "control.period_s"));
-    const time = player.time.value;
+    const time = (props.time ?? player.time).value;
     const row = rowAt(run, time, period);
     const at = machine.places(of, run, row);
     const p = palette.value;

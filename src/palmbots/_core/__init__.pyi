@@ -310,7 +310,7 @@ class Spec:
     @property
     def message_faults(self) -> list[tuple[int, int, int, float]]:
         """
-        (sender, message, effect, late) of single messages: sender 0: left, 1: right; message from 1; effect 0: lost, 1: late, 2: copied; late in s.
+        (link, message, effect, late) of single messages: link 0: from left, 1: from right, 2: from the station to left, 3: to right; message from 1; effect 0: lost, 1: late, 2: copied; late in s.
         """
 
     @message_faults.setter

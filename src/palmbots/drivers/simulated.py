@@ -54,7 +54,7 @@ class SimulatedDriver:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
         self._heard_s = 0.0
-        self._world = connect(address, "world", within_s)
+        self._world = connect(address, "world", within_s, "driver.address")
         self._world.send([side, epoch, scene])
         self._newest: Reading | RawReading | None = None
         self._palm = 0

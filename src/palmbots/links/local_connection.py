@@ -20,7 +20,13 @@ from palmbots.errors import PalmbotsError
 _LONGEST_FRAME = 1_000_000  # bytes
 _RETRY_S = 0.02
 _LONGEST_PATH = 107  # bytes
-_ALLOWED = "HOST:PORT, or unix:PATH"
+_ALLOWED = "HOST:PORT, such as 127.0.0.1:7400, or unix:PATH"
+
+# What the system's own words leave unclear.
+_WHY_NOT = {
+    errno.EADDRNOTAVAIL: "this computer does not have this address",
+    errno.ENOENT: "the folder does not exist",
+}
 
 
 _encode = json.JSONEncoder(separators=(",", ":")).encode
@@ -177,7 +183,7 @@ def _usable(place: Any) -> Iterator[Any]:
         os.close(number)
 
 
-def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
+def _parsed(address: str, called: str) -> tuple[socket.AddressFamily, Any]:
     kind, _, rest = address.partition(":")
     if kind == "unix" and rest and "\0" not in rest:
         return socket.AF_UNIX, rest
@@ -188,7 +194,7 @@ def _parsed(address: str) -> tuple[socket.AddressFamily, Any]:
     except UnicodeError:
         host = ""
     if not host or "\0" in host or not is_port:
-        raise PalmbotsError(f"address: value is {show(address)}; allowed: {_ALLOWED}")
+        raise PalmbotsError(f"{called}: value is {show(address)}; allowed: {_ALLOWED}")
     return socket.AF_INET, (host, int(port))
 
 
@@ -220,13 +226,13 @@ def _is_left_behind(path: str) -> bool:
     return False
 
 
-def listen(address: str) -> socket.socket:
-    """A socket that accepts connections.
+def listen(address: str, called: str = "address") -> socket.socket:
+    """A socket that accepts connections. `called` is the option or key that gave the address.
 
     Raises:
         PalmbotsError: the address is not valid, or cannot be used.
     """
-    family, place = _parsed(address)
+    family, place = _parsed(address, called)
     stream = _Door(family)
     try:
         if family == socket.AF_INET:
@@ -245,18 +251,19 @@ def listen(address: str) -> socket.socket:
         stream.listen()
     except OSError as error:
         stream.close()
-        raise PalmbotsError(f"{address}: cannot listen: {error.strerror or error}") from None
+        why = _WHY_NOT.get(error.errno or 0, error.strerror or error)
+        raise PalmbotsError(f"{called}: cannot listen at {address}: {why}") from None
     return stream
 
 
-def connect(address: str, name: str, within_s: float) -> Connection:
-    """Connect to a process that may still be starting.
+def connect(address: str, name: str, within_s: float, called: str = "address") -> Connection:
+    """Connect to a process that may still be starting. `called` is the key that gave the address.
 
     Raises:
         PalmbotsError: the address is not valid.
         ConnectionLost: no process listens there within the time.
     """
-    family, place = _parsed(address)
+    family, place = _parsed(address, called)
     give_up = time.monotonic() + within_s
     while True:
         stream = socket.socket(family)

@@ -5,10 +5,7 @@ The defaults are robots that fit the defaults of ``[hardware]`` in ``pair.toml``
 right are those of `palmbots.drivers.hardware`.
 """
 
-import os
-import tomllib
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, ValidationError, model_validator
@@ -28,6 +25,7 @@ from palmbots.drivers.hardware import (
 from palmbots.errors import PalmbotsError
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, Size, Switch, field_error
+from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, section_keys
 from palmbots.scene.overrides import merged, parse_override
 from palmbots.scene.robot_section import ClockError
@@ -129,7 +127,8 @@ def load_imperfections(texts: Sequence[str]) -> Imperfections:
     table: dict[str, Any] = {}
     for text in texts:
         if text.endswith(".toml") and "=" not in text:
-            table = merged(table, _read(text), called=text)
+            found = read_table(text, "a file of imperfections")
+            table = merged(table, found, called=text)
         else:
             key, value = parse_override(text, "--imperfect", "left.trim=0.02")
             table = merged(table, {key: value}, called="--imperfect")
@@ -138,13 +137,3 @@ def load_imperfections(texts: Sequence[str]) -> Imperfections:
     except ValidationError as error:
         message = validation_message(error, Imperfections)
         raise PalmbotsError(f"--imperfect {message}") from None
-
-
-def _read(file: str | os.PathLike[str]) -> dict[str, Any]:
-    path = Path(file)
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError):
-        raise PalmbotsError(f"{path}: is not valid TOML") from None

@@ -9,7 +9,6 @@ import json
 import os
 import secrets
 import stat
-import tomllib
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +19,7 @@ from pydantic import BeforeValidator, ValidationError
 
 from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
-from palmbots._util.atomic_files import folder, write_whole
+from palmbots._util.atomic_files import check_file, folder, write_whole
 from palmbots.drivers.board_keys import BoardTable
 from palmbots.drivers.hardware import Hardware
 from palmbots.drivers.ros2_topics import Ros2Table
@@ -28,6 +27,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.runtime.stored_state import StateFile, StoredState, write_state
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, whole
+from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import Section
@@ -184,14 +184,7 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
         PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
     """
     path = Path(file)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # also not UTF-8, and a number too long for Python
-        raise PalmbotsError(f"{path}: is not valid TOML: {error}") from None
-    except RecursionError:
-        raise PalmbotsError(f"{path}: is not valid TOML: lists nested too deeply") from None
+    table = read_table(str(path), "a pair file")
     try:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
@@ -252,7 +245,7 @@ def init_pair(
         The files that were written.
 
     Raises:
-        PalmbotsError: a file exists or cannot be written, or there is no such key.
+        PalmbotsError: a file exists or cannot be written, there is no such folder or key.
     """
     known = pair_keys()
     for name in values or {}:
@@ -260,6 +253,7 @@ def init_pair(
     path = Path(file)
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
+    check_file(path)
     names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
     names |= {"log_folder": f"{path.stem}-logs"}
     number = secrets.randbelow(2**16)

@@ -22,6 +22,7 @@ from palmbots.scene.renamed_keys import new_key, new_value
 __all__ = ["dotted_keys", "validation_error", "validation_message"]
 
 _INDEX = re.compile(r"\[\d+\]")
+_MOST_LISTED = 12  # keys, where the one that was probably meant is named
 
 
 def validation_message(error: ValidationError, model: type[BaseModel]) -> str:
@@ -47,7 +48,7 @@ def validation_error(called: str, error: ValidationError, model: type[BaseModel]
             return UnknownSceneKey(f"{prefix}{name}: renamed to {new}", name, new)
     suggestion, known = _known_keys(where, model)
     hint = f"did you mean {suggestion}? " if suggestion else ""
-    line = f"{key}: {show(given)} is the value of an unknown key; {hint}{known}"
+    line = f"{key}: {show(given)} is the value of an unknown key; {hint}{known}".rstrip()
     return UnknownSceneKey(prefix + line, key, suggestion)
 
 
@@ -100,6 +101,8 @@ def _known_keys(where: Sequence[int | str], model: type[BaseModel]) -> tuple[str
     elif elsewhere:
         suggestion = elsewhere[0]
     place = f"in {inside}" if inside else "at the top"
+    if suggestion and len(legal) > _MOST_LISTED:  # a long list would hide the key that was meant
+        return suggestion, ""
     return suggestion, f"allowed {place}: {', '.join(legal)}"
 
 

@@ -15,6 +15,8 @@ from palmbots.errors import SceneError
 __all__ = ["built_in_scenes", "read_scene", "read_table"]
 
 _LARGEST = 1 << 20  # bytes; a device may be endless
+# Control characters that no text contains, in any encoding of one byte a character.
+_NEVER_IN_TEXT = frozenset(range(32)) - frozenset(b"\t\n\v\f\r\x1a\x1b")
 
 
 def built_in_scenes() -> list[str]:
@@ -69,13 +71,15 @@ def _bytes(name: str, what: str, built_in: Sequence[str]) -> bytes:
 
 
 def _text(name: str, data: bytes, what: str) -> str:
+    if any(byte in _NEVER_IN_TEXT for byte in data):
+        raise SceneError(f"{name}: is not a text file; allowed: {what} in TOML")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(
             f"{name}: line {line} is not UTF-8 (byte 0x{data[error.start]:02x}); "
-            f"allowed: {what} in TOML, which is UTF-8"
+            f"allowed: {what} in TOML, saved as UTF-8"
         ) from None
 
 

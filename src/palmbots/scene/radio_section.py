@@ -51,11 +51,13 @@ Outages = Annotated[
 
 
 class MessageFault(Section):
-    """What happens to one message of a robot."""
+    """What happens to one message."""
 
-    sender: Side
+    sender: Literal["left", "right", "station"]
+    receiver: Side | None = None
+    """Receiver of a message of the station; not for a message of a robot."""
     message: Ordinal
-    """Number of the message among all that the sender transmits, from 1."""
+    """Number of the message among all that the sender transmits to this receiver, from 1."""
     effect: Literal["lost", "delayed", "duplicated"]
     """The message is lost, delayed by `delay_s`, or duplicated after `delay_s`."""
     delay_s: Delay | None = None
@@ -63,6 +65,12 @@ class MessageFault(Section):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if (self.receiver is None) != (self.sender != "station"):
+            raise field_error(
+                self.model_dump(),
+                "has no receiver" if self.sender == "station" else "has a receiver",
+                'receiver = "left" or "right" with the sender station, not with a robot',
+            )
         if (self.delay_s is None) != (self.effect == "lost"):
             raise field_error(
                 self.model_dump(),
@@ -118,7 +126,7 @@ class Radio(Section):
     """Times during which one sender is not heard: a list of tables {sender, start_s, end_s}."""
     script: MessageFaults = ()
     """What happens to single messages in every carry: a list of tables {sender, message, effect,
-    delay_s}."""
+    delay_s}. If the sender is the station, receiver is required, too."""
     replay: Fraction = 0.0
     """Probability that an attacker records a packet, and sends it again after `replay_within_s` at
     the latest."""

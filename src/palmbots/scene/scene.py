@@ -109,7 +109,8 @@ class Scene(Section):
             if outage["sender"] != "station":
                 outage["sender"] = _other(outage["sender"])
         for fault in table["radio"]["script"]:
-            fault["sender"] = _other(fault["sender"])
+            end = "receiver" if fault["sender"] == "station" else "sender"
+            fault[end] = _other(fault[end])
         for fault in table["faults"]["script"]:
             if "robot" in fault:
                 fault["robot"] = _other(fault["robot"])

@@ -16,6 +16,7 @@ from palmbots.errors import SceneError
 from palmbots.geometry.object_frame import object_frame
 from palmbots.scene.faults_section import Fault
 from palmbots.scene.palm_section import PalmParameters
+from palmbots.scene.radio_section import MessageFault
 from palmbots.scene.robot_section import RobotParameters, Tactile
 from palmbots.scene.scene import Scene
 
@@ -91,7 +92,7 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     spec.lease = scene.radio.lease_s or 0.0
     spec.outages = [(_SENDERS.index(o.sender), o.start_s, o.end_s) for o in scene.radio.outages]
     spec.message_faults = [
-        (SIDES.index(m.sender), m.message, _EFFECTS.index(m.effect), m.delay_s or 0.0)
+        (_link(m), m.message, _EFFECTS.index(m.effect), m.delay_s or 0.0)
         for m in scene.radio.script
     ]
     spec.brake = scene.control.brake
@@ -128,6 +129,13 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     # A limp palm may turn to any angle.
     spec.safe_reach = -1.0 if spec.may_go_limp else _core.safe_reach(spec)
     return spec
+
+
+def _link(fault: MessageFault) -> int:
+    """The link of a message, as the core numbers them."""
+    if fault.sender == "station":
+        return 2 + SIDES.index(fault.receiver or "left")
+    return SIDES.index(fault.sender)
 
 
 def _radians(degrees: float) -> float:

@@ -99,7 +99,7 @@ def _lockstep(
 
     entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
-    with listen(serve) as door:
+    with listen(serve, "--serve") as door:
         programs = Programs(door, ends_of(entry), scene_number(scene))
         remote_entry = remote(entry, programs.exchange)
         try:
@@ -137,7 +137,7 @@ def _live(
     from palmbots.runtime.live_world import run_live_world
 
     imperfections = load_imperfections(imperfect) if imperfect else None
-    with listen(serve) as door:
+    with listen(serve, "--serve") as door:
         result = run_live_world(
             scene, door, world=world, seed=seed, rate=check_rate(rate), imperfections=imperfections
         )
@@ -168,7 +168,7 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     def on_line(text: str) -> None:
         print(text, flush=True)
 
-    with listen(serve) as door:
+    with listen(serve, "--serve") as door:
         run_bench(scene, door, imperfections, lines=lines, on_line=on_line, seed=seed, rate=rate)
     return DONE
 

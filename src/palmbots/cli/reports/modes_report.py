@@ -19,13 +19,18 @@ if TYPE_CHECKING:
 
 __all__ = ["modes_report"]
 
-_SYMBOLS = "ST: sticks, SL: slides left, SR: slides right"
-
 
 def modes_report(found: "ContactModes") -> None:
     """Print the nine modes as a 3 × 3 table, and those that occur."""
     from palmbots.mechanics.contact_points import MOTION_CODES
+    from palmbots.mechanics.mode_words import (
+        MOTION_MEANINGS,
+        decision_sentence,
+        margin_sentence,
+        mode_sentence,
+    )
 
+    symbols = ", ".join(f"{symbol}: {meaning}" for symbol, meaning in MOTION_MEANINGS.items())
     console = report_console()
     console.print(
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "
@@ -36,7 +41,7 @@ def modes_report(found: "ContactModes") -> None:
         _list_contacts(console, found.contacts, bool(found.held))
         _outcomes(console, "closing", found.contacts, found.motions_closing)
         _outcomes(console, "opening", found.contacts, found.motions_opening)
-        console.print(f"{_SYMBOLS}, BR: breaks contact", style=QUIET)
+        console.print(f"{symbols}, BR: breaks contact", style=QUIET)
         console.print("\nIf only the two contact vertices touched the palms:")
     table = Table()
     table.add_column("left ↓  right →")
@@ -47,24 +52,22 @@ def modes_report(found: "ContactModes") -> None:
         row = [_verdict_mark(found, (left, right)) for right in slides]
         table.add_row(Text(left, style="bold"), *row)
     console.print(table)
-    console.print(_SYMBOLS, style=QUIET)
-    for what, mode, wedged in (
-        ("closing", found.closing, all(found.wedged.values())),
-        ("opening", found.opening, False),
-    ):
+    console.print(symbols, style=QUIET)
+    held = ("ST", "ST") in found.feasible
+    for what, mode in (("closing", found.closing), ("opening", found.opening)):
         if mode is not None:
-            console.print(
-                f"{what}: left [bold]{mode[0]}[/bold], right [bold]{mode[1]}[/bold]", markup=True
-            )
+            name = f"left [bold]{mode[0]}[/bold], right [bold]{mode[1]}[/bold]"
         else:
-            held = any(m == ("ST", "ST") for m in found.feasible)
-            why = "jammed: no contact slides" if held or wedged else "the object is not held"
-            console.print(f"{what}: [bold red]none[/bold red] ({why})", markup=True)
+            name = "[bold red]none[/bold red]"
+        console.print(f"{what}: {name}", markup=True)
+        console.print(mode_sentence(mode, held=held))
+        decision = decision_sentence(found.squeeze, closing=what == "closing", held=held)
+        console.print(decision, style=QUIET)
     for side in SIDES:
         low, high = found.squeeze[side]
         wedged = "   wedged: no squeeze force frees it" if found.wedged[side] else ""
         console.print(f"squeeze force {side:5}  {_end(low)} … {_end(high)} of the weight{wedged}")
-    console.print(f"friction cone margin  {math.degrees(found.margin_rad):.2f}°")
+    console.print(margin_sentence(found.margin_rad))
 
 
 def _list_contacts(console: Console, contacts: "Sequence[Contact]", held: bool) -> None:
