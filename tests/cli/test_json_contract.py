@@ -11,6 +11,7 @@ from jsonschema import Draft202012Validator
 from typer.main import get_command
 
 from commands import Run
+from dds_loopback import dds_environment
 from palmbots.cli.json_schemas import schema_of
 from palmbots.cli.main import build_app
 
@@ -137,6 +138,8 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
     ("keys", (), 0, {"keys[].name", "keys[].meaning", "keys[].default", "keys[].unit"}),
     ("init", ("scene", "SCENE"), 0, {"file", "scene"}),
     ("init", ("pair", "PAIR"), 0, {"files"}),
+    ("view", ("LOG", "--layout", "LAYOUT"), 0, {"written"}),
+    ("ros2", ("PAIR", "--side", "left", "--seconds", "0.1"), 0, {"side", "published.odom"}),
     ("schema", ("log",), 0, {"$schema", "oneOf", "$defs"}),
 ]  # fmt: skip
 
@@ -145,7 +148,7 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
 # other processes (tests/robot), or the files of a pair (tests/cli/test_firmware_commands.py).
 ELSEWHERE = {
     "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
-    "ros2", "view", "firmware", "flash",
+    "firmware", "flash",
 }  # fmt: skip
 
 
@@ -164,7 +167,7 @@ def files(here: Run, tmp_path: Path) -> dict[str, str]:
     """Files that commands read and write, by the word in the contract."""
     names = {
         "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
-        "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml",
+        "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml", "LAYOUT": "layout.json",
     }  # fmt: skip
     return {word: str(tmp_path / name) for word, name in names.items()}
 
@@ -179,6 +182,7 @@ def test_json_has_the_keys_of_the_contract(
     keys: set[str],
     here: Run,
     files: dict[str, str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     if "STUDY" in arguments:
         Path(files["STUDY"]).write_text(
@@ -189,6 +193,10 @@ def test_json_has_the_keys_of_the_contract(
         here("certify", "-o", files["CERTIFICATE"])
     if "LOG" in arguments:
         here("carry", *SHORT, "--animation", "none", "--out", str(Path(files["LOG"]).parent))
+    if command == "ros2":
+        here("init", "pair", files["PAIR"])
+        for name, value in dds_environment().items():
+            monkeypatch.setenv(name, value)
     result = here(command, *(files.get(word, word) for word in arguments), "--json")
     assert result.returncode == status, result
     assert result.stdout.count("\n") == 1

@@ -9,19 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from google.protobuf.json_format import MessageToDict
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
-from mcap.reader import make_reader
 from typer.main import get_command
 
 import palmbots as pb
 from commands import Run, assert_refused
+from json_output import records
 from palmbots.cli.json_schemas import schema_names, schema_of
 from palmbots.cli.main import build_app
 from palmbots.errors import SceneError
-from palmbots.logs import decoder_factories
 from palmbots.logs.mcap_writer import write_log
 from palmbots.scene.files import built_in_scenes, read_scene
 from palmbots.scene.scene import load_scene
@@ -127,18 +125,6 @@ def test_misspelt_keys_are_refused_by_both() -> None:
         found += 1
         assert not SCENES.is_valid(plain(tomllib.loads(bad["scene"]))), bad["line"]
     assert found > 3
-
-
-def records(path: Path) -> Iterator[dict[str, Any]]:
-    with path.open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=decoder_factories())
-        for _, channel, _, message in reader.iter_decoded_messages():
-            table = (
-                message
-                if isinstance(message, str)
-                else MessageToDict(message, preserving_proto_field_name=True)
-            )
-            yield {"topic": channel.topic, "message": table}
 
 
 @pytest.mark.parametrize("world", ["quasistatic", "mujoco"])

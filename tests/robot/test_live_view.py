@@ -16,6 +16,7 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 import palmbots as pb
+from json_output import records, validator
 from palmbots.runtime.pair_file import load_pair
 from palmbots.runtime.station_client import StationClient
 from palmbots.runtime.station_server import station_address
@@ -115,6 +116,13 @@ def test_a_station_is_shown_live_and_takes_nothing(tmp_path: Path) -> None:
                 assert screen.state is not None
                 assert screen.state["wish"] is None
                 assert screen.state["robots"]["left"]["mode"] == "disarmed"
+    topics = set()
+    for log in (tmp_path / "pair-logs").glob("*.mcap"):
+        for record in records(log):
+            validator("log").validate(record)
+            topics.add(record["topic"])
+    expected = {"/left/ticks", "/right/ticks", "/station/sent", "/station/received"}
+    assert topics >= expected | {"/station/lines"}
 
 
 def test_bad_addresses_and_files_are_one_line(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ import pytest
 
 import palmbots as pb
 from cxx import ROOT
+from palmbots.runtime.pair_file import init_pair
 
 DIST = Path(os.environ.get("PALMBOTS_DIST", ROOT / "dist"))
 WORK = ROOT / "build" / "wheels"
@@ -153,11 +154,13 @@ def test_wheel_is_installed_and_carries(version: str, tmp_path: Path) -> None:
     assert carried == "64"
 
 
-def test_wheel_for_aarch64_carries_the_same_bits(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def aarch64_palmbots(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], dict[str, str]]:
+    """The command palmbots of the wheel for aarch64, under emulation, and its environment."""
     if shutil.which("qemu-aarch64-static") is None or shutil.which("apt-get") is None:
         pytest.skip("untested: qemu-user-static, or Debian's packages, are not at hand")
     root = aarch64_root()
-    site = WORK / "aarch64-site"
+    site, own = WORK / "aarch64-site", tmp_path_factory.mktemp("own")
     platforms = [f"manylinux_2_{n}_aarch64" for n in (28, 27, 26, 24, 17)]
     kind = ["--only-binary=:all:", "--python-version", "3.11", "--implementation", "cp"]
     kind += [f"--abi={abi}" for abi in ("cp311", "abi3", "none")]
@@ -166,13 +169,45 @@ def test_wheel_for_aarch64_carries_the_same_bits(tmp_path: Path) -> None:
     if not site.exists():
         run(*pip, "--no-compile", "--target", site, *kind, *dependencies())
     wheel = DIST / f"palmbots-{VERSION}-cp311-cp311-manylinux_2_17_aarch64.whl"
-    run(*pip, "--no-compile", "--no-deps", "--target", tmp_path / "own", *kind, wheel)
+    run(*pip, "--no-compile", "--no-deps", "--target", own, *kind, wheel)
+    python = [str(root / "usr/bin/python3.11"), "-m", "palmbots"]
+    environment = {"PYTHONPATH": f"{own}:{site}", "PATH": os.defpath}
+    return ["qemu-aarch64-static", "-L", str(root), *python], environment
+
+
+def test_wheel_for_aarch64_carries_the_same_bits(
+    aarch64_palmbots: tuple[list[str], dict[str, str]], tmp_path: Path
+) -> None:
+    command, environment = aarch64_palmbots
     words = ("--seed", "3", "--set", "task.distance_m=0.3", "--set", "robot.noise_m_s=0.02")
-    environment = {"PYTHONPATH": f"{tmp_path / 'own'}:{site}", "PATH": os.defpath}
-    command = ("qemu-aarch64-static", "-L", root, root / "usr/bin/python3.11", "-m", "palmbots")
     found = json.loads(run(*command, "carry", "--json", *words, env=environment, cwd=tmp_path))
     assert found["outcome"] == "delivered"
     assert found["trace_hash"] == hash_here(*words)
+
+
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign"])
+def test_robots_on_aarch64_and_a_world_here_carry_the_same_bits(
+    controller: str, aarch64_palmbots: tuple[list[str], dict[str, str]], tmp_path: Path
+) -> None:
+    """The programs of both robots run under emulation, and their world on this processor."""
+    command, environment = aarch64_palmbots
+    scene = pb.load_scene("paper", {"task.distance_m": 0.3, "radio.loss": 0.1})
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    words = ("scene.toml", "--controller", controller, "--seed", "3", "--json")
+    address = f"unix:{tmp_path / 'world'}"
+    init_pair(tmp_path / "pair.toml", scene="scene.toml", controller=controller, address=address)
+    here = [sys.executable, "-m", "palmbots"]
+    serve = [*here, "world", *words, "--lockstep", "--serve", address]
+    robots = []
+    with subprocess.Popen(serve, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as world:
+        for side in ("left", "right"):
+            robot = [*command, "robot", "pair.toml", "--side", side, "--lockstep"]
+            robots.append(subprocess.Popen(robot, cwd=tmp_path, env=environment))
+        printed, _ = world.communicate(timeout=300)
+    assert [robot.wait(60) for robot in robots] == [0, 0]
+    there = json.loads(printed)
+    carried = json.loads(run(*here, "carry", *words, cwd=tmp_path))
+    assert there == carried and carried["outcome"] == "delivered"
 
 
 def aarch64_root() -> Path:
