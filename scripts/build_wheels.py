@@ -165,14 +165,17 @@ def _wheel(target: Target, python: Path, source: Path, out: Path, work: Path) ->
     )
     environment = _fixed_time() | {
         "PATH": f"{python.parent}{os.pathsep}{os.environ['PATH']}",
-        # The platform of the wheel's name; and the end of the modules' names.
-        "_PYTHON_HOST_PLATFORM": f"manylinux_{GLIBC.replace('.', '_')}_{target.machine}",
+        # The end of the modules' names.
         "SETUPTOOLS_EXT_SUFFIX": f".cpython-311-{target.machine}-linux-gnu.so",
     }
     arguments = ["wheel", "--quiet", "--disable-pip-version-check", "--no-build-isolation"]
     arguments += ["--no-deps", "--no-cache-dir", f"--wheel-dir={build / 'wheel'}"]
     arguments += [f"--config-settings=build-dir={build / 'cmake'}"]
     arguments += [f"--config-settings=cmake.define.CMAKE_TOOLCHAIN_FILE={toolchain}"]
+    # The platform of the wheel's name. It stands in a table of the backend: in the environment of the
+    # process it would hide the ABI of Python 3.11 from the backend.
+    platform = f"manylinux_{GLIBC.replace('.', '_')}_{target.machine}"
+    arguments += [f"--config-settings=env._PYTHON_HOST_PLATFORM={platform}"]
     _run(str(python), "-m", "pip", *arguments, str(source), environment=environment)
     (made,) = (build / "wheel").glob("*.whl")
     return made.replace(out / made.name)
