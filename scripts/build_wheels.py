@@ -172,8 +172,8 @@ def _wheel(target: Target, python: Path, source: Path, out: Path, work: Path) ->
     arguments += ["--no-deps", "--no-cache-dir", f"--wheel-dir={build / 'wheel'}"]
     arguments += [f"--config-settings=build-dir={build / 'cmake'}"]
     arguments += [f"--config-settings=cmake.define.CMAKE_TOOLCHAIN_FILE={toolchain}"]
-    # The platform of the wheel's name. It stands in a table of the backend: in the environment of the
-    # process it would hide the ABI of Python 3.11 from the backend.
+    # The platform of the wheel's name. In the environment of the process it would hide the ABI of
+    # Python 3.11 from the backend.
     platform = f"manylinux_{GLIBC.replace('.', '_')}_{target.machine}"
     arguments += [f"--config-settings=env._PYTHON_HOST_PLATFORM={platform}"]
     _run(str(python), "-m", "pip", *arguments, str(source), environment=environment)
