@@ -7,7 +7,7 @@
 Carries in the MuJoCo world with 3 cm/s of noise, over the same seeds in each row. On a curve the
 object drifts sideways while contacts slide; lips of 30 mm stop it. Drops over the side of a palm
 and over its ends are counted separately. Writes benchmarks/results/curved_controllers.csv after
-each row and continues where it was stopped; `new` starts from the beginning. Takes about five
+each row and continues where it was stopped; `new` starts from the beginning. Takes about ten
 minutes of one core.
 """
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from _cells import Cells
 from palmbots._util.confidence_intervals import wilson
+from palmbots.simulation.result import Carry
 from palmbots.simulation.single import carry
 
 RESULT = Path(__file__).parent / "results" / "curved_controllers.csv"
@@ -32,11 +33,18 @@ PATHS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("arc of 1 m radius", ARC),
     ("arc of 1 m radius, lips", ARC | LIPS),
 )
-SIDE = 0.8  # of half of a palm's width: an object that far aside tips over the side
 HEAD = (
     "path", "controller", "carries", "over an end", "over the side", "dropped 95 % [%]",
     "contact rms [mm]", "time [s]",
 )  # fmt: skip
+
+
+def fell_over_the_side(run: Carry) -> bool:
+    """Whether a contact was nearer to the side of its palm than one to the end of its palm."""
+    assert run.lateral_peak_m is not None
+    aside = max(abs(offset) for offset in run.lateral_peak_m.values()) / run.scene.palm.width_m
+    along = max(run.contact_peak_m.values()) / run.scene.palm.length_m
+    return aside > along
 
 
 def row(path: dict[str, Any], controller: str) -> tuple[Any, ...]:
@@ -47,8 +55,7 @@ def row(path: dict[str, Any], controller: str) -> tuple[Any, ...]:
         keys = path | {"robot.noise_m_s": NOISE_M_S}
         run = carry("paper", controller, world="mujoco", seed=seed, record=False, overrides=keys)
         if run.outcome == "dropped":
-            assert run.lateral_peak_m is not None
-            is_side = max(run.lateral_peak_m.values()) > SIDE * run.scene.palm.width_m / 2
+            is_side = fell_over_the_side(run)
             ends, sides = ends + (not is_side), sides + is_side
         else:
             times.append(run.time_s)
