@@ -54,13 +54,16 @@ class Run:
     formula: str | None = None
     fails: str | None = None
     quick: bool = False
+    depth: int = 0
+    """How many steps a counterexample may have that a depth-first search looks for, where the
+    breadth-first one needs too much memory. It is then not the shortest. 0: the shortest one."""
 
     @property
     def search(self) -> str:
         """Which of `SEARCHES` answers it."""
         if self.formula is not None:
             return "formula"
-        return "shortest" if self.fails else "safety"
+        return "shortest" if self.fails and self.depth == 0 else "safety"
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ def runs() -> dict[str, Run]:
             raise SystemExit(
                 f"runs.toml: {known['name']}: no claim {unknown[0]} in {known['model']}"
             )
-        rest = {k: row.pop(k) for k in ("formula", "fails", "quick") if k in row}
+        rest = {k: row.pop(k) for k in ("formula", "fails", "quick", "depth") if k in row}
         defaults = table[known["model"]]
         alien = [k for k in row if k not in defaults]
         if alien:
@@ -173,7 +176,7 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     place.mkdir(parents=True)
     environment = os.environ | {k: str(v) for k, v in run.parameters.items()}
     pan = str(folder / run.search)
-    depth = [] if run.search == "shortest" else ["-m5000000"]
+    depth = [] if run.search == "shortest" else [f"-m{run.depth or 5000000}"]
     claim = [] if run.formula is None else ["-N", run.formula]
     command = [pan, *flags, *claim, "-w24", *depth]
     limit = ["prlimit", f"--as={megabytes * 2**20}"]
@@ -186,7 +189,7 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     trails = sorted(place.glob("*.trail"))
     transcript = ""
     if trails:
-        replay = [pan, "-r", str(trails[0])]
+        replay = [pan, *claim, "-r", str(trails[0])]
         shown = subprocess.run(replay, cwd=place, env=environment, capture_output=True, text=True)
         transcript = _transcript(run, shown.stdout)
     return Finding(

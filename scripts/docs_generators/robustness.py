@@ -91,6 +91,13 @@ def _at(noise: str, rows: dict[str, dict[str, str]]) -> str:
     return "0.0" if float(noise) < max(zeros, default=0.0) else "–"
 
 
+def curved() -> str:
+    """Drops on curved paths."""
+    with RESULT.with_name("curved_controllers.csv").open(newline="", encoding="utf-8") as stream:
+        head, *rows = csv.reader(stream)
+    return _table(head, [[path, f"`{name}`", *cells] for path, name, *cells in rows])
+
+
 def details() -> str:
     """Everything else that was measured."""
     lines = [
@@ -126,6 +133,7 @@ def blocks() -> dict[str, str]:
     return {
         "drops over the noise": over_the_noise(),
         "rates at 1 cm/s": rare(),
+        "curved": curved(),
         "drops at 2 cm/s": overview("dropped_2_cm_s"),
         "drops at 3 cm/s": overview("dropped_3_cm_s"),
         "dynamic": dynamic(),

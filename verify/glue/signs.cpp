@@ -29,6 +29,7 @@ std::uint16_t turn_limit = 0;
 std::uint16_t notice_limit = 0;
 std::uint16_t push_limit = 0;
 std::uint16_t rest_limit = 0;
+std::uint16_t cross_limit = 0;
 
 // Parts and multiples of the push, as Table::seconds has them; at least one cycle.
 std::uint16_t part_of_push(int tenths) {
@@ -43,10 +44,10 @@ typename TableRobot<Table>::Times times_of() {
             {turn_limit, notice_limit, push_limit, rest_limit, part_of_push(1), part_of_push(3),
              part_of_push(8), part_of_push(40)}};
   } else {
-    return {1,
-            fresh,
-            {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3),
-             part_of_push(1)}};
+    return {
+        1,
+        fresh,
+        {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3), cross_limit}};
   }
 }
 
@@ -75,6 +76,12 @@ TableRobot<Table> awake(int side) {
                      fresh + 1,
                      m.since_entered,
                      0});
+}
+
+// The controller of a robot that starts by touch.
+template <class Table>
+TableRobot<Table> first(int side) {
+  return TableRobot<Table>(times_of<Table>(), {side == RIGHT, brake, true});
 }
 
 template <class Table>
@@ -140,8 +147,8 @@ extern "C" {
 
 struct pair pair;
 
-void set_program(int talks_too, int may_stop, int longest, int turn, int notice, int push,
-                 int rest) {
+void set_program(int talks_too, int may_stop, int longest, int turn, int notice, int push, int rest,
+                 int cross) {
   talks = talks_too != 0;
   brake = may_stop != 0;
   lease = longest;
@@ -149,6 +156,7 @@ void set_program(int talks_too, int may_stop, int longest, int turn, int notice,
   notice_limit = static_cast<std::uint16_t>(notice);
   push_limit = static_cast<std::uint16_t>(push);
   rest_limit = static_cast<std::uint16_t>(rest);
+  cross_limit = static_cast<std::uint16_t>(cross);
   if (lease > OLDEST) {
     std::fprintf(stderr, "a lease of %d cycles is too long for the model\n", lease);
     std::exit(2);
@@ -162,6 +170,12 @@ void robot_boot(int side) {
   // A beacon counts only if it echoes a word of this life.
   std::fill_n(pair.said[side], lease + 1, 0);
   std::fill_n(pair.echo[side], lease + 1, 0);
+}
+
+void start_by_touch(void) {
+  for (int side = 0; side < 2; ++side) {
+    pair.mind[side] = talks ? packed(first<SharedSign>(side)) : packed(first<Silent>(side));
+  }
 }
 
 void pass_time(void) {

@@ -44,8 +44,11 @@ struct deed {
 
 /* `talks`: shared-sign, else silent. `turn`, `push` and `rest`: the limits of the table. All times in
  * cycles. The right robot leads. */
-void set_program(int talks, int brake, int lease, int turn, int notice, int push, int rest);
+void set_program(int talks, int brake, int lease, int turn, int notice, int push, int rest,
+                 int cross);
 void robot_boot(int side);
+/* Both robots as they are before the left one starts by itself. */
+void start_by_touch(void);
 
 /* One more cycle has passed. */
 void pass_time(void);

@@ -42,6 +42,7 @@ c_code {
 #define FALL 1    /* no contact goes beyond the bound */
 #define FIGHT 2   /* robots that hear each other move against each other for OPPOSED cycles at most */
 #define STOP 4    /* never do both robots stop that hear each other */
+#define ALONE 8   /* a robot travels for NOTICE cycles at most while its partner is off or waits to start */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED; /* sum of the above */
@@ -61,6 +62,12 @@ byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed
 byte DOWN;  /* cycles for which a robot that reboots is off */
 byte FAIR;  /* times in a row that the same contact slides where no property speaks; 0: any number */
 byte OPPOSED; /* see FIGHT */
+byte NOTICE; /* see ALONE */
+byte TOUCH; /* 1: the left robot starts, and the right one when it feels that */
+byte CROSS; /* limit of the table: cycles for which the left robot's palm is steep at the start */
+byte READY; /* 1: at the start the palms are already where a start by touch wants them */
+byte FEELS; /* 1: while a robot is off, the contact of the other one slides where no property speaks, */
+            /* and the left robot does not reboot while a property says otherwise */
 bool CALMS; /* whether faults come to an end */
 
 #include "contacts.pml"
@@ -78,6 +85,8 @@ bool rest[2];   /* whether it does not travel */
 byte missed[2]; /* whether it misses its step */
 byte wait;      /* cycles until a step may be missed again */
 byte down[2];   /* cycles for which it is still off */
+bool begun;     /* the right robot has started */
+byte alone;     /* see ALONE */
 byte opposed;   /* cycles for which one robot has moved away and the other closer, while they hear each other */
 byte streak;    /* times in a row that a contact slid where no property speaks, */
 bool slid;      /* namely this one */
@@ -156,7 +165,7 @@ inline environment()
   :: !calm && reboots > 0 ->
        reboots--;
        if
-       :: who = LEFT
+       :: !(FEELS && only_shallow(RIGHT)) -> who = LEFT
        :: who = RIGHT
        fi;
        d_step {
@@ -182,7 +191,7 @@ inline note()
     at = 0; tie = false
   }
 }
-#define chooses(s) (FAIR == 0 || !tie || slid != s || streak < FAIR)
+#define chooses(s) (!tie || ((FAIR == 0 || slid != s || streak < FAIR) && !(FEELS && down[s] > 0)))
 
 inline move()
 {
@@ -206,6 +215,9 @@ inline move()
   od
 }
 
+/* Whether a robot neither travels nor stops as a correction. */
+#define stands(s) (down[s] > 0 || (s == RIGHT && !begun))
+
 inline check()
 {
   c_code {
@@ -215,6 +227,9 @@ inline check()
   };
   opposed = (rate(LEFT) * rate(RIGHT) < 0 && both_hear && (ARMED & FIGHT) -> opposed + 1 : 0);
   claim(FIGHT, opposed <= OPPOSED);
+  begun = begun || !rest[RIGHT];
+  alone = ((ARMED & ALONE) && ((stands(LEFT) && !rest[RIGHT]) || (stands(RIGHT) && !rest[LEFT])) -> alone + 1 : 0);
+  claim(ALONE, alone <= NOTICE);
   claim(STOP, !(rest[LEFT] && rest[RIGHT] && both_hear));
   claim(FALL, !fallen(LEFT) && !fallen(RIGHT));
   wait = (wait > 0 -> wait - 1 : 0);
@@ -246,19 +261,27 @@ active proctype cycle()
       now.DOWN = parameter("DOWN");
       now.FAIR = parameter("FAIR");
       now.OPPOSED = parameter("OPPOSED");
+      now.NOTICE = parameter("NOTICE");
+      now.TOUCH = parameter("TOUCH");
+      now.CROSS = parameter("CROSS");
+      now.READY = parameter("READY");
+      now.FEELS = parameter("FEELS");
+      now.begun = !now.TOUCH;
       now.CALMS = parameter("CALMS");
       now.links[LEFT] = now.LINKS;
       now.links[RIGHT] = now.LINKS;
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TAKES, now.DELAY, now.PUSH, now.PAUSE);
+      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TAKES, now.DELAY, now.PUSH, now.PAUSE, now.CROSS);
       robot_boot(LEFT);
       robot_boot(RIGHT);
+      if (now.TOUCH) start_by_touch();
+      now.rest[RIGHT] = now.TOUCH;
     };
     select (k : 0 .. 1);
-    palm[LEFT] = k;
+    palm[LEFT] = (READY -> STEEP : k);
     select (k : 0 .. 1);
-    palm[RIGHT] = k;
+    palm[RIGHT] = (READY -> SHALLOW : k);
     select (k : 0 .. 2 * START + WIDTH - 1);
     p[LEFT] = k - START;
     select (k : 0 .. 2 * START + WIDTH - 1);
@@ -289,3 +312,7 @@ active proctype cycle()
 ltl converges { <>[] calm -> <>[] goal }
 /* Whatever the object does, opposite signs do not last. */
 ltl ties { []<> (sign(LEFT) * sign(RIGHT) >= 0) }
+/* Both robots travel in the end. */
+ltl starts { <>[] (begun && !rest[LEFT] && !rest[RIGHT]) }
+/* The same, once faults are over. */
+ltl recovers { <>[] calm -> <>[] (!rest[LEFT] && !rest[RIGHT]) }
