@@ -2,8 +2,8 @@
 """The wheels and the source distribution that `make wheels` leaves in dist (`make test-wheels`).
 
 Each Python that this machine has, from 3.11 on, installs its wheel into an empty environment from
-packages that lie on the disk, and carries; the bits are those of this tree. The wheel for aarch64
-does so with Debian's Python 3.11 under qemu-user.
+packages that lie on the disk, and carries; the bits are those of this tree. The wheels for aarch64
+do so under qemu-user with Pythons of Debian, and Python 3.14 is that of Debian unstable.
 """
 
 import json
@@ -17,6 +17,7 @@ import tarfile
 import time
 import tomllib
 import zipfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +40,11 @@ WHEELS = [
     for machine in MACHINES
     for tag in TAGS.values()
 ]
-PYTHONS = ("3.11", "3.12", "3.13", "3.14")
-AARCH64_PACKAGES = (
-    "python3.11-minimal", "libpython3.11-minimal", "libpython3.11-stdlib", "libc6", "libgcc-s1",
-    "libstdc++6", "zlib1g", "libexpat1", "libssl3", "libbz2-1.0", "liblzma5", "libffi8",
-    "libsqlite3-0", "libncursesw6", "libtinfo6", "libreadline8", "libuuid1", "libcrypt1",
+PYTHONS = ("3.11", "3.12", "3.13")
+DEBIAN_PACKAGES = (
+    "python{}-minimal", "libpython{}-minimal", "libpython{}-stdlib", "libc6", "libgcc-s1",
+    "libstdc++6", "zlib1g", "libexpat1", "libbz2-1.0", "liblzma5", "libffi8", "libsqlite3-0",
+    "libncursesw6", "libtinfo6", "libuuid1", "libcrypt1",
 )  # fmt: skip
 GLIBC = (2, 17)
 
@@ -154,31 +155,95 @@ def test_wheel_is_installed_and_carries(version: str, tmp_path: Path) -> None:
     assert carried == "64"
 
 
-@pytest.fixture(scope="module")
-def aarch64_palmbots(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], dict[str, str]]:
-    """The command palmbots of the wheel for aarch64, under emulation, and its environment."""
-    if shutil.which("qemu-aarch64-static") is None or shutil.which("apt-get") is None:
-        pytest.skip("untested: qemu-user-static, or Debian's packages, are not at hand")
-    root = aarch64_root()
-    site, own = WORK / "aarch64-site", tmp_path_factory.mktemp("own")
-    platforms = [f"manylinux_2_{n}_aarch64" for n in (28, 27, 26, 24, 17)]
-    kind = ["--only-binary=:all:", "--python-version", "3.11", "--implementation", "cp"]
-    kind += [f"--abi={abi}" for abi in ("cp311", "abi3", "none")]
-    kind += [f"--platform={name}" for name in (*platforms, "manylinux2014_aarch64")]
+@dataclass(frozen=True)
+class Place:
+    """A Debian whose Python runs here without being installed: its files are unpacked."""
+
+    suite: str
+    version: str
+    machine: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.suite}-{self.version}-{self.machine}"
+
+    @property
+    def tag(self) -> str:
+        return TAGS["cp311" if self.version == "3.11" else "cp312-abi3"]
+
+    def command(self) -> list[str]:
+        """Its Python, under emulation where the processor is another one."""
+        root = self.root()
+        python = str(root / f"usr/bin/python{self.version}")
+        if self.machine == "aarch64":
+            return ["qemu-aarch64-static", "-L", str(root), python]
+        loader, libraries = root / "usr/lib64/ld-linux-x86-64.so.2", "usr/lib/x86_64-linux-gnu"
+        return [str(loader), "--library-path", str(root / libraries), python]
+
+    def root(self) -> Path:
+        root = WORK / f"root-{self.name}"
+        if root.exists():
+            return root
+        folder = WORK / f"apt-{self.name}"
+        (folder / "lists" / "partial").mkdir(parents=True, exist_ok=True)
+        (folder / "archives").mkdir(exist_ok=True)
+        key = "/usr/share/keyrings/debian-archive-keyring.gpg"
+        sources = f"deb [signed-by={key}] http://deb.debian.org/debian {self.suite} main\n"
+        (folder / "sources.list").write_text(sources)
+        kind = {"x86_64": "amd64", "aarch64": "arm64"}[self.machine]
+        settings = {"APT::Architecture": kind, "APT::Architectures": kind}
+        settings |= {"Dir::State::Lists": str(folder / "lists"), "APT::Sandbox::User": "root"}
+        settings |= {"Dir::Etc::SourceParts": "/dev/null"}
+        settings |= {"Dir::Etc::SourceList": str(folder / "sources.list")}
+        apt = ("apt-get", "-qq", *(f"-o{key}={value}" for key, value in settings.items()))
+        run(*apt, "update")
+        late = self.suite != "bookworm"  # names since the change to 64-bit times
+        names = [name.format(self.version) for name in DEBIAN_PACKAGES]
+        names += ["libssl3t64", "libreadline8t64", "libzstd1"] if late else ["libssl3"]
+        run(*apt, "download", *names, cwd=folder / "archives")
+        for archive in (folder / "archives").glob("*.deb"):
+            run("dpkg", "-x", archive, folder / "root")
+        for name in ("lib", "lib64"):  # what a newer Debian has in /usr only
+            if not (folder / "root" / name).exists() and (folder / "root" / "usr" / name).exists():
+                (folder / "root" / name).symlink_to(f"usr/{name}")
+        return (folder / "root").rename(root)
+
+
+PLACES = [
+    Place("bookworm", "3.11", "aarch64"), Place("sid", "3.14", "aarch64"),
+    Place("sid", "3.14", "x86_64"),
+]  # fmt: skip
+Palmbots = tuple[list[str], dict[str, str]]
+
+
+@pytest.fixture(scope="module", params=PLACES, ids=lambda place: place.name)
+def palmbots_of_debian(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Palmbots:
+    """The command palmbots of a wheel, with a Python of Debian, and its environment."""
+    place: Place = request.param
+    tools = ("apt-get", "dpkg", *(("qemu-aarch64-static",) if place.machine == "aarch64" else ()))
+    if platform.machine() != "x86_64" or not all(map(shutil.which, tools)):
+        pytest.skip(f"untested: needs x86-64 and {', '.join(tools)}")
+    site, own = WORK / f"site-{place.name}", tmp_path_factory.mktemp("own")
+    platforms = [f"manylinux_2_{n}_{place.machine}" for n in (28, 27, 26, 24, 17)]
+    kind = ["--only-binary=:all:", "--python-version", place.version, "--implementation", "cp"]
+    kind += [f"--abi={abi}" for abi in (f"cp{place.version.replace('.', '')}", "abi3", "none")]
+    kind += [f"--platform={name}" for name in (*platforms, f"manylinux2014_{place.machine}")]
     pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "-q")
     if not site.exists():
         run(*pip, "--no-compile", "--target", site, *kind, *dependencies())
-    wheel = DIST / f"palmbots-{VERSION}-cp311-cp311-manylinux_2_17_aarch64.whl"
+    wheel = DIST / f"palmbots-{VERSION}-{place.tag}-manylinux_2_17_{place.machine}.whl"
     run(*pip, "--no-compile", "--no-deps", "--target", own, *kind, wheel)
-    python = [str(root / "usr/bin/python3.11"), "-m", "palmbots"]
     environment = {"PYTHONPATH": f"{own}:{site}", "PATH": os.defpath}
-    return ["qemu-aarch64-static", "-L", str(root), *python], environment
+    environment["PYTHONHOME"] = str(place.root() / "usr")
+    return [*place.command(), "-m", "palmbots"], environment
 
 
-def test_wheel_for_aarch64_carries_the_same_bits(
-    aarch64_palmbots: tuple[list[str], dict[str, str]], tmp_path: Path
+def test_wheel_carries_the_same_bits_with_a_python_of_debian(
+    palmbots_of_debian: Palmbots, tmp_path: Path
 ) -> None:
-    command, environment = aarch64_palmbots
+    command, environment = palmbots_of_debian
     words = ("--seed", "3", "--set", "task.distance_m=0.3", "--set", "robot.noise_m_s=0.02")
     found = json.loads(run(*command, "carry", "--json", *words, env=environment, cwd=tmp_path))
     assert found["outcome"] == "delivered"
@@ -186,11 +251,11 @@ def test_wheel_for_aarch64_carries_the_same_bits(
 
 
 @pytest.mark.parametrize("controller", ["resilient", "shared-sign"])
-def test_robots_on_aarch64_and_a_world_here_carry_the_same_bits(
-    controller: str, aarch64_palmbots: tuple[list[str], dict[str, str]], tmp_path: Path
+def test_robots_there_and_a_world_here_carry_the_same_bits(
+    controller: str, palmbots_of_debian: Palmbots, tmp_path: Path
 ) -> None:
-    """The programs of both robots run under emulation, and their world on this processor."""
-    command, environment = aarch64_palmbots
+    """On aarch64 the programs of both robots run under emulation, and their world does not."""
+    command, environment = palmbots_of_debian
     scene = pb.load_scene("paper", {"task.distance_m": 0.3, "radio.loss": 0.1})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
     words = ("scene.toml", "--controller", controller, "--seed", "3", "--json")
@@ -208,21 +273,3 @@ def test_robots_on_aarch64_and_a_world_here_carry_the_same_bits(
     there = json.loads(printed)
     carried = json.loads(run(*here, "carry", *words, cwd=tmp_path))
     assert there == carried and carried["outcome"] == "delivered"
-
-
-def aarch64_root() -> Path:
-    """Debian's Python for aarch64, unpacked."""
-    root = WORK / "aarch64-root"
-    if root.exists():
-        return root
-    lists, archives, fresh = (WORK / f"aarch64-{name}" for name in ("lists", "debs", "new-root"))
-    (lists / "partial").mkdir(parents=True, exist_ok=True)
-    archives.mkdir(exist_ok=True)
-    settings = {"APT::Architecture": "arm64", "APT::Architectures": "arm64"}
-    settings |= {"Dir::State::Lists": str(lists), "APT::Sandbox::User": "root"}
-    apt = ("apt-get", "-qq", *(f"-o{key}={value}" for key, value in settings.items()))
-    run(*apt, "update")
-    run(*apt, "download", *AARCH64_PACKAGES, cwd=archives)
-    for archive in archives.glob("*.deb"):
-        run("dpkg", "-x", archive, fresh)
-    return fresh.rename(root)
