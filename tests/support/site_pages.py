@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+import pytest
+
 from commands import Run, runner
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,7 +61,6 @@ def overrides_of(page: Any) -> dict[str, Any]:
 
 def assert_reproduced(page: Any, capsys: Any) -> None:
     """The command that the page prints gives the hash that it shows."""
-    from playwright.sync_api import expect
-
+    expect = pytest.importorskip("playwright.sync_api").expect  # installed for tests/site only
     found = run_json(runner(capsys), command_of(page))
     expect(page.locator("#hash")).to_have_text(found["trace_hash"])
