@@ -28,7 +28,7 @@ def first_column(name: str) -> list[str]:
 def templates() -> set[str]:
     """All texts in the sources, with … where a value is inserted."""
     found = set()
-    rooms = [ROOT / "src" / "palmbots" / room for room in ("drivers", "links", "runtime")]
+    rooms = [ROOT / "src" / "palmbots" / room for room in ("drivers", "links", "runtime", "scene")]
     for file in itertools.chain(*(room.rglob("*.py") for room in rooms)):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.JoinedStr):

@@ -58,7 +58,7 @@ def _changed(file: Path, text: str, side: Side, values: Mapping[str, Any]) -> st
         changed = tomlkit.dumps(document)
         PairFile.model_validate(tomlkit.parse(changed).unwrap())
     except (tomlkit.exceptions.TOMLKitError, RecursionError) as error:
-        raise PalmbotsError(f"{file}: is not valid TOML: {error}") from None
+        raise PalmbotsError(f"{file}: not valid TOML: {error}") from None
     except ValidationError as error:
         raise PalmbotsError(f"{file}: {validation_message(error, PairFile)}") from None
     return changed
