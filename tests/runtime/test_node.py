@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
+from json_output import records
 from palmbots.drivers.driver import Drive, Reading
+from palmbots.links.local_connection import Connection, listen
 from palmbots.runtime import live_robot
 from palmbots.runtime.control_clock import ControlClock
 from palmbots.runtime.pair_file import init_pair, load_pair
@@ -116,3 +118,32 @@ def test_a_stop_reaches_the_driver_within_two_control_periods(
     assert moving[-1] <= 60 + 2, (moving[0], moving[-1])
     assert end.mode == "stopped"
     assert end.ticks == len(robot.drives)
+
+
+def test_a_signal_while_it_ends_does_not_cut_off_its_log(tmp_path: Path) -> None:
+    """Its world is gone, so it ends; then SIGTERM comes, before its log is closed."""
+    address = f"unix:{tmp_path / 'world'}"
+    init_pair(tmp_path / "pair.toml", address=address)
+    code = f"""
+import os, signal, sys
+from palmbots.cli.main import run
+from palmbots.runtime.logged_robot import LoggedRobot
+close = LoggedRobot.close
+def ended_meanwhile(robot):
+    os.kill(os.getpid(), signal.SIGTERM)
+    close(robot)
+LoggedRobot.close = ended_meanwhile
+sys.exit(run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"]))
+"""
+    with listen(address) as door:
+        command = [sys.executable, "-c", code]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+            stream, _ = door.accept()
+            with Connection(stream, "robot") as world:
+                world.receive(60)
+                world.send([0, True, 0.0])
+                world.receive(60)
+            _, errors = process.communicate(timeout=60)
+    assert process.returncode == 2 and "world" in errors, (process.returncode, errors)
+    (log,) = (tmp_path / "pair-logs").glob("*.mcap")
+    assert next(records(log))["topic"] == "/left/ticks"

@@ -8,6 +8,7 @@ control period it passes readings and packets to the core, and carries out the a
 import contextlib
 import gc
 import math
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, get_args
@@ -100,9 +101,11 @@ def run_live_robot(
         loop = _Loop(pair, side, rate, scene, driver, keeper, gauge)
         loop.link, loop.clock, loop.observer = clock.link(link), clock, observer
         loop.on_line = on_line
+        # Until the log is closed: a signal that comes while the program ends must not cut it off.
+        ended = stack.enter_context(ended_by_signal())
         loop.start(state)
         stack.callback(loop.close)
-        loop.run()
+        loop.run(ended)
         return loop.end(link.summary())
 
 
@@ -160,9 +163,9 @@ class _Loop:
         assert self._robot is not None
         return self._robot
 
-    def run(self) -> None:
-        """Tick until the driver or a signal ends it."""
-        with ended_by_signal() as ended, _little_garbage():
+    def run(self, ended: threading.Event) -> None:
+        """Tick until the driver ends it, or the event is set."""
+        with _little_garbage():
             while not ended.is_set():
                 elapsed = self.clock.wait()
                 if self.robot.wheels and elapsed > self._watchdog:
