@@ -14,4 +14,5 @@ def test_programs_on_aarch64_carry_the_same_bits(tmp_path: Path) -> None:
     subprocess.run([*build, "--out", tmp_path], check=True, timeout=3000)
     tests = [sys.executable, "-m", "pytest", "tests/wheels", "-k", "bookworm-3.11-aarch64"]
     environment = os.environ | {"PALMBOTS_DIST": str(tmp_path)}
-    subprocess.run(tests, cwd=ROOT, env=environment, check=True, timeout=600)
+    done = subprocess.run(tests, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and "3 passed" in done.stdout, done.stdout  # none was skipped
