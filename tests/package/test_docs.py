@@ -64,7 +64,7 @@ FEW = {
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
          ["robot", "--json"], ["station"], ["ros2"], ["calibrate"], ["firmware"],
-         ["flash"], ["schema"])  # fmt: skip
+         ["flash"], ["schema"], ["doctor"])  # fmt: skip
 
 
 def commands() -> list[str]:
