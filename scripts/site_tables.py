@@ -105,7 +105,7 @@ def counterexample(path: Path) -> dict[str, Any]:
         "name": path.stem,
         "title": what,
         "claim": claim,
-        "meaning": _meaning(run.model, claim),
+        "meaning": _meaning(run, claim),
         "controller": shown,
         "steps": steps,
         "after": before,
@@ -121,12 +121,14 @@ def controller_of(run: Run) -> str:
     return {"signs": "shared-sign", "beacons": "shared-sign"}.get(run.model, run.model)
 
 
-def _meaning(model: str, claim: str) -> str:
-    """A claim, or a formula of the same name, in the words of the model."""
-    stated = {name: says for name, (_, says) in claims_of(model).items()}
-    text = (ROOT / "verify" / "models" / f"{model}.pml").read_text("utf-8")
+def _meaning(run: Run, claim: str) -> str:
+    """A claim or formula in the words of the model, with the numbers of the run."""
+    stated = {name: says for name, (_, says) in claims_of(run.model).items()}
+    text = (ROOT / "verify" / "models" / f"{run.model}.pml").read_text("utf-8")
     stated |= {name: says for says, name in _FORMULA.findall(text)}
     says = re.sub(r"^S\d: ", "", stated[claim]).removesuffix(".")
+    for parameter, value in run.parameters.items():
+        says = re.sub(rf"\b{parameter}\b", str(value), says)
     return says[0].lower() + says[1:]
 
 

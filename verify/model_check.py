@@ -196,8 +196,8 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
         run,
         violated=_violated(run, text),
         complete="Search not completed" not in text and "max search depth too small" not in text,
-        states=int(_first(r"(\d+) states, stored", text)),
-        transitions=int(_first(r"(\d+) transitions", text)),
+        states=int(float(_first(r"([\d.e+]+) states, stored", text))),
+        transitions=int(float(_first(r"([\d.e+]+) transitions", text))),
         seconds=float(_first(r"elapsed time ([\d.]+)", text)),
         transcript=transcript,
     )

@@ -55,7 +55,7 @@ FEW = {
     "compare": ["--carries", "2"],
     "design": ["--resolution-deg", "2", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
-    "bound": ["--set", "task.distance_m=0.2"],
+    "bound": ["--set", "task.distance_m=0.05"],
     "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],
     "study": ["--carries", "2"],
     "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.05"],

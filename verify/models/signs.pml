@@ -43,6 +43,7 @@ c_code {
 #define FIGHT 2   /* robots that hear each other move against each other for OPPOSED cycles at most */
 #define STOP 4    /* never do both robots stop that hear each other */
 #define ALONE 8   /* a robot travels for NOTICE cycles at most while its partner is off or waits to start */
+#define ARRIVE 16 /* WITHIN cycles after faults are over both contacts are at 0, and stay */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED; /* sum of the above */
@@ -57,7 +58,8 @@ byte PUSH;  /* before a robot pauses that moves closer, */
 byte PAUSE; /* and of the pause */
 byte COAST; /* cycles that the wheels lag behind the command: 0 or 1 */
 byte NAPS;  /* 1: a robot whose clock is slow may miss a step without knowing it, */
-byte APART; /* after so many cycles without one missed */
+byte APART; /* after so many cycles without one missed, */
+byte SLOW;  /* 1: also when the radio is calm */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte DOWN;  /* cycles for which a robot that reboots is off */
 byte FAIR;  /* times in a row that the same contact slides where no property speaks; 0: any number */
@@ -68,6 +70,9 @@ byte CROSS; /* limit of the table: cycles for which the left robot's palm is ste
 byte READY; /* 1: at the start the palms are already where a start by touch wants them */
 byte FEELS; /* 1: while a robot is off, the contact of the other one slides where no property speaks, */
             /* and the left robot does not reboot while a property says otherwise */
+byte KEPT;  /* until the radio is calm, no contact goes farther off the zone; 0: it may */
+byte WITHIN; /* see ARRIVE */
+byte NEAR;  /* cells by which a contact at its goal may be off the zone */
 bool CALMS; /* whether faults come to an end */
 
 #include "contacts.pml"
@@ -78,7 +83,8 @@ byte lone[2];   /* cycles for which each robot has heard a partner that did not 
 byte reboots;   /* that may still happen */
 byte bumps;     /* shifts of a contact by a cell that may still happen */
 bool calm;      /* no fault will come any more */
-bool goal;      /* both contacts at 0 */
+bool goal;      /* both contacts at 0, or NEAR it */
+byte since;     /* cycles since the radio is calm, see ARRIVE */
 byte wheels[2]; /* what each robot commands its wheels */
 byte rolls[2];  /* and what they do */
 bool rest[2];   /* whether it does not travel */
@@ -111,7 +117,7 @@ inline step()
 {
   if
   :: down[who] > 0 -> down[who]--; rolls[who] = 0; turn(who, palm[who])
-  :: down[who] == 0 && !calm && missed[who] < NAPS && wait == 0 ->
+  :: down[who] == 0 && (!calm || SLOW) && missed[who] < NAPS && wait == 0 ->
        d_step {
          missed[who] = 1; wait = APART;
          c_code { robot_skip(now.who); };
@@ -173,7 +179,12 @@ inline environment()
          down[who] = DOWN; wheels[who] = 0; rolls[who] = 0; rest[who] = true; missed[who] = 0; who = 0
        }
   :: !calm && CALMS && down[LEFT] + down[RIGHT] == 0 ->
-       calm = true; missed[LEFT] = 0; missed[RIGHT] = 0; wait = 0; c_code { Printf("      faults are over\n"); }
+       calm = true;
+       if
+       :: !SLOW -> missed[LEFT] = 0; missed[RIGHT] = 0; wait = 0
+       :: else
+       fi;
+       c_code { Printf("      faults are over\n"); }
   :: skip
   fi
 }
@@ -192,6 +203,16 @@ inline note()
   }
 }
 #define chooses(s) (!tie || ((FAIR == 0 || slid != s || streak < FAIR) && !(FEELS && down[s] > 0)))
+
+/* An object that stays on the palms, whatever happens. */
+inline keep(s)
+{
+  if
+  :: KEPT > 0 && !calm && p[s] < 0 - KEPT -> p[s] = 0 - KEPT
+  :: KEPT > 0 && !calm && p[s] > WIDTH - 1 + KEPT -> p[s] = WIDTH - 1 + KEPT
+  :: else
+  fi
+}
 
 inline move()
 {
@@ -212,11 +233,15 @@ inline move()
        fi;
        note(); net++
   :: net == 0 -> break
-  od
+  od;
+  keep(LEFT);
+  keep(RIGHT)
 }
 
 /* Whether a robot neither travels nor stops as a correction. */
 #define stands(s) (down[s] > 0 || (s == RIGHT && !begun))
+
+#define near(s) (p[s] >= 0 - NEAR && p[s] < WIDTH + NEAR)
 
 inline check()
 {
@@ -233,7 +258,9 @@ inline check()
   claim(STOP, !(rest[LEFT] && rest[RIGHT] && both_hear));
   claim(FALL, !fallen(LEFT) && !fallen(RIGHT));
   wait = (wait > 0 -> wait - 1 : 0);
-  goal = sign(LEFT) == 0 && sign(RIGHT) == 0
+  goal = near(LEFT) && near(RIGHT);
+  since = (calm && (ARMED & ARRIVE) && since <= WITHIN -> since + 1 : since);
+  claim(ARRIVE, since <= WITHIN || goal)
 }
 
 active proctype cycle()
@@ -257,6 +284,7 @@ active proctype cycle()
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.APART = parameter("APART");
+      now.SLOW = parameter("SLOW");
       now.TRAVEL = parameter("TRAVEL");
       now.DOWN = parameter("DOWN");
       now.FAIR = parameter("FAIR");
@@ -267,6 +295,9 @@ active proctype cycle()
       now.READY = parameter("READY");
       now.FEELS = parameter("FEELS");
       now.begun = !now.TOUCH;
+      now.KEPT = parameter("KEPT");
+      now.WITHIN = parameter("WITHIN");
+      now.NEAR = parameter("NEAR");
       now.CALMS = parameter("CALMS");
       now.links[LEFT] = now.LINKS;
       now.links[RIGHT] = now.LINKS;
