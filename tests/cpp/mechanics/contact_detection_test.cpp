@@ -55,6 +55,44 @@ Counted over_many_states() {
   return counted;
 }
 
+// A palm that falls inward carries the box with its tip alone, and the contact vertex is above the
+// palm. By Pythagoras, the tip meets the bottom as far from that vertex as the vertex is from the
+// tip.
+template <class Real>
+void lifted_by_a_tip() {
+  const Model<Real> model = model_of<Real>(paper_spec());
+  const Real near = contact_tolerance<Real> * model.object.width;
+  for (const std::size_t side : {left, right}) {
+    for (int a = 1; a <= 3; ++a) {
+      const PalmAngle<Real> falls = PalmAngle<Real>::at(Real(-0.1) * Real(a));
+      const PalmAngle<Real> rises = PalmAngle<Real>::at(Real(0.25));
+      Configuration<Real> at{Real(0),
+                             {side == left ? falls : rises, side == left ? rises : falls},
+                             {Real(0), Real(0)}};
+      Real sunk = Real(0);
+      Real above = Real(0.0625);
+      for (int k = 0; k < 60; ++k) {
+        at.lift[side] = Real(0.5) * (sunk + above);
+        (detect_contacts(model, at).sunk[side] > Real(0) ? sunk : above) = at.lift[side];
+      }
+      at.lift[side] = above;
+      CHECK(above > Real(0.001));
+      const ContactSet<Real> found = detect_contacts(model, at);
+      CHECK(found.count == 2 && found.sunk[side] <= near);
+      const ContactPoint<Real>& tip = found.points[side];
+      const Real half = model.half_length[side];
+      CHECK(tip.kind == ContactKind::tip && tip.palm_end && tip.place == -half);
+      CHECK(magnitude(tip.height) <= Real(2) * near);
+      CHECK(magnitude(tip.along[side] - std::sqrt(half * half + above * above)) <= Real(2) * near);
+      CHECK(magnitude(tip.along[left] + tip.along[right] - model.object.width) <= near);
+      // 4 mm lower, the box turns about its other contact as well: the tip is less than 4 mm deep.
+      at.lift[side] = above - Real(0.004);
+      const Real deep = detect_contacts(model, at).sunk[side];
+      CHECK(deep > Real(0.002) && deep < Real(0.004));
+    }
+  }
+}
+
 // Eight legs on level ground: closing makes those of either palm slide, and all those alike.
 template <class Real>
 void most_contacts() {
@@ -84,6 +122,8 @@ int main() {
   const Counted floats = over_many_states<float>();
   CHECK(doubles.sunk > 0 && doubles.contacts > 200 && doubles.outcomes > 50);
   CHECK(doubles.sunk == floats.sunk && doubles.contacts == floats.contacts);
+  lifted_by_a_tip<double>();
+  lifted_by_a_tip<float>();
   most_contacts<double>();
   most_contacts<float>();
 }
