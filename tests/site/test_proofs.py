@@ -26,15 +26,14 @@ def stated_claims() -> dict[str, set[str]]:
             words = re.search(r"/\* (?:S\d: )?(.+) \*/$", line)
             name = re.match(r"#define (\w+) \d+ ", line) or re.match(r"ltl (\w+) ", after)
             if words and name:
-                found.setdefault(name[1], set()).add(
-                    words[1][0].lower() + words[1][1:].removesuffix(".")
-                )
+                found.setdefault(name[1], set()).add(words[1].removesuffix("."))
     return found
 
 
 def with_numbers(words: str, run: dict[str, Any]) -> str:
     """Words of a claim with the numbers of a run in place of the model's parameters."""
-    return re.sub(r"\b[A-Z]{3,}\b", lambda name: str(run.get(name[0], name[0])), words)
+    says = re.sub(r"\b[A-Z]{3,}\b", lambda name: str(run.get(name[0], name[0])), words)
+    return says[0].lower() + says[1:]
 
 
 def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
