@@ -58,8 +58,7 @@ byte DELAY; /* cycles that a beacon takes at most when all is well */
 byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
 byte JOIN; /* cycles for which a robot that was ready may still start after its partner */
 byte COAST; /* and that they do */
-byte NAPS;  /* steps in a row that a robot may miss, */
-byte SLOW;  /* 1: also when faults are over */
+byte NAPS;  /* steps in a row that a robot may miss */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
 bool CALMS; /* whether faults come to an end */
@@ -125,7 +124,7 @@ inline step()
   :: choices & (1 << 21) -> choice = 21
   :: choices & (1 << 22) -> choice = 22
   :: choices & (1 << 23) -> choice = 23
-  :: (!calm || SLOW) && missed[who] < NAPS -> choice = NAP
+  :: !calm && missed[who] < NAPS -> choice = NAP
   fi;
   d_step {
     if
@@ -229,7 +228,6 @@ active proctype cycle()
       now.JOIN = parameter("JOIN");
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
-      now.SLOW = parameter("SLOW");
       now.TRAVEL = parameter("TRAVEL");
       now.SKEW = parameter("SKEW");
       now.CALMS = parameter("CALMS");
