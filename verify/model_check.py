@@ -10,6 +10,7 @@ state_counts.csv say.
 
 import argparse
 import csv
+import fcntl
 import hashlib
 import os
 import re
@@ -135,6 +136,13 @@ def build(model: str, searches: Sequence[str] = tuple(SEARCHES)) -> Path:
     """The folder with the compiled searches of a model; compiled again when a source changes."""
     if shutil.which("spin") is None:
         raise SystemExit("verify: needs spin; run: sudo apt-get install spin")
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with (BUILD / "lock").open("w") as lock:  # test processes share the folder
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return _built(model, searches)
+
+
+def _built(model: str, searches: Sequence[str]) -> Path:
     sources = sorted([*HERE.glob("models/*.pml"), *HERE.glob("glue/*")])
     digest = hashlib.sha256()
     for path in [*sources, *sorted(ROOT.glob("include/**/*.hpp"))]:
