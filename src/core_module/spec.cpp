@@ -110,10 +110,9 @@ void bind_spec(nb::module_& m) {
             return items;
           },
           [](Spec& s, const std::vector<ZoneItem>& items) {
-            fill<ZoneItem, max_zones, Zone<double>>(
+            fill<ZoneItem, max_zones, ZoneSpec>(
                 items, s.zone_count, s.zones, "zones", [](const ZoneItem& z) {
-                  return Zone<double>{static_cast<Sign>(std::get<0>(z)), std::get<1>(z),
-                                      std::get<2>(z)};
+                  return ZoneSpec{std::get<0>(z), std::get<1>(z), std::get<2>(z)};
                 });
           })
       .def_rw("false_rate", &Spec::false_rate)

@@ -33,7 +33,7 @@ def main(tests: list[str]) -> int:
     WORK.mkdir(parents=True, exist_ok=True)
     for counters in WORK.rglob("*.gcda"):
         counters.unlink()
-    failed = core_copy.build(WORK, ROOT / "include", FLAGS, is_quick=True)
+    failed = core_copy.build(WORK, ROOT / "include", FLAGS, is_quick=False)
     sources = sorted((ROOT / "tests" / "cpp").glob("*/*_test.cpp"))
     failed = failed or core_copy.programs(WORK, ROOT / "include", sources, f"-O0 {FLAGS}")
     if failed:

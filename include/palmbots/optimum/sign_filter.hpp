@@ -142,7 +142,7 @@ class SignFilter {
   void intervals(const Spec& spec) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     for (Interval& one : intervals_) one = {infinity, -infinity};
-    const TactileSensor<double> sensor(spec.zones, spec.zone_count, 0);
+    const auto sensor = tactile_of<double>(spec);
     const double half = 0.5 * larger(spec.palms[left].length, spec.palms[right].length);
     for (double p = -half; p <= half;) {
       const auto stretch = sensor.stretch(p);

@@ -40,6 +40,17 @@ Model<Real> model_of(const Spec& spec) {
   return model;
 }
 
+// The sensors of the palms.
+template <class Real>
+TactileSensor<Real> tactile_of(const Spec& spec) {
+  std::array<Zone<Real>, max_zones> zones{};
+  for (std::size_t i = 0; i < spec.zone_count; ++i) {
+    const ZoneSpec& zone = spec.zones[i];
+    zones[i] = {static_cast<Sign>(zone.sign), Real(zone.from), Real(zone.to)};
+  }
+  return TactileSensor<Real>(zones, spec.zone_count, spec.false_rate);
+}
+
 // The initial configuration: both palms steep, the contacts where the spec puts them, the robots at
 // the separation that the object's width requires.
 template <class Real>
@@ -112,7 +123,8 @@ inline Channel channel_of(const Spec& spec) {
   for (std::size_t i = 0; i < spec.outage_count; ++i) {
     const OutageSpec& outage = spec.outages[i];
     const auto tick = [&](double s) { return static_cast<std::uint32_t>(s / spec.period + 0.5); };
-    channel.outages[i] = {outage.sender, tick(outage.from), tick(outage.to)};
+    channel.outages[i] = {static_cast<std::uint32_t>(outage.sender), tick(outage.from),
+                          tick(outage.to)};
   }
   channel.message_fault_count = spec.message_fault_count;
   for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
@@ -151,7 +163,7 @@ namespace detail {
 // extends to the nearest coordinate from which on the sensor reads another sign; the farther side
 // counts.
 inline double zero_zone_reach(const Spec& spec) {
-  const TactileSensor<double> tactile(spec.zones, spec.zone_count, 0);
+  const auto tactile = tactile_of<double>(spec);
   double reach = 0;
   for (const double side : {-1.0, 1.0}) {
     double nearest = std::numeric_limits<double>::infinity();

@@ -29,11 +29,7 @@ class RobotPair {
       full_move_[side] = Real(spec.robots[side].correction * (AnyTeam::half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
-    std::array<Zone<Real>, max_zones> zones{};
-    for (std::size_t i = 0; i < spec.zone_count; ++i) {
-      zones[i] = {spec.zones[i].sign, Real(spec.zones[i].from), Real(spec.zones[i].to)};
-    }
-    tactile_ = TactileSensor<Real>(zones, spec.zone_count, spec.false_rate);
+    tactile_ = tactile_of<Real>(spec);
     metrics_.settle_ticks = settle_ticks();
     next_push_ = Pushes::next_change(spec_, 0);
     obey(commands_);

@@ -2,7 +2,8 @@
 // The specification of a carry: everything that defines it, as plain numbers in SI units and
 // radians.
 //
-// Trivially copyable, so that a spec can be passed on as bytes. Numbers are double here whatever
+// Trivially copyable, so that a spec can be passed on as bytes, and without padding, so that equal
+// specs have equal bytes: some small numbers have 64 bits for that. Numbers are double here whatever
 // the precision of the carry. The code that fills in a spec must validate it.
 #pragma once
 
@@ -38,6 +39,13 @@ struct RobotSpec {
   std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
 };
 
+// A stretch of the palm in which the sensor reads one sign (`Sign`), as in Zone.
+struct ZoneSpec {
+  std::int64_t sign = 0;
+  double from = 0;  // [m], closed
+  double to = 0;    // [m], closed
+};
+
 // A sudden shift of one contact, when the pair has travelled the distance `at`, or at the time
 // `at`.
 struct BumpSpec {
@@ -50,7 +58,7 @@ struct BumpSpec {
 // A time during which something pushes one robot: its speed changes by `speed` outward. Brakes
 // hold against a push.
 struct PushSpec {
-  std::uint32_t side = 0;
+  std::uint64_t side = 0;
   double at = 0;     // [s]
   double lasts = 0;  // [s]
   double speed = 0;  // [m/s]
@@ -78,7 +86,7 @@ struct FaultSpec {
   std::uint32_t side = 0;
   double at = 0;           // [s]
   double lasts = 0;        // [s]
-  std::int32_t reads = 0;  // stuck: the sign that the sensor reads
+  std::int64_t reads = 0;  // stuck: the sign that the sensor reads
   // flicker: the probability that a reading is random. clock_rate: the share by which the clock
   // gains. clock_jump: by how much it jumps ahead [s]. A limp palm: the angle to which it falls
   // [rad].
@@ -88,7 +96,7 @@ struct FaultSpec {
 
 // A period in which no message of this sender arrives.
 struct OutageSpec {
-  std::uint32_t sender = 0;  // 0: left, 1: right, 2: the station
+  std::uint64_t sender = 0;  // 0: left, 1: right, 2: the station
   double from = 0;           // [s]
   double to = 0;             // [s]
 };
@@ -97,7 +105,7 @@ struct OutageSpec {
 struct MessageFaultSpec {
   std::uint32_t link = 0;     // as in MessageFault
   std::uint32_t message = 0;  // from 1
-  std::uint32_t effect = 0;
+  std::uint64_t effect = 0;
   double late = 0;  // [s]
 };
 
@@ -122,7 +130,7 @@ struct Spec {
   Outline<double> outline{};
   PalmSpec palms[2]{};
   RobotSpec robots[2]{};
-  std::array<Zone<double>, max_zones> zones{};
+  std::array<ZoneSpec, max_zones> zones{};
   std::size_t zone_count = 0;
   double false_rate = 0;
   double period = 0.01;

@@ -38,7 +38,7 @@ class TableTeam : public BeaconTeam<TableRobot<Table>> {
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
   TableTiming timing{0, spec.longest_delay() + spec.longest_period(), 0, 0};
-  const auto zone = TactileSensor<double>(spec.zones, spec.zone_count, 0).stretch(0.0);
+  const auto zone = tactile_of<double>(spec).stretch(0.0);
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
     timing.turn = larger(timing.turn, std::abs(palm.steep - palm.shallow) / palm.rate);

@@ -195,8 +195,8 @@ void set_long_palms(Spec& spec, bool flat) {
 
 // Sensors that read 0 beyond their end.
 void set_zones_with_an_end(Spec& spec) {
-  spec.zones[0] = {Sign::negative, -0.05, -0.01};
-  spec.zones[1] = {Sign::positive, 0.01, 0.012};
+  spec.zones[0] = {-1, -0.05, -0.01};
+  spec.zones[1] = {1, 0.01, 0.012};
   spec.zone_count = 2;
 }
 

@@ -136,7 +136,8 @@ void test_receiver_accepts_newest_beacon_only() {
   receiver.tick(60000);
   receiver.tick(60000);
   CHECK(receiver.accept(beacon(2, 3, {1, 13})));
-  CHECK(receiver.age() == unknown_age);  // longer ago than an age can state
+  CHECK(receiver.age() == unknown_age);         // longer ago than an age can state
+  CHECK(!Beacon{}.ready && !Beacon{}.stopped);  // what is not said is not true
   const Beacon mine = receiver.beacon(MessageKind::tilt_up, true, false);
   CHECK(mine.sent.epoch == 1 && mine.sent.tick == 120013);
   CHECK(mine.heard.epoch == 2 && mine.heard.tick == 3 && mine.stopped && !mine.ready);

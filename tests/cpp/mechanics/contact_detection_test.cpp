@@ -5,6 +5,7 @@
 #include "palmbots/sim/carry.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
+#include "support/random_outline.hpp"
 
 namespace {
 
@@ -93,6 +94,50 @@ void lifted_by_a_tip() {
   }
 }
 
+// How deep a palm lies in random outlines: no less than 0 where some of its points are inside by
+// their winding number, and no more than the deepest of them.
+template <class Real>
+void sunk_against_winding_numbers() {
+  std::mt19937 chance(3);
+  int sunk_palms = 0;
+  int clear_palms = 0;
+  for (int again = 0; again < 500; ++again) {
+    const outlines::Object object = outlines::random_object(chance);
+    Model<Real> model = model_of<Real>(paper_spec());
+    model.outline = outlines::outline_of<Real>(object);
+    model.object.width = Real(object.width);
+    const double half = outlines::between(chance, 0.03, 0.2);
+    model.half_length = {Real(half), Real(half)};
+    PerSide<double> angles{};
+    PerSide<double> contacts{};
+    for (const std::size_t side : {left, right}) {
+      angles[side] = outlines::between(chance, -0.2, 0.5);
+      contacts[side] = outlines::between(chance, -half, half);
+    }
+    const double rise =
+        contacts[right] * std::sin(angles[right]) - contacts[left] * std::sin(angles[left]);
+    const double tilt = std::asin(rise / object.width);
+    const ContactSet<Real> found = detect_contacts(
+        model, {Real(0),
+                {PalmAngle<Real>::at(Real(angles[left])), PalmAngle<Real>::at(Real(angles[right]))},
+                {Real(contacts[left]), Real(contacts[right])}});
+    for (const std::size_t side : {left, right}) {
+      const double angle = angles[side] + (side == left ? tilt : -tilt);
+      const outlines::Polygon seen = outlines::seen_from(object, side, angle);
+      constexpr int points = 300;
+      const double deep =
+          outlines::deepest(seen, contacts[side] - half, contacts[side] + half, points);
+      const double sunk = static_cast<double>(found.sunk[side]);
+      const double near = static_cast<double>(contact_tolerance<Real>) * object.width;
+      if (deep > 20 * near) CHECK(sunk > near);
+      CHECK(sunk <= deep + half / points + near);
+      CHECK(sunk >= 0.3 * (deep - 20 * near));
+      ++(deep > 20 * near ? sunk_palms : clear_palms);
+    }
+  }
+  CHECK(sunk_palms > 200 && clear_palms > 100);
+}
+
 // Eight legs on level ground: closing makes those of either palm slide, and all those alike.
 template <class Real>
 void most_contacts() {
@@ -124,6 +169,8 @@ int main() {
   CHECK(doubles.sunk == floats.sunk && doubles.contacts == floats.contacts);
   lifted_by_a_tip<double>();
   lifted_by_a_tip<float>();
+  sunk_against_winding_numbers<double>();
+  sunk_against_winding_numbers<float>();
   most_contacts<double>();
   most_contacts<float>();
 }

@@ -8,7 +8,6 @@
 #include "palmbots/sim/spec.hpp"
 
 inline palmbots::Spec paper_spec() {
-  using palmbots::Sign;
   constexpr double width = 0.25;
   constexpr double height = 0.16;
   constexpr double inf = std::numeric_limits<double>::infinity();
@@ -29,9 +28,9 @@ inline palmbots::Spec paper_spec() {
     palm.steep = 15 * degree;
     palm.rate = 50 * degree;
   }
-  spec.zones[0] = {Sign::negative, -inf, -0.005};
-  spec.zones[1] = {Sign::zero, -0.005, 0.005};
-  spec.zones[2] = {Sign::positive, 0.005, inf};
+  spec.zones[0] = {-1, -inf, -0.005};
+  spec.zones[1] = {0, -0.005, 0.005};
+  spec.zones[2] = {1, 0.005, inf};
   spec.zone_count = 3;
   return spec;
 }

@@ -2,6 +2,7 @@
 // What the frames of bridges and motor boards contain: it survives, and nothing else is taken.
 #include "palmbots/wire/device_frames.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <random>
@@ -23,8 +24,11 @@ void test_bytes(bool (*in)(Content, Value&), const Allowed& allowed) {
     for (std::uint8_t& byte : bytes) {
       byte = static_cast<std::uint8_t>(chance() % 2 == 0 ? chance() % 8 : chance());
     }
+    // As from a buffer in which more follows.
+    std::array<std::uint8_t, Size + 4> buffer{};
+    std::fill(std::copy(bytes.begin(), bytes.end(), buffer.begin()), buffer.end(), 0xFF);
     Value value{};
-    const bool is_taken = in(bytes, value);
+    const bool is_taken = in(Content(buffer).first(Size), value);
     CHECK(is_taken == allowed(bytes));
     CHECK(is_taken || value == Value{});
     if (is_taken) CHECK(content_of(value) == bytes);
@@ -54,9 +58,18 @@ void test_numbers_are_where_the_page_says() {
   CHECK(content_of(report) == report_bytes);
 }
 
+// What nobody has set asks for nothing, and claims nothing.
+void test_what_is_not_set() {
+  CHECK(content_of(BoardCommand{}) == (std::array<std::uint8_t, 10>{0, 0, 1}));
+  CHECK(content_of(BoardReading{}) == (std::array<std::uint8_t, 20>{}));
+  CHECK(content_of(BridgeReport{}) == (std::array<std::uint8_t, 24>{}));
+  CHECK(content_of(BoardIdentity{}) == (std::array<std::uint8_t, 5>{board_version}));
+}
+
 }  // namespace
 
 int main() {
+  test_what_is_not_set();
   test_numbers_are_where_the_page_says();
   test_bytes<24>(bridge_report_in, [](const auto&) { return true; });
   test_bytes<5>(board_identity_in, [](const auto& b) { return b[1] < 8 && b[2] <= 16; });

@@ -255,6 +255,12 @@ void test_packets_for_another_receiver_pair_or_key_are_rejected() {
   }
 }
 
+// What nobody has set states nothing and asks for nothing.
+void test_payloads_that_are_not_set() {
+  CHECK(payload_of(Hello{}) == Payload{});
+  CHECK(payload_of(State{}) == Payload{});
+}
+
 // Two tags differ if any of their bits differ.
 void test_comparison_of_tags_covers_all_bits() {
   for (int i = 0; i < 64; ++i) {
@@ -275,6 +281,7 @@ int main() {
   test_states_and_back();
   test_statuses_and_back();
   test_other_payloads_and_back();
+  test_payloads_that_are_not_set();
   test_every_truncation_and_extension();
   test_every_flip_of_one_bit_and_of_two();
   test_packets_for_another_receiver_pair_or_key_are_rejected();

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Controllers whose table is data: the rows of a policy, and a table of states, against a search
+// through the rows.
+#include <random>
+#include <vector>
+
+#include "palmbots/control/machine_table.hpp"
+#include "palmbots/control/row_policy.hpp"
+#include "support/check.hpp"
+
+namespace {
+
+using namespace palmbots;
+
+constexpr Sign signs[] = {Sign::positive, Sign::zero, Sign::negative};
+
+// The station commands the row of both signs. The robots drive only when both palms are there.
+void rows_of_both_signs() {
+  std::mt19937 chance(1);
+  for (int again = 0; again < 50; ++again) {
+    RowPolicy::Rows rows{};
+    for (RowPolicy::Row& row : rows) {
+      for (int i = 0; i < 2; ++i) {
+        row.palms[i] = static_cast<Palm>(chance() % 2);
+        row.drives[i] = static_cast<Move>(chance() % 3);
+      }
+    }
+    RowPolicy policy(rows);
+    std::size_t number = 0;  // (+, +), (+, 0), …, (−, −)
+    for (const Sign l : signs) {
+      for (const Sign r : signs) {
+        const RowPolicy::Row& row = rows[number++];
+        for (unsigned reports = 0; reports < 16; ++reports) {
+          const auto report = [&](Sign sign, unsigned bits) {
+            return Centralized::Report{sign, static_cast<Palm>(bits & 1), (bits & 2) != 0};
+          };
+          const Centralized::Report in[] = {report(l, reports), report(r, reports >> 2)};
+          const bool left_is_there = in[0].palm == row.palms[0] && in[0].palm_at_target;
+          const bool right_is_there = in[1].palm == row.palms[1] && in[1].palm_at_target;
+          const bool drives = left_is_there && right_is_there;
+          const Centralized::Output out = policy.step(in);
+          for (int i = 0; i < 2; ++i) {
+            CHECK(out.command[i].palm == row.palms[i] && !out.command[i].stop);
+            CHECK(out.command[i].move == (drives ? row.drives[i] : Move::hold));
+          }
+          const bool is_centred = l == Sign::zero && r == Sign::zero;
+          CHECK(policy.current() == (is_centred ? 0 : static_cast<int>(number)));
+          CHECK(policy.sense(0) == static_cast<int>(l) && policy.sense(1) == static_cast<int>(r));
+        }
+      }
+    }
+  }
+  CHECK(RowPolicy{}.current() == 0);  // before the first reports, nothing is to be corrected
+}
+
+bool holds_for(ContactCondition p, Sign sign) {
+  switch (p) {
+    case ContactCondition::any: return true;
+    case ContactCondition::positive: return sign == Sign::positive;
+    case ContactCondition::negative: return sign == Sign::negative;
+    case ContactCondition::zero: return sign == Sign::zero;
+    case ContactCondition::not_positive: return sign != Sign::positive;
+    case ContactCondition::not_negative: return sign != Sign::negative;
+  }
+  return false;
+}
+
+bool came(Distributed::Got got, MessageKind message) {
+  switch (got) {
+    case Distributed::Got::any: return true;
+    case Distributed::Got::tilt_up: return message == MessageKind::tilt_up;
+    case Distributed::Got::tilt_down: return message == MessageKind::tilt_down;
+    case Distributed::Got::ack: return message == MessageKind::ack;
+  }
+  return false;
+}
+
+// The first row that fits decides; if none does, the robot stays and keeps the message.
+void machine_against_its_rows() {
+  std::mt19937 chance(2);
+  int stays = 0;
+  int consumed = 0;
+  for (int again = 0; again < 200; ++again) {
+    MachineTable table;
+    const auto states = static_cast<std::uint8_t>(1 + chance() % MachineTable::most_states);
+    for (std::uint8_t s = 0; s < states; ++s) {
+      CHECK(table.add(Distributed::StateOutput{
+          static_cast<char>('a' + s % 26),
+          {static_cast<Palm>(chance() % 2), static_cast<Move>(chance() % 3)},
+          false,
+          MessageKind::none}));
+    }
+    std::vector<MachineTable::Row> rows(chance() % 60);
+    for (MachineTable::Row& row : rows) {
+      row = {static_cast<std::uint8_t>(chance() % states),
+             static_cast<ContactCondition>(chance() % 6),
+             static_cast<Distributed::Got>(chance() % 4),
+             static_cast<Distributed::Tilt>(chance() % 2),
+             static_cast<std::uint8_t>(chance() % states),
+             static_cast<MessageKind>(chance() % 4)};
+      CHECK(table.add(row));
+    }
+    const MachineTable::Row unknown{states, {}, {}, {}, 0, {}};
+    const MachineTable::Row nowhere{0, {}, {}, {}, states, {}};
+    CHECK(!table.add(unknown) && !table.add(nowhere) && table.states() == states);
+    MachineRobot robot(&table);
+    std::uint8_t state = 0;
+    for (int step = 0; step < 200; ++step) {
+      const Distributed::Input in{signs[chance() % 3], static_cast<MessageKind>(chance() % 4),
+                                  chance() % 2 != 0};
+      const MachineTable::Row* first = nullptr;
+      for (const MachineTable::Row& row : rows) {
+        const bool turned = row.tilt == Distributed::Tilt::any || in.palm_at_target;
+        const bool fits =
+            row.state == state && holds_for(row.p, in.sign) && came(row.got, in.message) && turned;
+        if (fits && first == nullptr) first = &row;
+      }
+      const MessageKind send = first == nullptr ? MessageKind::none : first->send;
+      const bool read = first != nullptr && first->got != Distributed::Got::any;
+      const std::uint8_t next = first == nullptr ? state : first->next;
+      const bool quiet = next == state && send == MessageKind::none && !read;
+      CHECK(robot.is_quiescent(in) == quiet);
+      const Distributed::Output out = robot.step(in);
+      state = next;
+      CHECK(robot.state() == state && out.send == send && out.read == read);
+      CHECK(out.command == table.output(state).command);
+      stays += quiet;
+      consumed += read;
+    }
+  }
+  CHECK(stays > 1000 && consumed > 1000);
+}
+
+void full_table() {
+  MachineTable table;
+  for (std::size_t s = 0; s < MachineTable::most_states; ++s) {
+    CHECK(table.add(Distributed::StateOutput{' ', {}, false, MessageKind::none}));
+  }
+  CHECK(!table.add(Distributed::StateOutput{' ', {}, false, MessageKind::none}));
+  CHECK(table.states() == MachineTable::most_states);
+}
+
+}  // namespace
+
+int main() {
+  rows_of_both_signs();
+  machine_against_its_rows();
+  full_table();
+}
