@@ -6,9 +6,9 @@
 'delivered'
 """
 
-import importlib as _importlib
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from palmbots._util.lazy_names import lazy_names as _lazy_names
 from palmbots._util.offers import offer_entry as _offer_entry
 from palmbots._util.offers import offer_module as _offer_module
 from palmbots._util.renamed_names import renamed_in_module as _renamed_in_module
@@ -92,42 +92,42 @@ __all__ = [
 
 # Where each name is defined. All are loaded on first use: most modules import numpy and pydantic,
 # which take a quarter of a second, and `palmbots --help` and Ctrl-C must not wait for them.
-_LAZY = {
-    "analyze": "palmbots.stability.analysis:analyze",
-    "bound": "palmbots.optimum.drop_bound:bound",
-    "carry": "palmbots.simulation.single:carry",
-    "certify": "palmbots.stability.certificates.prover:certify",
-    "check": "palmbots.stability.certificates.checker.verify:check",
-    "compare": "palmbots.simulation.sweep:compare",
-    "contacts": "palmbots.mechanics.contact_points:contacts",
-    "control": "palmbots.control",
-    "design": "palmbots.stability.palm_angles:design",
-    "estimate_drop_rate": "palmbots.simulation.rare_events:estimate_drop_rate",
-    "feasible_modes": "palmbots.mechanics.mode_analysis:feasible_modes",
-    "learn": "palmbots.learn",
-    "load_scene": "palmbots.scene.scene:load_scene",
-    "logs": "palmbots.logs",
-    "mechanics": "palmbots.mechanics",
-    "modes": "palmbots.mechanics.mode_analysis:modes",
-    "modes_batch": "palmbots.mechanics.mode_analysis:modes_batch",
-    "mujoco": "palmbots.mujoco",
-    "noise_limit": "palmbots.simulation.noise_limit:noise_limit",
-    "object_names": "palmbots.scene.object_library:object_names",
-    "open_study": "palmbots.studies.study_reader:open_study",
-    "optimum": "palmbots.optimum",
-    "PalmbotsError": "palmbots.errors:PalmbotsError",
-    "read_log": "palmbots.logs.mcap_reader:read_log",
-    "replay": "palmbots.logs.replaying:replay",
-    "Scene": "palmbots.scene.scene:Scene",
-    "SceneError": "palmbots.errors:SceneError",
-    "simulation": "palmbots.simulation",
-    "stability": "palmbots.stability",
-    "studies": "palmbots.studies",
-    "study": "palmbots.studies.study_runner:study",
-    "validate": "palmbots.mujoco.validation.validation:validate",
-    "viz": "palmbots.viz",
-    "wire": "palmbots.wire",
-    "write_log": "palmbots.logs.mcap_writer:write_log",
+_PLACES = {
+    "analyze": ".stability.analysis",
+    "bound": ".optimum.drop_bound",
+    "carry": ".simulation.single",
+    "certify": ".stability.certificates.prover",
+    "check": ".stability.certificates.checker.verify",
+    "compare": ".simulation.sweep",
+    "contacts": ".mechanics.contact_points",
+    "control": ".control",
+    "design": ".stability.palm_angles",
+    "estimate_drop_rate": ".simulation.rare_events",
+    "feasible_modes": ".mechanics.mode_analysis",
+    "learn": ".learn",
+    "load_scene": ".scene.scene",
+    "logs": ".logs",
+    "mechanics": ".mechanics",
+    "modes": ".mechanics.mode_analysis",
+    "modes_batch": ".mechanics.mode_analysis",
+    "mujoco": ".mujoco",
+    "noise_limit": ".simulation.noise_limit",
+    "object_names": ".scene.object_library",
+    "open_study": ".studies.study_reader",
+    "optimum": ".optimum",
+    "PalmbotsError": ".errors",
+    "read_log": ".logs.mcap_reader",
+    "replay": ".logs.replaying",
+    "Scene": ".scene.scene",
+    "SceneError": ".errors",
+    "simulation": ".simulation",
+    "stability": ".stability",
+    "studies": ".studies",
+    "study": ".studies.study_runner",
+    "validate": ".mujoco.validation.validation",
+    "viz": ".viz",
+    "wire": ".wire",
+    "write_log": ".logs.mcap_writer",
 }
 
 # What higher rooms add to the registries of lower ones; imported on first use.
@@ -182,18 +182,5 @@ _RENAMED = {
     "states": "palmbots.modes_batch",
 }
 
-
-def __getattr__(name: str) -> object:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'palmbots' has no attribute {name!r}")
-    module, _, attribute = _LAZY[name].partition(":")
-    loaded = _importlib.import_module(module)
-    value = globals()[name] = getattr(loaded, attribute) if attribute else loaded
-    return value
-
-
+__getattr__, __dir__ = _lazy_names(__name__, _PLACES)
 _renamed_in_module(__name__, _RENAMED)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The MuJoCo world: simulation with inertia and compliant contacts, videos, validation."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from palmbots._util.lazy_names import lazy_names
 from palmbots._util.results import FIGURES
 
 if TYPE_CHECKING:
@@ -34,31 +34,22 @@ __all__ = [
 ]
 
 # Imported on first use, because most of them need optional packages.
-_LAZY = {
-    "DriftBudget": "drift_forecast:Budget",
-    "SpeedLimits": "validation.speed_limits:SpeedLimits",
-    "Validation": "validation.validation:Validation",
-    "Viewer": "viewer:Viewer",
-    "draw_plan_view": "figures.plan_view:draw",
-    "draw_speed_limits": "validation.speed_figure:draw",
-    "draw_validation": "validation.agreement_figure:draw",
-    "find_speed_limits": "validation.speed_limits:speed_limits",
-    "forecast_drift": "drift_forecast:forecast",
-    "save_still": "film:save_still",
-    "save_video": "film:save_film",
+_PLACES = {
+    "DriftBudget": ".drift_forecast:Budget",
+    "SpeedLimits": ".validation.speed_limits",
+    "Validation": ".validation.validation",
+    "Viewer": ".viewer",
+    "draw_plan_view": ".figures.plan_view:draw",
+    "draw_speed_limits": ".validation.speed_figure:draw",
+    "draw_validation": ".validation.agreement_figure:draw",
+    "find_speed_limits": ".validation.speed_limits:speed_limits",
+    "forecast_drift": ".drift_forecast:forecast",
+    "save_still": ".film",
+    "save_video": ".film:save_film",
 }
 
-for _name, _function in _LAZY.items():
+for _name, _place in _PLACES.items():
     if _name.startswith("draw_"):
-        FIGURES.register(_name.removeprefix("draw_"), f"palmbots.mujoco.{_function}")
+        FIGURES.register(_name.removeprefix("draw_"), f"palmbots.mujoco{_place}")
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'palmbots.mujoco' has no attribute {name!r}")
-    module, _, attribute = _LAZY[name].partition(":")
-    return getattr(importlib.import_module(f"palmbots.mujoco.{module}"), attribute)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _PLACES)

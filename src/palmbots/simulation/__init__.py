@@ -5,8 +5,9 @@
 batches of carries, whether a drop could have been prevented, and what registers a world.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from palmbots._util.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from palmbots.simulation.batch import run_batch as run_batch
@@ -54,35 +55,27 @@ __all__ = [
 ]
 
 # Imported on first use: the programs of robots need little of this room, and no NumPy.
-_LAZY = {
-    "Carry": "result",
-    "Comparison": "sweep",
-    "ContactEvent": "result",
-    "Correction": "result",
-    "DropRate": "rare_events",
-    "LinkStatistics": "result",
-    "Message": "result",
-    "NoiseLimit": "noise_limit",
-    "NoisePoint": "noise_limit",
-    "Prepared": "prepare",
-    "Refusal": "sweep",
-    "Row": "sweep",
-    "WorldEntry": "worlds",
-    "WorldRun": "worlds",
-    "is_unavoidable": "unavoidable_drops",
-    "register_world": "worlds",
-    "run_batch": "batch",
-    "run_seeds": "batch",
-    "unregister_world": "worlds",
-    "world_names": "worlds",
+_PLACES = {
+    "Carry": ".result",
+    "Comparison": ".sweep",
+    "ContactEvent": ".result",
+    "Correction": ".result",
+    "DropRate": ".rare_events",
+    "LinkStatistics": ".result",
+    "Message": ".result",
+    "NoiseLimit": ".noise_limit",
+    "NoisePoint": ".noise_limit",
+    "Prepared": ".prepare",
+    "Refusal": ".sweep",
+    "Row": ".sweep",
+    "WorldEntry": ".worlds",
+    "WorldRun": ".worlds",
+    "is_unavoidable": ".unavoidable_drops",
+    "register_world": ".worlds",
+    "run_batch": ".batch",
+    "run_seeds": ".batch",
+    "unregister_world": ".worlds",
+    "world_names": ".worlds",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'palmbots.simulation' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"palmbots.simulation.{_LAZY[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _PLACES)

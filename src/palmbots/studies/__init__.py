@@ -11,8 +11,9 @@ Modules, in the order of a study:
 - study_reader, study_figures: the results
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from palmbots._util.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from palmbots.studies.cost_estimate import Cost as Cost
@@ -44,27 +45,19 @@ __all__ = [
 ]
 
 # Loaded on first use: `import palmbots` must not import the modules behind these names.
-_MODULES = {
-    "Cost": "cost_estimate",
-    "Plan": "study_file",
-    "Points": "points",
-    "SobolIndex": "sobol",
-    "StudyLike": "study_file",
-    "StudyResult": "study_runner",
-    "built_in_studies": "study_file",
-    "design_points": "points",
-    "estimate_cost": "cost_estimate",
-    "load_plan": "study_file",
-    "run_study": "study_runner",
-    "sobol_indices": "sobol",
+_PLACES = {
+    "Cost": ".cost_estimate",
+    "Plan": ".study_file",
+    "Points": ".points",
+    "SobolIndex": ".sobol",
+    "StudyLike": ".study_file",
+    "StudyResult": ".study_runner",
+    "built_in_studies": ".study_file",
+    "design_points": ".points",
+    "estimate_cost": ".cost_estimate",
+    "load_plan": ".study_file",
+    "run_study": ".study_runner",
+    "sobol_indices": ".sobol",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module 'palmbots.studies' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"palmbots.studies.{_MODULES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _PLACES)

@@ -6,9 +6,9 @@ holds them by name, and ``result.plot()`` draws the figure that its class names.
 figure with ``FIGURES.register("mine", function)``. Importing this room does not import matplotlib.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from palmbots._util.lazy_names import lazy_names
 from palmbots._util.results import FIGURES, WRITERS
 
 if TYPE_CHECKING:
@@ -35,30 +35,21 @@ __all__ = [
     "write_figure",
 ]
 
-_LAZY = {
-    "draw_carry": "carry_figure:draw",
-    "draw_message_sequence": "sequence_chart:draw",
-    "draw_noise_limit": "noise_limit_figure:draw",
-    "draw_side_view": "side_view_figure:draw",
-    "draw_sweep": "sweep_figure:draw",
-    "draw_timeline": "timeline_figure:draw",
-    "save_animation": "animation:save",
-    "video_formats": "video_files:video_formats",
-    "write_figure": "save_figure:save_figure",
+_PLACES = {
+    "draw_carry": ".carry_figure:draw",
+    "draw_message_sequence": ".sequence_chart:draw",
+    "draw_noise_limit": ".noise_limit_figure:draw",
+    "draw_side_view": ".side_view_figure:draw",
+    "draw_sweep": ".sweep_figure:draw",
+    "draw_timeline": ".timeline_figure:draw",
+    "save_animation": ".animation:save",
+    "video_formats": ".video_files",
+    "write_figure": ".save_figure:save_figure",
 }
 
-for _name, _function in _LAZY.items():
+for _name, _place in _PLACES.items():
     if _name.startswith("draw_"):
-        FIGURES.register(_name.removeprefix("draw_"), f"palmbots.viz.{_function}")
+        FIGURES.register(_name.removeprefix("draw_"), f"palmbots.viz{_place}")
 WRITERS.register("figure", "palmbots.viz.save_figure:save_figure")
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'palmbots.viz' has no attribute {name!r}")
-    module, _, function = _LAZY[name].partition(":")
-    return getattr(importlib.import_module(f"palmbots.viz.{module}"), function)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _PLACES)

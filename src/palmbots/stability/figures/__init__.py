@@ -4,8 +4,9 @@
 They are loaded on first use, since matplotlib is slow to import.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from palmbots._util.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from palmbots.stability.figures.analysis_figures import draw_all, save_all
@@ -13,18 +14,10 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_all", "palm_angles", "save_all"]
 
-_MODULES = {
-    "draw_all": "palmbots.stability.figures.analysis_figures",
-    "palm_angles": "palmbots.stability.figures.palm_angles_figure",
-    "save_all": "palmbots.stability.figures.analysis_figures",
+_PLACES = {
+    "draw_all": ".analysis_figures",
+    "palm_angles": ".palm_angles_figure",
+    "save_all": ".analysis_figures",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_MODULES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+__getattr__, __dir__ = lazy_names(__name__, _PLACES)
