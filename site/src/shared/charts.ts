@@ -3,10 +3,14 @@
 import type { Correction, Message, Recorded } from "./core";
 import { ROW } from "./core";
 import type { Surface } from "./canvas";
+import { type Lettering, line, write } from "./strokes";
 import { type Palette, sideColour } from "./theme";
 
 export const LEFT_MARGIN = 46;
 export const RIGHT_MARGIN = 10;
+
+const AT_AXIS: Lettering = { align: "right", size: 11 };
+const LANE_NAME: Lettering = { align: "right", weight: 600, size: 11 };
 
 export interface TimeAxis {
   from: number;
@@ -30,17 +34,6 @@ export function niceStep(span: number, most: number): number {
   return power * ([1, 2, 5, 10].find((k) => k * power >= raw) ?? 10);
 }
 
-function label(
-  c: CanvasRenderingContext2D, words: string, x: number, y: number, colour: string,
-  align: CanvasTextAlign = "right", weight = 400, size = 11,
-): void {
-  c.font = `${weight} ${size}px system-ui, sans-serif`;
-  c.fillStyle = colour;
-  c.textAlign = align;
-  c.textBaseline = "middle";
-  c.fillText(words, x, y);
-}
-
 // Keeps the lines behind a label away from it.
 function halo(c: CanvasRenderingContext2D, p: Palette, words: string, x: number, y: number): void {
   c.font = "650 11px system-ui, sans-serif";
@@ -50,13 +43,6 @@ function halo(c: CanvasRenderingContext2D, p: Palette, words: string, x: number,
   c.textAlign = "left";
   c.textBaseline = "middle";
   c.strokeText(words, x, y);
-}
-
-function line(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
-  c.beginPath();
-  c.moveTo(x0, y0);
-  c.lineTo(x1, y1);
-  c.stroke();
 }
 
 // Draws inside the plot only: the axis may show a part of the carry.
@@ -79,7 +65,7 @@ export function drawTimeTicks(surface: Surface, p: Palette, axis: TimeAxis, labe
     const x = Math.round(timeX(axis, t)) + 0.5;
     c.strokeStyle = p.rule;
     line(c, x, 0, x, base);
-    if (labels) label(c, `${Number(t.toFixed(3))} s`, x, base + 10, p.quiet, "center");
+    if (labels) write(c, `${Number(t.toFixed(3))} s`, x, base + 10, p.quiet, { size: 11 });
   }
 }
 
@@ -135,7 +121,7 @@ export function drawContacts(
     c.strokeStyle = p.rule;
     c.lineWidth = 1;
     line(c, LEFT_MARGIN, y(mm / 1000), surface.width - RIGHT_MARGIN, y(mm / 1000));
-    label(c, `${mm > 0 ? "+" : ""}${mm}`.replace("-", "−"), LEFT_MARGIN - 6, y(mm / 1000), p.quiet);
+    write(c, `${mm > 0 ? "+" : ""}${mm}`.replace("-", "−"), LEFT_MARGIN - 6, y(mm / 1000), p.quiet, AT_AXIS);
   }
   if (reach >= half) {
     c.strokeStyle = p.drop;
@@ -169,7 +155,7 @@ export function drawPalms(surface: Surface, p: Palette, axis: TimeAxis, run: Rec
   for (const angle of [angles.from, angles.to]) {
     c.strokeStyle = p.rule;
     line(c, LEFT_MARGIN, y(angle / degrees), surface.width - RIGHT_MARGIN, y(angle / degrees));
-    label(c, `${angle}°`.replace("-", "−"), LEFT_MARGIN - 6, y(angle / degrees), p.quiet);
+    write(c, `${angle}°`.replace("-", "−"), LEFT_MARGIN - 6, y(angle / degrees), p.quiet, AT_AXIS);
   }
   for (const side of [0, 1]) {
     c.strokeStyle = sideColour(p, side);
@@ -210,7 +196,7 @@ function drawCorrection(
     c.fillRect(x0, y, x1 - x0, 16);
     c.strokeRect(x0, y, x1 - x0, 16);
     if (x1 - x0 > 14 && solid) {
-      label(c, item.name, (x0 + x1) / 2, y + 8.5, p.background, "center", 650);
+      write(c, item.name, (x0 + x1) / 2, y + 8.5, p.background, { weight: 650, size: 11 });
     }
   };
   if (item.robot === 2) {
@@ -275,13 +261,13 @@ export function drawSequence(
     c.strokeStyle = p.quiet;
     c.lineWidth = 1;
     line(c, LEFT_MARGIN, lanes.station, surface.width - RIGHT_MARGIN, lanes.station);
-    label(c, "station", LEFT_MARGIN - 4, lanes.station, p.quiet, "right", 600);
+    write(c, "station", LEFT_MARGIN - 4, lanes.station, p.quiet, LANE_NAME);
   }
   for (const side of [0, 1]) {
     c.strokeStyle = sideColour(p, side);
     c.lineWidth = 1.5;
     line(c, LEFT_MARGIN, lanes.robots[side]!, surface.width - RIGHT_MARGIN, lanes.robots[side]!);
-    label(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, lanes.robots[side]!, sideColour(p, side), "right", 600);
+    write(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, lanes.robots[side]!, sideColour(p, side), LANE_NAME);
   }
   clipped(surface, () => {
     for (const item of run.corrections) {
@@ -324,7 +310,8 @@ function drawArrows(
     if (isChosen || (!isPeriodic && middle > (busyUntil.get(y) ?? -1e9) + 8)) {
       const name = message.short || message.kind;
       halo(c, p, name, middle + 6, y);
-      label(c, name, middle + 6, y, lost ? p.drop : p.ink, "left", isChosen ? 650 : 400);
+      write(c, name, middle + 6, y, lost ? p.drop : p.ink,
+        { align: "left", weight: isChosen ? 650 : 400, size: 11 });
       busyUntil.set(y, middle + 6 + c.measureText(name).width);
     }
   }

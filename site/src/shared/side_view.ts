@@ -3,6 +3,7 @@
 //
 // World coordinates are in metres, x forward and y up; the core places every point.
 import { PLACES } from "./core";
+import { write } from "./strokes";
 import { type Palette, sideColour } from "./theme";
 import { tables } from "./tables";
 import type { Surface } from "./canvas";
@@ -73,17 +74,6 @@ function path(c: CanvasRenderingContext2D, points: [number, number][], close = t
   if (close) c.closePath();
 }
 
-function text(
-  c: CanvasRenderingContext2D, words: string, x: number, y: number, colour: string, size = 12,
-  align: CanvasTextAlign = "center", weight = 400,
-): void {
-  c.fillStyle = colour;
-  c.font = `${weight} ${size}px system-ui, sans-serif`;
-  c.textAlign = align;
-  c.textBaseline = "middle";
-  c.fillText(words, x, y);
-}
-
 function drawFloor(surface: Surface, view: View, p: Palette, level: number): void {
   const c = surface.context;
   const y = view.y(level);
@@ -101,7 +91,7 @@ function drawFloor(surface: Surface, view: View, p: Palette, level: number): voi
     path(c, [[x, y], [x, y + (whole ? 8 : 4)]], false);
     c.strokeStyle = p.quiet;
     c.stroke();
-    if (whole) text(c, `${(k * step).toFixed(1)} m`.replace("-", "−"), x, y + 16, p.quiet, 11);
+    if (whole) write(c, `${(k * step).toFixed(1)} m`.replace("-", "−"), x, y + 16, p.quiet, { size: 11 });
   }
 }
 
@@ -164,11 +154,11 @@ function drawRobot(
   const bodyX = x0 + (body_size! * view.scale) / 2;
   if (tag) {
     const size = Math.max(12, Math.min(22, 0.075 * view.scale));
-    text(c, tag, bodyX, view.y(top - 0.055), colour, size, "center", 650);
+    write(c, tag, bodyX, view.y(top - 0.055), colour, { weight: 650, size });
   }
   c.globalAlpha = 1;
   if (picture.labels) {
-    text(c, side === 0 ? "left robot" : "right robot", bodyX, view.y(top) - 11, p.quiet, 12);
+    write(c, side === 0 ? "left robot" : "right robot", bodyX, view.y(top) - 11, p.quiet);
   }
 }
 
@@ -355,7 +345,7 @@ function drawFlights(
     c.beginPath();
     c.roundRect(x - wide / 2, y - 9, wide, 18, 9);
     c.fill();
-    text(c, flight.name, x, y + 0.5, p.background, 11, "center", 600);
+    write(c, flight.name, x, y + 0.5, p.background, { weight: 600, size: 11 });
     c.globalAlpha = 1;
   }
 }

@@ -3,6 +3,7 @@
 // contact, palm and drive, and between the lanes the messages.
 import type { Surface } from "../shared/canvas";
 import { type Counterexample, type RobotStep, flightsOf } from "../shared/counterexamples";
+import { line, write } from "../shared/strokes";
 import { type Palette, sideColour } from "../shared/theme";
 
 const LEFT = 44;
@@ -33,24 +34,6 @@ export function stepAt(width: number, count: number, place: number, x: number): 
   const columns = columnsOf(width, count, place);
   const step = Math.floor((x - columns.first) / columns.width);
   return Math.min(count - 1, Math.max(0, step));
-}
-
-function text(
-  c: CanvasRenderingContext2D, words: string, x: number, y: number, colour: string, weight = 400,
-  align: CanvasTextAlign = "center", size = 12,
-): void {
-  c.font = `${weight} ${size}px system-ui, sans-serif`;
-  c.fillStyle = colour;
-  c.textAlign = align;
-  c.textBaseline = "middle";
-  c.fillText(words, x, y);
-}
-
-function line(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
-  c.beginPath();
-  c.moveTo(x0, y0);
-  c.lineTo(x1, y1);
-  c.stroke();
 }
 
 function arrow(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
@@ -90,10 +73,11 @@ function drawRobot(
     return;
   }
   if (width < 44 && robot.case) {
-    text(c, robot.case, middle, y + 10, colour, 700);
-    text(c, cell, middle, y + 25, p.ink);
+    write(c, robot.case, middle, y + 10, colour, { weight: 700 });
+    write(c, cell, middle, y + 25, p.ink);
   } else {
-    text(c, head, middle, y + 16, robot.case ? colour : p.ink, robot.case ? 650 : 400);
+    write(c, head, middle, y + 16, robot.case ? colour : p.ink,
+      { weight: robot.case ? 650 : 400 });
   }
   const out = side === 0 ? -1 : 1;
   const reach = Math.min(15, width / 2 - 3);
@@ -109,7 +93,7 @@ function drawRobot(
   if (robot.drive === "away") arrow(c, middle - out * 8, below, middle + out * 8, below);
   else if (robot.drive === "closer") arrow(c, middle + out * 8, below, middle - out * 8, below);
   else if (robot.stands) c.strokeRect(middle - 4, below - 4, 8, 8);
-  if (robot.misses) text(c, "missed", middle, below + 1, p.drop, 650, "center", 9);
+  if (robot.misses) write(c, "missed", middle, below + 1, p.drop, { weight: 650, size: 9 });
 }
 
 function drawMessages(surface: Surface, p: Palette, item: Counterexample, columns: Columns): void {
@@ -138,7 +122,7 @@ function drawMessages(surface: Surface, p: Palette, item: Counterexample, column
     const y = flight.sender === 0 ? from + 16 : from - 16;
     const x = Math.max(x0 + (lost ? 8 : 6), until[flight.sender]! + 6);
     const words = flight.name + (flight.fate ? `, ${flight.fate}` : "");
-    text(c, words, x, y, lost ? p.drop : p.ink, 400, "left", 11);
+    write(c, words, x, y, lost ? p.drop : p.ink, { align: "left", size: 11 });
     until[flight.sender] = x + c.measureText(words).width;
   }
 }
@@ -156,7 +140,7 @@ function drawEvents(surface: Surface, p: Palette, item: Counterexample, columns:
     c.lineTo(x, y + 5);
     c.lineTo(x - 5, y);
     c.fill();
-    if (columns.width > 40) text(c, words, x + 8, y, p.quiet, 400, "left", 11);
+    if (columns.width > 40) write(c, words, x + 8, y, p.quiet, { align: "left", size: 11 });
   };
   item.steps.forEach((step, k) => {
     for (const event of step.before) {
@@ -188,8 +172,8 @@ export function drawProofChart(
     c.lineWidth = 1;
     line(c, Math.round(x) + 0.5, 0, Math.round(x) + 0.5, bottom);
     step.robots.forEach((robot, side) => drawRobot(surface, p, robot, side, x, columns.width));
-    text(c, String(k + 1), x + columns.width / 2, bottom + 11, k === place ? p.ink : p.quiet,
-      k === place ? 700 : 400, "center", 11);
+    write(c, String(k + 1), x + columns.width / 2, bottom + 11, k === place ? p.ink : p.quiet,
+      { weight: k === place ? 700 : 400, size: 11 });
   });
   for (const side of [0, 1]) {
     c.strokeStyle = sideColour(p, side);
@@ -208,7 +192,7 @@ export function drawProofChart(
   }
   c.restore();
   for (const side of [0, 1]) {
-    text(c, side === 0 ? "left" : "right", LEFT - 8, laneTop(side) + LANE / 2, sideColour(p, side),
-      650, "right");
+    write(c, side === 0 ? "left" : "right", LEFT - 8, laneTop(side) + LANE / 2, sideColour(p, side),
+      { align: "right", weight: 650 });
   }
 }
