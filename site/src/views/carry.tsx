@@ -108,15 +108,15 @@ function Hands() {
       <button type="button" id="fork" onClick={fork} title="Continue from here with other random numbers">
         fork the future
       </button>
-      <button type="button" id="nudge-left" onClick={() => shiftObject(-NUDGE_M)} title="Moves the object 12 mm to the left; you can also drag it">
+      <button type="button" id="nudge-left" onClick={() => shiftObject(-NUDGE_M)} title="Move the object 12 mm to the left; you can also drag it">
         ← object
       </button>
-      <button type="button" id="nudge-right" onClick={() => shiftObject(NUDGE_M)} title="Moves the object 12 mm to the right; you can also drag it">
+      <button type="button" id="nudge-right" onClick={() => shiftObject(NUDGE_M)} title="Move the object 12 mm to the right; you can also drag it">
         object →
       </button>
       {SIDES.map((side, k) => (
         <>
-          <button type="button" id={`push-${side}`} onClick={() => pushRobot(k as 0 | 1, NUDGE_M)} title="Pushes this robot 12 mm outward; you can also drag it">
+          <button type="button" id={`push-${side}`} onClick={() => pushRobot(k as 0 | 1, NUDGE_M)} title="Pull this robot 12 mm outward; you can also drag it">
             pull {side}
           </button>
           <button type="button" id={`switch-${side}`} aria-pressed={off[k]} onClick={() => switchRobot(k as 0 | 1)}>
@@ -124,7 +124,7 @@ function Hands() {
           </button>
         </>
       ))}
-      <button type="button" id="examine" onClick={examine} title="Contact modes, cones and forces of this moment">
+      <button type="button" id="examine" onClick={examine} title="Show contact modes, cones and forces at this moment">
         why does it slide?
       </button>
       {(changed.length > 0 || forks.value.length > 0) && (
@@ -157,8 +157,9 @@ export function CarryView() {
       <header class="lead">
         <h1>Two robots, no gripper, one box</h1>
         <p>
-          The box only rests on two palms. When the robots drift apart or together, one contact
-          slides. Tilting a palm decides <em>which</em>, and that is how they keep the box. New here?{" "}
+          The box merely rests on two palms. When the robots drift apart or together, one contact
+          slides. By tilting a palm, the robots choose <em>which</em> one, and so keep the box on the
+          palms. New here?{" "}
           <a
             href="#stories"
             onClick={(event) => {

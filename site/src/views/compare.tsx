@@ -128,9 +128,9 @@ function Rows() {
     <section>
       <h2>Nine rows of your own</h2>
       <p class="note">
-        A row for each pair of contact signs (p_L, p_R). A station reads both signs and commands the
-        row: first the palms, then, once they are there, what each robot drives besides the common
-        speed.{" "}
+        The table has a row for each pair of contact signs (p_L, p_R). A station reads both signs and
+        commands the actions of their row. The palms turn first. Once they are at their angles, each
+        robot adds its drive to the common speed.{" "}
         <button type="button" onClick={() => (policy.value = TABLE_1_ROWS)}>
           back to Table 1
         </button>
@@ -189,8 +189,8 @@ export function CompareView() {
       <header class="lead">
         <h1>Which controller drops less?</h1>
         <p>
-          Both pairs get the same random numbers. Only what they decide, and when they learn it,
-          differs.
+          Both pairs of robots get the same random numbers. They differ only in what their controllers
+          decide, and in when each robot receives messages.
         </p>
       </header>
       <div class="choices">
@@ -205,7 +205,7 @@ export function CompareView() {
         ))}
       </div>
       <Disturbances />
-      <section class="panel" aria-label="the race">
+      <section class="panel" aria-label="the two carries">
         {([0, 1] as const).map((place) => {
           const run = runs[place].value;
           return (
@@ -244,7 +244,7 @@ export function CompareView() {
         </div>
       </section>
       {names.value.includes(OWN_ROWS) && <Rows />}
-      <AtHome lines={[command]} runs={carries} note="The first command prints the same numbers of drops." />
+      <AtHome lines={[command]} runs={carries} note="The first command prints the numbers of drops that the table shows." />
     </>
   );
 }

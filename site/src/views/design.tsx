@@ -219,8 +219,8 @@ function PairRegion() {
           <figure class="map">
             <figcaption>
               {k === 0
-                ? "driven together: property 1 wants SL-ST in the frame"
-                : "driven apart: property 2 wants ST-SL in the frame"}
+                ? "driven together: property 1 requires SL-ST in the frame"
+                : "driven apart: property 2 requires ST-SL in the frame"}
             </figcaption>
             <Canvas
               id={`region-${k}`}
@@ -271,8 +271,9 @@ export function DesignView() {
       <header class="lead">
         <h1>Which palm angles?</h1>
         <p>
-          Colour: how wrong one number may be with all contacts still doing what the algorithms rely
-          on. Grey pairs touch the object, empty ones fail. Click a pair.
+          The colour of a pair of angles shows how large the error of one quantity may be while the
+          contacts still slide as the algorithms require. At grey pairs, a palm touches the outline of
+          the object. At empty pairs, the algorithms fail. Click a pair to choose it.
         </p>
       </header>
       <div class="choices">
@@ -302,25 +303,27 @@ export function DesignView() {
           <p id="tolerance">
             {tolerance >= 0
               ? `Tolerates an error of ${shown(tolerance)} (${tables.quantities[quantity.value]!.name}).`
-              : "A property fails at the scene's own numbers."}{" "}
+              : "A property fails even without an error."}{" "}
             {tolerance >= 0 && (clearance >= 0
               ? `The outline clears the palms by ${(clearance / DEGREE).toFixed(2)}°.`
-              : "But the outline touches a palm.")}
+              : "However, the outline touches a palm.")}
           </p>
           <div class="scale" aria-hidden="true">
             {CIVIDIS.map((colour) => <i style={{ background: colour }} />)}
             <span>little</span><span>much</span>
           </div>
           <p class="note">
-            A large tolerance of the angles alone is not the best design: steep palms take long to
-            turn. The second command measures σ*, the noise at which 1 % of carries drop the object.
+            The angles with the largest tolerance are not always the best ones, because steep palms
+            take longer to turn. The second command below measures σ*, the speed noise at which 1 % of
+            the carries drop the object.
           </p>
         </section>
       </div>
       <section>
         <h2>The region of this pair</h2>
         <p class="note">
-          With the left palm shallow and the right one steep. The dashed square is the palms.
+          The maps show the contact modes for all positions of the two contacts, with the left palm
+          shallow and the right one steep. The dashed square contains the positions on the palms.
         </p>
         <PairRegion />
         <h2>What limits it</h2>
@@ -333,7 +336,7 @@ export function DesignView() {
         ]}
         runs={run ? [{ command: carryOf([SCENE_FILE], controller.value, seed.value, forks.value), hash: run.hash }] : []}
         files={[[SCENE_FILE, sceneFile({ "palm.shallow_deg": shallow, "palm.steep_deg": steep, ...fromPaper(base.value, overrides.value) })]]}
-        note="The page claims no certificate; the first command proves one, or says where it fails."
+        note="The page itself proves nothing. The first command proves a certificate, or reports where the proof fails."
       />
     </>
   );

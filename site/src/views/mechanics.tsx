@@ -236,7 +236,7 @@ function Squeezes(props: { f: Statics }) {
   const held = both[0] <= both[1];
   return (
     <svg class="squeezes" viewBox="0 0 470 122" role="img"
-      aria-label={`squeezes that the left contact can carry: ${f.squeeze[0]!.map((v) => v.toFixed(3)).join(" to ")} weights, the right one: ${f.squeeze[1]!.map((v) => v.toFixed(3)).join(" to ")}`}>
+      aria-label={`squeezes that the left contact can transmit: ${f.squeeze[0]!.map((v) => v.toFixed(3)).join(" to ")} weights, the right one: ${f.squeeze[1]!.map((v) => v.toFixed(3)).join(" to ")}`}>
       {held && (
         <rect x={x(both[0])} y="8" width={Math.max(1, x(both[1]) - x(both[0]))} height="70" fill="var(--zero-pale)" />
       )}
@@ -278,7 +278,7 @@ function NineModes(props: { f: Statics }) {
   const rightAt = [0, 2, 1];
   return (
     <table class="modes">
-      <caption>Nine contact modes: which balance, and which one happens</caption>
+      <caption>Nine contact modes: which ones balance, and which one occurs</caption>
       <thead>
         <tr>
           <th>left ↓ right →</th>
@@ -411,8 +411,8 @@ export function MechanicsView() {
       <header class="lead">
         <h1>Which contact slides?</h1>
         <p>
-          Drag anything: the centre of mass, the corners, a palm, a contact, an edge of the cones. The
-          squeeze H, the force with which the palms press the object inward, decides.
+          Drag the centre of mass, a corner, a palm, a contact or an edge of the cones. The squeeze H is
+          the force with which the palms press the object inward. It decides which contact slides.
         </p>
       </header>
       <div class="choices">
@@ -457,7 +457,9 @@ export function MechanicsView() {
           <section>
             <h2>Every pair of contacts</h2>
             <p class="note">
-              At these palm angles, as in Figure 5 of the paper: the region of a mode is a band, and the square is the contacts that the palms allow. Drag the dot.
+              The maps show the contact mode at these palm angles for all positions of the contacts, as in
+              Figure 5 of the paper. Each mode occupies a band. The square contains the positions on the
+              palms. Drag the dot to move the contacts.
             </p>
             <div class="columns">
               <ModeMap closing />
@@ -467,9 +469,10 @@ export function MechanicsView() {
           <section>
             <h2>Every centre of mass</h2>
             <p class="note">
-              Where it may lie so that, with the scene's two angles and the contacts anywhere on the
-              palms, both properties hold. Property 1: {tables.modeSentences.property_1} Property
-              2: {tables.modeSentences.property_2} Figure 6 of the paper.
+              The map shows where the centre of mass may lie so that both properties hold, with the
+              scene's two palm angles and the contacts anywhere on the palms. Property
+              1: {tables.modeSentences.property_1} Property 2: {tables.modeSentences.property_2} This map
+              corresponds to Figure 6 of the paper.
             </p>
             <Canvas id="com-map" height={(width) => Math.min(280, Math.max(160, width * 0.4))} draw={drawCom}
               label="region of centres of mass for which both properties hold, on the object" />
@@ -484,7 +487,7 @@ export function MechanicsView() {
       <AtHome
         lines={[`palmbots modes ${words} ${numbers}`, `palmbots analyze ${words} --figures out`]}
         runs={presentRun()}
-        note="The last command carries the object of this view."
+        note="The last command simulates a carry of the object in this view."
       />
     </>
   );

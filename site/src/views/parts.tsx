@@ -154,7 +154,7 @@ export function presentRun(): Run[] {
   return [{ command, hash: recorded.value.hash }];
 }
 
-// "The same at home": command lines, those of carries with their traces, and the files that they need.
+// "Run it on your computer": command lines, those of carries with their traces, and the files that they need.
 export function AtHome(props: {
   runs: Run[]; lines?: string[]; note?: ComponentChildren; files?: [string, string][];
 }) {
@@ -168,8 +168,8 @@ export function AtHome(props: {
   }
   if (text.includes(POLICY_FILE)) files.push([POLICY_FILE, policyFile(policy.value)]);
   return (
-    <section class="home" aria-label="the same at home">
-      <h2>The same at home</h2>
+    <section class="home" aria-label="run it on your computer">
+      <h2>Run it on your computer</h2>
       <pre class="command" tabIndex={0} ref={lines}>{text}</pre>
       <p class="row">
         <button

@@ -261,9 +261,10 @@ export function ProofsView() {
       <header class="lead">
         <h1>Where the algorithms fail</h1>
         <p>
-          The model checker Spin explores every run of the shipped controllers in a world of cells.
-          What holds is proved for that model. Where a claim fails, Spin finds the shortest run. These
-          are all such runs that the project keeps.
+          The model checker Spin explores every run of the built-in controllers in a simplified world,
+          in which contact positions are whole numbers of cells. A claim that holds is proved for that
+          world. If a claim fails, Spin finds the shortest run in which it fails. This view shows all
+          such runs that the project keeps.
         </p>
       </header>
       <div class="choices">
@@ -296,7 +297,7 @@ export function ProofsView() {
               <Stage run={carried.run} of={carried.of} name="distributed" id="proof-carry" low time={carryTime}
                 label="side view of a carry with the same failure" />
               <p class="note">
-                The same failure in a carry with friction and geometry, at{" "}
+                The same failure occurs in a carry with friction and geometry, shown at{" "}
                 <output id="carry-time">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
                 <button type="button" id="carry-it" onClick={() => openInCarry(item)}>open this carry</button>
               </p>
@@ -305,20 +306,20 @@ export function ProofsView() {
         </div>
         <p class="note">
           {hasPalms
-            ? "Number: contact p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
+            ? "Number: contact coordinate p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
             : "This model has no contacts. Filled circle: the robot hears its partner."}
         </p>
         <div><Robots robots={now.robots} /></div>
         <p class="events" role="status">
           {[...now.before, ...(isLast ? item.after : [])].map((event) => event.text).join("; ")}
-          {isLast && item.loop !== null && ` From here it continues with step ${item.loop + 1}, without end.`}
+          {isLast && item.loop !== null && ` The run then returns to step ${item.loop + 1}, and repeats forever.`}
         </p>
         <Player item={item} place={place} />
       </section>
       <AtHome
         lines={[`.venv/bin/python verify/model_check.py ${item.name}`]}
         runs={carried ? [{ command: `palmbots carry verify/counterexamples/${item.name}.toml`, hash: carried.run.hash }] : []}
-        note="In a copy of the sources, after make verify."
+        note="Run this in a copy of the sources, after make verify."
       />
     </>
   );

@@ -187,7 +187,7 @@ export function Charts() {
         </figure>
         <figure>
           <figcaption>
-            {talks ? "corrections and messages: click one" : "corrections"}
+            {talks ? "corrections and messages: click a message" : "corrections"}
           </figcaption>
           <Canvas
             id="sequence-chart"
@@ -211,7 +211,8 @@ export function Charts() {
       {hasStation && (
         <p class="note">
           Each robot reports to the station in every control period, and the station sends each robot a
-          command. The chart shows those that say something new. A click between two lines chooses any.
+          command. The chart shows only the packets with new content. Click between two lines to select
+          any other packet.
         </p>
       )}
     </div>

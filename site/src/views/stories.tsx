@@ -54,68 +54,68 @@ export const STORIES: Story[] = [
     title: "The paper's Figure 8",
     start: { scene: "figure8" },
     text:
-      "Seven bumps in six and a half seconds, retold from the paper. A negative contact is corrected by its own robot, case (d). For a positive one the robot asks its partner to tilt up, case (a); the partner assists, case (c).",
+      "The carry has seven bumps in six and a half seconds, as in the paper. If its contact has p < 0, a robot corrects it alone: case (d). If p > 0, the robot asks its partner to tilt up, case (a), and the partner assists, case (c).",
     task: "Stop at 0.7 s and look at the arrows: TiltUp, Ack, TiltDown.",
     actions: [{ label: "go to 0.7 s", act: { scene: "figure8", at: 0.7 } }],
-    after: "The left palm is shallow, so opening slides only the right contact. The right robot drives away until its contact is back.",
+    after: "The left palm is shallow, so opening slides only the right contact. The right robot drives away until its contact is back near the pivot.",
   },
   {
     title: "A lost Ack, and leases",
     start: { set: SILENT_LEFT },
     text:
-      "The radio of the left robot fails for half a second, and the Ack is lost. The paper's algorithm hangs: the right robot waits for the Ack, and the left one waits for TiltDown, forever. The box arrives only because nothing else happens.",
+      "The radio of the left robot fails for half a second, and the Ack is lost. The paper's algorithm hangs: the right robot waits for the Ack and the left one for TiltDown, both forever. The box arrives only because nothing else disturbs it.",
     task: "Give the pair a controller with leases, on the same radio.",
     actions: [{ label: "resilient", act: { controller: "resilient", set: SILENT_LEFT } }],
-    after: "The controller resilient repeats what it has to say in beacons, and acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
+    after: "With the controller resilient, a robot repeats its message in periodic packets, called beacons. A beacon is valid for a limited time, its lease. The receiver acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
   },
   {
     title: "Why the palms tilt",
     start: { cones: true, controller: "none", set: FAST_RIGHT, at: 0.01 },
     text:
-      "The right robot drives 8 mm/s too fast. With both palms steep the object decides which contact slides, and nobody corrects. Watch it walk off the palm.",
+      "The right robot drives 8 mm/s too fast. With both palms steep, the object decides which contact slides, and no robot corrects it. Watch the object slide off the palm.",
     task: "Give the pair a controller.",
     actions: [
       { label: "distributed", act: { cones: true, controller: "distributed", set: FAST_RIGHT } },
     ],
-    after: "A shallow palm has another friction cone than a steep one. So the robots choose the contact that slides.",
+    after: "The friction cone of a shallow palm differs from that of a steep one. By tilting a palm, the robots therefore choose which contact slides.",
   },
   {
     title: "Two robots without a radio",
     start: { controller: "silent", seed: 3 },
     text:
-      "The controller silent sends nothing. Each robot corrects by the sign of its own contact, and the palms make it work.",
+      "With the controller silent, the robots send nothing. Each robot makes corrections according to the sign of its own contact. The angles of the two palms decide which contact slides.",
     task: "Double the noise.",
     actions: [{ label: "noise 20 mm/s", act: { controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 } } }],
-    after: "It still corrects without a word. Compare counts how often it drops the box.",
+    after: "The robots still make corrections without any message. The view Compare counts how often they drop the box.",
   },
   {
     title: "A reboot",
     start: { set: REBOOT },
     text:
-      "The right robot reboots for 20 ms while it assists, and forgets that it does. Now one robot drives away and the other closer, forever: the contacts no longer move.",
-    task: "Let the same happen to the controller resilient.",
+      "The right robot reboots for 20 ms while it assists, and forgets that it was assisting. Now one robot drives away and the other closer, forever, and the contacts no longer move.",
+    task: "Run the same reboot with the controller resilient.",
     actions: [{ label: "resilient", act: { controller: "resilient", set: REBOOT } }],
-    after: "The beacons of a robot that has booted say so. The partner lets go, and both begin anew.",
+    after: "The beacons of a robot show that it has rebooted. Its partner gives up the old correction, and both robots start again.",
   },
   {
     title: "A slope",
     start: { set: { "task.slope_deg": 4 } },
     text:
-      "On a slope gravity pulls the box towards one robot. At the paper's angles both properties hold up to 4.5°.",
+      "On a slope, gravity pulls the box towards one robot. The robots rely on two properties: closing slides only the shallow contact, and opening slides only the steep one. At the paper's angles, both properties hold up to 4.5°.",
     task: "Make it 8°.",
     actions: [{ label: "8°", act: { set: { "task.slope_deg": 8 } } }],
-    after: "Beyond the limit the wrong contact may slide, and corrections push the contact the wrong way. Design shows which angles tolerate a steeper floor.",
+    after: "Beyond this limit, the wrong contact may slide, and corrections move a contact in the wrong direction. The view Design shows which angles tolerate a steeper floor.",
   },
   {
     title: "The edge of the feasible region",
     start: { cones: true, set: { "object.com_m": [0.141, 0.04] } },
     text:
-      "The box is 250 mm wide. At the paper's angles both properties hold while its centre of mass lies between 108.5 and 141.5 mm, wherever the contacts are. Here it lies at 141 mm.",
-    task: "Move it to 160 mm.",
+      "The box is 250 mm wide. At the paper's angles, closing slides only the shallow contact, and opening only the steep one, if the centre of mass lies between 108.5 and 141.5 mm. This is true for any position of the contacts on the palms. Here, the centre of mass lies at 141 mm.",
+    task: "Move the centre of mass to 160 mm.",
     actions: [
       { label: "160 mm", act: { cones: true, set: { "object.com_m": [0.16, 0.04] } } },
     ],
-    after: "More of the weight now presses on the right palm. When the right robot tilts it and drives closer, the left contact may slide instead, although the left palm is steep. Mechanics draws the region on the box.",
+    after: "More of the weight now presses on the right palm. When the right robot tilts this palm and drives closer, the left contact may slide instead, although the left palm is steep. The view Mechanics draws the permitted region on the box.",
   },
   {
     title: "Predict first, then watch",
@@ -123,7 +123,7 @@ export const STORIES: Story[] = [
       set: { ...QUIET, "bumps.script": [{ robot: "left", at_s: 0.5, shift_m: -0.03 }], "task.distance_m": 0.3 },
       at: 0.6,
     },
-    text: "A bump has moved the left contact 30 mm inward: p_L < 0, and p_R is 0.",
+    text: "A bump has moved the left contact 30 mm inward, so p_L < 0. The right contact is at p_R = 0.",
     task: "What will the robots do?",
     actions: [],
     after: "",
@@ -281,8 +281,8 @@ function Question(props: { story: Story }) {
       {answered() > 0 && (
         <p class="after" role="status">
           {answered() === right + 1 ? "Yes. " : "Look again. "}
-          A robot corrects a negative contact alone: with its own palm shallow and its partner's steep,
-          closing slides only its own contact, up.
+          A robot corrects a contact with p &lt; 0 alone. With its own palm shallow and its partner's palm
+          steep, closing makes only its own contact slide, and it slides up.
         </p>
       )}
     </fieldset>
