@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """How many small defects of the core the tests find: the mutation score, with its interval.
 
-    .venv/bin/python tests/soak/mutation_score.py [--size 200] [--seed 1] [--seconds 3000]
+    .venv/bin/python tests/soak/mutation_score.py [--size 200] [--seed 2] [--seconds 3000]
 
 A sample of the changes of `mutants` in the rooms mechanics, control and wire is compiled into
-copies of the headers, once. The tests of these rooms then run once per mutant, until the first of
-them fails: the C++ programs, and the files of Python tests. A first run without a mutant records
-which tests reach which mutants, so that only those run. A test that takes ten times its usual time
-counts as failed.
+copies of the headers, once. Tests then run once per mutant, until the first of them fails: the C++
+programs, with sanitizers as in `make test`, and the files of Python tests of the mutant's own room
+and of those that use it. A first run without a mutant records which tests reach which mutants, so
+that only those run. A test that takes ten times its usual time counts as failed.
 
 Results are kept in build/mutation/results.csv, and a further run goes on from there. When all are
 there, they are copied to benchmarks/results/mutation.csv. A mutant that does not compile is left
-out, and the report says how many these are.
+out, and the report says how many these are. "not reached" survived, too: no test runs the code, or
+only the compiler does.
+
+Tests were added for what the sample of seed 1 found missing, so its score says too much now.
 """
 
 import argparse
@@ -21,9 +24,11 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import core_copy
@@ -35,11 +40,18 @@ WORK = ROOT / "build" / "mutation"
 RESULTS = WORK / "results.csv"
 PUBLISHED = ROOT / "benchmarks" / "results" / "mutation.csv"
 ROOMS = ("mechanics", "control", "wire")
-CPP_ROOMS = ("mechanics", "control", "wire", "runtime", "world")
+# Where the Python tests of a room's code are.
+PYTHON_ROOMS = {
+    "mechanics": ("mechanics", "stability", "world"),
+    "control": ("control", "derivation", "simulation"),
+    "wire": ("wire", "drivers", "links"),
+}
+SANITIZERS = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
+LONGEST_S = 60.0  # a program or file that takes longer is left out
 FIELDS = ("number", "mutant", "result", "by")
 BUILD_TRIES = 8
 PATIENCE, LEAST_S = 10.0, 20.0
-_PLACE = re.compile(r"include/(palmbots/(?:mechanics|control|wire)/\w+\.hpp):(\d+)")
+_PLACE = re.compile(r"include/(palmbots/(?:mechanics|control|wire)/\w+\.hpp):(\d+):\d+: error:")
 
 
 @dataclass(frozen=True)
@@ -48,6 +60,8 @@ class Unit:
 
     name: str
     command: tuple[str, ...]
+    rooms: tuple[str, ...] = ROOMS
+    """The rooms whose mutants it is to find."""
     seconds: float = 0.0
     reaches: frozenset[int] = frozenset()
 
@@ -56,7 +70,7 @@ def main(words: list[str]) -> int:
     """Measure; exit status 0 when all mutants of the sample were tried."""
     parser = argparse.ArgumentParser(description="Measure the mutation score.")
     parser.add_argument("--size", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=1e9, help="stop after this time")
     options = parser.parse_args(words)
     until = time.monotonic() + options.seconds
@@ -71,19 +85,38 @@ def main(words: list[str]) -> int:
     names = {number: mutant.name for number, mutant in chosen.items()}
     done = _done(names)
     compiled = chosen
+    reached: set[int] = set()
     for build, units_of in ((_programs, _program_units), (_extension, _python_units)):
         kept = _built(compiled, build)
         for number in sorted(compiled.keys() - kept.keys() - done.keys()):
             done[number] = _note(number, names[number], "does not compile", "")
         compiled = kept
         units = _recorded(units_of())
-        for number in sorted(compiled.keys() - done.keys()):
-            if time.monotonic() > until:
-                return _report(done, len(chosen), len(every))
-            by = _killed(number, units)
-            if by or units_of is _python_units:
-                done[number] = _note(number, names[number], "killed" if by else "survived", by)
+        reached |= {number for unit in units for number in unit.reaches}
+        rest = {n: _room(compiled[n]) for n in sorted(compiled.keys() - done.keys())}
+        for number, by in _tried(rest, units, until):
+            if by:
+                done[number] = _note(number, names[number], "killed", by)
+            elif units_of is _python_units:
+                kind = "survived" if number in reached else "not reached"
+                done[number] = _note(number, names[number], kind, "")
     return _report(done, len(chosen), len(every))
+
+
+def _room(mutant: mutants.Mutant) -> str:
+    return Path(mutant.header).parent.name
+
+
+def _tried(rest: dict[int, str], units: list[Unit], until: float) -> Iterator[tuple[int, str]]:
+    """What found each of the mutants (of these rooms), as it becomes known; "": nothing did."""
+
+    def one(number: int) -> tuple[int, str] | None:
+        if time.monotonic() > until:
+            return None
+        return number, _killed(number, [u for u in units if rest[number] in u.rooms])
+
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        yield from (found for found in pool.map(one, rest) if found is not None)
 
 
 def _done(names: dict[int, str]) -> dict[int, str]:
@@ -116,7 +149,8 @@ def _built(
         messages = build()
         if messages is None:
             return kept
-        places = {(m[1], int(m[2])) for m in _PLACE.finditer(messages)}
+        # The copies have one more line at their beginning.
+        places = {(m[1], int(m[2]) - 1) for m in _PLACE.finditer(messages)}
         broken = {n for n, mutant in kept.items() if (mutant.header, mutant.line) in places}
         if not broken:
             sys.exit(f"mutation_score: does not compile:\n{messages[:4000]}")
@@ -141,15 +175,11 @@ def _put(path: Path, data: bytes) -> None:
 
 
 def _sources() -> list[Path]:
-    return [
-        path
-        for room in CPP_ROOMS
-        for path in sorted((ROOT / "tests/cpp" / room).glob("*_test.cpp"))
-    ]
+    return sorted((ROOT / "tests" / "cpp").glob("*/*_test.cpp"))
 
 
 def _programs() -> str | None:
-    return core_copy.programs(WORK, WORK / "include", _sources(), "-O1")
+    return core_copy.programs(WORK, WORK / "include", _sources(), SANITIZERS)
 
 
 def _extension() -> str | None:
@@ -161,33 +191,34 @@ def _program_units() -> list[Unit]:
 
 
 def _python_units() -> list[Unit]:
-    files = [p for room in ROOMS for p in sorted((ROOT / "tests" / room).glob("test_*.py"))]
-    command = (
-        str(core_copy.environment(WORK)),
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-    )
-    return [Unit(f"{p.parent.name}/{p.name}", (*command, str(p.relative_to(ROOT)))) for p in files]
+    python = str(core_copy.environment(WORK))
+    command = (python, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider")
+    return [
+        Unit(f"{folder}/{path.name}", (*command, str(path.relative_to(ROOT))), (room,))
+        for room, folders in PYTHON_ROOMS.items()
+        for folder in folders
+        for path in sorted((ROOT / "tests" / folder).glob("test_*.py"))
+    ]
 
 
 def _recorded(units: list[Unit]) -> list[Unit]:
     """The units that pass without a mutant, fastest first, with what they reach."""
-    found = []
-    for unit in units:
-        record = WORK / "reached.txt"
+
+    def one(unit: Unit) -> Unit | None:
+        record = WORK / f"reached-{threading.get_ident()}.txt"
         record.unlink(missing_ok=True)
         began = time.monotonic()
-        status = _run(unit, 600.0, {"PALMBOTS_REACHED": str(record)})
+        status = _run(unit, LONGEST_S, {"PALMBOTS_REACHED": str(record)})
         seconds = time.monotonic() - began
         if status != 0:
-            print(f"left out, as it fails without a mutant: {unit.name}", flush=True)
-            continue
+            why = "takes too long" if status is None else "fails without a mutant"
+            print(f"left out, as it {why}: {unit.name}", flush=True)
+            return None
         reached = set(map(int, record.read_text().split())) if record.exists() else set()
-        found.append(Unit(unit.name, unit.command, seconds, frozenset(reached)))
+        return replace(unit, seconds=seconds, reaches=frozenset(reached))
+
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        found = [unit for unit in pool.map(one, units) if unit is not None]
     return sorted(found, key=lambda unit: unit.seconds)
 
 
@@ -219,13 +250,14 @@ def _killed(number: int, units: list[Unit]) -> str:
 
 def _report(done: dict[int, str], size: int, population: int) -> int:
     results = list(done.values())
-    killed, survived = results.count("killed"), results.count("survived")
-    tried = killed + survived
+    killed, unreached = results.count("killed"), results.count("not reached")
+    tried = killed + results.count("survived") + unreached
     low, high = wilson(killed, tried) if tried else (0.0, 1.0)
     print(
         f"mutation score {100 * killed / max(1, tried):.0f} % (95 % interval {100 * low:.0f} to "
         f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {size} from "
-        f"{population}; {results.count('does not compile')} do not compile"
+        f"{population}; {unreached} are reached by no test, and "
+        f"{results.count('does not compile')} do not compile"
     )
     if len(done) < size:
         return 1
