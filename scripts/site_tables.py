@@ -20,7 +20,9 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._version import __version__
 from palmbots.cli.reports.carry_report import REASONS
+from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
+from palmbots.control.resilient_timing import REFUSALS
 from palmbots.control.state_words import STATE_MEANINGS
 from palmbots.derivation.global_policy import table_1
 from palmbots.geometry import robot_dimensions
@@ -32,7 +34,7 @@ from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.stability.angle_grid import QUANTITIES
-from palmbots.stability.linear_conditions import text_of
+from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
 from palmbots.viz.style import controller_looks
 
 ROOT = Path(__file__).parent.parent
@@ -106,6 +108,7 @@ def counterexample(path: Path) -> dict[str, Any]:
         "title": what,
         "claim": claim,
         "meaning": _meaning(run, claim),
+        "isShortest": run.search == "shortest",
         "controller": shown,
         "steps": steps,
         "after": before,
@@ -190,6 +193,14 @@ def controllers() -> list[dict[str, Any]]:
     return found
 
 
+def required_mode(number: int) -> str:
+    """The contact mode that a property requires with the left palm shallow."""
+    palm, edge = SLIDING_EDGES[number]
+    is_left = palm == "shallow"
+    motion = "SL" if is_left == (edge > 0) else "SR"  # up is outward: left on the left palm
+    return f"{motion}-ST" if is_left else f"ST-{motion}"
+
+
 def tables() -> dict[str, Any]:
     """Everything."""
     scenes = built_in_meanings("scenes")
@@ -197,6 +208,10 @@ def tables() -> dict[str, Any]:
     return {
         "version": __version__,
         "controllers": controllers(),
+        "refusals": list(REFUSALS.values()),
+        "palms": list(PALMS),
+        "drives": list(MOVES),
+        "signWords": [SIGN_WORDS[sign] for sign in (-1, 0, 1)],
         "scenes": [
             {"name": name, "meaning": meaning, "scene": load_scene(name).model_dump()}
             for name, meaning in scenes.items()
@@ -218,6 +233,7 @@ def tables() -> dict[str, Any]:
         "outcomes": list(_core.carry_outcomes),
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
         "modes": ["-".join(mode) for mode in CONTACT_MODES],
+        "requiredModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionMeanings": MOTION_MEANINGS,
         "modeSentences": SENTENCES,
         "faultKinds": list(Fault.model_fields["kind"].annotation.__args__),

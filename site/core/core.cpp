@@ -114,11 +114,18 @@ PAGE_EXPORT(set_forks) void set_forks() {
   }
 }
 
-// Why a controller cannot keep its time bounds in the scene: 0: it can, else the beacon period is too
-// short (1), the lease is too short (2) or too long (3).
-PAGE_EXPORT(timing_problem) std::uint32_t timing_problem(std::uint32_t controller) {
-  if (controller >= policy_controller || !controller_infos[controller].has_time_bounds) return 0;
-  return static_cast<std::uint32_t>(resilient_timing_of(scene).problem);
+// Whether a controller can keep its time bounds in the scene: 0: it can, else the beacon period is too
+// short (1), the lease is too short (2) or too long (3). Then the bounds: beacon period, radio delay,
+// lease, shortest and longest lease [s], and room on the palm [m].
+PAGE_EXPORT(timing) const double* timing(std::uint32_t controller) {
+  answer.assign(7, 0.0);
+  if (controller < policy_controller && controller_infos[controller].has_time_bounds) {
+    const ResilientTiming b = resilient_timing_of(scene);
+    const double tick = scene.period;
+    answer = {double(b.problem),       b.times.beacon * tick,  b.delay * tick, b.times.lease * tick,
+              b.shortest_lease * tick, b.longest_lease * tick, b.room};
+  }
+  return give(answer);
 }
 
 // Carries once. Returns metrics; rows(), messages() and so on give the rest.
@@ -189,12 +196,16 @@ const double* mode_map(double theta_left, double theta_right, std::uint32_t clos
   return give(answer);
 }
 
+// COMs for which the properties hold, with any angles [rad] as the shallow and the steep ones.
 PAGE_EXPORT(com_map)
 const double* com_map(double x_low, double x_high, double y_low, double y_high, std::uint32_t nx,
-                      std::uint32_t ny) {
+                      std::uint32_t ny, double shallow_left, double steep_left,
+                      double shallow_right, double steep_right) {
+  const auto angle = [](double theta) { return PalmAngle<double>::at(theta); };
   answer.clear();
-  page::StaticsOfState(scene).append_com_map(scene_angles(), {x_low, x_high}, {y_low, y_high}, nx,
-                                             ny, answer);
+  page::StaticsOfState(scene).append_com_map({{{angle(shallow_left), angle(steep_left)},
+                                               {angle(shallow_right), angle(steep_right)}}},
+                                             {x_low, x_high}, {y_low, y_high}, nx, ny, answer);
   return give(answer);
 }
 

@@ -54,7 +54,7 @@ inline void read_robots(NumberStream& in, Spec& spec) {
   }
   spec.zone_count = in.count(max_zones);
   for (std::size_t i = 0; i < spec.zone_count; ++i) {
-    const auto sign = static_cast<Sign>(static_cast<int>(in.next()));
+    const auto sign = static_cast<std::int64_t>(in.next());
     const double from = in.next();
     spec.zones[i] = {sign, from, in.next()};
   }

@@ -11,7 +11,8 @@ from PIL import Image, ImageChops
 from playwright.sync_api import Page, expect
 
 import palmbots as pb
-from site_pages import Open, assert_reproduced, command_of, hash_of, overrides_of, seconds
+from palmbots.errors import SceneError
+from site_pages import Open, assert_reproduced, command_of, go, hash_of, overrides_of, seconds
 
 FIGURE8 = {"scene": "figure8"}
 
@@ -63,6 +64,22 @@ def test_play_pause_step_scrub_and_speed(open_page: Open) -> None:
     page.locator("#play").click()
     expect(page.locator(".status strong")).to_contain_text("delivered")
     expect(page.locator("#play")).to_have_attribute("aria-label", "play")
+
+
+def test_the_speeds_of_the_player(open_page: Open) -> None:
+    """By a clock that the test turns: real frames would depend on the machine."""
+    page = open_page(hash_of("carry", {"t": 1}))
+    options = page.locator("#speed option")
+    speeds = [float(text.removesuffix("×")) for text in options.all_inner_texts()]
+    assert speeds == [0.25, 0.5, 1, 2, 5, 10, 25, 50]
+    page.clock.install(time=0)
+    page.clock.pause_at(1000)
+    for speed in speeds:
+        page.locator("#scrub").fill("1")
+        page.locator("#speed").select_option(f"{speed:g}×")
+        page.locator("#play").click()
+        page.clock.run_for(416)  # frames of 16 ms; the first one has nothing before it
+        assert seconds(page) - 1 == pytest.approx(0.4 * speed, abs=0.017 * speed + 0.01)
 
 
 def test_keys(open_page: Open) -> None:
@@ -312,5 +329,28 @@ def test_a_film_of_the_rest_of_the_carry(open_page: Open, tmp_path: Path) -> Non
 
 
 def test_a_controller_that_refuses_the_scene_says_why(open_page: Open) -> None:
-    page = open_page(hash_of("carry", {"controller": "resilient"}, radio__latency_s=0.5))
-    expect(page.locator(".refusal")).to_contain_text("resilient refuses this scene")
+    """In the words of the package."""
+    page = open_page("#carry?t=1")
+    for key, value in (
+        ("radio.latency_s", 0.5), ("radio.lease_s", 0.1), ("radio.lease_s", 3.0),
+        ("radio.beacon_s", 0.005),
+    ):  # fmt: skip
+        with pytest.raises(SceneError) as refused:
+            pb.carry("paper", "resilient", overrides={key: value})
+        keys = {key.replace(".", "__"): value}
+        go(page, hash_of("carry", {"controller": "resilient"}, **keys))
+        said = page.locator(".refusal")
+        expect(said).to_have_text(f"resilient refuses this scene: {refused.value}")
+
+
+def test_the_commands_are_copied(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.clock.install(time=0)
+    page.clock.pause_at(1000)
+    page.get_by_role("button", name="copy", exact=True).click()
+    expect(page.get_by_role("button", name="copied")).to_be_visible()
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert copied == page.locator(".command").inner_text()
+    page.clock.run_for(2000)
+    expect(page.get_by_role("button", name="copy", exact=True)).to_be_visible()

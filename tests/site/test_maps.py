@@ -72,10 +72,17 @@ def test_maps_equal_those_of_the_package(open_page: Open) -> None:
         )
 
 
-def test_the_permitted_coms_are_those_of_analyze(open_page: Open) -> None:
+@pytest.mark.parametrize(("shallow", "steep"), [(5, 15), (3, 21), (8, 12)])
+def test_the_permitted_coms_are_those_of_analyze(
+    open_page: Open, shallow: float, steep: float
+) -> None:
+    """At these angles, whatever those of the scene are."""
     page = open_page("#carry?t=1")
-    bits = exports(page, "m => m.com_map(0, 0.25, 0.0399, 0.0401, 1000, 1)")
+    angles = ", ".join(map(str, np.radians([shallow, steep, shallow, steep])))
+    bits = exports(page, f"m => m.com_map(0, 0.25, 0.0399, 0.0401, 1000, 1, {angles})")
     both = [k * 0.25 / 1000 for k, bit in enumerate(bits) if bit == 3]
-    found = pb.analyze("paper").com_x_m
+    found = pb.analyze(
+        "paper", overrides={"palm.shallow_deg": shallow, "palm.steep_deg": steep}
+    ).com_x_m
     assert found is not None
     assert (both[0], both[-1]) == pytest.approx(found, abs=3e-4)

@@ -52,6 +52,10 @@ def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
         stated = [with_numbers(words, runs[name]) for words in claims[claim]]
         shown = page.locator(".claim").inner_text()
         assert any(f"“{words}” ({claim}) fails" in shown for words in stated), shown
+        # A breadth-first search finds a shortest run; it needs a claim, and memory for its depth.
+        is_shortest = "formula" not in runs[name] and "depth" not in runs[name]
+        how = "breadth-first" if is_shortest else "depth-first"
+        expect(page.locator("#search")).to_contain_text(f"A {how} search found this run")
         page.locator("#scrub").fill("100000")
         expect(page.locator(".time")).to_have_text(re.compile(r"^(\d+) of \1$"))
 

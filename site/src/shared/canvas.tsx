@@ -19,6 +19,7 @@ interface Props {
   onPointerDown?: (event: PointerEvent) => void;
   onPointerMove?: (event: PointerEvent) => void;
   onPointerUp?: (event: PointerEvent) => void;
+  onPointerLeave?: (event: PointerEvent) => void;
   onKeyDown?: (event: KeyboardEvent) => void;
 }
 
@@ -85,6 +86,7 @@ export function Canvas(props: Props) {
       onPointerDown={props.onPointerDown}
       onPointerMove={props.onPointerMove}
       onPointerUp={props.onPointerUp}
+      onPointerLeave={props.onPointerLeave}
       onPointerCancel={props.onPointerUp}
       onKeyDown={props.onKeyDown}
     />

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
-import { type Scene, tables } from "./tables";
-import { sceneNumbers } from "./scene";
+import { type Scene, filledIn, tables } from "./tables";
+import { get, sceneNumbers } from "./scene";
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -14,7 +14,7 @@ interface Exports {
   set_scene(): void;
   set_policy(): void;
   set_forks(): void;
-  timing_problem(controller: number): number;
+  timing(controller: number): number;
   run(controller: number, seed: number): number;
   rows(): number;
   messages(): number;
@@ -25,7 +25,10 @@ interface Exports {
   add_to_tally(controller: number, first: number, n: number): number;
   statics(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
   mode_map(thetaLeft: number, thetaRight: number, closing: number, n: number, reach: number): number;
-  com_map(x0: number, x1: number, y0: number, y1: number, nx: number, ny: number): number;
+  com_map(
+    x0: number, x1: number, y0: number, y1: number, nx: number, ny: number, shallowLeft: number,
+    steepLeft: number, shallowRight: number, steepRight: number,
+  ): number;
   limits(half: number): number;
   tolerance_map(
     from: number, step: number, n: number, quantity: number, most: number, half: number,
@@ -43,8 +46,8 @@ export interface PolicyRow {
   drives: [string, string];
 }
 
-export const PALMS = ["steep", "shallow"];
-export const DRIVES = ["hold", "away", "closer"];
+export const PALMS = tables.palms;
+export const DRIVES = tables.drives;
 
 export const ROW = {
   width: 20, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
@@ -135,11 +138,10 @@ const IMPORTS = {
 
 // The report of a robot and the command of the station (site/core/recorded_carry.hpp).
 const STATION_MESSAGES = tables.controllers.find((c) => c.team === "station")!.messages;
-const SIGN_WORDS = ["p < 0", "p = 0", "p > 0"];
 
 function words(code: number, content: number): { says: string; short: string } {
   if (code === -2) {
-    const short = SIGN_WORDS[content % 3]!;
+    const short = tables.signWords[content % 3]!;
     const turns = content < 6 ? ", turning" : "";
     return { says: `${short}, palm ${PALMS[Math.floor(content / 3) % 2]}${turns}`, short };
   }
@@ -199,12 +201,22 @@ export class Core {
     this.wasm.set_policy();
   }
 
-  // Why a controller refuses the scene; empty if it does not.
+  // Why a controller refuses the scene, in the sentence of the package; empty if it does not.
   refusal(controller: number): string {
-    return [
-      "", "radio.beacon_s is shorter than control.period_s",
-      "radio.lease_s is too short for this radio", "no lease fits: the radio is too slow, or the palms are too short for a robot that waits so long",
-    ][this.wasm.timing_problem(controller)]!;
+    const [problem, beacon, delay, lease, shortest, longest, room] = this.take(
+      this.wasm.timing(controller),
+    ) as unknown as [number, number, number, number, number, number, number];
+    if (problem === 0) return "";
+    const isBeacon = problem === 1;
+    const text = tables.refusals[!isBeacon && shortest > longest ? 3 : problem - 1]!;
+    const given = (key: string) => get(this.scene!, key) as number;
+    const short = (value: number) => String(Number(value.toPrecision(6)));
+    return filledIn(text, {
+      beacon: short(isBeacon ? given("radio.beacon_s") : beacon),
+      period: short(given("control.period_s")),
+      delay: short(delay), lease: short(lease), shortest: short(shortest),
+      longest: short(Math.max(longest, 0)), room: (1000 * room).toFixed(1),
+    });
   }
 
   // One carry of the scene.
@@ -296,8 +308,13 @@ export class Core {
     return this.take(this.wasm.mode_map(theta[0], theta[1], closing ? 1 : 0, n, reach));
   }
 
-  comMap(x: [number, number], y: [number, number], nx: number, ny: number): Float64Array {
-    return this.take(this.wasm.com_map(x[0], x[1], y[0], y[1], nx, ny));
+  // `angles` of the left and the right palm: shallow, steep [rad].
+  comMap(
+    x: [number, number], y: [number, number], nx: number, ny: number,
+    angles: [[number, number], [number, number]],
+  ): Float64Array {
+    const [left, right] = angles;
+    return this.take(this.wasm.com_map(x[0], x[1], y[0], y[1], nx, ny, ...left, ...right));
   }
 
   limits(half: number): Limit[] {

@@ -33,6 +33,7 @@ export interface Counterexample {
   title: string;
   claim: string;
   meaning: string; // of the claim, as the model states it
+  isShortest: boolean; // no run with fewer steps of the model shows it
   controller: string;
   steps: { before: ProofEvent[]; robots: [RobotStep, RobotStep] }[];
   after: ProofEvent[];

@@ -28,11 +28,11 @@ export function mapSize(surface: { width: number; height: number }): number {
   return Math.min(surface.width, surface.height) - MAP_FOOT;
 }
 
-// The modes, the frame of the palms and further regions, and a dot. Lengths in mm; `half` is that of
-// the palms.
+// The modes, the frame of the palms and further regions, a dot, and a small one under the pointer.
+// Lengths in mm; `half` is that of the palms.
 export function drawModeMap(
   surface: Surface, p: Palette, values: Float64Array, half: [number, number], regions: Region[],
-  dot: [number, number] | null,
+  dot: [number, number] | null, under: [number, number] | null = null,
 ): void {
   const c = surface.context;
   const size = mapSize(surface);
@@ -59,14 +59,16 @@ export function drawModeMap(
     c.strokeRect(left, top, x(region.pL[1]) - left, y(region.pR[0]) - top);
   }
   c.setLineDash([]);
-  if (dot) {
+  const circle = (at: [number, number], radius: number) => {
     c.beginPath();
-    c.arc(x(dot[0]), y(dot[1]), 5, 0, 2 * Math.PI);
+    c.arc(x(at[0]), y(at[1]), radius, 0, 2 * Math.PI);
     c.fillStyle = p.background;
     c.fill();
     c.lineWidth = 2;
     c.stroke();
-  }
+  };
+  if (dot) circle(dot, 5);
+  if (under) circle(under, 2.5);
   c.lineWidth = 1;
   c.fillStyle = p.quiet;
   c.font = "11px system-ui, sans-serif";

@@ -2,7 +2,7 @@
 // The contact mode of a motion, and the inequality that decides it, in the words of the package
 // (src/palmbots/mechanics/mode_words.py).
 import type { Statics } from "./core";
-import { tables } from "./tables";
+import { filledIn, tables } from "./tables";
 
 export const NOT_HELD = -1;
 export const JAMMED = -2;
@@ -13,7 +13,7 @@ const TIE = 1e-9; // ends that are closer than this are the same one
 const MOTIONS = ["sticks", "up", "down"];
 
 function filled(name: string, values: Record<string, string> = {}): string {
-  return tables.modeSentences[name]!.replace(/\{(\w+)\}/g, (_, key: string) => values[key]!);
+  return filledIn(tables.modeSentences[name]!, values);
 }
 
 export function motionsOf(mode: number): [number, number] {

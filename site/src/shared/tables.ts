@@ -19,6 +19,10 @@ export interface ControllerInfo {
 interface Tables {
   version: string;
   controllers: ControllerInfo[];
+  refusals: string[]; // of a scene by a controller: too short beacons, lease too short, too long, none possible
+  palms: string[];
+  drives: string[];
+  signWords: string[]; // of the signs −1, 0, 1
   scenes: { name: string; meaning: string; scene: Scene }[];
   objects: { name: string; meaning: string; object: Json }[];
   keys: { name: string; unit: string; meaning: string }[];
@@ -26,6 +30,7 @@ interface Tables {
   outcomes: string[];
   dropReasons: [string, string][];
   modes: string[];
+  requiredModes: Record<string, string>; // by property, with the left palm shallow
   motionMeanings: Record<string, string>; // of the symbols in modes
   modeSentences: Record<string, string>; // with names in braces for what is filled in
   faultKinds: string[];
@@ -37,6 +42,11 @@ interface Tables {
 }
 
 export const tables = data as unknown as Tables;
+
+// A sentence of the package with its names in braces replaced.
+export function filledIn(text: string, values: Record<string, string>): string {
+  return text.replace(/\{(\w+)\}/g, (_, key: string) => values[key]!);
+}
 
 export const SIDES = ["left", "right"] as const;
 export const SENDERS = [...SIDES, "station"] as const;

@@ -218,9 +218,8 @@ function PairRegion() {
         return (
           <figure class="map">
             <figcaption>
-              {k === 0
-                ? "driven together: property 1 requires SL-ST in the frame"
-                : "driven apart: property 2 requires ST-SL in the frame"}
+              driven {k === 0 ? "together" : "apart"}: property {k + 1} requires {tables.requiredModes[k + 1]} in
+              the frame
             </figcaption>
             <Canvas
               id={`region-${k}`}

@@ -5,15 +5,15 @@ import { AtHome, SceneChoice, presentRun } from "./parts";
 import { type Handle, Handles } from "./handles";
 import { zeroZone } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
-import { sceneWords } from "../shared/command";
+import { sceneWords, settings } from "../shared/command";
 import { PLACES, type Statics } from "../shared/core";
 import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from "../shared/mode_map";
 import { decision, marginWords, modeName, modeWords } from "../shared/mode_words";
 import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
-import { get, ofSide } from "../shared/scene";
+import { type Overrides, get, ofSide } from "../shared/scene";
 import { type View, drawSide, viewOf } from "../shared/side_view";
-import { base, core, extraNumber, overrides, scene, setExtra, setKey } from "../shared/state";
+import { base, core, extraNumber, extras, overrides, scene, setExtra, setKey } from "../shared/state";
 import { SIDES, tables } from "../shared/tables";
 import { type Palette, palette } from "../shared/theme";
 
@@ -26,16 +26,38 @@ const theta = computed<[number, number]>(() => [
   extraNumber("tl", usualTheta(0)), extraNumber("tr", usualTheta(1)),
 ]);
 const contact = computed<[number, number]>(() => [extraNumber("pl", -20), extraNumber("pr", 0)]);
+// The contacts under the pointer in a map of modes. The view shows their state until it leaves.
+const hovered = signal<[number, number] | null>(null);
 const half = (side: 0 | 1) => ofSide(scene.value, "palm", SIDES[side], "length_m") / 2;
 
-const found = computed<Statics | null>(() => {
+function staticsAt([pLeft, pRight]: [number, number]): Statics | null {
   const machine = core.value;
   if (!machine) return null;
   machine.setScene(scene.value);
   return machine.statics(
-    [theta.value[0] * DEGREE, theta.value[1] * DEGREE],
-    [contact.value[0] / 1000, contact.value[1] / 1000],
+    [theta.value[0] * DEGREE, theta.value[1] * DEGREE], [pLeft / 1000, pRight / 1000],
   );
+}
+
+// The state that the view shows: where the pointer is, if the object reaches from palm to palm there.
+const shown = computed(() => {
+  const under = hovered.value && staticsAt(hovered.value);
+  return under?.reaches
+    ? { contacts: hovered.value!, f: under, isUnderPointer: true }
+    : { contacts: contact.value, f: staticsAt(contact.value), isUnderPointer: false };
+});
+const found = computed(() => shown.value.f);
+
+// The shallow and the steep angle [°] of either palm in the map of COMs: those of the scene until the
+// visitor turns a palm, then the smaller and the larger of the two angles of the state.
+const angles = computed<[[number, number], [number, number]]>(() => {
+  const own = (side: 0 | 1): [number, number] => [
+    ofSide(scene.value, "palm", SIDES[side], "shallow_deg"),
+    ofSide(scene.value, "palm", SIDES[side], "steep_deg"),
+  ];
+  if (!("tl" in extras.value || "tr" in extras.value)) return [own(0), own(1)];
+  const chosen: [number, number] = [Math.min(...theta.value), Math.max(...theta.value)];
+  return [chosen, chosen];
 });
 
 const map = (closing: boolean) =>
@@ -47,6 +69,8 @@ const map = (closing: boolean) =>
   });
 const maps = { closing: map(true), opening: map(false) };
 
+const halfMm = (mm: number) => Math.round(2 * mm) / 2;
+
 function setTheta(side: 0 | 1, degrees: number): void {
   const value = Math.round(10 * Math.min(60, Math.max(-20, degrees))) / 10;
   setExtra(side === 0 ? "tl" : "tr", String(value), String(usualTheta(side)));
@@ -54,10 +78,12 @@ function setTheta(side: 0 | 1, degrees: number): void {
 
 function setContact(side: 0 | 1, mm: number): void {
   const most = 1000 * half(side);
-  const value = Math.round(2 * Math.min(most, Math.max(-most, mm))) / 2;
+  const value = halfMm(Math.min(most, Math.max(-most, mm)));
   setExtra(side === 0 ? "pl" : "pr", String(value), side === 0 ? "-20" : "0");
 }
 
+const inMm = (value: number) => `${value.toFixed(1).replace("-", "−")} mm`;
+const inDegrees = (value: number) => `${value.toFixed(1).replace("-", "−")}°`;
 const fine = (value: number) => Math.round(value * 2000) / 2000; // half a millimetre
 
 // Writes the outline explicitly, so that every part of it is the visitor's own from now on.
@@ -308,14 +334,21 @@ function NineModes(props: { f: Statics }) {
 function ModeMap(props: { closing: boolean }) {
   const values = props.closing ? maps.closing : maps.opening;
   const seen = [...new Set(values.value ?? [])];
+  // The contacts [mm] under the pointer, as shares of the map's half width.
   const pick = (event: PointerEvent) => {
-    if (event.buttons === 0) return;
     const place = event.currentTarget as HTMLElement;
     const rect = place.getBoundingClientRect();
-    place.setPointerCapture(event.pointerId);
     const size = mapSize(rect);
-    setContact(0, (2 * ((event.clientX - rect.left - MAP_LEFT) / size) - 1) * 1000 * REACH * half(0));
-    setContact(1, (1 - 2 * ((event.clientY - rect.top - MAP_TOP) / size)) * 1000 * REACH * half(1));
+    const x = 2 * ((event.clientX - rect.left - MAP_LEFT) / size) - 1;
+    const y = 1 - 2 * ((event.clientY - rect.top - MAP_TOP) / size);
+    const at: [number, number] = [x * 1000 * REACH * half(0), y * 1000 * REACH * half(1)];
+    const isInside = Math.max(Math.abs(x), Math.abs(y)) <= 1;
+    const isHovering = isInside && event.buttons === 0 && event.pointerType !== "touch";
+    hovered.value = isHovering ? [halfMm(at[0]), halfMm(at[1])] : null;
+    if (event.buttons === 0) return;
+    place.setPointerCapture(event.pointerId);
+    setContact(0, at[0]);
+    setContact(1, at[1]);
   };
   const name = props.closing ? "driven together" : "driven apart";
   return (
@@ -327,11 +360,12 @@ function ModeMap(props: { closing: boolean }) {
         label={`map of the contact mode when ${name}, over both contact positions`}
         onPointerDown={pick}
         onPointerMove={pick}
+        onPointerLeave={() => (hovered.value = null)}
         draw={(s) => {
           if (!values.value) return;
           const size: [number, number] = [1000 * half(0), 1000 * half(1)];
           const palms = { pL: [-size[0], size[0]] as [number, number], pR: [-size[1], size[1]] as [number, number] };
-          drawModeMap(s, palette.value, values.value, size, [palms], contact.value);
+          drawModeMap(s, palette.value, values.value, size, [palms], contact.value, shown.value.isUnderPointer ? shown.value.contacts : null);
         }}
       />
       <ul class="key">
@@ -343,6 +377,32 @@ function ModeMap(props: { closing: boolean }) {
       </ul>
     </figure>
   );
+}
+
+const radians = (degrees: [[number, number], [number, number]]): [[number, number], [number, number]] =>
+  degrees.map((pair) => pair.map((angle) => angle * DEGREE)) as [[number, number], [number, number]];
+
+// Which angles the map of COMs takes.
+function anglesWords(): string {
+  const [left, right] = angles.value.map((pair) => pair.map(inDegrees)) as [string[], string[]];
+  if (left.every((angle, k) => angle === right[k])) {
+    return `The shallow angle is ${left[0]}, the steep one ${left[1]}.`;
+  }
+  return `The shallow and the steep angle of the left palm are ${left[0]} and ${left[1]}, those of the right one ${right[0]} and ${right[1]}.`;
+}
+
+// The command that draws the map of COMs with these angles, if a scene may have them.
+function analyzeLines(words: string): string[] {
+  if (angles.value.some(([shallow, steep]) => shallow >= steep)) return [];
+  const keys: Overrides = {};
+  angles.value.forEach((pair, side) =>
+    ["shallow_deg", "steep_deg"].forEach((name, k) => {
+      if (ofSide(scene.value, "palm", SIDES[side]!, name) === pair[k]) return;
+      const own = `palm.${SIDES[side]}.${name}`;
+      keys[get(scene.value, own) === undefined ? `palm.${name}` : own] = pair[k]!;
+    }),
+  );
+  return [["palmbots analyze", words, ...settings(keys), "--figures out"].join(" ")];
 }
 
 // Figure 6: the COMs for which the properties hold over the whole palms, drawn on the object.
@@ -365,7 +425,7 @@ function drawCom(surface: Surface): void {
   const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   machine.setScene(scene.value);
   const [nx, ny] = [180, 90];
-  const bits = machine.comMap([x0, x1], [y0, y1], nx, ny);
+  const bits = machine.comMap([x0, x1], [y0, y1], nx, ny, radians(angles.value));
   const scale = Math.min((surface.width - 20) / (x1 - x0), (surface.height - 20) / (y1 - y0));
   const [left, top] = [(surface.width - scale * (x1 - x0)) / 2, (surface.height - scale * (y1 - y0)) / 2];
   const at = ([x, y]: Xy): Xy => [left + (x - x0) * scale, top + (y1 - y) * scale];
@@ -438,7 +498,11 @@ export function MechanicsView() {
       </section>
       {f && f.reaches && (
         <>
-          <div class="columns">
+          <p class="note" id="shown-state">
+            State {shown.value.isUnderPointer ? "under the pointer" : "at the dot of the maps below"}:{" "}
+            p<sub>L</sub> = {inMm(shown.value.contacts[0])}, p<sub>R</sub> = {inMm(shown.value.contacts[1])}
+          </p>
+          <div class="columns state">
             <section>
               <h2>Driven together: {modeName(f.closing)}</h2>
               <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
@@ -459,7 +523,7 @@ export function MechanicsView() {
             <p class="note">
               The maps show the contact mode at these palm angles for all positions of the contacts, as in
               Figure 5 of the paper. Each mode occupies a band. The square contains the positions on the
-              palms. Drag the dot to move the contacts.
+              palms. Hold the pointer over a map to see the state there. Drag the dot to move the contacts.
             </p>
             <div class="columns">
               <ModeMap closing />
@@ -469,8 +533,10 @@ export function MechanicsView() {
           <section>
             <h2>Every centre of mass</h2>
             <p class="note">
-              The map shows where the centre of mass may lie so that both properties hold, with the
-              scene's two palm angles and the contacts anywhere on the palms. Property
+              The map shows where the centre of mass may lie so that both properties hold with the
+              contacts anywhere on the palms, whichever palm is the shallow
+              one. <span id="com-angles">{anglesWords()}</span> If you turn a palm, the map takes the
+              smaller and the larger of the two angles above. Property
               1: {tables.modeSentences.property_1} Property 2: {tables.modeSentences.property_2} This map
               corresponds to Figure 6 of the paper.
             </p>
@@ -485,7 +551,7 @@ export function MechanicsView() {
         </>
       )}
       <AtHome
-        lines={[`palmbots modes ${words} ${numbers}`, `palmbots analyze ${words} --figures out`]}
+        lines={[`palmbots modes ${words} ${numbers}`, ...analyzeLines(words)]}
         runs={presentRun()}
         note="The last command simulates a carry of the object in this view."
       />

@@ -263,8 +263,8 @@ export function ProofsView() {
         <p>
           The model checker Spin explores every run of the built-in controllers in a simplified world,
           in which contact positions are whole numbers of cells. A claim that holds is proved for that
-          world. If a claim fails, Spin finds the shortest run in which it fails. This view shows all
-          such runs that the project keeps.
+          world. If a claim fails, Spin finds a run in which it fails. This view shows all such runs that
+          the project keeps.
         </p>
       </header>
       <div class="choices">
@@ -283,7 +283,12 @@ export function ProofsView() {
       </div>
       <section class="panel proof" aria-label="the run">
         <p class="claim">
-          <strong>{item.title[0]!.toUpperCase() + item.title.slice(1)}.</strong> The claim “{item.meaning}” ({item.claim}) fails.
+          <strong>{item.title[0]!.toUpperCase() + item.title.slice(1)}.</strong> The claim “{item.meaning}” ({item.claim}) fails.{" "}
+          <span id="search">
+            {item.isShortest
+              ? "A breadth-first search found this run: no run with fewer steps of the model shows it."
+              : "A depth-first search found this run: a shorter one may exist."}
+          </span>
         </p>
         <div class={carried ? "columns" : ""}>
           <div>

@@ -7,6 +7,7 @@ import { PlayerBar, playerKeys } from "./player_bar";
 import { Charts } from "./sequence";
 import { Stage } from "./stage";
 import { outcomeText } from "./carry";
+import type { Recorded } from "../shared/core";
 import type { Overrides } from "../shared/scene";
 import {
   base, controller, extraFlag, extraNumber, forks, overrides, player, recorded, seed, setExtra,
@@ -86,7 +87,7 @@ export const STORIES: Story[] = [
       "With the controller silent, the robots send nothing. Each robot makes corrections according to the sign of its own contact. The angles of the two palms decide which contact slides.",
     task: "Double the noise.",
     actions: [{ label: "noise 20 mm/s", act: { controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 } } }],
-    after: "The robots still make corrections without any message. The view Compare counts how often they drop the box.",
+    after: "The contacts move further from p = 0, but the robots still correct them without any message. The view Compare counts how often they drop the box.",
   },
   {
     title: "A reboot",
@@ -247,17 +248,35 @@ export function StoriesView() {
   );
 }
 
+const ENDLESS_S = 2; // a correction that lasts that long, and to the end of the carry
+
+// Which robots still make a correction that began long ago.
+function endless(carried: Recorded): string[] {
+  const still = carried.corrections.filter(
+    (c) => c.end >= carried.time && c.end - c.start > ENDLESS_S,
+  );
+  return still.length > 0 ? ["the last correction has not ended"] : [];
+}
+
+const counted = (number: number, what: string) =>
+  `${number === 0 ? "no" : number} ${what}${number === 1 ? "" : "s"}`;
+
 function Ending(): ComponentChildren {
   const carried = recorded.value;
   if (!carried || player.time.value < carried.time) return <p class="status">&nbsp;</p>;
   const waits = carried.hanging
     .map((h, side) => (h.since > 0.5 && h.awaits ? `the ${side ? "right" : "left"} robot still waits for ${h.awaits}` : ""))
     .filter(Boolean);
+  const wrong = waits.length > 0 ? waits : endless(carried);
   return (
     <p class="status ending">
-      <strong class={carried.outcome === 1 && waits.length === 0 ? "good" : "bad"}>
-        {[outcomeText(carried), ...waits].join("; ")}
-      </strong>
+      <strong class={carried.outcome === 1 && wrong.length === 0 ? "good" : "bad"}>
+        {[outcomeText(carried), ...wrong].join("; ")}
+      </strong>{" "}
+      <span class="note" id="tally">
+        {counted(carried.correctionCount, "correction")}, {counted(carried.sent, "message")}, contacts
+        up to {(1000 * Math.max(...carried.peak)).toFixed(0)} mm from p = 0
+      </span>
     </p>
   );
 }

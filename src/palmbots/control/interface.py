@@ -51,6 +51,8 @@ PALMS = cast("tuple[Palm, ...]", tuple(_core.Palm.__members__))
 """The names of the palm angles."""
 MOVES = cast("tuple[Move, ...]", tuple(_core.Move.__members__))
 """The names of the moves."""
+SIGN_WORDS = {-1: "p < 0", 0: "p = 0", 1: "p > 0"}
+"""What a tactile sign says about the contact coordinate p."""
 MESSAGE_KINDS = cast(
     "tuple[MessageKind | None, ...]",
     (None, *sorted(get_args(MessageKind), key=lambda name: _core.MessageKind[name])),

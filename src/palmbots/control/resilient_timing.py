@@ -15,7 +15,29 @@ from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["Bounds", "bounds_of"]
+__all__ = ["REFUSALS", "Bounds", "bounds_of"]
+
+_NEED = "radio delays of {delay} s and beacons every {beacon} s need at least {shortest}"
+_ROOM = (
+    "with more, a robot that travels alone, and the noise, could shift a contact by more than "
+    "the {room} mm from the zero zone to the end of its palm"
+)
+_RANGE = (
+    "allowed with controller resilient: a number in s, from {shortest} "
+    f"({_NEED}) to {{longest}} ({_ROOM})"
+)
+
+REFUSALS = {
+    "beacon": "radio.beacon_s: {beacon} is shorter than control.period_s; allowed with "
+    "controller resilient: a number in s, at least {period}",
+    "short": f"radio.lease_s: {{lease}} is too short; {_RANGE}",
+    "long": f"radio.lease_s: {{lease}} is too long; {_RANGE}",
+    "impossible": "radio.lease_s: no value is possible with controller resilient: "
+    f"{_NEED}, but at most {{longest}} is allowed: {_ROOM}; lower radio.latency_s, "
+    "radio.jitter_s, radio.beacon_s or robot.speed_m_s",
+}
+"""Why a scene is refused, with names in braces for what is filled in: times in s, the room in mm.
+The first three in the order of the core's problems; the page fills in the same sentences."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -94,27 +116,14 @@ def bounds_of(scene: Scene) -> Bounds:
 
 
 def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
-    if problem == "beacon":
-        period = scene.control.period_s
-        return (
-            f"radio.beacon_s: {scene.radio.beacon_s:g} is shorter than control.period_s; allowed "
-            f"with controller resilient: a number in s, at least {period:g}"
-        )
-    need = (
-        f"radio delays of {b.delay_s:g} s and beacons every {b.beacon_s:g} s need at least "
-        f"{b.shortest_lease_s:g}"
-    )
-    room = (
-        "with more, a robot that travels alone, and the noise, could shift a contact by more than "
-        f"the {1e3 * b.room_m:.1f} mm from the zero zone to the end of its palm"
-    )
-    if b.shortest_lease_s > b.longest_lease_s:
-        return (
-            f"radio.lease_s: no value is possible with controller resilient: {need}, but at most "
-            f"{max(b.longest_lease_s, 0):g} is allowed: {room}; lower radio.latency_s, "
-            "radio.jitter_s, radio.beacon_s or robot.speed_m_s"
-        )
-    return (
-        f"radio.lease_s: {b.lease_s:g} is too {problem}; allowed with controller resilient: a "
-        f"number in s, from {b.shortest_lease_s:g} ({need}) to {b.longest_lease_s:g} ({room})"
+    if problem != "beacon" and b.shortest_lease_s > b.longest_lease_s:
+        problem = "impossible"
+    return REFUSALS[problem].format(
+        beacon=f"{scene.radio.beacon_s if problem == 'beacon' else b.beacon_s:g}",
+        period=f"{scene.control.period_s:g}",
+        delay=f"{b.delay_s:g}",
+        shortest=f"{b.shortest_lease_s:g}",
+        lease=f"{b.lease_s:g}",
+        longest=f"{max(b.longest_lease_s, 0):g}",
+        room=f"{1e3 * b.room_m:.1f}",
     )

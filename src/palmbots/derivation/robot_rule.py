@@ -6,13 +6,18 @@ Pairs are seen from the robot that has the rule: (own, partner's).
 
 from dataclasses import dataclass
 
+from palmbots.control.interface import SIGN_WORDS
 from palmbots.derivation.global_policy import Angle, Angles, Direction, Signs
 from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program
 
 __all__ = ["Rule", "message_for", "tilt_to"]
 
 _RELATION = {-1: "<", 0: "=", 1: ">"}
-_CONDITION = {(-1, 0): "p ≤ 0", (0, 1): "p ≥ 0", (0,): "p = 0", (1,): "p > 0", (-1,): "p < 0"}
+_CONDITION: dict[tuple[int, ...], str] = {
+    (-1, 0): "p ≤ 0",
+    (0, 1): "p ≥ 0",
+    **{(sign,): words for sign, words in SIGN_WORDS.items()},
+}
 
 
 def tilt_to(angle: Angle) -> str:
