@@ -8,6 +8,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from sphinx.errors import SphinxError
+
 _ROOT = Path(__file__).resolve().parents[1]
 _PROJECT = tomllib.loads((_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -99,9 +101,24 @@ def _first_page(app: Any, fault: Exception | None) -> None:
         shutil.copy(Path(app.outdir) / f"{root_doc}.html", Path(app.outdir) / "index.html")
 
 
+NOTEBOOKS_LIMIT_S = 300
+
+
+def _notebook_times(app: Any, fault: Exception | None) -> None:
+    """Print how long all notebooks took together; more than the limit ends the build."""
+    if fault is not None or app.builder.name != "html":
+        return
+    found = (data.get("exec_data") for data in app.env.nb_metadata.values())
+    times = [data["runtime"] for data in found if data and data["runtime"] is not None]
+    print(f"{len(times)} notebooks ran in {sum(times):.0f} s")
+    if sum(times) > NOTEBOOKS_LIMIT_S:
+        raise SphinxError(f"notebooks: allowed: at most {NOTEBOOKS_LIMIT_S} s in all")
+
+
 def setup(app: Any) -> None:
     """Register what changes pages while they are read."""
     app.connect("source-read", _add_contents)
     app.connect("autodoc-process-signature", _without_defaults)
     app.connect("autodoc-process-docstring", _escape_bars)
     app.connect("build-finished", _first_page)
+    app.connect("build-finished", _notebook_times)

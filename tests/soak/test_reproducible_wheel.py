@@ -11,7 +11,7 @@ import pytest
 from cxx import ROOT
 
 
-@pytest.mark.parametrize("name", ["cp311-x86_64"])
+@pytest.mark.parametrize("name", ["cp311-x86_64", "cp312-abi3-x86_64", "cp311-aarch64"])
 def test_two_builds_have_the_same_bytes(name: str, tmp_path: Path) -> None:
     """In two folders, one of them with another name: no path reaches the files."""
     found = []
