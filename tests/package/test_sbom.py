@@ -20,6 +20,7 @@ def sbom(monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module("sbom")
 
 
+@pytest.mark.soak
 def test_every_locked_package_is_in_the_bill(sbom: Any, tmp_path: Path) -> None:
     out = tmp_path / "sbom.json"
     assert sbom.main(out) == 0
