@@ -119,9 +119,8 @@ book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
 	$(BIN)/python software-paper/build.py build/paper.pdf
 
-sbom: $(VENV)/docs.done  ## the bill of materials of `palmbots carry` as build/sbom.json (CycloneDX)
-	$(BIN)/cyclonedx-py requirements requirements/carry.txt --pyproject pyproject.toml \
-		--output-reproducible --output-file build/sbom.json
+sbom: $(VENV)/docs.done  ## the bill of materials as build/sbom.json (CycloneDX)
+	$(BIN)/python scripts/sbom.py build/sbom.json
 
 stubs: $(VENV)/extension.done  ## write src/palmbots/_core/*.pyi anew from the built module
 	$(BIN)/python -m nanobind.stubgen -q -r -m palmbots._core -O src/palmbots

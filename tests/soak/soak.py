@@ -5,9 +5,9 @@
 
 First come the measurements that a release states: instructions, coverage and the mutation score.
 They take at most half of the time, and are left out if there is less than an hour. One that runs
-out of its time is no failure: it is reported as not finished. The mutation score goes on where it
-stopped before. The others begin anew, and coverage takes about 20 minutes on two idle cores, so
-MINUTES should be at least 90 for a release. Then rounds follow one another, each with another seed: first
+out of its time is no failure. The mutation score goes on where it stopped before; the others begin
+anew. Coverage takes about 20 minutes on two idle cores, so give at least 90 minutes for a release.
+Then rounds follow one another, each with another seed: first
 libFuzzer, then the tests of tests/soak, then every Hypothesis property with random examples and
 every test marked `soak`, with those of the firmware where its compiler is installed. Each failure
 is appended to build/soak/failures.txt with the example that shows it; such an example then becomes
@@ -59,7 +59,7 @@ def measure(seconds: float) -> None:
                 [sys.executable, *words], cwd=ROOT, check=False, timeout=left_s
             ).returncode
         except subprocess.TimeoutExpired:
-            print(f"soak: {Path(words[0]).name}: not finished, goes on next time", flush=True)
+            print(f"soak: {Path(words[0]).name}: not finished, runs again next time", flush=True)
             continue
         if status != 0 and "--seconds" not in words:
             note(f"== {Path(words[0]).name}: {status}")
