@@ -7,11 +7,12 @@ First come the measurements that a release states: instructions, coverage and th
 They take at most half of the time, and are left out if there is less than an hour. One that runs
 out of its time is no failure. The mutation score goes on where it stopped before; the others begin
 anew. Coverage takes about 20 minutes on two idle cores, so give at least 90 minutes for a release.
-Then rounds follow one another, each with another seed: first
-libFuzzer, then the tests of tests/soak, then every Hypothesis property with random examples and
-every test marked `soak`, with those of the firmware where its compiler is installed. Each failure
-is appended to build/soak/failures.txt with the example that shows it; such an example then becomes
-an explicit `@example` of the property. Exit code 1 if anything failed.
+
+Then rounds follow one another, each with another seed: first libFuzzer, then the tests of
+tests/soak, then every Hypothesis property with random examples and every test marked `soak`, with
+those of the firmware where its compiler is installed. Each failure is appended to
+build/soak/failures.txt with the example that shows it; such an example then becomes an explicit
+`@example` of the property. Exit code 1 if anything failed.
 """
 
 import secrets
