@@ -203,9 +203,9 @@ const double* com_map(double x_low, double x_high, double y_low, double y_high, 
                       double shallow_right, double steep_right) {
   const auto angle = [](double theta) { return PalmAngle<double>::at(theta); };
   answer.clear();
-  page::StaticsOfState(scene).append_com_map({{{angle(shallow_left), angle(steep_left)},
-                                               {angle(shallow_right), angle(steep_right)}}},
-                                             {x_low, x_high}, {y_low, y_high}, nx, ny, answer);
+  page::StaticsOfState(scene).append_com_map(
+      {{{angle(shallow_left), angle(steep_left)}, {angle(shallow_right), angle(steep_right)}}},
+      {x_low, x_high}, {y_low, y_high}, nx, ny, answer);
   return give(answer);
 }
 
