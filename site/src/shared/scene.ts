@@ -253,18 +253,18 @@ function plain(value: unknown): Json {
   return Object.fromEntries(Object.entries(value).map(([key, entry]) => [key, plain(entry)]));
 }
 
-// The overrides that turn the scene `paper` into the one of a scene file, whose whole numbers may be
-// bigints. Throws an Error with one line for a person.
-export function overridesOf(file: Record<string, unknown>): Overrides {
+// The overrides that turn the scene `paper` into the one of a scene file; `hasBigints`: its whole
+// numbers are bigints. Throws an Error with one line for a person.
+export function overridesOf(file: Record<string, unknown>, hasBigints = false): Overrides {
   const { object: named, ...others } = file;
   if (typeof named === "string") {
     if (!tables.objects.some((o) => o.name === named)) {
       const names = tables.objects.map((o) => o.name).join(", ");
       refuse("object", named, "is no built-in object", `a table, or one of ${names}`);
     }
-    checkShape("", others);
+    checkShape("", others, tables.rules.shape, hasBigints);
   } else {
-    checkShape("", file);
+    checkShape("", file, tables.rules.shape, hasBigints);
   }
   const given = plain(file) as Scene;
   checkFrictionIsGivenOnce(given.palm);

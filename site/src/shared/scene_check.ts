@@ -328,9 +328,9 @@ function checkTimeout(scene: Scene, facts: SceneFacts): void {
     );
   }
   const distance = get(scene, "task.distance_m") as number;
-  const room = Math.floor((1000 * distance * most) / facts.timeout) / 1000;
+  const room = Math.floor((1000 * distance * most) / facts.timeout + 1e-6) / 1000;
   refuse(
     "task.distance_m", distance, `leads to a time limit of ${short(facts.timeout)} s, but ${onPage}`,
-    `about ${short(room)} m here at this speed, or palmbots carry on your computer`,
+    `about ${short(room)} m here at this speed, a faster robot, or palmbots carry on your computer`,
   );
 }

@@ -64,8 +64,8 @@ function allowed(key: string, shape: Shape): string {
   }
 }
 
-function checkNumber(key: string, given: unknown, shape: Shape): void {
-  const isWhole = typeof given === "bigint" || Number.isInteger(given);
+function checkNumber(key: string, given: unknown, shape: Shape, hasBigints: boolean): void {
+  const isWhole = typeof given === "bigint" || (!hasBigints && Number.isInteger(given));
   if (typeof given !== "number" && typeof given !== "bigint") {
     const wanted = shape.type === "integer" ? "a whole number" : "a number";
     refuse(key, given, `is ${kindOf(given)}, not ${wanted}`, allowed(key, shape));
@@ -84,14 +84,14 @@ function checkNumber(key: string, given: unknown, shape: Shape): void {
   }
 }
 
-function checkTable(key: string, value: object, shape: Shape): void {
+function checkTable(key: string, value: object, shape: Shape, hasBigints: boolean): void {
   const properties = shape.properties!;
   for (const [name, entry] of Object.entries(value)) {
     const inner = key ? `${key}.${name}` : name;
     if (!Object.hasOwn(properties, name)) {
       refuse(inner, entry, "is the value of an unknown key", Object.keys(properties).join(", "));
     }
-    checkShape(inner, entry, properties[name]!);
+    checkShape(inner, entry, properties[name]!, hasBigints);
   }
   for (const name of shape.required ?? []) {
     if (!Object.hasOwn(value, name)) {
@@ -100,12 +100,15 @@ function checkTable(key: string, value: object, shape: Shape): void {
   }
 }
 
-// Refuses a value whose type, size or keys are not those of `shape`. Whole numbers may be bigints.
-export function checkShape(key: string, value: unknown, shape: Shape = tables.rules.shape): void {
+// Refuses a value whose type, size or keys are not those of `shape`. With `hasBigints`, the whole
+// numbers are bigints, as in a scene file, where 1.0 is no whole number.
+export function checkShape(
+  key: string, value: unknown, shape: Shape = tables.rules.shape, hasBigints = false,
+): void {
   switch (shape.type) {
     case "object":
       if (!isTable(value)) refuse(key, value, "is not a table", allowed(key, shape));
-      return checkTable(key, value as object, shape);
+      return checkTable(key, value as object, shape, hasBigints);
     case "array": {
       if (!Array.isArray(value)) {
         refuse(key, value, `is ${kindOf(value)}, not a list`, allowed(key, shape));
@@ -115,7 +118,9 @@ export function checkShape(key: string, value: unknown, shape: Shape = tables.ru
         const plural = items.length === 1 ? "" : "s";
         refuse(key, value, `has ${items.length} item${plural}`, allowed(key, shape));
       }
-      items.forEach((item, k) => checkShape(`${key}[${k}]`, item, (shape.prefixItems?.[k] ?? shape.items)!));
+      items.forEach((item, k) => {
+        checkShape(`${key}[${k}]`, item, (shape.prefixItems?.[k] ?? shape.items)!, hasBigints);
+      });
       return;
     }
     case "boolean":
@@ -132,6 +137,6 @@ export function checkShape(key: string, value: unknown, shape: Shape = tables.ru
       }
       return;
     default:
-      checkNumber(key, value, shape);
+      checkNumber(key, value, shape, hasBigints);
   }
 }

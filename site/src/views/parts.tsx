@@ -221,7 +221,7 @@ export async function openScene(file: File): Promise<void> {
   }
   let found: Record<string, Json>;
   try {
-    found = overridesOf(table);
+    found = overridesOf(table, true);
     checkCanBeCarried(found);
   } catch (error) {
     throw new Error(`${file.name}: ${(error as Error).message}`);
