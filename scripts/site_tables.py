@@ -13,8 +13,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, BeforeValidator
-
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
@@ -28,11 +26,13 @@ from palmbots.derivation.global_policy import table_1
 from palmbots.geometry import robot_dimensions
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
 from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
-from palmbots.scene.faults_section import Fault
-from palmbots.scene.fields import Range
+from palmbots.scene.faults_section import KEYS_OF_KIND, OPTIONAL_KEYS_OF_KIND, Fault
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.object_section import DEFAULT_DENSITY, LEVEL_M
+from palmbots.scene.scene import MOST_DELAY_TICKS, MOST_LEAN, load_scene
+from palmbots.scene.scene_schema import scene_schema
+from palmbots.scene.support_check import LEAST_WIDTH_M
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
 from palmbots.viz.style import controller_looks
@@ -42,6 +42,11 @@ sys.path.insert(0, str(ROOT / "verify"))
 
 from model_check import Run, claims_of, runs  # noqa: E402
 
+# Of a node of a JSON Schema, what limits a value itself.
+_KEPT = (
+    "type", "enum", "required", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum",
+    "minItems", "maxItems",
+)  # fmt: skip
 _FORMULA = re.compile(r"^/\* (.*) \*/\nltl (\w+) ", re.MULTILINE)
 _STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
 _SENT = re.compile(r"(left|right) sends (\w+)(?:, (lost|copied))?")
@@ -55,28 +60,45 @@ _IN_STATE = re.compile(
 )
 
 
-def limits(model: type[BaseModel], section: str) -> dict[str, list[float | None]]:
-    """The limits of the numbers of a section by dotted key: least, most, above, below."""
-    found: dict[str, list[float | None]] = {}
-    for name, field in model.model_fields.items():
-        default = field.get_default(call_default_factory=True)
-        if isinstance(default, BaseModel):
-            found |= limits(type(default), f"{section}{name}.")
-            continue
-        entry = _range([*field.metadata, *getattr(field.annotation, "__args__", ())])
-        if entry is not None:
-            found[f"{section}{name}"] = [entry.least, entry.most, entry.above, entry.below]
+def shape(node: dict[str, Any], tables: dict[str, Any]) -> dict[str, Any]:
+    """A node of the scene's JSON Schema with what a check of values needs, and nothing to look up.
+
+    What is not set is left out of a scene, so there is no null.
+    """
+    if "$ref" in node:
+        node = tables[node["$ref"].rpartition("/")[2]]
+    if "anyOf" in node:  # beside null, or beside the name of an object, which the page looks up
+        return shape(node["anyOf"][0], tables)
+    found = {word: node[word] for word in _KEPT if word in node}
+    if "items" in node:
+        found["items"] = shape(node["items"], tables)
+    if "prefixItems" in node:
+        found["prefixItems"] = [shape(item, tables) for item in node["prefixItems"]]
+    if "properties" in node:
+        properties = node["properties"].items()
+        found["properties"] = {name: shape(item, tables) for name, item in properties}
     return found
 
 
-def _range(annotations: list[Any]) -> Range | None:
-    for annotation in annotations:
-        if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, Range):
-            return annotation.func
-        inner = _range(list(getattr(annotation, "__metadata__", ())))
-        if inner is not None:
-            return inner
-    return None
+def scene_rules() -> dict[str, Any]:
+    """What a scene may hold: the shape of every table, and the numbers of the checks beside it."""
+    schema = scene_schema()
+    every = set(schema["$defs"]["Fault"]["properties"]) - {"kind", "at_s", "duration_s"}
+    return {
+        "shape": shape(schema, schema["$defs"]),
+        "faultKeys": {
+            kind: {
+                "needs": sorted(needs),
+                "never": sorted(every - needs - OPTIONAL_KEYS_OF_KIND.get(kind, frozenset())),
+            }
+            for kind, needs in KEYS_OF_KIND.items()
+        },
+        "leastWidth": LEAST_WIDTH_M,
+        "mostDelayTicks": MOST_DELAY_TICKS,
+        "mostLean": MOST_LEAN,
+        "levelWithin": LEVEL_M,
+        "density": DEFAULT_DENSITY,
+    }
 
 
 def counterexample(path: Path) -> dict[str, Any]:
@@ -229,7 +251,7 @@ def tables() -> dict[str, Any]:
             for k in scene_keys()
             if not k.name.startswith("mujoco.")
         ],
-        "limits": limits(Scene, ""),
+        "rules": scene_rules(),
         "outcomes": list(_core.carry_outcomes),
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
         "modes": ["-".join(mode) for mode in CONTACT_MODES],

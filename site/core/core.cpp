@@ -24,7 +24,8 @@ constexpr std::size_t input_capacity = 4096;
 constexpr std::size_t policy_controller = controller_infos.size();
 
 std::array<double, input_capacity> given;
-Spec scene;
+page::PageScene page_scene;
+Spec& scene = page_scene.spec;
 RowPolicy policy;
 std::vector<Fork> forks;
 page::RecordedCarry carry;
@@ -91,7 +92,21 @@ PAGE_EXPORT(controller_count) std::uint32_t controller_count() {
 }
 
 // Takes the scene from the input (scene_stream.hpp).
-PAGE_EXPORT(set_scene) void set_scene() { scene = page::read_scene(arguments()); }
+PAGE_EXPORT(set_scene) void set_scene() { page_scene = page::read_scene(arguments()); }
+
+// Of the scene: its time limit [s], and the longest one with which the page carries, or 0 if the
+// scene's own is not longer; the friction coefficients of both palms; how far the centre of mass is
+// from the left contact, from the right one, and above the line between them [m].
+PAGE_EXPORT(scene_facts) const double* scene_facts() {
+  answer = {page_scene.timeout,
+            page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
+            scene.palms[left].friction,
+            scene.palms[right].friction,
+            scene.com_left,
+            scene.com_right,
+            scene.com_height};
+  return give(answer);
+}
 
 // Takes nine rows: palms (0 steep, 1 shallow) and drives (0 hold, 1 away, 2 closer), left first.
 PAGE_EXPORT(set_policy) void set_policy() {

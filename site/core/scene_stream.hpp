@@ -36,7 +36,9 @@ inline void read_robots(NumberStream& in, Spec& spec) {
   for (PalmSpec& palm : spec.palms) {
     palm.length = in.next();
     palm.offset = in.next();
-    palm.friction = in.next();
+    const double coefficient = in.next();
+    const double angle = in.next();  // in place of the coefficient; not a number: not given
+    palm.friction = angle == angle ? tangent(angle * degree) : coefficient;
     palm.shallow = in.next() * degree;
     palm.steep = in.next() * degree;
     palm.rate = in.next() * degree;
@@ -152,12 +154,22 @@ inline double default_timeout(const Spec& spec) {
 
 }  // namespace detail
 
-// Longest carry that the page records [ticks]: ten minutes at the default period.
-inline constexpr double most_ticks = 60000;
+// Longest carry that the page records [ticks]: twenty minutes at the default period. The page refuses
+// a scene with a longer time limit, so that no carry is cut.
+inline constexpr double most_ticks = 120000;
 
-// The spec of the scene.
-inline Spec read_scene(NumberStream in) {
+// A scene of the page.
+struct PageScene {
   Spec spec;
+  double timeout = 0;  // time limit of a carry [s], which may exceed what the page records
+
+  double longest_timeout() const { return most_ticks * spec.period; }
+  bool is_too_long() const { return !(std::nearbyint(timeout / spec.period) <= most_ticks); }
+};
+
+inline PageScene read_scene(NumberStream in) {
+  PageScene scene;
+  Spec& spec = scene.spec;
   detail::read_object(in, spec);
   detail::read_robots(in, spec);
   detail::read_radio(in, spec);
@@ -168,12 +180,12 @@ inline Spec read_scene(NumberStream in) {
   spec.inertia = in.next();
   spec.inertia_lag = in.next();
   const double given = in.next();  // not a number: not given
-  const double timeout = given == given ? given : detail::default_timeout(spec);
-  const double ticks = std::nearbyint(timeout / spec.period);
+  scene.timeout = given == given ? given : detail::default_timeout(spec);
+  const double ticks = std::nearbyint(scene.timeout / spec.period);
   spec.timeout_ticks =
       static_cast<std::uint64_t>(ticks < 1 ? 1 : (ticks < most_ticks ? ticks : most_ticks));
   spec.safe_reach = may_go_limp(spec) ? -1.0 : safe_reach(spec);  // a limp palm may turn anywhere
-  return spec;
+  return scene;
 }
 
 }  // namespace palmbots::page

@@ -277,10 +277,10 @@ def test_a_scene_file_is_dropped_on_the_page(open_page: Open) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[radio]\nlos = 1\n", "radio.los: is no key"),
-        ("[radio]\nloss = 3\n", "radio.loss: value 3 is outside"),
+        ("[radio]\nlos = 1\n", "radio.los: 1 is the value of an unknown key"),
+        ("[radio]\nloss = 3\n", "radio.loss: 3 is too large"),
         ("[radio\n", "bad.toml:"),
-        ('[radio]\nloss = "much"\n', "wrong kind"),
+        ('[radio]\nloss = "much"\n', "is a string, not a number"),
         ('object = "moon"\n', "is no built-in object"),
     ],
 )

@@ -16,6 +16,9 @@ SCENES = ("paper", "paper-offset", "figure8")
 OBJECTS = ("box", "box-strips", "l-shape", "plank", "tray", "trapezoid")
 
 
+BOUNDS = {"friction": (0.25, 0.5), "friction_angle_deg": (14.0, 26.0)}
+
+
 def expect_hash(page: Page, carried: pb.simulation.Carry) -> None:
     expect(page.locator("#hash")).to_have_text(carried.trace_hash)
 
@@ -35,6 +38,16 @@ def test_every_object(open_page: Open) -> None:
         expect_hash(page, pb.carry(seed=seed, overrides={"object": name}, record=False))
 
 
+def friction_keys(draw: random.Random) -> dict[str, float]:
+    """A coefficient or an angle, of both palms and of one."""
+    both, one = draw.choice(list(BOUNDS)), draw.choice(list(BOUNDS))
+    side = draw.choice(("left", "right"))
+    return {
+        f"palm.{both}": draw.uniform(*BOUNDS[both]),
+        f"palm.{side}.{one}": draw.uniform(*BOUNDS[one]),
+    }
+
+
 def random_keys(draw: random.Random) -> dict[str, Any]:
     """Keys of every section of a scene."""
     sides = ("left", "right")
@@ -47,9 +60,8 @@ def random_keys(draw: random.Random) -> dict[str, Any]:
         "object.contacts": [0, 1],
         "object.com_m": [0.3 + draw.uniform(-0.01, 0.01), 0.05],
         "object.mass_kg": 0.5,
-        "palm.friction": draw.uniform(0.25, 0.5),
         "palm.left.steep_deg": draw.uniform(13, 18),
-        "palm.right.friction": draw.uniform(0.25, 0.5),
+        **friction_keys(draw),
         "palm.pivot_offset_m": draw.choice([0.0, 0.004]),
         "robot.noise_m_s": draw.uniform(0, 0.02),
         "robot.right.bias_m_s": draw.uniform(-0.003, 0.003),

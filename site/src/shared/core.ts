@@ -3,6 +3,7 @@
 import address from "../generated/core.wasm?url";
 import { type Scene, filledIn, tables } from "./tables";
 import { get, sceneNumbers } from "./scene";
+import type { SceneFacts } from "./scene_check";
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -14,6 +15,7 @@ interface Exports {
   set_scene(): void;
   set_policy(): void;
   set_forks(): void;
+  scene_facts(): number;
   timing(controller: number): number;
   run(controller: number, seed: number): number;
   rows(): number;
@@ -199,6 +201,14 @@ export class Core {
       ]),
     );
     this.wasm.set_policy();
+  }
+
+  facts(scene: Scene): SceneFacts {
+    this.setScene(scene);
+    const a = this.take(this.wasm.scene_facts());
+    return {
+      timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!], com: [a[4]!, a[5]!, a[6]!],
+    };
   }
 
   // Why a controller refuses the scene, in the sentence of the package; empty if it does not.

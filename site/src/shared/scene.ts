@@ -3,6 +3,9 @@
 //
 // The core converts the numbers (site/core/scene_stream.hpp reads them in this order). Defaults and
 // limits come from the package.
+import { type Point, areaAndCentroid } from "./outline";
+import { checkFrictionIsGivenOnce, checkMassOf, checkOutline } from "./scene_check";
+import { checkShape, refuse } from "./scene_shape";
 import { type Json, SENDERS, type Scene, SIDES, tables } from "./tables";
 
 export type Overrides = Record<string, Json>;
@@ -33,12 +36,21 @@ function set(scene: Scene, key: string, value: Json): void {
   at[parts.at(-1)!] = value;
 }
 
+// Of a friction coefficient and a friction angle, the one that an override sets replaces the other.
+const INSTEAD: Record<string, string> = {
+  friction: "friction_angle_deg", friction_angle_deg: "friction",
+};
+
 // The scene of a built-in name with overrides on top. `object` may be the name of an object.
 export function sceneOf(name: string, overrides: Overrides): Scene {
   const scene = structuredClone(builtInScene(name));
   for (const [key, value] of Object.entries(overrides)) {
     const named = key === "object" && tables.objects.find((o) => o.name === value)?.object;
     set(scene, key, named ? structuredClone(named) : value);
+    const instead = key.startsWith("palm.") && INSTEAD[key.slice(key.lastIndexOf(".") + 1)];
+    if (!instead) continue;
+    const table = key.slice(0, key.lastIndexOf("."));
+    if (!(`${table}.${instead}` in overrides)) delete (get(scene, table) as Scene)[instead];
   }
   return scene;
 }
@@ -72,7 +84,7 @@ export function ofSide(scene: Scene, section: string, side: string, name: string
 
 const EFFECTS = ["lost", "delayed", "duplicated"];
 const SIGNS: Record<string, number> = { "-": -1, "0": 0, "+": 1 };
-const PALM = ["length_m", "pivot_offset_m", "friction", "shallow_deg", "steep_deg", "rate_deg_s"];
+const PALM = ["shallow_deg", "steep_deg", "rate_deg_s"];
 const ROBOT = [
   "speed_m_s", "correction_m_s", "acceleration_m_s2", "max_speed_m_s", "noise_m_s", "noise_tau_s",
   "bias_m_s", "clock_ppm",
@@ -92,6 +104,14 @@ function faultValue(fault: { [key: string]: Json }): number[] {
   const value = fault.probability ?? fault.ppm ?? fault.limp_deg ?? jump;
   const marks = (fault.loses_boot_counter ? 1 : 0) + (fault.limp_deg === undefined ? 0 : 2);
   return [value as number, marks];
+}
+
+// The friction coefficient of a palm, and the angle in its place or NaN; the core takes its tangent.
+function friction(scene: Scene, side: string): number[] {
+  const own = get(scene, `palm.${side}.friction`) as number | undefined;
+  const ownAngle = get(scene, `palm.${side}.friction_angle_deg`) as number | undefined;
+  const angle = ownAngle ?? (own === undefined ? get(scene, "palm.friction_angle_deg") : undefined);
+  return [own ?? number(scene, "palm.friction") ?? NaN, (angle as number | undefined) ?? NaN];
 }
 
 const place = (side: Json | undefined) => Math.max(0, SENDERS.indexOf(side as "station"));
@@ -124,7 +144,10 @@ export function sceneNumbers(scene: Scene): number[] {
     ...counted(vertices),
     ...(get(scene, "object.contacts") as number[]),
     ...(get(scene, "object.com_m") as number[]),
-    ...SIDES.flatMap((side) => PALM.map((name) => ofSide(scene, "palm", side, name))),
+    ...SIDES.flatMap((side) => [
+      ofSide(scene, "palm", side, "length_m"), ofSide(scene, "palm", side, "pivot_offset_m"),
+      ...friction(scene, side), ...PALM.map((name) => ofSide(scene, "palm", side, name)),
+    ]),
     ...SIDES.flatMap((side) => [
       ...ROBOT.map((name) => ofSide(scene, "robot", side, name)), stride(scene, side),
     ]),
@@ -194,90 +217,62 @@ function leaves(table: Json, prefix = ""): [string, Json][] {
   );
 }
 
-const KNOWN = new Set([
-  ...tables.keys.map((k) => k.name),
-  ...leaves(PAPER).map(([key]) => key),
-]);
-
-function isKnown(key: string): boolean {
-  const both = key.replace(/^(palm|robot)\.(left|right)\./, "$1.");
-  return KNOWN.has(both) || key.startsWith("mujoco.") || key.startsWith("task.path");
-}
-
-function outside(key: string, value: number): boolean {
-  const [least, most, above, below] = tables.limits[
-    key.replace(/^(palm|robot)\.(left|right)\./, "$1.")
-  ] ?? [null, null, null, null];
-  return (
-    !Number.isFinite(value) ||
-    (least != null && value < least) ||
-    (most != null && value > most) ||
-    (above != null && value <= above) ||
-    (below != null && value >= below)
-  );
-}
-
 // What an outline without contacts or COM has: the ends of its level lower side, and its centroid.
 function completed(object: { [key: string]: Json }): { [key: string]: Json } {
-  const vertices = object.vertices_m as number[][] | undefined;
-  if (!vertices) return object;
-  if (!Array.isArray(vertices) || vertices.length < 3 || vertices.length > 32) {
-    throw new Error("object.vertices_m: allowed: a list of 3 to 32 points [x, y]");
-  }
+  const outline = object.vertices_m as unknown as Point[] | undefined;
+  if (!outline) return object;
+  checkOutline(outline);
   const filled = { ...object };
   if (!filled.contacts) {
-    const low = Math.min(...vertices.map((v) => v[1]!)) + 1e-9;
-    const lowest = vertices.map((_, k) => k).filter((k) => vertices[k]![1]! <= low);
+    const low = Math.min(...outline.map((v) => v[1])) + tables.rules.levelWithin;
+    const lowest = outline.map((_, k) => k).filter((k) => outline[k]![1] <= low);
     if (lowest.length < 2) {
-      throw new Error("object.contacts: is not set, and one vertex alone is lowest");
+      refuse(
+        "object.contacts", null,
+        `is not set, and the outline has no level lower side: vertex ${lowest[0]} alone is lowest`,
+        "[left, right], two indices into object.vertices_m",
+      );
     }
-    const x = (k: number) => vertices[k]![0]!;
-    lowest.sort((a, b) => x(a) - x(b));
+    lowest.sort((a, b) => outline[a]![0] - outline[b]![0]);
     filled.contacts = [lowest[0]!, lowest.at(-1)!];
   }
   if (!filled.com_m) {
-    const [ox, oy] = vertices[0] as [number, number];
-    let area = 0;
-    let mx = 0;
-    let my = 0;
-    vertices.forEach((v, k) => {
-      const next = vertices[(k + 1) % vertices.length]!;
-      const [ax, ay, bx, by] = [v[0]! - ox, v[1]! - oy, next[0]! - ox, next[1]! - oy];
-      const cross = ax * by - bx * ay;
-      area += cross / 2;
-      mx += (cross * (ax + bx)) / 6;
-      my += (cross * (ay + by)) / 6;
-    });
-    const round = (value: number) => Number(value.toFixed(12));
-    filled.com_m = [round(ox + mx / area), round(oy + my / area)];
+    filled.com_m = areaAndCentroid(outline)[1].map((value) => Number(value.toFixed(12)));
   }
+  if (!filled.mass_kg) checkMassOf(outline, number({ object }, "object.depth_m") ?? DEPTH);
   return filled;
 }
 
-// The overrides that turn the scene `paper` into the one of a scene file. Throws an Error with one
-// line for a person.
-export function overridesOf(file: Scene): Overrides {
-  const found: Overrides = {};
-  const given = { ...file };
-  if (typeof given.object === "string") {
-    if (!tables.objects.some((o) => o.name === given.object)) {
-      throw new Error(`object: "${given.object}" is no built-in object`);
+const DEPTH = number(PAPER, "object.depth_m");
+
+// The parsed file as JSON has it: no whole numbers of their own kind.
+function plain(value: unknown): Json {
+  if (typeof value === "bigint") return Number(value);
+  if (Array.isArray(value)) return value.map(plain);
+  if (typeof value !== "object" || value === null) return value as Json;
+  return Object.fromEntries(Object.entries(value).map(([key, entry]) => [key, plain(entry)]));
+}
+
+// The overrides that turn the scene `paper` into the one of a scene file; `hasBigints`: its whole
+// numbers are bigints. Throws an Error with one line for a person.
+export function overridesOf(file: Record<string, unknown>, hasBigints = false): Overrides {
+  const { object: named, ...others } = file;
+  if (typeof named === "string") {
+    if (!tables.objects.some((o) => o.name === named)) {
+      const names = tables.objects.map((o) => o.name).join(", ");
+      refuse("object", named, "is no built-in object", `a table, or one of ${names}`);
     }
-    found.object = given.object;
-    delete given.object;
-  } else if (given.object) {
-    given.object = completed(given.object as { [key: string]: Json });
+    checkShape("", others, tables.rules.shape, hasBigints);
+  } else {
+    checkShape("", file, tables.rules.shape, hasBigints);
   }
+  const given = plain(file) as Scene;
+  checkFrictionIsGivenOnce(given.palm);
+  const found: Overrides = typeof named === "string" ? { object: named } : {};
+  if (typeof named === "string") delete given.object;
+  else if (given.object) given.object = completed(given.object as { [key: string]: Json });
   for (const [key, value] of leaves(given)) {
-    if (!isKnown(key)) throw new Error(`${key}: is no key of a scene`);
-    if (typeof value === "number" && outside(key, value)) {
-      throw new Error(`${key}: value ${value} is outside the limits`);
-    }
-    const usual = get(PAPER, key);
-    if (usual !== undefined && typeof usual !== typeof value) {
-      throw new Error(`${key}: value ${JSON.stringify(value)} is of the wrong kind`);
-    }
-    if (JSON.stringify(usual) !== JSON.stringify(value)) found[key] = value;
+    if (JSON.stringify(get(PAPER, key)) !== JSON.stringify(value)) found[key] = value;
   }
   return found;
 }

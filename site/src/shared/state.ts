@@ -3,8 +3,10 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
-import { type Overrides, sceneOf } from "./scene";
-import { type Json, tables } from "./tables";
+import { type Overrides, builtInScene, get, ofSide, sceneOf } from "./scene";
+import { checkFacts, checkFrictionIsGivenOnce, checkRelations } from "./scene_check";
+import { checkShape } from "./scene_shape";
+import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
 import { Player } from "./player";
 
 export const VIEWS = ["carry", "compare", "mechanics", "design", "stories", "proofs"] as const;
@@ -35,28 +37,66 @@ export const policy = signal<PolicyRow[]>(TABLE_1_ROWS);
 export const extras = signal<Record<string, string>>({}); // what a view adds
 export const player = new Player();
 
-export const scene = computed(() => sceneOf(base.value, overrides.value));
+// The scene with its overrides, and why it cannot be carried: empty if it can. Where its values are
+// not of the right shape, the scene is the built-in one, so that there is something to draw.
+const checked = computed(() => {
+  const merged = sceneOf(base.value, overrides.value);
+  try {
+    checkShape("", merged);
+    checkFrictionIsGivenOnce(merged.palm);
+  } catch (error) {
+    return { scene: builtInScene(base.value), problem: (error as Error).message };
+  }
+  return { scene: merged, problem: "" };
+});
+export const scene = computed(() => checked.value.scene);
+
+// Why nobody can carry the scene, in one line; empty if it can be carried.
+export const problem = computed(() => {
+  const machine = core.value;
+  if (!machine || checked.value.problem) return checked.value.problem;
+  return problemOf(machine, scene.value);
+});
+
+function problemOf(machine: Core, of: Scene): string {
+  try {
+    checkRelations(of);
+    checkFacts(of, machine.facts(of));
+  } catch (error) {
+    return (error as Error).message;
+  }
+  return "";
+}
+
+// Throws an Error with one line where a scene that differs so from `paper` cannot be carried.
+export function checkCanBeCarried(changes: Overrides): void {
+  const machine = core.peek();
+  const found = machine ? problemOf(machine, sceneOf("paper", changes)) : "";
+  if (found) throw new Error(found);
+}
 
 export function controllerNumber(name: string): number {
   const at = tables.controllers.findIndex((c) => c.name === name);
   return at >= 0 ? at : tables.controllers.length;
 }
 
-// Why the controller refuses the scene; empty if it does not.
-export const refusal = computed(() => {
+// Why a controller does not carry the scene; empty if it does.
+export function refusalOf(name: string): string {
   const machine = core.value;
   if (!machine) return "";
+  if (problem.value) return `This scene cannot be carried: ${problem.value}`;
   machine.setScene(scene.value);
-  return machine.refusal(controllerNumber(controller.value));
-});
+  const refused = machine.refusal(controllerNumber(name));
+  return refused && `${name} refuses this scene: ${refused}`;
+}
+export const refusal = computed(() => refusalOf(controller.value));
 
 // The carry that the state describes.
 export const recorded = computed<Recorded | null>(() => {
   const machine = core.value;
-  if (!machine) return null;
+  if (!machine || refusal.value) return null;
   machine.setScene(scene.value);
   machine.setPolicy(policy.value);
-  if (refusal.value) return null;
   return machine.run(controllerNumber(controller.value), seed.value, forks.value);
 });
 
@@ -74,6 +114,31 @@ player.end = () => recorded.peek()?.time ?? 0;
 export function setKey(key: string, value: Json | undefined): void {
   const next = { ...overrides.peek() };
   if (value === undefined) delete next[key];
+  else next[key] = value;
+  overrides.value = next;
+}
+
+const SIDED = /^(palm|robot|radio)\.([^.]+)$/;
+
+// The values of a key on the left and on the right (of the radio, of the station, too), as carried.
+export function valuesOf(key: string): number[] {
+  const [, section, name] = SIDED.exec(key) ?? [];
+  if (!section) return [Number(get(scene.value, key))];
+  if (key === "palm.friction" && core.value) return core.value.facts(scene.value).friction;
+  const who = section === "radio" ? SENDERS : SIDES;
+  return who.map((side) => Number(ofSide(scene.value, section, side, name!)));
+}
+
+// Sets a key for both sides: what one side has of its own is gone.
+export function setForAll(key: string, value: Json): void {
+  const [, section, name] = SIDED.exec(key) ?? [];
+  const next = { ...overrides.peek() };
+  for (const side of section ? ["", ...SENDERS.map((s) => `${s}.`)] : []) {
+    delete next[`${section}.${side}${name}`];
+    if (key === "palm.friction") delete next[`palm.${side}friction_angle_deg`];
+  }
+  const usual = get(builtInScene(base.peek()), key);
+  if (value === usual) delete next[key];
   else next[key] = value;
   overrides.value = next;
 }

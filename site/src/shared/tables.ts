@@ -16,6 +16,32 @@ export interface ControllerInfo {
   colour: string;
 }
 
+// The types and limits of a value of a scene, as in JSON Schema.
+export interface Shape {
+  type: "object" | "array" | "string" | "boolean" | "number" | "integer";
+  enum?: string[];
+  minimum?: number;
+  maximum?: number;
+  exclusiveMinimum?: number;
+  exclusiveMaximum?: number;
+  minItems?: number;
+  maxItems?: number;
+  required?: string[];
+  properties?: Record<string, Shape>;
+  items?: Shape;
+  prefixItems?: Shape[];
+}
+
+export interface Rules {
+  shape: Shape;
+  faultKeys: Record<string, { needs: string[]; never: string[] }>;
+  leastWidth: number; // between contacts [m]
+  mostDelayTicks: number; // of a packet
+  mostLean: number; // of the object, as a share of its width
+  levelWithin: number; // [m]
+  density: number; // [kg/m³]
+}
+
 interface Tables {
   version: string;
   controllers: ControllerInfo[];
@@ -26,7 +52,7 @@ interface Tables {
   scenes: { name: string; meaning: string; scene: Scene }[];
   objects: { name: string; meaning: string; object: Json }[];
   keys: { name: string; unit: string; meaning: string }[];
-  limits: Record<string, (number | null)[]>;
+  rules: Rules; // what a scene may hold
   outcomes: string[];
   dropReasons: [string, string][];
   modes: string[];

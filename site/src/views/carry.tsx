@@ -33,7 +33,7 @@ function Status() {
   if (refusal.value) {
     return (
       <p class="status refusal">
-        {controller.value} refuses this scene: {refusal.value}
+        {refusal.value}
       </p>
     );
   }

@@ -11,7 +11,7 @@ import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
 import { get } from "../shared/scene";
 import {
   OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, base, controllerNumber, core, extra, overrides, player, policy,
-  scene, seed, setExtra,
+  problem, refusalOf, scene, seed, setExtra,
 } from "../shared/state";
 import { controllerInfo } from "../shared/tables";
 import type { Report, Task } from "../worker";
@@ -24,11 +24,11 @@ const names = computed(() => [extra("a", USUAL[0]), extra("b", USUAL[1])] as [st
 function runOf(place: 0 | 1): Recorded | string | null {
   const machine = core.value;
   if (!machine) return null;
+  const refused = refusalOf(names.value[place]);
+  if (refused) return refused;
   machine.setScene(scene.value);
   machine.setPolicy(policy.value);
-  const number = controllerNumber(names.value[place]);
-  const refused = machine.refusal(number);
-  return refused || machine.run(number, seed.value);
+  return machine.run(controllerNumber(names.value[place]), seed.value);
 }
 const runs = [computed(() => runOf(0)), computed(() => runOf(1))] as const;
 const lengthOf = (run: Recorded | string | null) => (run && typeof run !== "string" ? run.time : 0);
@@ -48,6 +48,7 @@ function useCounts(): void {
     const start = () => {
       number += 1;
       reports.value = [null, null];
+      if (problem.value) return;
       const task: Task = {
         number, scene: scene.value, rows: policy.value, seed: seed.value, carries: CARRIES,
         controllers: names.value.map(controllerNumber),
@@ -75,7 +76,7 @@ function Count(props: { place: 0 | 1 }) {
   const report = reports.value[props.place];
   const run = runs[props.place].value;
   const name = controllerTitle(names.value[props.place]);
-  if (typeof run === "string") return <tr><th scope="row">{name}</th><td colSpan={6}>refuses this scene: {run}</td></tr>;
+  if (typeof run === "string") return <tr><th scope="row">{name}</th><td colSpan={6}>{run}</td></tr>;
   if (!report) return <tr><th scope="row">{name}</th><td colSpan={6}>counting …</td></tr>;
   const { tally, interval } = report;
   return (
@@ -251,7 +252,7 @@ export function CompareView() {
 
 function LaneEnd(props: { run: Recorded | string | null }) {
   if (!props.run) return null;
-  if (typeof props.run === "string") return <>refuses this scene: {props.run}</>;
+  if (typeof props.run === "string") return <>{props.run}</>;
   if (player.time.value < props.run.time) return null;
   return <span class={props.run.outcome === 1 ? "good" : "bad"}>{outcomeText(props.run)}</span>;
 }

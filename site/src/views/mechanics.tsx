@@ -13,7 +13,7 @@ import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
 import { type Overrides, get, ofSide } from "../shared/scene";
 import { type View, drawSide, viewOf } from "../shared/side_view";
-import { base, core, extraNumber, extras, overrides, scene, setExtra, setKey } from "../shared/state";
+import { base, core, extraNumber, extras, overrides, scene, setExtra, setForAll, valuesOf } from "../shared/state";
 import { SIDES, tables } from "../shared/tables";
 import { type Palette, palette } from "../shared/theme";
 
@@ -201,23 +201,30 @@ function handles(): Handle[] {
       },
     });
   }
-  const edge = f.cones[0]![0]!;
+  for (const side of [0, 1] as const) list.push(coneHandle(side, f, at, world));
+  return list;
+}
+
+// At an edge of a friction cone, as far along it as there is room above. Both cones follow.
+function coneHandle(side: 0 | 1, f: Statics, at: View, world: (x: number, y: number) => Xy): Handle {
+  const inward = side === 0 ? 1 : -1;
+  const edge = f.cones[side]![0]!; // the up edge, which leans inward
   const length = Math.hypot(edge.x, edge.y);
-  const [ax, ay] = [places[PLACES.contact]!, places[PLACES.contact + 1]!];
-  // As far along the edge as there is room above.
+  const start = PLACES.contact + 2 * side;
+  const [ax, ay] = [f.places[start]!, f.places[start + 1]!];
   const room = (at.y(ay) - 18) / at.scale / Math.max(0.2, edge.y / length);
   const reach = Math.max(0.05, Math.min(0.42, room));
-  list.push({
-    id: "cone", label: "half angle of the friction cones", kind: "cone",
+  return {
+    id: side === 0 ? "cone" : "cone-right", kind: "cone",
+    label: `half angle of the friction cones, at the ${SIDES[side]} one`,
     x: at.x(ax + (edge.x / length) * reach), y: at.y(ay + (edge.y / length) * reach),
     move: (px, py) => {
       const [wx, wy] = world(px, py);
-      const lean = Math.atan2(wx - ax, wy - ay);
-      const phi = Math.min(1.2, Math.max(0.01, lean - theta.peek()[0] * DEGREE));
-      setKey("palm.friction", Number(Math.tan(phi).toFixed(3)));
+      const lean = Math.atan2(inward * (wx - ax), wy - ay);
+      const phi = Math.min(1.2, Math.max(0.01, lean - theta.peek()[side] * DEGREE));
+      setForAll("palm.friction", Number(Math.tan(phi).toFixed(3)));
     },
-  });
-  return list;
+  };
 }
 
 function State() {
@@ -233,7 +240,8 @@ function State() {
         onInput={(event) => change(Number(event.currentTarget.value))} />
     </label>
   );
-  const friction = Number(get(scene.value, "palm.friction"));
+  const friction = valuesOf("palm.friction");
+  const shown = [...new Set(friction.map((value) => value.toFixed(2)))].join(" / ");
   return (
     <div class="sliders tight">
       {slider("θ_L", "theta-left", theta.value[0], -10, 50, 0.5, "°", (v) => setTheta(0, v))}
@@ -241,9 +249,9 @@ function State() {
       {slider("p_L", "p-left", contact.value[0], -1000 * half(0), 1000 * half(0), 0.5, "mm", (v) => setContact(0, v))}
       {slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
       <label class="slider">
-        <span>friction μ <output>{friction.toFixed(2)}</output></span>
-        <input type="range" id="friction" min={0.05} max={1.2} step={0.01} value={friction}
-          onInput={(event) => setKey("palm.friction", Number(event.currentTarget.value))} />
+        <span>friction μ <output>{shown}</output></span>
+        <input type="range" id="friction" min={0.05} max={1.2} step={0.01} value={friction[0]}
+          onInput={(event) => setForAll("palm.friction", Number(event.currentTarget.value))} />
       </label>
     </div>
   );

@@ -4,11 +4,12 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "../shared/command";
-import { fromPaper, get, overridesOf } from "../shared/scene";
+import { fromPaper, overridesOf } from "../shared/scene";
 import {
-  OWN_ROWS, base, controller, forks, overrides, player, policy, recorded, scene, seed, setKey,
+  OWN_ROWS, base, checkCanBeCarried, controller, forks, overrides, player, policy, recorded, seed,
+  setForAll, valuesOf,
 } from "../shared/state";
-import { type Json, type Scene, controllerInfo, tables } from "../shared/tables";
+import { type Json, controllerInfo, tables } from "../shared/tables";
 import { sceneFile } from "../shared/toml";
 
 export function Field(props: { label: string; children: ComponentChildren; hint?: string }) {
@@ -98,12 +99,14 @@ export function KeySlider(props: {
   factor?: number; digits?: number;
 }) {
   const factor = props.factor ?? 1;
-  const value = Number(get(scene.value, props.name)) * factor;
+  const values = valuesOf(props.name).map((v) => v * factor);
+  const value = values[0]!;
+  const shown = [...new Set(values.map((v) => v.toFixed(props.digits ?? 0)))];
   const meaning = tables.keys.find((k) => k.name === props.name)?.meaning;
   return (
     <label class="slider" title={meaning}>
       <span>
-        {props.label} <output>{value.toFixed(props.digits ?? 0)}{props.unit ? ` ${props.unit}` : ""}</output>
+        {props.label} <output>{shown.join(" / ")}{props.unit ? ` ${props.unit}` : ""}</output>
       </span>
       <input
         type="range"
@@ -114,8 +117,7 @@ export function KeySlider(props: {
         value={value}
         onInput={(event) => {
           const next = Number((Number(event.currentTarget.value) / factor).toPrecision(12));
-          const usual = get(tables.scenes.find((s) => s.name === base.value)!.scene, props.name);
-          setKey(props.name, next === usual ? undefined : next);
+          setForAll(props.name, next);
         }}
       />
     </label>
@@ -211,15 +213,16 @@ export function AtHome(props: {
 export async function openScene(file: File): Promise<void> {
   const { parse } = await import("smol-toml");
   if (file.size > 200_000) throw new Error(`${file.name}: is too large for a scene`);
-  let table: Scene;
+  let table: Record<string, unknown>;
   try {
-    table = JSON.parse(JSON.stringify(parse(await file.text()))) as Scene;
+    table = parse(await file.text(), { integersAsBigInt: true });
   } catch (error) {
     throw new Error(`${file.name}: ${(error as Error).message.split("\n")[0]}`);
   }
   let found: Record<string, Json>;
   try {
-    found = overridesOf(table);
+    found = overridesOf(table, true);
+    checkCanBeCarried(found);
   } catch (error) {
     throw new Error(`${file.name}: ${(error as Error).message}`);
   }

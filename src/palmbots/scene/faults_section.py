@@ -19,7 +19,20 @@ from palmbots.scene.fields import (
 from palmbots.scene.robot_section import ClockError
 from palmbots.scene.section import Section
 
-__all__ = ["Fault", "Faults"]
+__all__ = ["KEYS_OF_KIND", "OPTIONAL_KEYS_OF_KIND", "Fault", "Faults"]
+
+KEYS_OF_KIND: dict[str, frozenset[str]] = {
+    "reboot": frozenset({"robot"}),
+    "freeze": frozenset({"robot"}),
+    "stuck": frozenset({"robot", "stuck_at"}),
+    "intermittent": frozenset({"robot", "probability"}),
+    "station-down": frozenset(),
+    "clock-rate": frozenset({"robot", "ppm"}),
+    "clock-jump": frozenset({"robot"}),
+}
+"""The keys that a fault of each kind needs, besides kind, at_s and duration_s."""
+OPTIONAL_KEYS_OF_KIND = {"reboot": frozenset({"loses_boot_counter", "limp_deg"})}
+"""The keys that a fault of a kind may have in addition."""
 
 Few = Annotated[int, BeforeValidator(whole(0, 8))]
 
@@ -53,14 +66,8 @@ class Fault(Section):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        wanted = {
-            "stuck": {"robot", "stuck_at"},
-            "intermittent": {"robot", "probability"},
-            "station-down": set(),
-            "clock-rate": {"robot", "ppm"},
-        }
-        needs = wanted.get(self.kind, {"robot"})
-        optional = {"loses_boot_counter", "limp_deg"} if self.kind == "reboot" else set()
+        needs = KEYS_OF_KIND[self.kind]
+        optional: frozenset[str] = OPTIONAL_KEYS_OF_KIND.get(self.kind, frozenset())
         names = type(self).model_fields.keys() - {"kind", "at_s", "duration_s"} - optional
         given = {name for name in names if getattr(self, name) is not None}
         if given != needs:

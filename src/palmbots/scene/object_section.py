@@ -15,12 +15,12 @@ from palmbots.scene.fields import Index, Mass, Place, Size, field_error, from_li
 from palmbots.scene.section import Section
 from palmbots.scene.support_check import check_support
 
-__all__ = ["DEFAULT_DENSITY", "Object"]
+__all__ = ["DEFAULT_DENSITY", "LEVEL_M", "Object"]
 
 DEFAULT_DENSITY = 125.0
 """Density of the paper's box, 0.5 kg in 25 × 16 × 10 cm [kg/m³]."""
 
-_LEVEL_M = 1e-9  # vertices at most this far above the lowest one are at its height
+LEVEL_M = 1e-9  # vertices at most this far above the lowest one are at its height
 _COM_DIGITS = 12  # of a metre: hides rounding, so that the COM of a 0.6 m box is 0.3
 _MASS_DIGITS = 12
 
@@ -110,7 +110,7 @@ class Object(Section):
 
 
 def _bottom_contacts(vertices: tuple[Point, ...]) -> tuple[int, int]:
-    ends = bottom_ends(vertices, _LEVEL_M)
+    ends = bottom_ends(vertices, LEVEL_M)
     if ends is None:
         lowest = min(range(len(vertices)), key=lambda k: vertices[k][1])
         raise field_error(

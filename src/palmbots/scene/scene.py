@@ -31,11 +31,13 @@ from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactil
 from palmbots.scene.section import Section, key_of_side
 from palmbots.scene.task_section import Bumps, Start, Task
 
-__all__ = ["Scene", "SceneLike", "load_scene"]
+__all__ = ["MOST_DELAY_TICKS", "MOST_LEAN", "Scene", "SceneLike", "load_scene"]
 
 # Limits of the core: a carry counts its ticks in 32 bits, and a link buffers this many of them.
 _MOST_TICKS = 10_000_000
-_MOST_DELAY_TICKS = 200
+MOST_DELAY_TICKS = 200
+# Most of the distance between its contacts by which an object may rise from one to the other.
+MOST_LEAN = 0.99
 
 
 class Scene(Section):
@@ -190,18 +192,18 @@ class Scene(Section):
                 key,
             )
         radio = self.radio
-        if radio.longest_delay_s / period > _MOST_DELAY_TICKS:
+        if radio.longest_delay_s / period > MOST_DELAY_TICKS:
             for sender in ("left", "right", "station"):
                 own = radio.of(sender)
-                if (own.latency_s + own.jitter_s) / period > _MOST_DELAY_TICKS:
+                if (own.latency_s + own.jitter_s) / period > MOST_DELAY_TICKS:
                     break
             is_own = radio.latency_s + radio.jitter_s < radio.longest_delay_s
             raise field_error(
                 own.latency_s,
                 f"and a jitter_s of {own.jitter_s:g} are too long for control periods of "
                 f"{period:g} s",
-                f"latency_s + jitter_s at most {_MOST_DELAY_TICKS * period:g} "
-                f"({_MOST_DELAY_TICKS} periods)",
+                f"latency_s + jitter_s at most {MOST_DELAY_TICKS * period:g} "
+                f"({MOST_DELAY_TICKS} periods)",
                 f"radio.{sender}.latency_s" if is_own else "radio.latency_s",
             )
 
@@ -249,7 +251,7 @@ class Scene(Section):
             angle = math.radians(palm.steep_deg)
             heights.append(place * math.sin(angle) + palm.pivot_offset_m * math.cos(angle))
         width = self.object.width_m
-        if abs(heights[1] - heights[0]) > 0.99 * width:
+        if abs(heights[1] - heights[0]) > MOST_LEAN * width:
             raise field_error(
                 [self.start.left_m, self.start.right_m],
                 f"puts the contacts at heights {heights[0]:g} and {heights[1]:g} m, too far apart "

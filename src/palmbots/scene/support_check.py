@@ -18,9 +18,9 @@ from palmbots.geometry.polygon import (
 )
 from palmbots.scene.fields import field_error
 
-__all__ = ["check_support"]
+__all__ = ["LEAST_WIDTH_M", "check_support"]
 
-_LEAST_WIDTH_M = 0.001
+LEAST_WIDTH_M = 0.001
 
 
 def check_support(
@@ -57,11 +57,11 @@ def check_support(
                 "contacts",
             )
     (lx, ly), (rx, ry) = (vertices[k] for k in contacts)
-    if (rx - lx) * (rx - lx) + (ry - ly) * (ry - ly) < _LEAST_WIDTH_M * _LEAST_WIDTH_M:
+    if (rx - lx) * (rx - lx) + (ry - ly) * (ry - ly) < LEAST_WIDTH_M * LEAST_WIDTH_M:
         raise field_error(
             list(contacts),
             "names contacts at the same place",
-            f"two vertices at least {_LEAST_WIDTH_M:g} m apart",
+            f"two vertices at least {LEAST_WIDTH_M:g} m apart",
             "contacts",
         )
     lower = lower_vertices(vertices, *contacts)
