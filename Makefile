@@ -113,7 +113,7 @@ docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the 
 
 book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
 	$(BIN)/python -m sphinx -q -W --keep-going -E -a -b html -d build/book/doctrees docs build/book/html
-	@rm -rf build/site/docs build/site/jupyter_execute && mkdir -p build/site && cp -r build/book/html build/site/docs
+	@rm -rf build/site/docs && mkdir -p build/site && cp -r build/book/html build/site/docs
 	$(BIN)/python scripts/check_links.py
 
 paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf

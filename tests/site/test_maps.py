@@ -28,7 +28,7 @@ def exports(page: Page, call: str) -> list[float]:
           const m = instance.exports;
           m._initialize();
           const inf = Infinity;
-          const palm = [0.15, 0, 0.3, 5, 15, 50];
+          const palm = [0.15, 0, 0.3, NaN, 5, 15, 50];
           const robot = [0.06, 0.03, 0.5, 0.2, 0.01, 0.5, 0, 0];
           const scene = [4, 0, 0, .25, 0, .25, .16, 0, .16, 0, 1, .125, .04, ...palm, ...palm,
             ...robot, ...robot, 3, -1, -inf, -.005, 0, -.005, .005, 1, .005, inf, 0, .01, 1, 0, .1,
