@@ -205,7 +205,7 @@ function handles(): Handle[] {
   return list;
 }
 
-// At an edge of a friction cone, as far along it as there is room above. Both cones follow.
+// At an edge of a friction cone, along it as the room above allows. Both cones follow.
 function coneHandle(side: 0 | 1, f: Statics, at: View, world: (x: number, y: number) => Xy): Handle {
   const inward = side === 0 ? 1 : -1;
   const edge = f.cones[side]![0]!; // the up edge, which leans inward
@@ -213,7 +213,8 @@ function coneHandle(side: 0 | 1, f: Statics, at: View, world: (x: number, y: num
   const start = PLACES.contact + 2 * side;
   const [ax, ay] = [f.places[start]!, f.places[start + 1]!];
   const room = (at.y(ay) - 18) / at.scale / Math.max(0.2, edge.y / length);
-  const reach = Math.max(0.05, Math.min(0.42, room));
+  // The upper edges cross near the top of the default view: there, one handle would hide the other.
+  const reach = Math.max(0.05, Math.min(0.42, room)) * (side === 0 ? 1 : 0.75);
   return {
     id: side === 0 ? "cone" : "cone-right", kind: "cone",
     label: `half angle of the friction cones, at the ${SIDES[side]} one`,
