@@ -22,6 +22,15 @@ def mode_name(mode: int) -> str:
     return {-1: "not held", -2: "jammed"}.get(mode) or "-".join(CONTACT_MODES[mode])
 
 
+def assert_sentences(page: Page, found: pb.mechanics.ContactModes) -> None:
+    """The page states both directions in the package's sentences."""
+    held = ("ST", "ST") in found.feasible
+    for name, mode in (("closing", found.closing), ("opening", found.opening)):
+        decided = decision_sentence(found.squeeze, closing=name == "closing", held=held)
+        said = page.locator(f"#{name}-words")
+        expect(said).to_have_text(f"{mode_sentence(mode, held=held)} {decided}")
+
+
 STATES = [(5, 15, -20, 0), (15, 5, 30, -40), (15, 15, 10, 10), (25, 5, 60, 0), (0, 45, -70, 70)]
 
 
@@ -56,11 +65,7 @@ def test_mechanics_names_the_modes(
         for words in wanted:
             expect(said).to_contain_text(words.replace("-", "−"))
     # The page's sentences are those of the package.
-    held = ("ST", "ST") in found.feasible
-    for name, mode in (("closing", found.closing), ("opening", found.opening)):
-        decided = decision_sentence(found.squeeze, closing=name == "closing", held=held)
-        said = page.locator(f"#{name}-words")
-        expect(said).to_have_text(f"{mode_sentence(mode, held=held)} {decided}")
+    assert_sentences(page, found)
     expect(page.locator("#margin-words")).to_have_text(margin_sentence(found.margin_rad))
     happens = page.locator(".modes td.happens")
     for name, mode in (("closing", found.closing), ("opening", found.opening)):
@@ -179,11 +184,7 @@ def assert_words_of(page: Page, p_left: float, p_right: float) -> None:
     found = pb.modes(
         p_left_m=p_left / 1000, p_right_m=p_right / 1000, theta_left_deg=5, theta_right_deg=15
     )
-    held = ("ST", "ST") in found.feasible
-    for name, mode in (("closing", found.closing), ("opening", found.opening)):
-        decided = decision_sentence(found.squeeze, closing=name == "closing", held=held)
-        said = page.locator(f"#{name}-words")
-        expect(said).to_have_text(f"{mode_sentence(mode, held=held)} {decided}")
+    assert_sentences(page, found)
     expect(page.locator(".modes td:not(.no)")).to_have_count(len(found.feasible))
 
 

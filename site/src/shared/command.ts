@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command lines that reproduce at home what a view shows.
 import type { Fork, PolicyRow } from "./core";
-import type { Overrides } from "./scene";
+import type { Overrides } from "./scene_values";
 import { OWN_ROWS, SIGN_PAIRS } from "./state";
 import { tomlValue } from "./toml";
 

@@ -2,7 +2,8 @@
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
 import { type Scene, filledIn, tables } from "./tables";
-import { get, sceneNumbers } from "./scene";
+import { sceneNumbers } from "./scene";
+import { get } from "./scene_values";
 import type { SceneFacts } from "./scene_check";
 
 interface Exports {

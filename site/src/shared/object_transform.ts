@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Between the frame in which a scene states its outline and the world of a drawing.
 import { PLACES } from "./core";
-import { get } from "./scene";
+import { get } from "./scene_values";
 import type { Scene } from "./tables";
 
 export type Xy = [number, number];

@@ -6,23 +6,13 @@
 import { type Point, areaAndCentroid } from "./outline";
 import { checkFrictionIsGivenOnce, checkMassOf, checkOutline } from "./scene_check";
 import { checkShape, refuse } from "./scene_shape";
+import { type Overrides, get, ofSide } from "./scene_values";
 import { type Json, SENDERS, type Scene, SIDES, tables } from "./tables";
-
-export type Overrides = Record<string, Json>;
 
 const PAPER = tables.scenes.find((s) => s.name === "paper")!.scene;
 
 export function builtInScene(name: string): Scene {
   return tables.scenes.find((s) => s.name === name)?.scene ?? PAPER;
-}
-
-export function get(scene: Json, key: string): Json | undefined {
-  let at: Json | undefined = scene;
-  for (const part of key.split(".")) {
-    if (typeof at !== "object" || Array.isArray(at)) return undefined;
-    at = at[part];
-  }
-  return at;
 }
 
 function set(scene: Scene, key: string, value: Json): void {
@@ -75,11 +65,6 @@ function number(scene: Json, key: string): number {
 
 function list(scene: Json, key: string): { [key: string]: Json }[] {
   return (get(scene, key) ?? []) as { [key: string]: Json }[];
-}
-
-// A key of one side: its own value, or that of both.
-export function ofSide(scene: Scene, section: string, side: string, name: string): number {
-  return (get(scene, `${section}.${side}.${name}`) ?? get(scene, `${section}.${name}`)) as number;
 }
 
 const EFFECTS = ["lost", "delayed", "duplicated"];

@@ -2,7 +2,7 @@
 // Whether the keys of a scene agree with each other, as the package checks it: each refusal is one
 // line with where, what and what is allowed. The numbers of the rules come from the package.
 import { type Point, areaAndCentroid, crossingEdges, isInHull, lowerVertices } from "./outline";
-import { get, ofSide } from "./scene";
+import { get, ofSide } from "./scene_values";
 import { refuse } from "./scene_shape";
 import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
 

@@ -3,7 +3,8 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
-import { type Overrides, builtInScene, get, ofSide, sceneOf } from "./scene";
+import { builtInScene, sceneOf } from "./scene";
+import { type Overrides, get, ofSide } from "./scene_values";
 import { checkFacts, checkFrictionIsGivenOnce, checkRelations } from "./scene_check";
 import { checkShape } from "./scene_shape";
 import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
@@ -51,7 +52,7 @@ const checked = computed(() => {
 });
 export const scene = computed(() => checked.value.scene);
 
-// Why nobody can carry the scene, in one line; empty if it can be carried.
+// Why no controller can carry the scene, in one line; empty if the scene is valid.
 export const problem = computed(() => {
   const machine = core.value;
   if (!machine || checked.value.problem) return checked.value.problem;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // TOML: values as --set takes them, and scenes as files.
-import type { Overrides } from "./scene";
+import type { Overrides } from "./scene_values";
 import type { Json } from "./tables";
 
 export function tomlValue(value: Json): string {

@@ -11,7 +11,7 @@ import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
 import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
-import { get } from "../shared/scene";
+import { get } from "../shared/scene_values";
 import {
   address, append, controller, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
   setExtraFlag, setKey,

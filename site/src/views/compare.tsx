@@ -8,7 +8,7 @@ import { outcomeText } from "./carry";
 import { Stage } from "./stage";
 import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
-import { get } from "../shared/scene";
+import { get } from "../shared/scene_values";
 import {
   OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, base, controllerNumber, core, extra, overrides, player, policy,
   problem, refusalOf, scene, seed, setExtra,

@@ -8,7 +8,8 @@ import type { Limit } from "../shared/core";
 import { MAP, REACH, type Region, drawModeMap, modeColour } from "../shared/mode_map";
 import { modeName } from "../shared/mode_words";
 import { drawCells } from "../shared/raster";
-import { fromPaper, get, ofSide } from "../shared/scene";
+import { fromPaper } from "../shared/scene";
+import { get, ofSide } from "../shared/scene_values";
 import {
   base, controller, core, extra, extraNumber, forks, overrides, recorded, scene, seed, setExtra,
 } from "../shared/state";

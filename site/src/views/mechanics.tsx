@@ -11,7 +11,7 @@ import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from 
 import { decision, marginWords, modeName, modeWords } from "../shared/mode_words";
 import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
-import { type Overrides, get, ofSide } from "../shared/scene";
+import { type Overrides, get, ofSide } from "../shared/scene_values";
 import { type View, drawSide, viewOf } from "../shared/side_view";
 import { base, core, extraNumber, extras, overrides, scene, setExtra, setForAll, valuesOf } from "../shared/state";
 import { SIDES, tables } from "../shared/tables";

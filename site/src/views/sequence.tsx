@@ -8,7 +8,7 @@ import {
   drawSequence, lanesOf, sequenceHeight, timeAt,
 } from "../shared/charts";
 import type { Message, Recorded } from "../shared/core";
-import { get, ofSide } from "../shared/scene";
+import { get, ofSide } from "../shared/scene_values";
 import {
   OWN_ROWS, append, before, controller, extraFlag, extras, player, recorded, scene, setExtra, setExtraFlag,
   setKey,

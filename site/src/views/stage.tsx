@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { Canvas, type Surface } from "../shared/canvas";
 import { PLACES, ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
-import { get } from "../shared/scene";
+import { get } from "../shared/scene_values";
 import { type Flight, type View, drawSide, lowestPoint, viewOf } from "../shared/side_view";
 import { append, core, extraFlag, player, scene } from "../shared/state";
 import { palette } from "../shared/theme";

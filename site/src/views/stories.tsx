@@ -8,7 +8,7 @@ import { Charts } from "./sequence";
 import { Stage } from "./stage";
 import { outcomeText } from "./carry";
 import type { Recorded } from "../shared/core";
-import type { Overrides } from "../shared/scene";
+import type { Overrides } from "../shared/scene_values";
 import {
   base, controller, extraFlag, extraNumber, forks, overrides, player, recorded, seed, setExtra,
   setExtraFlag,

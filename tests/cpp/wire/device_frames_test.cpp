@@ -58,7 +58,7 @@ void test_numbers_are_where_the_page_says() {
   CHECK(content_of(report) == report_bytes);
 }
 
-// What nobody has set asks for nothing, and claims nothing.
+// The default values command no motion and report nothing.
 void test_what_is_not_set() {
   CHECK(content_of(BoardCommand{}) == (std::array<std::uint8_t, 10>{0, 0, 1}));
   CHECK(content_of(BoardReading{}) == (std::array<std::uint8_t, 20>{}));

@@ -255,7 +255,7 @@ void test_packets_for_another_receiver_pair_or_key_are_rejected() {
   }
 }
 
-// What nobody has set states nothing and asks for nothing.
+// The default payloads are all zero: no settings, no word, no stop.
 void test_payloads_that_are_not_set() {
   CHECK(payload_of(Hello{}) == Payload{});
   CHECK(payload_of(State{}) == Payload{});
