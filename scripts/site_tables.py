@@ -279,7 +279,7 @@ def tables() -> dict[str, Any]:
             for case in table_1()
         ],
         "robot": {
-            name.lower(): getattr(robot_dimensions, name) for name in robot_dimensions.__all__
+            name.lower(): value for name, value in vars(robot_dimensions).items() if name.isupper()
         },
     }  # fmt: skip
 

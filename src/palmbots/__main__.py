@@ -9,8 +9,6 @@ import os
 import signal
 import sys
 
-__all__ = ["main"]
-
 _ALLOCATIONS_PER_COLLECTION = 50_000
 
 

@@ -4,8 +4,6 @@
 from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias
 
-__all__ = ["SIDES", "Interval", "Overrides", "Side"]
-
 Side = Literal["left", "right"]
 
 SIDES: tuple[Side, Side] = ("left", "right")

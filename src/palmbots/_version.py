@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The version of the package, as logs and results carry it."""
 
-__all__ = ["__version__"]
-
 __version__ = "0.1.0"
 """The version of palmbots."""

@@ -6,8 +6,6 @@ values come from outside, so unprintable characters in them are escaped: a messa
 line that every terminal can print.
 """
 
-__all__ = ["MissingExtra", "PalmbotsError", "SceneError", "UnknownSceneKey", "one_line"]
-
 
 class PalmbotsError(Exception):
     """An error that the user can correct; ``str(error)`` is one line."""

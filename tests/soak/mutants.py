@@ -14,8 +14,6 @@ from typing import Any
 
 from clang import cindex
 
-__all__ = ["HEADER", "Mutant", "changed", "mutants_of", "sample"]
-
 _BINARY = {
     "<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
     "+": "-", "-": "+", "*": "/", "/": "*", "%": "/", "&": "|", "|": "&", "^": "&", "<<": ">>",

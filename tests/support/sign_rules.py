@@ -6,8 +6,6 @@ A slow transcription of docs/theory/protocols.md that shares nothing with the ta
 
 from dataclasses import dataclass
 
-__all__ = ["Clock", "SignRobot"]
-
 
 @dataclass
 class Clock:

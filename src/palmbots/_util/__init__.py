@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files, arguments, text, confidence intervals and optional packages; nothing about robots."""
-
-__all__: list[str] = []  # import from its modules

@@ -10,8 +10,6 @@ import operator
 from palmbots._util.toml_writer import toml_value
 from palmbots.errors import PalmbotsError, one_line
 
-__all__ = ["one_of", "seed_of", "show", "two_numbers", "whole_number"]
-
 _LONGEST_VALUE = 60
 
 

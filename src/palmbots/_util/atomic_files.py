@@ -20,16 +20,6 @@ from typing import BinaryIO
 
 from palmbots.errors import PalmbotsError
 
-__all__ = [
-    "check_file",
-    "check_folder",
-    "folder",
-    "remove",
-    "set_aside",
-    "whole_file",
-    "write_whole",
-]
-
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:
     return PalmbotsError(f"{path}: cannot be written: {error.strerror or error}")

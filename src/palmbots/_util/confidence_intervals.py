@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Z95", "student_t95", "wilson", "wilson_bounds"]
-
 Z95 = 1.959963984540054
 """97.5 % quantile of the normal distribution."""
 

@@ -13,8 +13,6 @@ from typing import Any
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 
-__all__ = ["built_in_or_installed"]
-
 
 def built_in_or_installed(key: str, name: str, built_in: Mapping[str, Any], group: str) -> Any:
     """The entry of this name: a built-in one, or else an installed one, which is imported.

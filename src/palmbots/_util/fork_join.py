@@ -15,8 +15,6 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
-__all__ = ["both", "can_fork"]
-
 _First = TypeVar("_First")
 _Second = TypeVar("_Second")
 

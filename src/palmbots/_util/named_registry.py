@@ -13,8 +13,6 @@ from palmbots._util.arguments import one_of, show
 from palmbots._util.offers import offered_entries, offered_modules
 from palmbots.errors import PalmbotsError
 
-__all__ = ["Registry"]
-
 Entry = TypeVar("Entry")
 
 

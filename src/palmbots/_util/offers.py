@@ -5,8 +5,6 @@
 has to name a higher one. This module imports nothing, because ``import palmbots`` imports it.
 """
 
-__all__ = ["offer_entry", "offer_module", "offered_entries", "offered_modules"]
-
 _entries: dict[str, dict[str, str]] = {}
 _modules: dict[str, list[str]] = {}
 

@@ -13,8 +13,6 @@ from typing import Any
 
 from palmbots.errors import MissingExtra
 
-__all__ = ["install_command", "missing_extra", "require"]
-
 _REQUIREMENT = re.compile(r"""(?P<package>[^;]+?)\s*;\s*extra\s*==\s*['"](?P<extra>[\w-]+)['"]""")
 
 

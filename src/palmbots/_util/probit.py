@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from palmbots._util.confidence_intervals import Z95
 
-__all__ = ["Counts", "Crossing", "crossing", "information"]
-
 _NORMAL = NormalDist()
 _FURTHEST = 7.5
 """Largest |a + b x| that is evaluated; beyond it the rate differs from 0 or 1 by less than

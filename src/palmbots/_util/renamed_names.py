@@ -12,8 +12,6 @@ from collections.abc import Callable, Mapping
 from opcode import opmap
 from typing import Any, NoReturn, TypeVar
 
-__all__ = ["PROGRESS", "RenamedKeys", "renamed_arguments", "renamed_fields", "renamed_in_module"]
-
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 AnyClass = TypeVar("AnyClass")
 

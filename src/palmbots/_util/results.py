@@ -10,8 +10,6 @@ from palmbots._util.arguments import one_of
 from palmbots._util.named_registry import Registry
 from palmbots.errors import PalmbotsError
 
-__all__ = ["FIGURES", "WRITERS", "Result"]
-
 FIGURES: Registry[Callable[..., Any]] = Registry("figure")
 """Functions that draw a result, by the name of the figure: result → `matplotlib.figure.Figure`."""
 

@@ -4,8 +4,6 @@
 import string
 from typing import Any
 
-__all__ = ["data_size", "duration", "format_number", "letter_label", "millimetres", "plural"]
-
 
 def plural(n: int, noun: str) -> str:
     """A number with its noun: 1 correction, 2 corrections, 2 carries."""

@@ -15,8 +15,6 @@ from collections.abc import Mapping
 from datetime import date, time
 from typing import Any
 
-__all__ = ["toml_text", "toml_value"]
-
 
 def toml_text(table: Mapping[str, Any], name: str = "") -> str:
     """The TOML text of a table whose keys are bare keys; `name` is its dotted name."""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Units of scene keys, from the suffix of their names: ``radio.latency_s`` is in seconds."""
 
-__all__ = ["name_of", "unit_of"]
-
 _UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
 
 

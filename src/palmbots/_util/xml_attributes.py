@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers and colours as attributes of XML."""
 
-__all__ = ["numbers", "rgb", "rgba"]
-
 
 def numbers(*values: float) -> str:
     """Numbers separated by spaces, with ten digits: lengths are exact to a nanometre."""

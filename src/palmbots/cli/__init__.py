@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: `palmbots carry`, `modes`, `analyze` and the other commands."""
 
-__all__ = ["INTERRUPTION_LINE"]
-
 INTERRUPTION_LINE = "palmbots: interrupted (no partial files were written)"
 """What a command prints on stderr after Ctrl-C."""

@@ -4,8 +4,6 @@
 import re
 from collections.abc import Mapping
 
-__all__ = ["SHELLS", "environment_fault"]
-
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 """The shells for which Typer completes commands."""
 

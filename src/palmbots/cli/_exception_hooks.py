@@ -15,8 +15,6 @@ from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli._streams import say
 from palmbots.cli._warnings import warn
 
-__all__ = ["install_exception_hooks"]
-
 
 def install_exception_hooks() -> None:
     """Print a warning in place of the traceback, until the process ends."""

@@ -10,8 +10,6 @@ from typing import TextIO
 
 from palmbots.cli._warnings import print_held_warnings
 
-__all__ = ["LineProgress", "progress", "staged_progress"]
-
 _LINE_INTERVAL_S = 60.0
 _CHECKS = ("checking the policy", "checking scenes", "forecasting the drift")
 """Stages after which the input may still be refused."""

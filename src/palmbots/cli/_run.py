@@ -20,20 +20,6 @@ if TYPE_CHECKING:
     from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
 
-__all__ = [
-    "Interrupted",
-    "check_output",
-    "check_rate",
-    "controller_of",
-    "interruption_line",
-    "load",
-    "number_list",
-    "present",
-    "print_json",
-    "print_list",
-    "set_aside_certificate",
-]
-
 
 def check_rate(rate: float) -> float:
     """The rate, if it is one.

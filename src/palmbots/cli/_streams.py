@@ -8,8 +8,6 @@ import contextlib
 import os
 import sys
 
-__all__ = ["discard_unwritable", "open_closed_streams", "say"]
-
 
 def open_closed_streams() -> None:
     """Let a closed stream, as in ``palmbots modes >&-``, discard what is written to it.

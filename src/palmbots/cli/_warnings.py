@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from palmbots.cli._streams import say
 from palmbots.errors import one_line
 
-__all__ = ["hold_warnings", "print_held_warnings", "warn"]
-
 _held: list[str] | None = None  # None: warnings are printed at once
 
 

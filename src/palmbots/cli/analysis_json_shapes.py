@@ -5,8 +5,6 @@ from typing import Any
 
 from palmbots.cli.json_shapes import sides
 
-__all__ = ["ANALYSIS_SHAPES"]
-
 _CLAIMED_SIDES = sides(["text"])
 _BOX = {
     "com_m": [["text"]],

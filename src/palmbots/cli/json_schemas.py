@@ -9,8 +9,6 @@ from palmbots.cli.json_shapes import JSON_SHAPES
 from palmbots.cli.robot_json_shapes import ROBOT_SHAPES
 from palmbots.errors import PalmbotsError
 
-__all__ = ["schema_names", "schema_of"]
-
 _SHAPES: dict[str, Any] = JSON_SHAPES | ANALYSIS_SHAPES | ROBOT_SHAPES
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _WORDS: dict[str, dict[str, Any]] = {

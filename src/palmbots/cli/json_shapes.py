@@ -9,8 +9,6 @@ alternatives. Words are ``text``, ``number``, ``whole``, ``boolean``, ``pair`` (
 
 from typing import Any
 
-__all__ = ["CARRY", "JSON_SHAPES", "sides"]
-
 _SIDE = ["left", "right"]
 
 

@@ -32,10 +32,9 @@ from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
 from palmbots.cli.old_names import renamed_command, renamed_option
-from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, FAILED, INTERRUPTED
+from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
+from palmbots.cli.options import FAILED as FAILED
 from palmbots.errors import PalmbotsError, one_line
-
-__all__ = ["BAD_INPUT", "CLOSED_PIPE", "DONE", "FAILED", "INTERRUPTED", "build_app", "main", "run"]
 
 _SUFFIX = "_command"
 # The base of all usage errors. Typer contains a copy of click under a private name.

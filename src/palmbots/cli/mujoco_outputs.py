@@ -16,17 +16,6 @@ if TYPE_CHECKING:
     from palmbots.scene.scene import Scene
     from palmbots.simulation.result import Carry
 
-__all__ = [
-    "PLAN",
-    "STILL",
-    "VIDEOS",
-    "drift_budget",
-    "video_file",
-    "viewer",
-    "write_plan",
-    "write_video",
-]
-
 STILL, PLAN = "carry-3d.png", "plan.png"
 VIDEOS = ("carry-3d.mp4", "carry-3d.gif")
 """Possible names of the video; the second is written where ffmpeg is not installed."""

@@ -5,8 +5,6 @@ An old name is refused in one line that gives the new one. The table is the only
 old names.
 """
 
-__all__ = ["OLD_COMMANDS", "OLD_OPTIONS", "renamed_command", "renamed_option"]
-
 OLD_COMMANDS = {"rare": "drop-rate", "speed": "speed-limits"}
 
 OLD_OPTIONS = {

@@ -6,26 +6,6 @@ from typing import Annotated, Any
 
 import typer
 
-__all__ = [
-    "BAD_INPUT",
-    "CLOSED_PIPE",
-    "DONE",
-    "FAILED",
-    "INTERRUPTED",
-    "ControllerOption",
-    "FormatOption",
-    "JsonOption",
-    "PrecisionOption",
-    "SceneArgument",
-    "SeedOption",
-    "SetOption",
-    "UnprovedOption",
-    "WorldOption",
-    "input_argument",
-    "interval_option",
-    "output_option",
-]
-
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 CLOSED_PIPE = 141
 """The pipe on stdout is closed: what a shell reports of programs that SIGPIPE ends."""

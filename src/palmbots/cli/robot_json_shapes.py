@@ -5,8 +5,6 @@ from typing import Any
 
 from palmbots.cli.json_shapes import CARRY
 
-__all__ = ["ROBOT_SHAPES"]
-
 _LIVE_CARRY = {
     "outcome": "text", "distance_m": "number", "time_s": "number", "overruns": "whole",
     "avoidable": "boolean?",

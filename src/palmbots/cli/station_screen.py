@@ -27,8 +27,6 @@ from palmbots.wire import Operation
 if TYPE_CHECKING:
     from textual.app import App
 
-__all__ = ["run_screen", "station_app"]
-
 _REFRESH_S = 0.1
 _COLOURS: dict[Side, str] = {"left": "#56B4E9", "right": "#E69F00"}
 _MODE_COLOURS = {

@@ -21,8 +21,6 @@ from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.robot_section import RobotParameters
 from palmbots.scene.scene import Scene
 
-__all__ = ["overrun_m", "warnings_before", "zero_zone_edges_m", "zero_zone_m"]
-
 
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
     """How far a contact can overrun the edge of the zero zone [m]; 0 without a controller.

@@ -22,21 +22,6 @@ from palmbots._util.renamed_names import renamed_fields
 from palmbots.control.own_code import name_of, own_code, show_error
 from palmbots.errors import PalmbotsError
 
-__all__ = [
-    "MESSAGE_KINDS",
-    "MOVES",
-    "PALMS",
-    "Controller",
-    "DistributedController",
-    "MessageKind",
-    "Move",
-    "Palm",
-    "StepInput",
-    "StepOutput",
-    "make_controller_pair",
-    "make_step",
-]
-
 MessageKind = Literal["TiltUp", "TiltDown", "Ack"]
 """What a message of the distributed algorithm says: `TiltUp`, `TiltDown` or `Ack`."""
 Palm = Literal["steep", "shallow"]

@@ -7,8 +7,6 @@ from typing import Any
 
 from palmbots.errors import PalmbotsError
 
-__all__ = ["name_of", "own_code", "show_error"]
-
 _LONGEST_TEXT = 200
 
 

@@ -20,8 +20,6 @@ from palmbots._util.arguments import show
 from palmbots.control.own_code import own_code
 from palmbots.errors import PalmbotsError
 
-__all__ = ["ControllerSource", "hash_of_reference", "load_class", "refuse_pipe", "source_of"]
-
 
 @dataclass(frozen=True)
 class ControllerSource:

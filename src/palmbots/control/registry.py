@@ -29,22 +29,6 @@ from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
 
-__all__ = [
-    "ControllerEntry",
-    "ControllerLike",
-    "check",
-    "controller_names",
-    "describe",
-    "recover",
-    "reference_names",
-    "refusal",
-    "refuse_reference",
-    "register",
-    "resolve",
-    "shipped_names",
-    "unregister",
-]
-
 
 @dataclass(frozen=True)
 class ControllerEntry:

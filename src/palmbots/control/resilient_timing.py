@@ -15,8 +15,6 @@ from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["REFUSALS", "Bounds", "bounds_of"]
-
 _NEED = "radio delays of {delay} s and beacons every {beacon} s need at least {shortest}"
 _ROOM = (
     "with more, a robot that travels alone, and the noise, could shift a contact by more than "

@@ -8,8 +8,6 @@ from palmbots.control.interface import Move, Palm, StepInput, StepOutput
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["SilentController"]
-
 
 class SilentController:
     """One robot of `silent`: palm and wheels by the sign of its own contact.

@@ -5,8 +5,6 @@ The names are those of the core, include/palmbots/control/{resilient,silent,shar
 page shows these words beside the counterexamples of the model checker.
 """
 
-__all__ = ["STATE_MEANINGS"]
-
 STATE_MEANINGS: dict[str, dict[str, str]] = {
     "resilient": {
         "idle": "no correction",

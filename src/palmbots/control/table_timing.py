@@ -12,8 +12,6 @@ from palmbots.control.registry import ControllerEntry
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["short_lease_warning", "transition_table"]
-
 
 def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | None:
     """The table that a controller runs, with its times in a scene; None: it is not such a one."""

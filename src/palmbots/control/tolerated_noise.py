@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 
-__all__ = ["RECOMMENDED", "ToleratedNoise", "gain_of_recommended", "tolerated_noise"]
-
 RECOMMENDED = "shared-sign"
 """The controller that drops the fewest objects where the robots can stop."""
 

@@ -23,8 +23,6 @@ from palmbots.control.interface import MOVES
 from palmbots.derivation.contact_motion import Palm, Palms, sliders, up
 from palmbots.derivation.global_policy import Angles, Direction, Signs
 
-__all__ = ["CONTROLLERS", "MachinePair", "Motion", "State", "System", "Turn", "system_of"]
-
 if TYPE_CHECKING:
     from palmbots.derivation.distributed_algorithm import Machine
 

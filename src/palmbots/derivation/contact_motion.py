@@ -14,8 +14,6 @@ from typing import Literal
 
 from palmbots.derivation.global_policy import Direction, Move, Signs
 
-__all__ = ["Palm", "Palms", "improves", "passed_through", "sliders", "up", "why"]
-
 Palm = Literal["steep", "shallow", "turning"]
 Palms = tuple[Palm, Palm]
 

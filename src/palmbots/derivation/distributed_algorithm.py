@@ -32,8 +32,6 @@ from palmbots.derivation.robot_rule import Rule, message_for
 from palmbots.derivation.table2_programs import DONE
 from palmbots.errors import PalmbotsError
 
-__all__ = ["Machine", "MachineRow", "MachineState", "machines_of", "refusals", "unordered_cases"]
-
 SIGNS = (-1, 0, 1)
 START: Angle = "steep"
 """The angle of the palms when a carry begins."""

@@ -15,23 +15,6 @@ from typing import Literal
 import palmbots._core as _core
 from palmbots._types import SIDES
 
-__all__ = [
-    "Angle",
-    "Angles",
-    "Case",
-    "Direction",
-    "Drives",
-    "Move",
-    "Policy",
-    "Signs",
-    "Until",
-    "Wiring",
-    "as_printed",
-    "mirrored",
-    "signs_text",
-    "table_1",
-]
-
 Signs = tuple[int, int]
 Direction = Literal["away", "closer"]
 Angle = Literal["steep", "shallow"]

@@ -37,8 +37,6 @@ from palmbots.derivation.global_policy import (
 from palmbots.derivation.robot_rule import Rule
 from palmbots.derivation.table2_programs import Program, table_2
 
-__all__ = ["Conflict", "Derivation", "Guard", "Rule", "Step", "derive"]
-
 SIGNS: tuple[Signs, ...] = tuple(product((-1, 0, 1), (-1, 0, 1)))
 _RELATION = {-1: "<", 0: "=", 1: ">"}
 _BY_SIGN = {1: "a", -1: "d"}  # as in Table 2: the cases of an outward and of an inward contact

@@ -21,8 +21,6 @@ from palmbots.derivation.contact_motion import Palms, improves, sliders
 from palmbots.derivation.global_policy import Signs, signs_text
 from palmbots.derivation.local_rules import Conflict, Derivation
 
-__all__ = ["LEVELS", "Kind", "Permissions"]
-
 LEVELS = ("policy", "rules", "at once", "begun")
 
 

@@ -18,8 +18,6 @@ from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.verification import MEANINGS, Verification, verify
 from palmbots.errors import PalmbotsError
 
-__all__ = ["PolicyNotProved", "load_policy", "load_station_policy"]
-
 _CASES = {"a": "own p > 0", "c": "assists its partner", "d": "own p < 0"}
 
 

@@ -35,8 +35,6 @@ from palmbots.derivation.global_policy import (
 from palmbots.errors import PalmbotsError
 from palmbots.scene.files import read_table
 
-__all__ = ["PolicyTable", "Row", "read_policy"]
-
 Drive = Literal["hold", "away", "closer"]
 _SIGNS = {"-": -1, "0": 0, "+": 1}
 _KEYS: dict[str, Signs] = {

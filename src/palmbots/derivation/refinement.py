@@ -16,8 +16,6 @@ from palmbots.derivation.abstract_world import Motion, State, System, Turn
 from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS, Kind, Permissions
 
-__all__ = ["Departure", "Refinement", "check_refinement"]
-
 
 @dataclass
 class Departure:

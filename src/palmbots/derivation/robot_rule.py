@@ -10,8 +10,6 @@ from palmbots.control.interface import SIGN_WORDS
 from palmbots.derivation.global_policy import Angle, Angles, Direction, Signs
 from palmbots.derivation.table2_programs import DONE, RELEASE, REQUEST, Program
 
-__all__ = ["Rule", "message_for", "tilt_to"]
-
 _RELATION = {-1: "<", 0: "=", 1: ">"}
 _CONDITION: dict[tuple[int, ...], str] = {
     (-1, 0): "p ≤ 0",

@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from palmbots.derivation.abstract_world import State, Turn
 from palmbots.derivation.verification import Step
 
-__all__ = ["chart"]
-
 _LINE = 16  # characters of a lifeline's action
 _GAP = 13  # characters between the lifelines
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 import palmbots._core as _core
 
-__all__ = ["DONE", "RELEASE", "REQUEST", "Program", "table_2"]
-
 # The paper's messages: what every request for the partner's palm needs (section 4).
 _KIND = _core.MessageKind
 REQUEST, DONE, RELEASE = _KIND.TiltUp.name, _KIND.Ack.name, _KIND.TiltDown.name

@@ -33,8 +33,6 @@ from palmbots.derivation.contact_motion import sliders
 from palmbots.derivation.distributed_algorithm import Machine, unordered_cases
 from palmbots.derivation.global_policy import Angles
 
-__all__ = ["DELAY", "MEANINGS", "REACH", "SPAN", "TURNING", "Step", "Verification", "verify"]
-
 MEANINGS = {
     "S1": "one robot moves away while the other moves closer",
     "S2": "the pair separates while the palms do not keep the other contact in place",

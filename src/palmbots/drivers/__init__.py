@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """How a robot's program reaches its sensors and motors."""
-
-__all__: list[str] = []

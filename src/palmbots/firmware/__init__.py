@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images for microcontroller boards."""
-
-__all__: list[str] = []

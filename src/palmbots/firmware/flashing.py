@@ -16,8 +16,6 @@ from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
 from palmbots.firmware.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 
-__all__ = ["find_drives", "flash"]
-
 _MARK = "MICROBIT.HTM"
 """A file that every micro:bit has on its drive."""
 _END = ":00000001FF"

@@ -18,8 +18,6 @@ from palmbots.runtime.pair_file import load_pair
 from palmbots.runtime.stored_state import held, read_state, write_state
 from palmbots.wire import MAX_EPOCH
 
-__all__ = ["PROGRAMS", "write_images"]
-
 PROGRAMS = ("robot", "dongle")
 """The ready-made programs; a robot's serves both sides."""
 

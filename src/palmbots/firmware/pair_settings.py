@@ -32,8 +32,6 @@ from palmbots.runtime.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["BOOTS_PER_IMAGE", "BoardPair", "board_pair"]
-
 BOOTS_PER_IMAGE = 16384
 """How many boots an image may count. Each new image begins beyond those of the one before."""
 PERIODS_S = (0.005, 0.05)

@@ -9,17 +9,6 @@ import struct
 import zlib
 from dataclasses import dataclass
 
-__all__ = [
-    "CONTROLLERS",
-    "PAGE_ADDRESS",
-    "PAGE_SIZE",
-    "SWITCHES",
-    "BoardSettings",
-    "radio_settings",
-    "role_in",
-    "settings_page",
-]
-
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265

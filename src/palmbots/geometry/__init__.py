@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """Polygons, the object frame, and the placement of bodies from contact coordinates."""
-
-__all__: list[str] = []  # import from its modules

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 from palmbots.geometry.polygon import Point, turn
 
-__all__ = ["Gyration", "gyration", "triangles"]
-
 
 @dataclass(frozen=True)
 class Gyration:

@@ -14,8 +14,6 @@ from dataclasses import dataclass
 
 from palmbots.geometry.polygon import Point, winding
 
-__all__ = ["Corner", "ObjectFrame", "object_frame"]
-
 
 @dataclass(frozen=True)
 class Corner:

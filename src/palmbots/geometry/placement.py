@@ -20,13 +20,6 @@ from palmbots.geometry.robot_dimensions import PIVOT_HEIGHT
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Placement",
-    "floor_level",
-    "place",
-    "placements",
-]
-
 Array = NDArray[np.float64]
 
 _OUTWARD = np.array([-1.0, 1.0])  # world x of "outward" for left and right

@@ -10,18 +10,6 @@ tolerance decides whether an outline crosses itself.
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-__all__ = [
-    "Point",
-    "area_and_centroid",
-    "bottom_ends",
-    "crossing_edges",
-    "hull",
-    "lower_vertices",
-    "place_of_point",
-    "turn",
-    "winding",
-]
-
 Point = tuple[float, float]
 
 # Three roundings in each product and one in their difference: 4 × 2⁻⁵³ of the sum of their sizes,

@@ -6,20 +6,6 @@ assumed. The quasistatic mechanics uses none of them: it knows pivots and palms 
 world the scene section `mujoco` sets the wheels' radius and the place of the axle.
 """
 
-__all__ = [
-    "ARM_HALF_SPACING",
-    "BODY_GAP",
-    "BODY_SIZE",
-    "CASTER_RADIUS",
-    "GROUND_CLEARANCE",
-    "PALM_THICKNESS",
-    "PIVOT_HEIGHT",
-    "SHOULDER_INSET",
-    "WHEEL_INSET",
-    "WHEEL_RADIUS",
-    "WHEEL_WIDTH",
-]
-
 BODY_SIZE = 0.20
 """Edge of the cubic body."""
 BODY_GAP = 0.05

@@ -25,8 +25,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
 from palmbots.scene.scene import Scene, load_scene
 
-__all__ = ["Baseline", "EpisodeResult", "Policy", "SilentBaseline", "run_episode"]
-
 renamed_in_module(__name__, {"Played": "EpisodeResult", "play": "run_episode"})
 
 

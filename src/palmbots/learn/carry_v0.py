@@ -47,8 +47,6 @@ try:
 except ModuleNotFoundError as error:
     raise missing_extra(error.name or "pettingzoo", "learn") from None
 
-__all__ = ["CarryEnv", "RewardWeights", "env", "parallel_env", "raw_env"]
-
 AGENTS = list(SIDES)
 _PETTINGZOO_PROBE = "options"  # its API tests call reset(options={"options": 1})
 _MAX_TICKS = 1000

@@ -14,8 +14,6 @@ from palmbots.scene.scene import Scene
 from palmbots.simulation.result import Carry
 from palmbots.simulation.worlds import world_entry
 
-__all__ = ["Episode", "StepResult", "begin_episode"]
-
 Pair = tuple[float, float]
 StepResult = tuple[str, int, int, float, Pair]
 """Outcome, ticks, messages sent, midpoint, contacts: as the attributes of the episode."""

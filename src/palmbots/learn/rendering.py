@@ -11,8 +11,6 @@ from palmbots.learn.spaces import MESSAGES, MOVES, PALMS, RobotAction
 from palmbots.viz.side_view import Moment, Stage
 from palmbots.viz.side_view_scene import Message
 
-__all__ = ["EpisodeView"]
-
 _MOVE_TEXTS = {"hold": "carries on", "away": "moves away", "closer": "moves closer"}
 
 

@@ -20,8 +20,6 @@ from palmbots._util.renamed_names import renamed_fields, renamed_in_module
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 
-__all__ = ["RewardTerms", "RewardWeights"]
-
 renamed_in_module(__name__, {"Rewards": "RewardWeights", "Scale": "RewardTerms"})
 
 

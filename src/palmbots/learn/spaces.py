@@ -16,21 +16,6 @@ import numpy as np
 
 from palmbots.control.interface import MESSAGE_KINDS, MOVES, PALMS, MessageKind, Move, Palm
 
-__all__ = [
-    "ACTION",
-    "MESSAGES",
-    "MOVES",
-    "OBSERVATION",
-    "PALMS",
-    "RobotAction",
-    "RobotObservation",
-    "action",
-    "action_sizes",
-    "legal_actions",
-    "observation",
-    "observation_size",
-]
-
 RobotObservation = tuple[int, bool, int, bool, bool]
 """Of one robot in the coming tick, in the numbers of the core: sign, palm at its target, message
 received, program runs, program has just restarted."""

@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """How packets travel between two robots and a station, and lines between programs of a machine."""
-
-__all__: list[str] = []

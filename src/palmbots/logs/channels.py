@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from google.protobuf.descriptor import Descriptor
 
-__all__ = [
-    "CorrectionEvent",
-    "MessageEvent",
-    "StateChannel",
-    "Variable",
-    "channels_of_worlds",
-    "state_channels",
-    "variables_of",
-]
-
 _STRING = FIELD.TYPE_STRING
 _DOUBLE = FIELD.TYPE_DOUBLE
 _TYPES = {"f": _DOUBLE, "i": FIELD.TYPE_SINT64, "U": _STRING}  # by the kind of the NumPy type

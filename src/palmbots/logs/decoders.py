@@ -13,8 +13,6 @@ from mcap.decoder import DecoderFactory
 from mcap.records import Schema
 from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoderFactory
 
-__all__ = ["RosStringDecoderFactory", "decoder_factories"]
-
 _STRING = "std_msgs/msg/String"
 
 

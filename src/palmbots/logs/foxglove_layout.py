@@ -10,8 +10,6 @@ from typing import Any
 from palmbots._types import SIDES
 from palmbots.viz.style import HUE
 
-__all__ = ["layout_text"]
-
 
 def layout_text() -> str:
     """The layout as JSON, to be imported in Foxglove (Layouts, Import from file)."""

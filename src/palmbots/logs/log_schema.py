@@ -14,8 +14,6 @@ from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, channels_of_worlds
 from palmbots.logs.run_channels import LineEvent, PacketEvent, RobotTick, StatusEvent
 
-__all__ = ["log_schema"]
-
 _NUMBER = {"anyOf": [{"type": "number"}, {"enum": ["NaN", "Infinity", "-Infinity"]}]}
 _LONG = {"type": "string", "pattern": "^-?[0-9]+$"}
 _F = FieldDescriptor

@@ -31,8 +31,6 @@ from palmbots.simulation.result import Carry, ContactEvent, Correction, LinkStat
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Log", "read_log"]
-
 _MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _DATA_END = struct.Struct("<BQQQI"), struct.Struct("<BQI")
 

@@ -29,8 +29,6 @@ from palmbots.simulation.result import Carry
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FORMAT", "JSON_FACTS", "RECORD", "TEXT_FACTS", "write_log"]
-
 RECORD = "palmbots"
 """Name of the metadata record."""
 FORMAT = "4"

@@ -8,8 +8,6 @@ from typing import Any
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-__all__ = ["FIELD", "message_type"]
-
 FIELD = descriptor_pb2.FieldDescriptorProto
 """Has the constants of the types of fields, such as ``FIELD.TYPE_DOUBLE``."""
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from palmbots.logs.mcap_reader import Log
 
-__all__ = ["ReplayResult", "replay"]
-
 _FACTS = (
     "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
     "messages_lost", "waiting_s", "bump_count", "warnings", "corrections", "contact_events",

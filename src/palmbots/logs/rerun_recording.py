@@ -23,8 +23,6 @@ from palmbots.viz.style import DROP, SLIDES, ZERO
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["APPLICATION", "BLUEPRINT", "save_blueprint", "save_recording"]
-
 APPLICATION = "palmbots"
 BLUEPRINT = Path(__file__).with_name("data") / "layout.rbl"
 """A layout that Rerun opens beside a recording of this application."""

@@ -10,8 +10,6 @@ from typing import Any
 
 from palmbots.logs.message_types import FIELD, message_type
 
-__all__ = ["RUN_FORMAT", "RUN_RECORD", "LineEvent", "PacketEvent", "RobotTick", "StatusEvent"]
-
 RUN_RECORD = "palmbots-run"
 """Name of the metadata record."""
 RUN_FORMAT = "1"

@@ -25,8 +25,6 @@ from palmbots.logs.run_channels import (
     StatusEvent,
 )
 
-__all__ = ["RunLog", "is_run_log", "read_run_log"]
-
 _TYPES = {"ticks": RobotTick, "sent": PacketEvent, "received": StatusEvent, "lines": LineEvent}
 
 

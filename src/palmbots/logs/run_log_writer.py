@@ -19,8 +19,6 @@ from typing import Any, BinaryIO
 
 from palmbots.logs.run_channels import RUN_FORMAT, RUN_RECORD
 
-__all__ = ["RunLogWriter"]
-
 _MOST_WAITING = 5000  # messages that the disk has not taken yet
 _CHUNK_BYTES = 16_384  # what a program that is killed loses at most
 _CLOSES_WITHIN_S = 5.0

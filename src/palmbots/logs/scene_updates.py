@@ -26,8 +26,6 @@ from palmbots.geometry.placement import Placement
 from palmbots.logs.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector, poses
 from palmbots.viz.style import SLIDES, ZERO
 
-__all__ = ["contact_update", "ros_string", "scene_update", "transforms"]
-
 
 def transforms(place: Placement, row: int, nanoseconds: int) -> FrameTransforms:
     """The poses of all frames at one instant."""

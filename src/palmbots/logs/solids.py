@@ -31,19 +31,6 @@ if TYPE_CHECKING:
     from palmbots._core import Spec
     from palmbots.scene.scene import Scene
 
-__all__ = [
-    "WORLD",
-    "Ball",
-    "Box",
-    "Cylinder",
-    "Prism",
-    "Solid",
-    "contact_balls",
-    "poses",
-    "solids",
-    "urdf",
-]
-
 WORLD = "world"
 Vector = tuple[float, float, float]
 

@@ -4,8 +4,6 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-__all__ = ["with_state_arguments"]
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PLACE = "    {state arguments}\n"

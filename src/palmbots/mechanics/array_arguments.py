@@ -17,8 +17,6 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 
-__all__ = ["FloatArray", "columns_of"]
-
 FloatArray: TypeAlias = float | np.floating[Any] | Sequence[Any] | NDArray[np.floating[Any]]
 """A number, or an array or nested sequence of numbers, which broadcasts as in NumPy."""
 

@@ -21,17 +21,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.mechanics.state import PalmState, palm_state
 from palmbots.scene.scene import SceneLike
 
-__all__ = [
-    "CODE_OF",
-    "MOTION_CODES",
-    "Contact",
-    "Kind",
-    "Motions",
-    "Touching",
-    "contacts",
-    "touching",
-]
-
 Kind = Literal["vertex", "flush", "tip"]
 Motions = tuple[str, ...]
 """How each contact moves, in the order of the contacts."""

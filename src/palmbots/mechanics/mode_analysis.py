@@ -30,16 +30,6 @@ from palmbots.scene.scene import Scene, SceneLike
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "CONTACT_MODES",
-    "ContactModes",
-    "ContactModesBatch",
-    "Mode",
-    "feasible_modes",
-    "modes",
-    "modes_batch",
-]
-
 Mode: TypeAlias = tuple[str, str]
 ModeBits: TypeAlias = NDArray[np.uint16]
 

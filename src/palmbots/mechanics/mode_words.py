@@ -9,8 +9,6 @@ the right contact can carry (paper, section 3.1).
 import math
 from collections.abc import Mapping
 
-__all__ = ["MOTION_MEANINGS", "SENTENCES", "decision_sentence", "margin_sentence", "mode_sentence"]
-
 MOTION_MEANINGS = {"ST": "sticks", "SL": "slides left", "SR": "slides right"}
 """What the symbols of a contact mode mean."""
 

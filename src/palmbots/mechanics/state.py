@@ -15,8 +15,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["PalmState", "palm_state", "placed"]
-
 
 @dataclass(frozen=True)
 class PalmState:

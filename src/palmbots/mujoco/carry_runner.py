@@ -21,8 +21,6 @@ from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.result import Carry, make_carry
 from palmbots.simulation.worlds import WorldEntry, WorldRun
 
-__all__ = ["WORLD", "MujocoEpisode", "MujocoRecord", "MujocoRecorder", "run"]
-
 _PROGRESS_TICKS = 20  # between two calls of `on_progress`
 
 

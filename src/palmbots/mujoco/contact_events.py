@@ -15,8 +15,6 @@ from typing import Any, Literal
 
 from palmbots.mujoco.mjcf import Layout
 
-__all__ = ["ContactEventTracker", "ExtraContact", "Kind", "extra_contact"]
-
 Kind = Literal["flush", "tip"]
 _PARALLEL = math.radians(0.5)  # contacts are compressed by about 0.3 mm over half a palm
 _BOUNCE_S = 0.05

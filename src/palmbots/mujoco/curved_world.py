@@ -23,8 +23,6 @@ from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld, Point
 from palmbots.scene.scene import Scene
 
-__all__ = ["CurvedWorld", "Line", "line_of", "world_of"]
-
 _AHEAD = 0.1  # m, distance within which a robot aims to return to its path
 _GAIN = 5.0  # 1/s, gain with which it turns to its heading
 _OUT = (-1.0, 1.0)

@@ -36,8 +36,6 @@ from palmbots.mujoco.slip_statics import Pair, slip
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["SEEDS", "Budget", "Forecast", "contact_compliance", "forecast", "lip_clearance"]
-
 SEEDS = 16
 _CALIBRATION = (
     1.25  # measured: 1.09, 1.26, 1.26 and 1.20 on circles of 4, 2, 1 and 0.7 m, 12 seeds each

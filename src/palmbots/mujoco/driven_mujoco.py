@@ -7,8 +7,6 @@ from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene
 from palmbots.simulation.driven_world import Pair, Wheels
 
-__all__ = ["DrivenMujoco"]
-
 
 def _as_built(wheels: Wheels) -> Wheels:
     """Between left, right, forward of a person who looks towards the partner, and port, starboard,

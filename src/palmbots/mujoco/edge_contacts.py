@@ -14,8 +14,6 @@ from palmbots._types import SIDES
 from palmbots.mujoco.mjcf import layout
 from palmbots.scene.scene import Scene
 
-__all__ = ["STAYS", "Edge", "edges_of", "fit_edges"]
-
 STAYS = 0.005  # of a palm's width; balls stand 0.01 of it from the palm's sides
 
 

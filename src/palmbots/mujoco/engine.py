@@ -13,8 +13,6 @@ from typing import Any
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
 
-__all__ = ["check_offscreen", "mujoco", "offscreen"]
-
 
 def mujoco() -> Any:
     """The module `mujoco`.

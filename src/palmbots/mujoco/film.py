@@ -32,8 +32,6 @@ from palmbots.viz.video_files import check_video, write_video
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["SIZE", "VideoRenderer", "check_film", "most_informative_row", "save_film", "save_still"]
-
 SIZE = (854, 480)
 """Width and height of a video in pixels."""
 _FPS = {".mp4": 20.0, ".gif": 10.0}

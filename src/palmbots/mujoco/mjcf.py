@@ -29,8 +29,6 @@ from palmbots.scene.spec import to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 
-__all__ = ["Layout", "layout", "mjcf", "steps_per_tick"]
-
 _SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
 _G = 9.80665  # m/s²
 

@@ -19,8 +19,6 @@ from palmbots.mujoco.engine import mujoco
 from palmbots.scene.scene import Scene
 from palmbots.viz.style import BOTH, INK, PATH, ZERO
 
-__all__ = ["METRES_PER_NEWTON", "Overlay"]
-
 METRES_PER_NEWTON = 0.025
 _CONE_M, _SPOKES = 0.07, 16
 

@@ -9,8 +9,6 @@ from palmbots._types import SIDES
 from palmbots.mujoco.contact_events import ExtraContact, extra_contact
 from palmbots.mujoco.mjcf import Layout
 
-__all__ = ["PalmContacts", "PalmLoads"]
-
 _OUT = (-1.0, 1.0)
 Point = tuple[float, float, float]
 

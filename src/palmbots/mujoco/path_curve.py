@@ -22,8 +22,6 @@ from palmbots._util.optional_imports import require
 from palmbots.errors import SceneError
 from palmbots.scene.path_section import Path, Point
 
-__all__ = ["EASE_M", "LEAD_M", "RADIUS_M", "SWEEP_DEG", "Curve", "Spot", "curve_of"]
-
 RADIUS_M, SWEEP_DEG, EASE_M, LEAD_M = 2.0, 45.0, 0.1, 0.1  # if the scene does not state them
 _STEP_M = 0.002  # between two samples; its chord deviates 2 µm from a circle of 0.25 m
 _FINEST, _LONGEST_M = 64, 2_000.0

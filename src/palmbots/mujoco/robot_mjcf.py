@@ -26,20 +26,6 @@ from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.scene import Scene
 from palmbots.viz.style import HUE, INK, PALE, QUIET
 
-__all__ = [
-    "LIP",
-    "TIP",
-    "Chassis",
-    "add_robot",
-    "axle_out",
-    "box_inertia",
-    "chassis",
-    "wheel_inertia",
-    "wheel_kg",
-    "wheel_radius",
-    "wheel_servo",
-]
-
 LIP = 0.004  # m, thickness of the lips along the sides of a palm
 TIP = 1e-4  # m, radius of the contact balls: almost a point
 _WHEEL_KG = 0.05

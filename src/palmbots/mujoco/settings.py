@@ -7,19 +7,6 @@ tests/mujoco): MuJoCo's default contacts creep, and with them the wrong contact 
 
 from dataclasses import dataclass
 
-__all__ = [
-    "ARM",
-    "DEFAULT",
-    "FLOOR",
-    "PALM",
-    "SHOULDER",
-    "WHEEL",
-    "WRIST",
-    "Contact",
-    "Engine",
-    "Servo",
-]
-
 
 @dataclass(frozen=True)
 class Contact:

@@ -29,8 +29,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Pair", "Slip", "slip"]
-
 Array = NDArray[np.float64]
 
 _SMOOTH = 1e-3  # fraction of the driving speed over which friction changes its sign

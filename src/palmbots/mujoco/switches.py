@@ -11,8 +11,6 @@ from collections.abc import Iterable, Sequence
 
 from palmbots.scene.mujoco_section import MujocoParameters
 
-__all__ = ["Switches"]
-
 _ROUNDING_S = 1e-9
 
 

@@ -3,8 +3,6 @@
 
 from dataclasses import dataclass
 
-__all__ = ["COLUMNS", "Measured"]
-
 
 @dataclass(frozen=True, slots=True)
 class Measured:

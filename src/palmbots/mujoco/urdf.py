@@ -32,8 +32,6 @@ from palmbots.mujoco.settings import ARM
 from palmbots.scene.scene import Scene
 from palmbots.viz.style import HUE, INK, PALE, QUIET
 
-__all__ = ["robot_urdf"]
-
 _EFFORT = {"wheel": 2.0, "shoulder": 10.0, "wrist": 5.0}  # N m; assumed
 
 

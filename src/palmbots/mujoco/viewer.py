@@ -19,8 +19,6 @@ from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.overlay import Overlay
 from palmbots.mujoco.world import MujocoWorld
 
-__all__ = ["Viewer"]
-
 _PATIENCE_S = 10.0  # how long to wait until the window closes
 
 

@@ -25,8 +25,6 @@ from palmbots.mujoco.switches import Switches
 from palmbots.mujoco.trace_columns import Measured
 from palmbots.scene.scene import Scene
 
-__all__ = ["SLACK", "MujocoWorld"]
-
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
 _SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
 _HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading

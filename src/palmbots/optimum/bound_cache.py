@@ -20,8 +20,6 @@ from palmbots._util.atomic_files import folder, write_whole
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 
-__all__ = ["cached", "keep", "key_of"]
-
 _METHOD = 1
 """Raised whenever the method or the grids change the numbers."""
 

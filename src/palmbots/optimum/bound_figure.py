@@ -10,8 +10,6 @@ from palmbots.viz.style import INK, SERIES, axis_label, footnote, plain_numbers,
 if TYPE_CHECKING:
     from palmbots.optimum.drop_bound import Bound
 
-__all__ = ["draw"]
-
 
 def draw(result: "Bound") -> Figure:
     """Draw the least drop rate over the duration, at the noise σ*.

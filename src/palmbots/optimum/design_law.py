@@ -13,8 +13,6 @@ import palmbots.optimum.drop_bound as drop_bound
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 
-__all__ = ["KEYS", "DesignLaw", "LawPoint", "compare_with_law"]
-
 KEYS: Mapping[str, str] = MappingProxyType(
     {
         "palm.length_m": "palm length",

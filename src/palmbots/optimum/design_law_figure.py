@@ -11,8 +11,6 @@ from palmbots.viz.style import INK, SERIES, axis_label, footnote, plain_numbers,
 if TYPE_CHECKING:
     from palmbots.optimum.design_law import DesignLaw
 
-__all__ = ["draw"]
-
 
 def draw(result: "DesignLaw") -> Figure:
     """Draw σ* of the optimum (marks) and the law (lines), and below the error of the law."""

@@ -30,8 +30,6 @@ from palmbots.optimum.opening import (
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
 
-__all__ = ["Bound", "FrontPoint", "bound"]
-
 NOISE_KEY = "robot.noise_m_s"
 LEAST_M_S, MOST_M_S = 1e-4, 1.0
 """The noises between which σ* is sought."""

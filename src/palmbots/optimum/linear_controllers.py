@@ -12,8 +12,6 @@ from __future__ import annotations
 from palmbots.control.registry import ControllerEntry
 from palmbots.optimum.opening import LinearFeedback
 
-__all__ = ["EXACT_P", "EXACT_P_STOPPING", "KALMAN", "KALMAN_STOPPING"]
-
 
 def _entry(name: str, description: str, *, exact: bool, may_stop: bool) -> ControllerEntry:
     speeds = "robots may stop" if may_stop else "corrections only"

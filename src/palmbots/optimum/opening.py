@@ -30,24 +30,6 @@ from palmbots._util.arguments import one_of
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 
-__all__ = [
-    "COARSE",
-    "FINE",
-    "SPEEDS",
-    "Grid",
-    "LinearFeedback",
-    "OpeningProblem",
-    "OpeningSolution",
-    "OptimalController",
-    "Spec",
-    "Speeds",
-    "best_price",
-    "law_m_s",
-    "opening_problem",
-    "refuse_unfit",
-    "solve",
-]
-
 Speeds = Literal["corrections", "stopping"]
 SPEEDS: tuple[str, ...] = get_args(Speeds)
 

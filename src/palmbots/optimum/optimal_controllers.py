@@ -25,8 +25,6 @@ from palmbots.optimum.opening import (
     solve,
 )
 
-__all__ = ["OPTIMAL", "OPTIMAL_STOPPING"]
-
 _RESOLVED = 0.8
 """Least noise of a policy, as a fraction of the design law. At less noise all drop rates are so
 small that rounding would decide."""

@@ -1,4 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robots and worlds as processes of their own, which exchange packets over sockets."""
-
-__all__: list[str] = []

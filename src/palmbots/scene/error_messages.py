@@ -19,8 +19,6 @@ from palmbots._util.arguments import show
 from palmbots.errors import SceneError, UnknownSceneKey
 from palmbots.scene.renamed_keys import new_key, new_value
 
-__all__ = ["dotted_keys", "validation_error", "validation_message"]
-
 _INDEX = re.compile(r"\[\d+\]")
 _MOST_LISTED = 12  # keys, where the one that was probably meant is named
 

@@ -19,8 +19,6 @@ from palmbots.scene.fields import (
 from palmbots.scene.robot_section import ClockError
 from palmbots.scene.section import Section
 
-__all__ = ["KEYS_OF_KIND", "OPTIONAL_KEYS_OF_KIND", "Fault", "Faults"]
-
 KEYS_OF_KIND: dict[str, frozenset[str]] = {
     "reboot": frozenset({"robot"}),
     "freeze": frozenset({"robot"}),

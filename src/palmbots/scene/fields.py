@@ -19,26 +19,6 @@ from pydantic_core import PydanticCustomError
 
 from palmbots._util.arguments import show
 
-__all__ = [
-    "Angle",
-    "Duration",
-    "Extent",
-    "Fraction",
-    "Friction",
-    "Index",
-    "Lasting",
-    "Mass",
-    "Moment",
-    "Place",
-    "Range",
-    "Shift",
-    "Size",
-    "Switch",
-    "field_error",
-    "from_list",
-    "whole",
-]
-
 
 def field_error(value: object, problem: str, allowed: str, key: str = "") -> PydanticCustomError:
     """The error that a validator raises: "`key`: `value` `problem`; allowed: `allowed`".

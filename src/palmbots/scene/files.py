@@ -12,8 +12,6 @@ from typing import Any
 
 from palmbots.errors import SceneError
 
-__all__ = ["built_in_scenes", "read_scene", "read_table"]
-
 _LARGEST = 1 << 20  # bytes; a device may be endless
 # Control characters that no text contains, in any encoding of one byte a character.
 _NEVER_IN_TEXT = frozenset(range(32)) - frozenset(b"\t\n\v\f\r\x1a\x1b")

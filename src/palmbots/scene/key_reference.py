@@ -22,15 +22,6 @@ from palmbots._util.toml_writer import toml_value
 from palmbots.scene.fields import Range
 from palmbots.scene.scene import Scene
 
-__all__ = [
-    "SceneKey",
-    "built_in_meanings",
-    "commented_toml",
-    "default_scene_toml",
-    "scene_keys",
-    "section_keys",
-]
-
 _LINE_WIDTH = 78
 _LICENCE = "# SPDX-License-Identifier: Apache-2.0"
 

@@ -12,8 +12,6 @@ from pydantic import BeforeValidator, model_validator
 from palmbots.scene.fields import Friction, Mass, Place, Range, Size, field_error, from_list
 from palmbots.scene.section import Section
 
-__all__ = ["MujocoParameters", "Ridge"]
-
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
 Debounce = Annotated[float, BeforeValidator(Range("s", least=0, most=1))]
 Height = Annotated[float, BeforeValidator(Range("m", least=0.0001, most=0.05))]

@@ -24,8 +24,6 @@ from palmbots.scene.files import read_table
 from palmbots.scene.object_section import Object
 from palmbots.scene.overrides import without_superseded
 
-__all__ = ["by_name", "is_object_file", "object_names", "with_named_object"]
-
 
 @cache
 def _tables() -> dict[str, dict[str, Any]]:

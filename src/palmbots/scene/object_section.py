@@ -15,8 +15,6 @@ from palmbots.scene.fields import Index, Mass, Place, Size, field_error, from_li
 from palmbots.scene.section import Section
 from palmbots.scene.support_check import check_support
 
-__all__ = ["DEFAULT_DENSITY", "LEVEL_M", "Object"]
-
 DEFAULT_DENSITY = 125.0
 """Density of the paper's box, 0.5 kg in 25 × 16 × 10 cm [kg/m³]."""
 

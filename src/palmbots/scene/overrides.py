@@ -15,8 +15,6 @@ from palmbots._util.arguments import show
 from palmbots.errors import SceneError
 from palmbots.scene.renamed_keys import new_key
 
-__all__ = ["merged", "parse_override", "parse_overrides", "without_superseded"]
-
 _FORM = "KEY=VALUE with a dotted key and a TOML value, as in"
 _EXAMPLES = 'radio.loss=0.1 or task.direction="backward"'
 

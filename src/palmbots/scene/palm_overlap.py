@@ -11,8 +11,6 @@ from palmbots._types import SIDES
 from palmbots.geometry.object_frame import object_frame
 from palmbots.scene.scene import Scene
 
-__all__ = ["overlap_m"]
-
 
 def overlap_m(scene: Scene) -> float:
     """Overlap of the palms at the start, both steep [m]; negative: the gap between them.

@@ -17,8 +17,6 @@ from palmbots._util.arguments import show
 from palmbots.scene.fields import Angle, Extent, Friction, Range, Shift, Size, field_error
 from palmbots.scene.section import Section, key_of_side, values_of_side
 
-__all__ = ["Palm", "PalmOverride", "PalmParameters", "friction_limit"]
-
 SlipAngle = Annotated[float, BeforeValidator(Range("degrees", least=0.1, most=89))]
 Turning = Annotated[float, BeforeValidator(Range("degrees/s", least=0.1, most=100_000))]
 

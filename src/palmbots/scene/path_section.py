@@ -16,8 +16,6 @@ from pydantic import BeforeValidator, model_validator
 from palmbots.scene.fields import Range, field_error, from_list
 from palmbots.scene.section import Section
 
-__all__ = ["CURVED", "Path", "Point"]
-
 _MOST_CHARACTERS = 1 << 20
 _MOST_POINTS = 10_000
 _LEAST_STEP_M = 0.01

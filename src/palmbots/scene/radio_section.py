@@ -18,8 +18,6 @@ from palmbots.scene.fields import (
 )
 from palmbots.scene.section import Section
 
-__all__ = ["DirectionOverride", "MessageFault", "Outage", "Radio"]
-
 Delay = Annotated[float, BeforeValidator(Range("s", least=0, most=10))]
 Share = Annotated[float, BeforeValidator(Range(least=0, most=0.99))]
 Ordinal = Annotated[int, BeforeValidator(whole(1, 1_000_000))]

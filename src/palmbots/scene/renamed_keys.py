@@ -6,8 +6,6 @@
 
 import re
 
-__all__ = ["RENAMED_KEYS", "RENAMED_VALUES", "new_key", "new_value"]
-
 RENAMED_KEYS = {
     "dynamic.body_kg": "mujoco.body_kg",
     "dynamic.arm_kg": "mujoco.arm_kg",

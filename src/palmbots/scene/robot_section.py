@@ -18,8 +18,6 @@ from palmbots.scene.fields import (
 )
 from palmbots.scene.section import Section, key_of_side, values_of_side
 
-__all__ = ["Control", "Robot", "RobotOverride", "RobotParameters", "Tactile", "Zone"]
-
 Speed = Annotated[float, BeforeValidator(Range("m/s", least=0, most=10))]
 SpeedError = Annotated[float, BeforeValidator(Range("m/s", least=-1, most=1))]
 Noise = Annotated[float, BeforeValidator(Range("m/s", least=0, most=1))]

@@ -31,8 +31,6 @@ from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactil
 from palmbots.scene.section import Section, key_of_side
 from palmbots.scene.task_section import Bumps, Start, Task
 
-__all__ = ["MOST_DELAY_TICKS", "MOST_LEAN", "Scene", "SceneLike", "load_scene"]
-
 # Limits of the core: a carry counts its ticks in 32 bits, and a link buffers this many of them.
 _MOST_TICKS = 10_000_000
 MOST_DELAY_TICKS = 200

@@ -16,8 +16,6 @@ from palmbots.scene.key_reference import field_meanings
 from palmbots.scene.object_library import by_name
 from palmbots.scene.scene import Scene
 
-__all__ = ["scene_schema"]
-
 
 def scene_schema() -> dict[str, Any]:
     """The schema of a scene file, and of the key ``scene`` of ``--json``."""

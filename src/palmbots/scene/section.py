@@ -17,8 +17,6 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-__all__ = ["Section", "check_sides", "key_of_side", "override_of", "values_of_side"]
-
 
 class Section(BaseModel):
     """A table of the scene: immutable, without unknown keys, without conversion of types."""

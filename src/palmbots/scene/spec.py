@@ -20,8 +20,6 @@ from palmbots.scene.radio_section import MessageFault
 from palmbots.scene.robot_section import RobotParameters, Tactile
 from palmbots.scene.scene import Scene
 
-__all__ = ["refuse_curved", "to_spec"]
-
 _RADIANS_PER_DEGREE = math.pi / 180
 _EFFECTS = ("lost", "delayed", "duplicated")
 _SIGNS = {"-": -1, "0": 0, "+": 1}

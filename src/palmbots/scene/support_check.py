@@ -18,8 +18,6 @@ from palmbots.geometry.polygon import (
 )
 from palmbots.scene.fields import field_error
 
-__all__ = ["LEAST_WIDTH_M", "check_support"]
-
 LEAST_WIDTH_M = 0.001
 
 

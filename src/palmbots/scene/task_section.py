@@ -21,8 +21,6 @@ from palmbots.scene.fields import (
 from palmbots.scene.path_section import Path
 from palmbots.scene.section import Section
 
-__all__ = ["Bump", "Bumps", "Direction", "Push", "Start", "Task"]
-
 Direction = Literal["forward", "backward"]
 
 Jolt = Annotated[float, BeforeValidator(Range("m", least=0, most=1))]

@@ -12,8 +12,6 @@ import math
 
 import palmbots._core as _core
 
-__all__ = ["raise_right_pivot", "tilt"]
-
 _ROUNDS = 20  # the distance depends on the tilt; each round has a small part of the last error
 
 

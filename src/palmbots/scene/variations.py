@@ -12,8 +12,6 @@ from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import refuse_curved
 
-__all__ = ["ENTRY", "with_values"]
-
 ENTRY = re.compile(r"(.+)\[(\d{1,3})\]")
 """Pattern of a key of one number of a list: the key of the list, and the index."""
 

@@ -26,20 +26,6 @@ import palmbots._core as _core
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
 
-__all__ = [
-    "DELIVERED",
-    "DROPPED",
-    "OUTCOMES",
-    "REASONS",
-    "STALLED",
-    "Columns",
-    "available_cores",
-    "batch_modules",
-    "check_built",
-    "run_batch",
-    "run_seeds",
-]
-
 OUTCOMES: tuple[str, ...] = _core.carry_outcomes
 """The outcomes in the order of the column `outcome`; 0: not carried."""
 DELIVERED, DROPPED, STALLED = map(OUTCOMES.index, ("delivered", "dropped", "stalled"))

@@ -14,8 +14,6 @@ from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
 
-__all__ = ["DrivenQuasistatic", "DrivenWorld", "Pair", "Wheels"]
-
 Pair = tuple[float, float]
 """Left robot, right robot."""
 Wheels = tuple[Pair, Pair]

@@ -30,8 +30,6 @@ from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import DROPPED, available_cores, run_batch
 from palmbots.simulation.prepare import Prepared, prepare
 
-__all__ = ["NoiseLimit", "NoisePoint", "noise_limit"]
-
 NOISE_KEY = "robot.noise_m_s"
 LEAST_M_S, MOST_M_S = 1e-4, 1.0
 """The noises that the bracket may reach; the largest is the scene's own limit."""

@@ -19,8 +19,6 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.worlds import WorldEntry, check_scene, world_entry
 
-__all__ = ["Prepared", "prepare"]
-
 _CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
 
 

@@ -11,8 +11,6 @@ from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.result import Carry, make_carry
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, WorldRun
 
-__all__ = ["WORLD", "QuasistaticEpisode", "run"]
-
 
 def run(
     prepared: Prepared,

@@ -33,8 +33,6 @@ from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
 from palmbots.simulation.prepare import prepare
 
-__all__ = ["DropRate", "estimate_drop_rate"]
-
 SHARE = 0.4
 """The fraction of the carries from one level that reaches the next one."""
 EFFORT = 1000

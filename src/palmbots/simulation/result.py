@@ -22,15 +22,6 @@ from palmbots.simulation.worlds import WorldRun
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Carry",
-    "ContactEvent",
-    "Correction",
-    "LinkStatistics",
-    "Message",
-    "make_carry",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Correction:

@@ -17,8 +17,6 @@ from palmbots.simulation.prepare import prepare
 from palmbots.simulation.result import Carry, make_carry
 from palmbots.simulation.worlds import WorldEntry, check_precision, world_entry
 
-__all__ = ["carry"]
-
 _LATEST_FORK_S = 1_000_000
 
 

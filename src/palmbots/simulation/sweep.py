@@ -30,8 +30,6 @@ from palmbots.wire import PACKET_SIZE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Comparison", "Refusal", "Row", "compare"]
-
 DEFAULT_SWEEP = "radio.latency_s"
 DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-__all__ = ["VARIABLES", "trace_dataset"]
-
 
 def _attrs(units: str, long_name: str, log_field: str) -> dict[str, str]:
     return {"units": units, "long_name": long_name, "log_field": log_field}

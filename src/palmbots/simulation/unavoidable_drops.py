@@ -19,8 +19,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.simulation.result import Carry
 
-__all__ = ["is_unavoidable", "largest_acceleration_m_s2", "left_palm_unavoidably"]
-
 
 def largest_acceleration_m_s2(scene: Scene) -> float:
     """The largest acceleration of a contact along its palm, by both robots together [m/s²].

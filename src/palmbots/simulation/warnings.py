@@ -7,8 +7,6 @@ from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry
 from palmbots.scene.scene import Scene
 
-__all__ = ["warnings_after"]
-
 _PATIENCE_S = 2.0  # how long an answer may take, besides the delay of the radio
 
 

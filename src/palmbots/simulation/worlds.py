@@ -17,18 +17,6 @@ from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
 from palmbots.simulation.driven_world import DrivenWorld
 
-__all__ = [
-    "PRECISIONS",
-    "WorldEntry",
-    "WorldRun",
-    "check_precision",
-    "check_scene",
-    "register_world",
-    "unregister_world",
-    "world_entry",
-    "world_names",
-]
-
 PRECISIONS = ("double", "float")
 
 

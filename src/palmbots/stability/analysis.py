@@ -36,8 +36,6 @@ from palmbots.stability.margins import (
 from palmbots.stability.problem import Pair, StabilityProblem, permitted, stability_problem
 from palmbots.stability.scene_limits import largest_acceleration, limit_warnings
 
-__all__ = ["Analysis", "Bands", "Margins", "PropertyReport", "analyze"]
-
 
 @dataclass(frozen=True)
 class Margins:

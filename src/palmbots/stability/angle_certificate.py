@@ -22,8 +22,6 @@ from palmbots.stability.certificates.parameter_box import Box
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.problem import StabilityProblem
 
-__all__ = ["angle_keys", "certify_tolerance", "scene_at"]
-
 _REDUCTIONS = (1e-6, 1e-4, 1e-3, 1e-2, 1e-1)
 """By how much less than the tolerance a certificate claims, in the order of the attempts. The first
 is the error of the bisection that finds the tolerance."""

@@ -23,19 +23,6 @@ from palmbots.stability.reaction_region import Reaction
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "NOISE",
-    "QUANTITIES",
-    "AngleGrid",
-    "GridLimits",
-    "GridOptions",
-    "Objective",
-    "Quantity",
-    "Uncertainty",
-    "evaluate",
-    "tolerance_at",
-]
-
 Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"]
 """What `palmbots.design` can maximize the tolerance of."""
 

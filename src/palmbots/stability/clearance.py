@@ -30,8 +30,6 @@ from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
 from palmbots.stability.problem import Pair, StabilityProblem
 
-__all__ = ["Clearance", "ClosestState", "outline_clearance"]
-
 Array = NDArray[np.float64]
 Kind = Literal["flush", "tip", "back end"]
 

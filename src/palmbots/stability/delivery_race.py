@@ -32,8 +32,6 @@ from palmbots.simulation.prepare import prepare
 from palmbots.stability.angle_certificate import angle_keys
 from palmbots.stability.angle_grid import AngleGrid
 
-__all__ = ["Race", "run_race"]
-
 Place = tuple[int, int]
 """Row and column of a pair in the grid."""
 

@@ -19,8 +19,6 @@ from palmbots.stability.certificates.prover import Certificate
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Design", "OwnAngles", "limit_text"]
-
 
 @dataclass(frozen=True)
 class OwnAngles:

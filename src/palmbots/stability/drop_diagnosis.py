@@ -17,8 +17,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.stability.problem import Pair, permitted, stability_problem
 
-__all__ = ["analyze_hint", "missing_properties", "touch_start_hint"]
-
 
 def missing_properties(scene: Scene, controller: str) -> tuple[int, ...]:
     """The properties (0, 1, 2) that fail with contacts in the zero zone.

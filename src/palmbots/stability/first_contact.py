@@ -24,8 +24,6 @@ from palmbots.scene.spec import to_spec
 from palmbots.stability.clearance import ClosestState
 from palmbots.stability.problem import Pair
 
-__all__ = ["MOTION_NAMES", "FirstTouch", "first_touch", "motions_text"]
-
 MOTION_NAMES = {
     "ST": "sticks",
     "SL": "slides left",

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["VARIABLE", "Interval", "around", "intersection", "real_roots", "where"]
-
 Interval = tuple[float, float]
 
 VARIABLE = np.array([0.0, 1.0, -1.0])

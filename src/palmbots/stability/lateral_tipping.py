@@ -13,8 +13,6 @@ from palmbots._types import SIDES
 from palmbots.geometry.object_frame import object_frame
 from palmbots.scene.scene import Scene
 
-__all__ = ["Sideways", "sideways_of"]
-
 
 @dataclass(frozen=True)
 class Sideways:

@@ -15,8 +15,6 @@ from typing import Any
 
 from palmbots._types import SIDES, Side
 
-__all__ = ["NEEDS", "SLIDING_EDGES", "Form", "failing", "forms", "text_of"]
-
 UP, DOWN = 1, -1
 
 NEEDS: dict[int, tuple[tuple[int, int, bool], ...]] = {

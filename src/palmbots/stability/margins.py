@@ -23,19 +23,6 @@ from palmbots.stability.interval_sets import (
 from palmbots.stability.linear_conditions import Form, failing
 from palmbots.stability.problem import Pair, StabilityProblem, permitted
 
-__all__ = [
-    "Wedging",
-    "angle_error",
-    "angle_margin",
-    "com_x_range",
-    "com_y_ranges",
-    "friction_margin",
-    "friction_ranges",
-    "half_length_range",
-    "slope_range",
-    "wedging",
-]
-
 _MOST_FRICTION = 100.0
 _MOST_SLOPE = 2.0  # the tangent of 63°
 _BOTH: tuple[tuple[int, Side], ...] = tuple((n, shallow) for n in (1, 2) for shallow in SIDES)

@@ -53,8 +53,6 @@ from palmbots.stability.margins import friction_ranges
 from palmbots.stability.problem import StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import reaction
 
-__all__ = ["PAPER_DEG", "Design", "design", "with_angles"]
-
 PAPER_DEG = (5.0, 15.0)
 """The paper's palm angles (shallow, steep), for comparison."""
 

@@ -19,8 +19,6 @@ from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.linear_conditions import Form, forms
 
-__all__ = ["TURN_STEPS", "Pair", "Pose", "StabilityProblem", "stability_problem"]
-
 Pair = tuple[float, float]
 
 TURN_STEPS = 8

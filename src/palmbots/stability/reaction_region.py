@@ -21,8 +21,6 @@ from palmbots._types import SIDES
 from palmbots.control.dead_band import overrun_m, zero_zone_edges_m
 from palmbots.scene.scene import Scene
 
-__all__ = ["Reaction", "reaction"]
-
 _SIGMAS = 3.0
 Array = NDArray[np.float64]
 

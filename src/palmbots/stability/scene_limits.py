@@ -17,8 +17,6 @@ from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.margins import angle_error, slope_range
 from palmbots.stability.problem import StabilityProblem, stability_problem
 
-__all__ = ["G", "largest_acceleration", "limit_warnings", "self_check"]
-
 G = 9.80665
 """Standard gravity [m/s²]."""
 

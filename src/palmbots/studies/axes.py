@@ -18,8 +18,6 @@ from palmbots.scene.fields import Range, field_error, whole
 from palmbots.scene.section import Section
 from palmbots.scene.variations import ENTRY
 
-__all__ = ["Axis", "Levels", "Span", "axes_of"]
-
 _MAX_LEVELS = 100_000
 
 

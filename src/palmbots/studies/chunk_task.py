@@ -23,17 +23,6 @@ from palmbots.simulation.batch import run_batch
 from palmbots.simulation.single import carry
 from palmbots.studies.variables import NOT_CARRIED, OUTCOMES, REASONS, VARIABLES, is_carried
 
-__all__ = [
-    "Block",
-    "ChunkTask",
-    "ResultsHash",
-    "build_id",
-    "carry_chunk",
-    "check_build",
-    "checksum",
-    "empty_block",
-]
-
 Block = dict[str, NDArray[Any]]
 """The columns of a chunk: [points, controllers, seeds] or [points, controllers, seeds, side]."""
 

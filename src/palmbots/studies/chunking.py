@@ -14,8 +14,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Chunk", "ChunkGrid", "make_layout"]
-
 _MIN_CARRIES, _MAX_CARRIES, _CHUNKS = 8192, 32_768, 64
 
 

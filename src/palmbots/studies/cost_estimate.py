@@ -20,8 +20,6 @@ from palmbots.studies.chunking import ChunkGrid
 from palmbots.studies.points import Points
 from palmbots.studies.variables import VARIABLES
 
-__all__ = ["Cost", "estimate_cost"]
-
 _POINTS, _SEEDS, _SEEDS_IN_PYTHON = 24, 64, 1
 # Share of the bytes of results that is left after compression: rms and peaks compress badly.
 _COMPRESSED = 0.75

@@ -27,8 +27,6 @@ from palmbots.studies.chunking import Chunk
 from palmbots.studies.exact_sums import exact_sums_of
 from palmbots.studies.schedule import StudySchedule
 
-__all__ = ["Cluster", "carry_packed", "connect"]
-
 _CONNECT_S = 5
 _WAIT_FOR_WORKERS_S = 30
 _AHEAD = 2  # chunks handed out per thread of a worker, so that no thread waits for the next one

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 
 from palmbots._util.optional_imports import require
 
-__all__ = ["DESIGNS", "GRID", "DesignKind", "sobol_problem"]
-
 GRID = "grid"
 """The default: every combination of values. It is no sample."""
 

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from palmbots.studies.variables import EVENTS, STATISTICS, Columns, is_carried
 
-__all__ = ["COUNTS", "SUMS", "WIDTH", "ExactSums", "count_of", "exact_sums_of", "sum_of"]
-
 COUNTS = (*EVENTS, "pairs", "only_first", "only_this")
 """`pairs`: carries that this controller and the first one both have. `only_this`: pairs in which
 this controller dropped the object and the first one did not."""

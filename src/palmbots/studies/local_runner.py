@@ -9,8 +9,6 @@ from palmbots.studies.chunking import Chunk
 from palmbots.studies.exact_sums import ExactSums, exact_sums_of
 from palmbots.studies.schedule import StudySchedule
 
-__all__ = ["run_locally"]
-
 
 def run_locally(
     schedule: StudySchedule, threads: int, on_progress: Callable[[int, int], None]

@@ -28,8 +28,6 @@ from palmbots.studies.axes import Axis, Span
 from palmbots.studies.designs import DESIGNS, GRID
 from palmbots.studies.study_file import Plan
 
-__all__ = ["Points", "design_points"]
-
 _CONTENT_FORMAT = 1
 _MAX_POINTS = 1_000_000
 

@@ -22,8 +22,6 @@ from palmbots.studies.statistics import Values, pooled_counts, statistics_of
 from palmbots.studies.stopping import is_precise_enough
 from palmbots.studies.store import Store
 
-__all__ = ["StudySchedule"]
-
 _CACHED_SPECS = 4096
 
 

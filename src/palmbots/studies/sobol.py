@@ -21,8 +21,6 @@ from palmbots.studies.points import Points
 from palmbots.studies.statistics import Values
 from palmbots.studies.variables import STATISTICS, Display
 
-__all__ = ["METRICS", "SobolIndex", "sobol_indices"]
-
 METRICS: Mapping[str, Display] = {
     name: statistic.display
     for name, statistic in STATISTICS.items()

@@ -9,8 +9,6 @@ from palmbots.studies.exact_sums import ExactSums, count_of, sum_of
 from palmbots.studies.stopping import mean_and_half, root_mean_interval
 from palmbots.studies.variables import STATISTICS, Statistic
 
-__all__ = ["Values", "pooled_counts", "statistics_of"]
-
 Reals = NDArray[np.float64]
 Values = dict[str, tuple[Reals, Reals | None]]
 """By name: values, and the low and high ends of their intervals along a last axis of two."""

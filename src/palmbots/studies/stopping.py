@@ -16,8 +16,6 @@ from palmbots._util.confidence_intervals import Z95, wilson_bounds
 from palmbots.studies.exact_sums import ExactSums, count_of, sum_of
 from palmbots.studies.study_file import Stop
 
-__all__ = ["is_precise_enough", "mean_and_half", "root_mean_interval"]
-
 Reals = NDArray[np.float64]
 
 

@@ -35,8 +35,6 @@ from palmbots.studies.exact_sums import WIDTH, ExactSums
 from palmbots.studies.points import Points
 from palmbots.studies.zarr_arrays import FORMAT, StoreInvalid, ZarrArrays, make_arrays
 
-__all__ = ["RECORD", "RESULTS", "Store", "open_store", "other_format", "read_record"]
-
 _KEPT = "; completed chunks are kept: make room and run the command again"
 RECORD, RESULTS = "study.json", "results.zarr"
 _MARKS, _LOCK = "chunks", "lock"

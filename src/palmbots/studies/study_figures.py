@@ -40,8 +40,6 @@ from palmbots.viz.style import (
 )
 from palmbots.viz.sweep_figure import few_ticks
 
-__all__ = ["draw", "save"]
-
 _MAX_LABELLED_CELLS = 150
 _BINS = 8
 

@@ -29,17 +29,6 @@ from palmbots.scene.spec import refuse_curved
 from palmbots.studies.axes import Span, axes_of
 from palmbots.studies.designs import DESIGNS, GRID
 
-__all__ = [
-    "Design",
-    "Plan",
-    "Seeds",
-    "Stop",
-    "Study",
-    "StudyLike",
-    "built_in_studies",
-    "load_plan",
-]
-
 StudyLike = str | os.PathLike[str] | Mapping[str, Any]
 """The name of a study that comes with the package, a TOML file, or a table."""
 

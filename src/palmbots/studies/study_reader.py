@@ -26,8 +26,6 @@ from palmbots.studies.zarr_arrays import FORMAT
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["open_study"]
-
 _READ_ERRORS = (ValueError, RuntimeError, KeyError, TypeError, OSError)
 """What Zarr raises for a wrong checksum, a file that cannot be decompressed, or a bad array."""
 

@@ -34,8 +34,6 @@ from palmbots.studies.study_reader import open_study
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["StudyResult", "layout_of", "run_study", "study", "thread_count"]
-
 FIGURES.register("study", "palmbots.studies.study_figures:draw")
 
 _MAX_REPAIRS = 3

@@ -20,21 +20,6 @@ from numpy.typing import NDArray
 from palmbots.simulation import batch
 from palmbots.simulation.batch import DELIVERED, DROPPED, STALLED
 
-__all__ = [
-    "EVENTS",
-    "MISSING",
-    "NOT_CARRIED",
-    "OUTCOMES",
-    "REASONS",
-    "STATISTICS",
-    "VARIABLES",
-    "Columns",
-    "Display",
-    "Statistic",
-    "Variable",
-    "is_carried",
-]
-
 Columns = Mapping[str, NDArray[Any]]
 """Columns of results by the name of their variable."""
 

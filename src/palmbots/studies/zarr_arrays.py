@@ -27,8 +27,6 @@ from palmbots.studies.chunking import Chunk, ChunkGrid
 from palmbots.studies.points import Points
 from palmbots.studies.variables import NOT_CARRIED, STATISTICS, VARIABLES, Variable
 
-__all__ = ["FORMAT", "StoreInvalid", "ZarrArrays", "make_arrays"]
-
 FORMAT = 2
 """Of a study's folder and its store. Format 1 (palmbots 0.1.0) had no checksums."""
 

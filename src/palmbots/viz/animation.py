@@ -30,8 +30,6 @@ from palmbots.viz.video_files import check_video, write_video
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["save", "stage_at"]
-
 _MESSAGE_SHOWN_S = 0.4
 _LONGEST_S = 60.0  # a longer carry is shown faster
 

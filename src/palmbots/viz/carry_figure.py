@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from palmbots._core import Spec
     from palmbots.simulation.result import Carry
 
-__all__ = ["TimeWindow", "draw", "figure_title", "save", "time_window"]
-
 _HEIGHTS = {  # inches of each panel
     "timeline": 1.25,
     "left": 1.1,

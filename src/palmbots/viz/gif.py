@@ -15,8 +15,6 @@ from typing import BinaryIO
 import numpy as np
 from PIL import GifImagePlugin, Image
 
-__all__ = ["GifWriter", "palette"]
-
 _TRANSPARENT = 255  # the palette index that keeps the pixel of the frame before
 _BLENDS = 160  # colours taken from the samples
 _KEEP = 1  # disposal method: leave the frame on the screen

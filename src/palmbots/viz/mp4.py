@@ -20,8 +20,6 @@ from PIL import Image
 
 from palmbots.errors import PalmbotsError
 
-__all__ = ["encoder_for", "find_encoder", "write_mp4"]
-
 
 def find_encoder() -> str | None:
     """The path of ffmpeg, from the system or from the package imageio-ffmpeg; None: not found."""

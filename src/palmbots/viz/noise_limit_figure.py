@@ -23,8 +23,6 @@ from palmbots.viz.sweep_figure import few_ticks
 if TYPE_CHECKING:
     from palmbots.simulation.noise_limit import NoiseLimit, NoisePoint
 
-__all__ = ["draw"]
-
 _FURTHEST = 2.0  # times σ*, in both directions
 _LOWEST = 0.02  # of the rate
 

@@ -15,8 +15,6 @@ from palmbots.viz.style import styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["save_figure"]
-
 # Stronger compression would take longer than drawing.
 _SAVING: dict[str, dict[str, Any]] = {
     ".png": {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},

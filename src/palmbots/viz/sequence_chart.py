@@ -37,8 +37,6 @@ from palmbots.viz.timeline import message_news, runs
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry, Message
 
-__all__ = ["draw", "save"]
-
 _TALL = 6.5  # inches of a column
 _WIDE = 2.6  # inches of a column
 _MOST_COLUMNS = 8

@@ -33,8 +33,6 @@ from palmbots.viz.timeline import Bar
 if TYPE_CHECKING:
     from palmbots._core import Spec
 
-__all__ = ["COLOURS", "Moment", "Stage"]
-
 COLOURS = (
     BACKGROUND, INK, QUIET, ZERO, OBJECT, DROP, SLIDES, FLOOR, *HUE.values(), *PALE.values()
 )  # fmt: skip

@@ -13,8 +13,6 @@ from palmbots.viz.animation import stage_at
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["draw"]
-
 _DPI = 200
 
 

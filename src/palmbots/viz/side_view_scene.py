@@ -37,8 +37,6 @@ from palmbots.viz.style import (
 if TYPE_CHECKING:
     from palmbots._core import Spec
 
-__all__ = ["WIDTH", "Message", "Note", "WorldView"]
-
 WIDTH = 900  # px
 _TALLEST = 400  # px
 _FINE = 2  # drawn this many times larger, then reduced

@@ -16,42 +16,6 @@ from typing import Any, NamedTuple
 from palmbots._util.units import name_of, unit_of
 from palmbots.control.registry import controller_names, describe
 
-__all__ = [
-    "BACKGROUND",
-    "BOTH",
-    "COLOUR_MAP",
-    "DROP",
-    "EXCLUDED",
-    "FLOOR",
-    "HATCH",
-    "HUE",
-    "INK",
-    "LEADER",
-    "LINE",
-    "OBJECT",
-    "ON_MAP",
-    "PALE",
-    "PAPER",
-    "PAPER_PAIR",
-    "PATH",
-    "QUIET",
-    "RULE",
-    "SERIES",
-    "SKY",
-    "SLIDES",
-    "SWITCH",
-    "TILES",
-    "ZERO",
-    "Look",
-    "axis_label",
-    "controller_looks",
-    "controller_title",
-    "footnote",
-    "key_label",
-    "plain_numbers",
-    "styled",
-]
-
 _BLACK, _WHITE = "#000000", "#FFFFFF"
 _BLUE, _SKY, _GREEN, _YELLOW = "#0072B2", "#56B4E9", "#009E73", "#F0E442"
 _ORANGE, _VERMILLION, _PURPLE = "#E69F00", "#D55E00", "#CC79A7"

@@ -15,8 +15,6 @@ from palmbots.viz.style import axis_label, controller_looks, key_label, styled
 if TYPE_CHECKING:
     from palmbots.simulation.sweep import Comparison
 
-__all__ = ["draw", "few_ticks", "save"]
-
 # Label, field of a row, field of its interval, factor.
 _PANELS = (
     (axis_label("dropped", "%"), "drop_rate", "interval", 100),

@@ -24,16 +24,6 @@ from palmbots.viz.style import BACKGROUND, DROP, HATCH, HUE, INK, LEADER, QUIET,
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry, Message
 
-__all__ = [
-    "Bar",
-    "assign_label_rows",
-    "correction_bars",
-    "draw_timeline",
-    "message_key",
-    "message_news",
-    "runs",
-]
-
 _ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels

@@ -12,8 +12,6 @@ from palmbots.viz.timeline import draw_timeline, message_key
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["draw"]
-
 _HEIGHT_IN = 2.4
 
 

@@ -12,8 +12,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.viz.gif import GifWriter, palette
 from palmbots.viz.mp4 import encoder_for, find_encoder, write_mp4
 
-__all__ = ["LAST_FRAME_S", "check_video", "video_formats", "write_video"]
-
 LAST_FRAME_S = 2.0
 """How long the last frame stays, so that it can be read before the video starts again."""
 

@@ -13,7 +13,7 @@ from palmbots._util import fork_join as side_by_side
 from palmbots.cli.main import run
 from palmbots.errors import PalmbotsError
 from palmbots.stability.analysis import Analysis
-from palmbots.stability.figures import draw_all, save_all
+from palmbots.stability.figures.analysis_figures import draw_all, save_all
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_bad_arguments_write_no_file(tmp_path: Path, paper: Analysis) -> None:
 def test_drawing_leaves_pyplot_and_the_callers_settings_alone() -> None:
     code = (
         "import sys, matplotlib as m; before = m.rcParams['font.size'], m.rcParams['axes.grid']\n"
-        "import palmbots as pb; from palmbots.stability.figures import draw_all\n"
+        "import palmbots as pb; from palmbots.stability.figures.analysis_figures import draw_all\n"
         "draw_all(pb.analyze())\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
         "assert before == (m.rcParams['font.size'], m.rcParams['axes.grid'])\n"

@@ -17,8 +17,6 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 30
 EXAMPLE = "palmbots analyze --set palm.friction=0.4 --figures out"
 

@@ -11,8 +11,6 @@ from palmbots.cli._run import check_output, load, present
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 97
 EXAMPLE = "palmbots bound --speeds stopping"
 

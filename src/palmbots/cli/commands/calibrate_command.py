@@ -9,8 +9,6 @@ from palmbots.cli._run import check_rate, print_json, warn
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 207
 EXAMPLE = "palmbots calibrate pair.toml --side left"
 

@@ -28,8 +28,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 10
 EXAMPLE = "palmbots carry paper --controller centralized --seed 3 --out out"
 _ANIMATIONS = ("gif", "mp4")

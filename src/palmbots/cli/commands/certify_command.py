@@ -17,8 +17,6 @@ from palmbots.cli.options import (
     output_option,
 )
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 40
 EXAMPLE = "palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json"
 

@@ -9,8 +9,6 @@ import typer
 from palmbots.cli._run import load, present
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 50
 EXAMPLE = "palmbots check box.json"
 

@@ -20,8 +20,6 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 70
 EXAMPLE = "palmbots compare --sweep robot.noise_m_s --values 0.01,0.02,0.03"
 

@@ -4,8 +4,6 @@
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, JsonOption
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 180
 EXAMPLE = "palmbots controllers"
 

@@ -10,8 +10,6 @@ from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 140
 EXAMPLE = "palmbots derive --policy examples/policies/both-drive.toml"
 

@@ -29,8 +29,6 @@ from palmbots.cli.options import (
     output_option,
 )
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 60
 EXAMPLE = "palmbots design --friction 0.3 0.4 --region palm --out out"
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from palmbots.runtime.pair_file import Pair
     from palmbots.scene.scene import Scene
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 208
 EXAMPLE = "palmbots doctor pair.toml"
 _CLOCK_S = 3.0

@@ -18,8 +18,6 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 90
 EXAMPLE = "palmbots drop-rate --set robot.noise_m_s=0.012 --relative-error-percent 20"
 

@@ -11,8 +11,6 @@ from palmbots.cli._run import load, print_json
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 120
 EXAMPLE = "palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left"
 

@@ -9,8 +9,6 @@ import typer
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, JsonOption
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 216
 EXAMPLE = "palmbots flash images/left.hex"
 

@@ -10,8 +10,6 @@ from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 190
 EXAMPLE = "palmbots init scene my.toml"
 COMMAND = typer.Typer(help="Write a file to start from.")

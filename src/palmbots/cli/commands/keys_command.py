@@ -14,8 +14,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.scene.key_reference import SceneKey
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 170
 EXAMPLE = "palmbots keys radio"
 

@@ -8,8 +8,6 @@ import typer
 from palmbots.cli._run import load, present
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 20
 EXAMPLE = "palmbots modes --theta-left-deg 5 --p-left-m -0.02"
 

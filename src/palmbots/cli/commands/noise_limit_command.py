@@ -20,8 +20,6 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 95
 EXAMPLE = "palmbots noise-limit -c resilient --set radio.loss=0.2"
 

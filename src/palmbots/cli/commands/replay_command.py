@@ -9,8 +9,6 @@ from palmbots.cli._warnings import warn
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 130
 EXAMPLE = "palmbots replay out/carry.mcap"
 

@@ -8,8 +8,6 @@ import typer
 from palmbots.cli._run import check_rate, print_json
 from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 205
 EXAMPLE = "palmbots robot pair.toml --side left"
 

@@ -11,8 +11,6 @@ from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 209
 EXAMPLE = "palmbots ros2 pair.toml --side left"
 

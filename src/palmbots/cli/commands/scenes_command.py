@@ -4,8 +4,6 @@
 from palmbots.cli._run import print_list
 from palmbots.cli.options import DONE, JsonOption
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 150
 EXAMPLE = "palmbots scenes"
 

@@ -10,8 +10,6 @@ from palmbots.cli._progress import progress
 from palmbots.cli._run import check_output, load, present
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 100
 EXAMPLE = "palmbots speed-limits --carries 2 --out out"
 

@@ -14,8 +14,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.runtime.station_client import StationClient
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
 _RESTARTS_WITHIN_S = 10.0

@@ -18,8 +18,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.studies.study_file import Plan
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 80
 EXAMPLE = "palmbots study centralized-vs-distributed --carries 100 --out out --plot"
 

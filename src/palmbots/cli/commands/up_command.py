@@ -28,8 +28,6 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 200
 EXAMPLE = "palmbots up paper --controller resilient --lockstep"
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time

@@ -19,8 +19,6 @@ from palmbots.cli.options import (
     output_option,
 )
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 110
 EXAMPLE = "palmbots validate --states 100 --carries 3 --out out"
 

@@ -11,8 +11,6 @@ from palmbots.cli._run import check_rate, print_json
 from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 135
 EXAMPLE = "palmbots view out/carry.mcap --serve 127.0.0.1:8765"
 _RESTARTS_WITHIN_S = 10.0

@@ -22,8 +22,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.scene.scene import Scene
 
-__all__ = ["COMMAND", "EXAMPLE", "ORDER"]
-
 ORDER = 210
 EXAMPLE = "palmbots world paper --serve 127.0.0.1:7400 --lockstep"
 

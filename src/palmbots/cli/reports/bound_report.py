@@ -17,8 +17,6 @@ from palmbots.cli.reports.console import (
 if TYPE_CHECKING:
     from palmbots.optimum.drop_bound import Bound
 
-__all__ = ["bound_report"]
-
 
 def bound_report(result: "Bound", scene: str, written: Sequence[Path]) -> None:
     """Print the noise, what it means, and the least drop rate over the duration."""

@@ -13,8 +13,6 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.runtime.calibration_run import CalibrationRun
 
-__all__ = ["TerminalPerson", "calibrate_report", "summary"]
-
 _POLL_S = 0.01
 
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from palmbots.logs.replaying import ReplayResult
     from palmbots.simulation.result import Carry
 
-__all__ = ["REASONS", "carry_report", "replay_report"]
-
 NEARLY = 0.8
 """The part of the half palm beyond which a contact nearly left it."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from palmbots.stability.certificates.prover import Certificate
     from palmbots.stability.palm_angles import Design
 
-__all__ = ["certificate_report", "check_report", "design_report"]
-
 
 def certificate_report(certificate: "Certificate", written: Sequence[Path]) -> None:
     """Print what was proved, or where it fails."""

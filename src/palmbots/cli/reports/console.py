@@ -15,18 +15,6 @@ from rich.text import Text
 from palmbots._util.text import data_size
 from palmbots.cli._warnings import print_held_warnings
 
-__all__ = [
-    "BAD",
-    "GOOD",
-    "QUIET",
-    "definitions",
-    "indented",
-    "plain_table",
-    "print_written_files",
-    "report_console",
-    "signed",
-]
-
 GOOD, BAD, QUIET = "bold green", "bold red", "dim"
 _WIDTH = 80  # columns, in a pipe or a file; also the least in a terminal
 _TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)

@@ -19,8 +19,6 @@ from palmbots.derivation.permissions import LEVELS
 if TYPE_CHECKING:
     from palmbots.derivation.refinement import Departure, Refinement
 
-__all__ = ["derivation_report", "report_table", "rules_summary", "rules_table", "summary"]
-
 
 def derivation_report(
     derivation: Derivation,

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from palmbots.runtime.checkup import Check
     from palmbots.runtime.link_check import LinkFigures, Needs
 
-__all__ = ["checks_report", "doctor_report"]
-
 _SILENT = (
     "not heard: is its program running, with the same key and number? Does it have its own address "
     "under [link], and does no firewall stop UDP?"

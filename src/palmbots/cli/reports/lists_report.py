@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from palmbots.control.registry import ControllerEntry
     from palmbots.scene.key_reference import SceneKey
 
-__all__ = ["controllers_report", "keys_report", "names_report"]
-
 
 def names_report(meanings: Mapping[str, str]) -> None:
     """Print names with their meanings."""

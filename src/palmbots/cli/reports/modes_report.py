@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_points import Contact, Motions
     from palmbots.mechanics.mode_analysis import ContactModes
 
-__all__ = ["modes_report"]
-
 
 def modes_report(found: "ContactModes") -> None:
     """Print the nine modes as a 3 × 3 table, and those that occur."""

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from palmbots.mujoco.validation.speed_limits import SpeedLimits
     from palmbots.mujoco.validation.validation import Validation
 
-__all__ = ["speed_report", "validation_report"]
-
 
 def validation_report(validation: "Validation", written: Sequence[Path]) -> None:
     """Print how well the MuJoCo world agrees with the quasistatic one."""

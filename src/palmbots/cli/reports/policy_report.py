@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from palmbots.derivation.policy_file import PolicyTable
     from palmbots.derivation.verification import Verification
 
-__all__ = ["failure_lines", "policy_report", "policy_summary"]
-
 
 def policy_report(
     policy: str,

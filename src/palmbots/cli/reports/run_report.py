@@ -18,8 +18,6 @@ from palmbots.cli.reports.console import (
 if TYPE_CHECKING:
     from palmbots.runtime.run_replay import RunReplay
 
-__all__ = ["run_replay_report"]
-
 
 def run_replay_report(result: "RunReplay", written: Sequence[Path]) -> None:
     """Print for each log whether the program decides the same, and how its clock relates."""

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from palmbots.stability.clearance import Clearance
     from palmbots.stability.first_contact import FirstTouch
 
-__all__ = ["PROPERTIES", "analysis_report", "friction_note"]
-
 PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 _CONTACT_KINDS = {"flush": "flush with the outline", "tip": "tip", "back end": "back end"}
 

@@ -5,17 +5,6 @@ from typing import Any
 
 from palmbots._types import SIDES
 
-__all__ = [
-    "UNKNOWN",
-    "battery_text",
-    "case_text",
-    "link_text",
-    "palm_text",
-    "plain_status",
-    "progress_text",
-    "sign_text",
-]
-
 UNKNOWN = "–"
 _SIGNS = {-1: "−1, contact inward", 0: "0, contact centred", 1: "+1, contact outward"}
 _CASES = {

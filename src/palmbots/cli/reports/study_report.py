@@ -25,8 +25,6 @@ from palmbots.studies.sobol import sobol_indices
 from palmbots.studies.study_runner import StudyResult
 from palmbots.studies.variables import STATISTICS, Statistic
 
-__all__ = ["cost_report", "study_report"]
-
 _MOST_ROWS = 40
 _WIDTH, _GAP = 80, 2
 _LISTED = 3  # refusals, and points of each

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from palmbots.simulation.rare_events import DropRate
     from palmbots.simulation.sweep import Comparison, Row
 
-__all__ = ["compare_report", "drop_rate_report", "noise_limit_report", "refusal_lines"]
-
 _RADIO_BITS_S = 250_000  # of a small packet radio, for example IEEE 802.15.4
 _LONGEST_HEAD = 17
 

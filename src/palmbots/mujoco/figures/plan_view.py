@@ -25,8 +25,6 @@ from palmbots.viz.style import DROP, HUE, INK, LINE, OBJECT, QUIET, axis_label, 
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-__all__ = ["draw", "save"]
-
 _SHOWN = 7  # number of objects in the figure
 _MAGNIFICATION = 10.0  # of the arrows of the slip
 _WIDE_IN, _LEAST_IN, _MOST_IN = 6.5, 2.0, 8.0

@@ -15,8 +15,6 @@ from palmbots.mujoco.validation.validation import Tilt, Validation
 from palmbots.viz.save_figure import save_figure
 from palmbots.viz.style import DROP, HUE, INK, LINE, QUIET, SERIES, ZERO, axis_label, styled
 
-__all__ = ["draw", "save"]
-
 _ENGINES = {
     "MuJoCo": (INK, "o"),
     "pymunk": (SERIES[0].colour, "s"),

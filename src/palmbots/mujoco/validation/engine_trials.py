@@ -18,8 +18,6 @@ from palmbots.geometry.polygon import Point, hull
 from palmbots.mujoco.mjcf import layout
 from palmbots.scene.scene import Scene
 
-__all__ = ["ENGINES", "engine_trials"]
-
 _STEP, _THICK, _G = 0.005, 0.01, 9.80665
 _SETTLE_S = 0.3
 _SCALE = 20.0  # of Box2D's world

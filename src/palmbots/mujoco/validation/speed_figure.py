@@ -15,8 +15,6 @@ from palmbots.mujoco.validation.speed_limits import MOST, SpeedLimits
 from palmbots.viz.save_figure import save_figure
 from palmbots.viz.style import DROP, SERIES, axis_label, styled
 
-__all__ = ["draw", "save"]
-
 _KINDS = (
     (True, True, "closing, accelerating", SERIES[0]),
     (False, True, "opening, accelerating", SERIES[2]),

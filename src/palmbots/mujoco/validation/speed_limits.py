@@ -32,8 +32,6 @@ from palmbots.simulation.single import carry
 from palmbots.simulation.worlds import check_scene
 from palmbots.stability.analysis import analyze
 
-__all__ = ["Limit", "Pace", "SpeedLimits", "speed_limits"]
-
 FRICTIONS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65)
 FACTORS = (1.0, 2.0, 4.0, 8.0)
 MOST = 4.0  # m/s², end of the search

@@ -21,20 +21,6 @@ from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
-__all__ = [
-    "MARGIN",
-    "RENAMED_ARGUMENTS",
-    "Slides",
-    "State",
-    "creep",
-    "expected",
-    "grid",
-    "is_decisive",
-    "run_trial",
-    "scene_of",
-    "tilted",
-]
-
 Slides = Literal["left", "right", "both", "none"]
 
 MARGIN = math.radians(1.0)

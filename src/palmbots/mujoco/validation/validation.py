@@ -36,17 +36,6 @@ from palmbots.simulation.batch import DELIVERED, check_built, run_seeds
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.single import carry
 
-__all__ = [
-    "Agreement",
-    "Delivery",
-    "Pairing",
-    "SwitchLine",
-    "Tilt",
-    "Trial",
-    "Validation",
-    "validate",
-]
-
 MIN_AGREEMENT, MAX_CREEP_M = 0.99, 0.25e-3
 _QUASISTATIC_CARRIES = {True: 1000, False: 100}  # of a compiled controller, of one in Python
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)

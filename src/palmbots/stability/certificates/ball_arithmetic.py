@@ -9,8 +9,6 @@ from flint import arb, fmpq
 from palmbots.stability.certificates.obligations import Subbox
 from palmbots.stability.certificates.parameter_box import Box
 
-__all__ = ["ball", "least", "most", "object_tangents", "radians"]
-
 
 def ball(value: Fraction) -> Any:
     """A ball around a number."""

@@ -19,8 +19,6 @@ from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.certificates.parameter_box import Box, Ends, exact
 
-__all__ = ["INTERVALS", "RENAMED_ARGUMENTS", "box_of", "slope_interval"]
-
 INTERVALS = (
     "com_x_m",
     "com_y_m",

@@ -31,8 +31,6 @@ from palmbots.stability.certificates.ball_arithmetic import ball, most, object_t
 from palmbots.stability.certificates.obligations import Obligation, Subbox, exact
 from palmbots.stability.certificates.parameter_box import Box, text
 
-__all__ = ["endless", "proved", "refuted"]
-
 Point = tuple[Any, Any]
 _INSET = Fraction(1, 1000)  # a contact at the very end of its palm has no palm beyond it
 

@@ -26,8 +26,6 @@ from palmbots.stability.certificates.obligations import Obligation, Subbox
 from palmbots.stability.certificates.parameter_box import Box
 from palmbots.stability.certificates.property_proof import Corner, corners, points, witness
 
-__all__ = ["proved", "refuted"]
-
 _SLIDE = {1: 1, 2: -1}  # up on closing, down on opening
 
 

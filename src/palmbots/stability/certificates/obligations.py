@@ -20,17 +20,6 @@ from fractions import Fraction
 from palmbots._types import SIDES
 from palmbots.stability.certificates.parameter_box import Box, Ends
 
-__all__ = [
-    "BOTH_TURN",
-    "CLAIMS",
-    "ONE_TURNS",
-    "Obligation",
-    "Subbox",
-    "bisect",
-    "exact",
-    "obligations",
-]
-
 ONE_TURNS = ("property 1", "property 2", "property 0", "clearance")
 """What robots need if only one of them turns its palm at a time."""
 BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")

@@ -12,8 +12,6 @@ from typing import Any
 
 from palmbots._types import SIDES
 
-__all__ = ["Box", "Ends", "exact", "text"]
-
 Ends = tuple[Fraction, Fraction]
 
 

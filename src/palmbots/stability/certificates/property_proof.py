@@ -18,8 +18,6 @@ from palmbots.stability.certificates.obligations import Obligation, Subbox, exac
 from palmbots.stability.certificates.parameter_box import Box, Ends, text
 from palmbots.stability.linear_conditions import NEEDS, SLIDING_EDGES
 
-__all__ = ["Corner", "corners", "points", "proved", "refuted", "witness"]
-
 
 @dataclass(frozen=True)
 class Corner:

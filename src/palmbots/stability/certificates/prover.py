@@ -38,8 +38,6 @@ from palmbots.stability.certificates.obligations import (
 )
 from palmbots.stability.certificates.parameter_box import Box, text
 
-__all__ = ["Certificate", "certify", "prove"]
-
 _FORMAT = "palmbots certificate 4"
 _MAX_BOXES = 20_000
 _BITS = 128

@@ -25,18 +25,6 @@ from palmbots.stability.figures.sensor_figure import figure7
 from palmbots.stability.problem import Pair
 from palmbots.viz.save_figure import save_figure
 
-__all__ = [
-    "Kind",
-    "draw_all",
-    "friction_cones",
-    "geometry",
-    "meeting_points",
-    "operating_region",
-    "permitted_com",
-    "save_all",
-    "tactile_zones",
-]
-
 Kind = Literal["png", "svg", "pdf"]
 
 # Default contacts, as shares of the negative end of the region (left) and the positive one (right).

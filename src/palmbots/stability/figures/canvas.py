@@ -17,17 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from palmbots.stability.problem import Pair
 from palmbots.viz.style import BACKGROUND, INK, QUIET
 
-__all__ = [
-    "MM",
-    "Array",
-    "View",
-    "clipped",
-    "headline",
-    "meeting",
-    "panel",
-    "sheet",
-]
-
 Array = NDArray[np.float64]
 
 MM = 1e3

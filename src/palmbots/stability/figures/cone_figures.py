@@ -26,8 +26,6 @@ from palmbots.stability.figures.canvas import (
 from palmbots.stability.figures.drawn_state import State, draw_bodies, draw_description, shown_area
 from palmbots.viz.style import BACKGROUND, BOTH, HUE, INK, LINE, PALE, axis_label, styled
 
-__all__ = ["figure3", "figure4"]
-
 _UP, _DOWN = 1, -1
 _LETTER = ("L", "R")
 _GRAVITY = (0, (8, 1.5, 1.5, 1.5))

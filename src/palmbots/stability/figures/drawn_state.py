@@ -17,8 +17,6 @@ from palmbots.stability.figures.canvas import MM, Array, View
 from palmbots.stability.problem import Pair, StabilityProblem
 from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, OBJECT, PALE, axis_label
 
-__all__ = ["State", "draw_bodies", "draw_description", "shown_area", "state_of"]
-
 
 @dataclass(frozen=True)
 class State:

@@ -15,8 +15,6 @@ from palmbots.stability.figures.canvas import MM, Array, View, panel, sheet
 from palmbots.stability.figures.drawn_state import State, draw_bodies, draw_description, shown_area
 from palmbots.viz.style import HUE, styled
 
-__all__ = ["figure2"]
-
 _LETTER = ("L", "R")
 
 

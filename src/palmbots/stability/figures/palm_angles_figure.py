@@ -33,8 +33,6 @@ from palmbots.viz.style import (
     styled,
 )
 
-__all__ = ["palm_angles", "save"]
-
 _BARRED = {"facecolor": EXCLUDED, "edgecolor": QUIET, "hatch": "////", "linewidth": 0.0}
 _BEST = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
 _PAPER_LOOK = {"marker": "o", "ms": 6, "mfc": PAPER_PAIR, "mec": BACKGROUND, "mew": 0.9}

@@ -30,8 +30,6 @@ from palmbots.stability.linear_conditions import failing
 from palmbots.stability.problem import Pair, StabilityProblem
 from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, LINE, PALE, QUIET, axis_label, styled
 
-__all__ = ["figure5", "figure6"]
-
 _STABLE: dict[str, Any] = {"fc": PALE["zero"], "ec": "none", "alpha": 0.7, "zorder": 0.5}
 _FAILS: dict[str, Any] = {"fc": BACKGROUND, "ec": QUIET, "lw": 0, "hatch": "xxxx", "zorder": 0.6}
 

@@ -14,8 +14,6 @@ from palmbots.scene.robot_section import Tactile
 from palmbots.stability.figures.canvas import MM, View, headline, sheet
 from palmbots.viz.style import INK, SWITCH, axis_label, styled
 
-__all__ = ["Zone", "figure7", "readings"]
-
 Zone = tuple[int, float, float]
 """Sign (−1, 0 or 1), from, to."""
 

@@ -10,8 +10,6 @@ from palmbots.scene.scene import Scene
 from palmbots.stability.certificates.checker.claimed_box import ClaimedBox
 from palmbots.stability.certificates.checker.enclosures import Ends
 
-__all__ = ["box_facts", "scene_text"]
-
 
 def _number(value: float) -> str:
     return f"{value:.6g}"

@@ -13,8 +13,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed
 
-__all__ = ["FORMAT", "Entry", "read_certificate"]
-
 _FORMAT_NAME = "palmbots certificate"
 _FORMAT_NUMBER = 4
 FORMAT = f"{_FORMAT_NAME} {_FORMAT_NUMBER}"

@@ -10,8 +10,6 @@ from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.outline_validity import require_valid_outline
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed, ObjectParams
 
-__all__ = ["ClaimedBox", "read_box"]
-
 _STEEPEST_DEG = 80
 _MOST_COMS = 100
 

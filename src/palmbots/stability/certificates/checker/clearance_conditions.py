@@ -36,8 +36,6 @@ from palmbots.stability.certificates.checker.property_conditions import (
     palm_tangents,
 )
 
-__all__ = ["ObjectOutline", "prove_clear", "prove_touching"]
-
 F = Fraction
 Point = tuple[Fraction, Fraction]
 

@@ -9,8 +9,6 @@ from fractions import Fraction
 from functools import lru_cache
 from math import isqrt
 
-__all__ = ["Ends", "cosine_of_degrees", "down", "root", "sine_of_degrees", "up"]
-
 F = Fraction
 Ends = tuple[Fraction, Fraction]
 

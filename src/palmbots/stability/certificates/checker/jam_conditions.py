@@ -18,8 +18,6 @@ from palmbots.stability.certificates.checker.property_conditions import (
     Corner,
 )
 
-__all__ = ["prove_no_jam", "refute_no_jam"]
-
 _UP, _DOWN = 1, -1
 _DIRECTION = {1: _UP, 2: _DOWN}  # by the number of the obligation: closing, opening
 

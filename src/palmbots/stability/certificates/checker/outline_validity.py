@@ -12,8 +12,6 @@ from palmbots.stability.certificates.checker.clearance_conditions import ObjectO
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import LEFT, RIGHT, CheckFailed
 
-__all__ = ["ROUNDING", "require_valid_outline"]
-
 Point = tuple[Fraction, Fraction]
 
 ROUNDING = Fraction(1, 10**9)

@@ -34,20 +34,6 @@ from palmbots.stability.certificates.checker.enclosures import (
     up,
 )
 
-__all__ = [
-    "LEFT",
-    "RIGHT",
-    "Box",
-    "CheckFailed",
-    "Corner",
-    "ObjectParams",
-    "corners",
-    "object_tangent",
-    "palm_tangents",
-    "prove_property",
-    "refute_property",
-]
-
 F = Fraction
 LEFT, RIGHT = 0, 1
 

@@ -9,8 +9,6 @@ from palmbots.stability.certificates.checker.claimed_box import ClaimedBox
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import LEFT, RIGHT
 
-__all__ = ["CLAIMS", "Obligation", "required_obligations"]
-
 CLAIMS = {
     "property 0",
     "property 1",

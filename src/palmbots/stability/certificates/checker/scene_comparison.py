@@ -17,8 +17,6 @@ from palmbots.stability.certificates.checker.claimed_box import ClaimedBox
 from palmbots.stability.certificates.checker.enclosures import Ends, root
 from palmbots.stability.certificates.checker.outline_validity import ROUNDING
 
-__all__ = ["has_outline_of", "values_outside"]
-
 F = Fraction
 Point = tuple[Fraction, Fraction]
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")

@@ -48,8 +48,6 @@ from palmbots.stability.certificates.checker.scene_comparison import (
     values_outside,
 )
 
-__all__ = ["CheckResult", "check"]
-
 
 @renamed_fields(why="reason")
 @dataclass(frozen=True, repr=False)
