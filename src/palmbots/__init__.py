@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 from palmbots._util.lazy_names import lazy_names as _lazy_names
 from palmbots._util.offers import offer_entry as _offer_entry
 from palmbots._util.offers import offer_module as _offer_module
-from palmbots._util.renamed_names import renamed_in_module as _renamed_in_module
 from palmbots._version import __version__ as __version__
 
 if _TYPE_CHECKING:
@@ -147,40 +146,4 @@ _offer_entry("reference controller", "kalman-stopping", f"{_LINEAR}:KALMAN_STOPP
 _offer_module("figure", "palmbots.viz")
 _offer_module("writer", "palmbots.viz")
 
-# Former names, and where they are now.
-_RENAMED = {
-    "Analysis": "palmbots.stability.Analysis",
-    "Carry": "palmbots.simulation.Carry",
-    "Certificate": "palmbots.stability.Certificate",
-    "Checked": "palmbots.stability.CheckResult",
-    "Comparison": "palmbots.simulation.Comparison",
-    "Contact": "palmbots.mechanics.Contact",
-    "ContactModes": "palmbots.mechanics.ContactModes",
-    "Controller": "palmbots.control.Controller",
-    "Correction": "palmbots.simulation.Correction",
-    "Design": "palmbots.stability.Design",
-    "Distributed": "palmbots.control.DistributedController",
-    "DropRate": "palmbots.simulation.DropRate",
-    "Letter": "palmbots.simulation.Message",
-    "Log": "palmbots.logs.Log",
-    "MODES": "palmbots.mechanics.CONTACT_MODES",
-    "Replay": "palmbots.logs.ReplayResult",
-    "States": "palmbots.mechanics.ContactModesBatch",
-    "StepInput": "palmbots.control.StepInput",
-    "StepOutput": "palmbots.control.StepOutput",
-    "Touch": "palmbots.simulation.ContactEvent",
-    "Validation": "palmbots.mujoco.Validation",
-    "animation": "palmbots.viz",
-    "batch": "palmbots.simulation.run_batch",
-    "controllers": "palmbots.control",
-    "drops": "palmbots.simulation.is_unavoidable",
-    "dynamic": "palmbots.mujoco",
-    "figure8": "palmbots.viz",
-    "objects": "palmbots.object_names",
-    "rare": "palmbots.estimate_drop_rate",
-    "result": "palmbots.simulation",
-    "states": "palmbots.modes_batch",
-}
-
 __getattr__, __dir__ = _lazy_names(__name__, _PLACES)
-_renamed_in_module(__name__, _RENAMED)

@@ -28,14 +28,14 @@ class SceneError(PalmbotsError):
 
 
 class UnknownSceneKey(SceneError):
-    """A key that no scene has, or that has another name now."""
+    """A key that no scene has."""
 
     def __init__(self, message: str, key: str = "", suggestion: str | None = None) -> None:
         super().__init__(message)
         self.key = key
         """The dotted key as it was given."""
         self.suggestion = suggestion
-        """The key that is probably meant, or the new name of a renamed key."""
+        """The key that is probably meant; None: no key resembles it."""
 
 
 def one_line(text: str) -> str:

@@ -131,31 +131,6 @@ def test_no_public_function_shadows_a_module() -> None:
             assert not modules & exported
 
 
-@pytest.mark.parametrize(
-    ("former", "present"),
-    [
-        ("rare", "palmbots.estimate_drop_rate"),
-        ("states", "palmbots.modes_batch"),
-        ("objects", "palmbots.object_names"),
-        ("MODES", "palmbots.mechanics.CONTACT_MODES"),
-        ("Carry", "palmbots.simulation.Carry"),
-        ("Letter", "palmbots.simulation.Message"),
-        ("Touch", "palmbots.simulation.ContactEvent"),
-        ("Distributed", "palmbots.control.DistributedController"),
-    ],
-)
-def test_former_name_is_refused_with_the_present_one(former: str, present: str) -> None:
-    with pytest.raises(AttributeError, match=f"{former} is renamed to {present}$"):
-        getattr(pb, former)
-
-
-def test_every_successor_of_a_former_name_exists() -> None:
-    for present in pb._RENAMED.values():
-        value: Any = pb
-        for part in present.split(".")[1:]:
-            value = getattr(value, part)
-
-
 def test_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         pb.nonsense  # noqa: B018

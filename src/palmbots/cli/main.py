@@ -31,7 +31,6 @@ from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
-from palmbots.cli.old_names import renamed_command, renamed_option
 from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots.cli.options import FAILED as FAILED
 from palmbots.errors import PalmbotsError, one_line
@@ -133,12 +132,6 @@ def build_app(wanted: str | None = None) -> typer.Typer:
         def list_commands(self, ctx: Any) -> list[str]:
             return sorted(self.commands, key=lambda name: found[name].ORDER)
 
-        def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-            refusal = renamed_command(args[0])
-            if refusal is not None:
-                raise PalmbotsError(refusal)
-            return super().resolve_command(ctx, args)
-
     app = typer.Typer(
         name="palmbots",
         cls=OrderedGroup,
@@ -176,11 +169,6 @@ def _usage_message(error: Any) -> str:
     context = getattr(error, "ctx", None)
     where = f"{context.command_path}: " if context is not None else ""
     see = f"; see {context.command_path} --help" if context is not None else ""
-    old = None
-    if context is not None and type(error).__name__ == "NoSuchOption":
-        old = renamed_option(context.info_name, error.option_name)
-    if old is not None:
-        return old
     fault = _number_fault(error)
     if fault is not None:
         return f"{fault}{see}"

@@ -18,7 +18,6 @@ from typing import Any, Literal, Protocol, cast, get_args
 
 import palmbots._core as _core
 from palmbots._util.arguments import show
-from palmbots._util.renamed_names import renamed_fields
 from palmbots.control.own_code import name_of, own_code, show_error
 from palmbots.errors import PalmbotsError
 
@@ -44,7 +43,6 @@ MESSAGE_KINDS = cast(
 )
 
 
-@renamed_fields(letter="message", turned="palm_at_target")
 @dataclass(frozen=True, slots=True)
 class StepInput:
     """What a robot knows at a tick."""
@@ -69,7 +67,6 @@ _INPUTS = {
 }
 
 
-@renamed_fields(read="consume", waits="waiting")
 @dataclass(frozen=True, slots=True)
 class StepOutput:
     """What a robot does until the next tick."""

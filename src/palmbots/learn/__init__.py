@@ -4,7 +4,6 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from palmbots._util.renamed_names import renamed_in_module
 from palmbots.learn.baseline import Baseline as Baseline
 from palmbots.learn.baseline import EpisodeResult as EpisodeResult
 from palmbots.learn.baseline import Policy as Policy
@@ -42,16 +41,6 @@ def __getattr__(name: str) -> Any:
     if name != "carry_v0":
         raise AttributeError(f"module 'palmbots.learn' has no attribute {name!r}")
     return importlib.import_module("palmbots.learn.carry_v0")  # here: it needs pettingzoo
-
-
-renamed_in_module(
-    __name__,
-    {
-        "LETTERS": "palmbots.learn.MESSAGES",
-        "episodes": "palmbots.learn.episode (Now is StepResult)",
-        "meaning": "palmbots.learn.spaces (Do is RobotAction, Seen is RobotObservation)",
-    },
-)
 
 
 def __dir__() -> list[str]:

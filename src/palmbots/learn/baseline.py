@@ -17,15 +17,12 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from palmbots._util.renamed_names import renamed_in_module
 from palmbots._util.results import Result
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.control.silent_controller import SilentController
 from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
 from palmbots.scene.scene import Scene, load_scene
-
-renamed_in_module(__name__, {"Played": "EpisodeResult", "play": "run_episode"})
 
 
 class Policy(Protocol):

@@ -16,14 +16,10 @@ from math import inf
 
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
-from palmbots._util.renamed_names import renamed_fields, renamed_in_module
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 
-renamed_in_module(__name__, {"Rewards": "RewardWeights", "Scale": "RewardTerms"})
 
-
-@renamed_fields(letter="message")
 @dataclass(frozen=True)
 class RewardWeights:
     """The weights of the terms of the reward; all at least 0."""

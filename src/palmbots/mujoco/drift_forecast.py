@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerLike, resolve
@@ -248,7 +247,6 @@ class _Rates:
         return float(rate)
 
 
-@renamed_arguments(**PROGRESS)
 def forecast(
     scene: Scene,
     controller: ControllerLike = "distributed",

@@ -19,7 +19,6 @@ from PIL import Image, ImageDraw, ImageFont
 
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import whole_file
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import Line, line_of
 from palmbots.mujoco.edge_contacts import edges_of, fit_edges
@@ -144,7 +143,6 @@ def check_film(path: str | os.PathLike[str]) -> None:
     check_offscreen()
 
 
-@renamed_arguments(**PROGRESS)
 def save_film(
     carry: Carry,
     path: str | os.PathLike[str],

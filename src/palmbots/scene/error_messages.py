@@ -6,7 +6,6 @@ follow from a misspelt key.
 """
 
 import difflib
-import re
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,9 +16,7 @@ from pydantic_core import ErrorDetails
 
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError, UnknownSceneKey
-from palmbots.scene.renamed_keys import new_key, new_value
 
-_INDEX = re.compile(r"\[\d+\]")
 _MOST_LISTED = 12  # keys, where the one that was probably meant is named
 
 
@@ -35,18 +32,10 @@ def validation_error(called: str, error: ValidationError, model: type[BaseModel]
     prefix = f"{called} " if called else ""
     if first["type"] != "extra_forbidden":
         return SceneError(prefix + _message(first, model))
-    where, given = first["loc"], first["input"]
-    key = _spelt(where)
-    old = key
-    if isinstance(given, Mapping) and given:  # a renamed table: report the first key in it
-        old = f"{key}.{next(iter(given))}"
-    for name in (old, key):
-        new = new_key(name)
-        if new is not None and _has_key(new, model):
-            return UnknownSceneKey(f"{prefix}{name}: renamed to {new}", name, new)
+    where, key = first["loc"], _spelt(first["loc"])
     suggestion, known = _known_keys(where, model)
     hint = f"did you mean {suggestion}? " if suggestion else ""
-    line = f"{key}: {show(given)} is the value of an unknown key; {hint}{known}".rstrip()
+    line = f"{key}: {show(first['input'])} is the value of an unknown key; {hint}{known}".rstrip()
     return UnknownSceneKey(prefix + line, key, suggestion)
 
 
@@ -62,9 +51,6 @@ def _message(fault: ErrorDetails, model: type[BaseModel]) -> str:
         needed = [n for n, f in table.model_fields.items() if f.is_required()] if table else []
         return f"{key}: is missing; required there: {', '.join(needed)}"
     if kind == "literal_error":
-        renamed = new_value(key, given)
-        if renamed is not None:
-            return f"{key}: {show(given)} was renamed to {show(renamed)}"
         return f"{key}: {show(given)} is not known; allowed: {context['expected']}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         table = _model_at(where, model)
@@ -102,16 +88,6 @@ def _known_keys(where: Sequence[int | str], model: type[BaseModel]) -> tuple[str
     if suggestion and len(legal) > _MOST_LISTED:  # a long list would hide the key that was meant
         return suggestion, ""
     return suggestion, f"allowed {place}: {', '.join(legal)}"
-
-
-def _has_key(key: str, model: type[BaseModel]) -> bool:
-    """Whether a model has the dotted key; a table counts as one."""
-    table: type[BaseModel] | None = model
-    for name in _INDEX.sub("", key).split("."):
-        if table is None or name not in table.model_fields:
-            return False
-        table = _table(table.model_fields[name].annotation, through_lists=True)
-    return True
 
 
 def _model_at(where: Sequence[int | str], model: type[BaseModel]) -> type[BaseModel] | None:

@@ -13,7 +13,6 @@ from typing import Any
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
-from palmbots.scene.renamed_keys import new_key
 
 _FORM = "KEY=VALUE with a dotted key and a TOML value, as in"
 _EXAMPLES = 'radio.loss=0.1 or task.direction="backward"'
@@ -89,8 +88,6 @@ def merged(
         if dot:
             value = {rest: value}
         if value is None:
-            if (renamed := new_key(f"{inside}{first}")) is not None:
-                raise SceneError(f"{called} {inside}{first}: renamed to {renamed}")
             result.pop(first, None)
         elif isinstance(value, Mapping):
             table = result.get(first, {})

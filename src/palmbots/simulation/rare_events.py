@@ -24,7 +24,6 @@ import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
 from palmbots._util.confidence_intervals import student_t95
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
@@ -49,11 +48,6 @@ FEWEST, MOST = 16, 10_000
 _RESERVE = 1.7
 
 
-@renamed_fields(
-    carries="equivalent_carries",
-    planning="pilot_replicates",
-    reached="conditional_probabilities",
-)
 @dataclass(frozen=True, repr=False)
 class DropRate(Result):
     """A drop rate, its interval, and how it was estimated."""
@@ -110,7 +104,6 @@ class DropRate(Result):
         }
 
 
-@renamed_arguments(within="relative_half_width", **PROGRESS)
 def estimate_drop_rate(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from palmbots._types import SIDES
-from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
 from palmbots._util.text import letter_label
 from palmbots._version import __version__
@@ -53,7 +52,6 @@ class ContactEvent:
     end_s: float
 
 
-@renamed_fields(letter="kind")
 @dataclass(frozen=True, slots=True)
 class Message:
     """One message between robots."""
@@ -68,7 +66,6 @@ class Message:
     session: one that was not sent in answer to the present boot of its receiver."""
 
 
-@renamed_fields(late="expired")
 @dataclass(frozen=True, slots=True)
 class LinkStatistics:
     """Counts of the messages on one link, in one direction."""
@@ -85,13 +82,6 @@ class LinkStatistics:
     present boot."""
 
 
-@renamed_fields(
-    across_peak_m="lateral_peak_m",
-    bumps="bump_count",
-    letters="message_log",
-    physics="mujoco_record",
-    touches="contact_events",
-)
 @dataclass(frozen=True, repr=False)
 class Carry(Result):
     """A finished carry. Dictionaries have the keys ``left`` and ``right``."""

@@ -9,7 +9,6 @@ from typing import Any
 
 from palmbots._types import Overrides
 from palmbots._util.arguments import seed_of, show
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots.control.registry import ControllerLike
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import SceneLike, load_scene
@@ -20,7 +19,6 @@ from palmbots.simulation.worlds import WorldEntry, check_precision, world_entry
 _LATEST_FORK_S = 1_000_000
 
 
-@renamed_arguments(watch="on_tick", **PROGRESS)
 def carry(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",

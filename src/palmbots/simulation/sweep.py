@@ -15,7 +15,6 @@ from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, whole_number
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.optional_imports import require
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
@@ -194,7 +193,6 @@ def _plain(entry: Any) -> Any:
     return None if isinstance(entry, float) and math.isnan(entry) else entry
 
 
-@renamed_arguments(**PROGRESS)
 def compare(
     scene: SceneLike = "paper",
     *,

@@ -14,7 +14,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from palmbots._types import SIDES, Interval, Overrides, Side
-from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
@@ -68,7 +67,6 @@ class PropertyReport:
     """The COMs along the object for which the property holds; None: there is none."""
 
 
-@renamed_fields(lower_by="lower_binding", upper_by="upper_binding")
 @dataclass(frozen=True)
 class Bands:
     """The stable band in the plane of contacts: k_lower ≤ z ≤ k_upper; None: does not bind."""
@@ -79,7 +77,6 @@ class Bands:
     upper_binding: str
 
 
-@renamed_fields(situation="problem")
 @dataclass(frozen=True, repr=False)
 class Analysis(Result):
     """The result of `analyze`. Each range varies one quantity; all others are as in the scene."""

@@ -26,7 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._types import SIDES, Side
-from palmbots._util.renamed_names import renamed_fields
 from palmbots._util.results import Result
 from palmbots.stability.problem import Pair, StabilityProblem
 
@@ -53,7 +52,6 @@ class ClosestState:
     contacts_m: Pair
 
 
-@renamed_fields(longer="length_margin", turn="rotation_margin")
 @dataclass(frozen=True, repr=False)
 class Clearance(Result):
     """How far the outline stays from both palms, everywhere in the operating region."""

@@ -21,7 +21,6 @@ import numpy as np
 
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, two_numbers
-from palmbots._util.renamed_names import renamed_arguments
 from palmbots.control.registry import (
     ControllerEntry,
     ControllerLike,
@@ -45,7 +44,7 @@ from palmbots.stability.angle_grid import (
     evaluate,
     tolerance_at,
 )
-from palmbots.stability.certificates.box_from_scene import RENAMED_ARGUMENTS, slope_interval
+from palmbots.stability.certificates.box_from_scene import slope_interval
 from palmbots.stability.delivery_race import Race, run_race
 from palmbots.stability.design_result import Design, OwnAngles
 from palmbots.stability.interval_sets import around
@@ -72,12 +71,6 @@ by-product."""
 _TYPICAL_SLOPE = 4.0
 
 
-@renamed_arguments(
-    angles_deg="angle_range_deg",
-    least_clearance_deg="min_clearance_deg",
-    least_difference_deg="min_angle_difference_deg",
-    **RENAMED_ARGUMENTS,
-)
 def design(
     scene: SceneLike = "paper",
     *,

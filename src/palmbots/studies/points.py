@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._util.arguments import show
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._version import __version__
 from palmbots.control.registry import ControllerEntry, refusal
 from palmbots.errors import PalmbotsError
@@ -105,7 +104,6 @@ class Points:
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-@renamed_arguments(**PROGRESS)
 def design_points(plan: Plan, on_progress: Callable[[float], None] = lambda _: None) -> Points:
     """The points of a plan. The scene at each of them is validated.
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 from palmbots._util.arguments import whole_number
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.optional_imports import require
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots._util.results import FIGURES, Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
@@ -253,7 +252,6 @@ def run_study(
     )
 
 
-@renamed_arguments(chunk="chunk_size", **PROGRESS)
 def study(
     source: StudyLike,
     out: PathLike | None = None,

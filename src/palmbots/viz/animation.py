@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from palmbots._util.renamed_names import PROGRESS, renamed_arguments
 from palmbots.control.registry import describe
 from palmbots.errors import PalmbotsError
 from palmbots.geometry.placement import placements
@@ -36,7 +35,6 @@ _LONGEST_S = 60.0  # a longer carry is shown faster
 Progress = Callable[[int, int], None]
 
 
-@renamed_arguments(**PROGRESS)
 def save(
     carry: Carry,
     path: str | os.PathLike[str],

@@ -9,7 +9,6 @@ from typing import Literal, get_args
 
 import palmbots._core as _core
 from palmbots._util.arguments import show
-from palmbots._util.renamed_names import renamed_fields
 from palmbots.control.interface import MOVES, PALMS, Move, Palm
 from palmbots.errors import PalmbotsError
 
@@ -146,7 +145,6 @@ class Operate:
     stop: bool = False
 
 
-@renamed_fields(turned="palm_at_target")
 @dataclass(frozen=True, slots=True)
 class Report:
     """What a robot of the centralized algorithm reports to the station."""

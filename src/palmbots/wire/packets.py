@@ -6,7 +6,6 @@ from typing import Literal
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.renamed_names import RenamedKeys, renamed_fields
 from palmbots.errors import PalmbotsError
 from palmbots.wire.bodies import BODIES, Body, Hello, Verdict, body_of, index, payload_of, whole
 
@@ -25,18 +24,10 @@ Kind = Literal["hello", "state", "status", "operate", "report", "command"]
 _ROLES: tuple[Role, ...] = _core.wire.roles
 _KINDS: tuple[Kind, ...] = _core.wire.packet_kinds
 _VERDICTS: tuple[Verdict, ...] = _core.wire.verdicts
-_RENAMED_VERDICTS: dict[str, Verdict] = {
-    "forged": "bad_tag",
-    "misdirected": "wrong_receiver",
-    "other_version": "wrong_version",
-    "stranger": "wrong_pair",
-    "unanswered": "no_session",
-}
 _HELLO = Hello()
 _Fields = tuple[int, int, int, int, tuple[int, int], tuple[int, int], bytes]
 
 
-@renamed_fields(heard="acknowledged")
 @dataclass(frozen=True, slots=True)
 class Packet:
     """One packet, without its tag."""
@@ -165,8 +156,7 @@ class Endpoint:
     @property
     def counts(self) -> dict[Verdict, int]:
         """Number of received packets by verdict."""
-        counts = ((_verdict(name), count) for name, count in self._core.counts)
-        return RenamedKeys(counts, _RENAMED_VERDICTS)
+        return {_verdict(name): count for name, count in self._core.counts}
 
 
 def _kind(body: Body) -> Kind:

@@ -59,7 +59,7 @@ def test_checker_does_not_compute_the_frame_with_the_package() -> None:
         assert not modules & {"flint", "numpy", "palmbots._core"}, path.name
         shared |= {m for m in modules if m.startswith("palmbots") and not m.startswith(CHECKER)}
     packages = {"palmbots.errors", "palmbots.scene.scene"}
-    packages |= {f"palmbots._util.{name}" for name in ("arguments", "renamed_names", "results")}
+    packages |= {f"palmbots._util.{name}" for name in ("arguments", "results")}
     assert {m for m in shared if source_of(m) is not None} == packages
 
 

@@ -19,7 +19,6 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
-from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mujoco.carry_runner import WORLD
@@ -105,7 +104,6 @@ class SpeedLimits(Result):
         }
 
 
-@renamed_arguments(**trials.RENAMED_ARGUMENTS)
 def speed_limits(
     scene: SceneLike = "paper",
     *,

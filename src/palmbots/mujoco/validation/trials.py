@@ -15,7 +15,6 @@ from typing import Any, Literal
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.renamed_names import PROGRESS
 from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
@@ -28,9 +27,6 @@ SPEED = 0.005  # m/s, of the palms towards each other or apart
 RAMP_S, PUSH_S = 0.05, 0.4
 _MOVED = 5e-4  # m; a contact that moves less sticks
 _SHARE = 0.2  # fraction of the total slide; a contact with less sticks
-
-RENAMED_ARGUMENTS = {"seeds": "carries"} | PROGRESS
-"""Old arguments of the functions that run the trials."""
 
 
 @dataclass(frozen=True)

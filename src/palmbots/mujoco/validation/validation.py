@@ -22,7 +22,6 @@ from typing import Any
 
 from palmbots._util.arguments import show
 from palmbots._util.confidence_intervals import wilson
-from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
@@ -178,7 +177,6 @@ class Validation(Result):
         }
 
 
-@renamed_arguments(**trials.RENAMED_ARGUMENTS)
 def validate(
     scene: SceneLike = "paper",
     *,

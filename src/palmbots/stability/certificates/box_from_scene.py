@@ -34,12 +34,6 @@ INTERVALS = (
     "region_m",
 )
 """The intervals that `certify` accepts, by name."""
-RENAMED_ARGUMENTS = {
-    "common": "common_friction",
-    "slope": "slope_deg, in degrees instead of a tangent",
-}
-"""Old arguments of `certify` and `design`."""
-
 _SLOPE_DIGITS = 12
 _STEEPEST_DEG = 45.0
 _MOST_M = 10.0

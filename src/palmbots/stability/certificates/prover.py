@@ -23,12 +23,11 @@ from palmbots._types import Overrides
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.optional_imports import require
-from palmbots._util.renamed_names import renamed_arguments
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import refuse_curved
-from palmbots.stability.certificates.box_from_scene import INTERVALS, RENAMED_ARGUMENTS, box_of
+from palmbots.stability.certificates.box_from_scene import INTERVALS, box_of
 from palmbots.stability.certificates.obligations import (
     CLAIMS,
     Obligation,
@@ -173,7 +172,6 @@ def _prove(box: Box, claims: tuple[str, ...], scene: Scene, max_boxes: int) -> C
     return Certificate("holds", head | {"verdict": "holds", "proof": proof}, parts)
 
 
-@renamed_arguments(most_parts="max_boxes", **RENAMED_ARGUMENTS)
 def certify(
     scene: SceneLike = "paper",
     *,

@@ -17,7 +17,6 @@ from fractions import Fraction
 from os import PathLike
 from typing import Any
 
-from palmbots._util.renamed_names import renamed_arguments, renamed_fields
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -49,7 +48,6 @@ from palmbots.stability.certificates.checker.scene_comparison import (
 )
 
 
-@renamed_fields(why="reason")
 @dataclass(frozen=True, repr=False)
 class CheckResult(Result):
     """The result of a check."""
@@ -90,7 +88,6 @@ class CheckResult(Result):
         }
 
 
-@renamed_arguments(path="certificate")
 def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> CheckResult:
     """Verify a certificate file.
 
