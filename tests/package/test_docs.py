@@ -143,7 +143,7 @@ def test_hash_of_the_study_is_on_its_page(name: str, tmp_path: Path) -> None:
 
 
 def test_every_picture_has_its_command_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the same section of README.md and of every page of the book that shows the picture."""
+    """In the same section of every page of the book that shows the picture."""
     monkeypatch.syspath_prepend(ROOT / "scripts")
     draw_images = importlib.import_module("draw_images")
     drawn = {*draw_images.FUNCTIONS, *itertools.chain(*draw_images.COMMANDS.values())}
@@ -153,9 +153,9 @@ def test_every_picture_has_its_command_beside_it(monkeypatch: pytest.MonkeyPatch
         commands |= dict.fromkeys(written, command)
     commands["carry-3d.png"] = "palmbots carry --world mujoco --video --out out"
     shown = set()
-    for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")):
+    for page in (ROOT / "docs").rglob("*.md"):
         for section in re.split(r"^#+ ", page.read_text(), flags=re.MULTILINE):
-            for name in re.findall(r"!\[[^]]*\]\((?:\.\.|docs)/images/([\w.-]+)\)", section):
+            for name in re.findall(r"!\[[^]]*\]\(\.\./images/([\w.-]+)\)", section):
                 assert commands[name] in " ".join(section.split()), (page.name, name)
                 shown.add(name)
     assert shown == drawn
