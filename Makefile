@@ -10,7 +10,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 export PYTHON
 
-EXTENSION := pyproject.toml CMakeLists.txt $(shell find include src/core_module src/batch_module -name '*.?pp')
+# A new room, too: the redirect of an editable install lists the rooms.
+EXTENSION := pyproject.toml CMakeLists.txt $(wildcard src/palmbots/*/__init__.py) $(shell find include src/core_module src/batch_module -name '*.?pp')
 CXX_FILES = $(shell find include src tests benchmarks verify firmware site/core -name '*.hpp' -o -name '*.cpp')
 PY_FILES = src tests examples benchmarks scripts verify docs software-paper firmware
 
@@ -39,7 +40,7 @@ test: $(VENV)/strict.done lint  ## everything a change must pass
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
-	$(BIN)/python -m pytest tests/robot --numprocesses 4 --dist worksteal
+	$(BIN)/python -m pytest tests/processes --numprocesses 4 --dist worksteal
 
 firmware: $(VENV)/firmware.done  ## left.hex, right.hex and dongle.hex in build/firmware, with all settings still to be put in
 	$(BIN)/python firmware/build.py --package

@@ -28,10 +28,10 @@ from rich.table import Table
 
 import palmbots as pb
 from _machine import processor
-from palmbots.runtime.impairment import Impairment
-from palmbots.runtime.launcher import LiveCarryProcesses
-from palmbots.runtime.station_client import StationClient
-from palmbots.runtime.stopping_limit import stopping_limit_s
+from palmbots.links.impairment import Impairment
+from palmbots.pair.launcher import LiveCarryProcesses
+from palmbots.pair.stopping_limit import stopping_limit_s
+from palmbots.station.station_client import StationClient
 
 RESULTS = Path(__file__).parent / "results"
 LOSSES = (0.0, 0.05, 0.2)

@@ -28,8 +28,8 @@ from rich.table import Table
 
 from _machine import processor
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
-from palmbots.runtime.launcher import free_addresses
-from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.pair.launcher import free_addresses
+from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.wire import Endpoint, Hello, Operate
 
 RESULTS = Path(__file__).parent / "results"

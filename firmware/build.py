@@ -40,7 +40,7 @@ CLANG = (
 
 PINNED_GCC = "12.2.1"
 """The compiler of the ready-made programs. Another one makes programs with other bytes."""
-PACKAGE = ROOT / "src" / "palmbots" / "firmware" / "data"
+PACKAGE = ROOT / "src" / "palmbots" / "boards" / "data"
 
 
 def version() -> str:

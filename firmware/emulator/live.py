@@ -15,8 +15,8 @@ from emulator.board import Board, Image, PowerFailed
 from emulator.peripherals.radio import airtime_us
 from emulator.processor import CYCLES_PER_US
 from palmbots._types import SIDES
-from palmbots.firmware.pair_settings import BoardPair
-from palmbots.firmware.settings_page import PAGE_ADDRESS, SWITCHES
+from palmbots.boards.pair_settings import BoardPair
+from palmbots.boards.settings_page import PAGE_ADDRESS, SWITCHES
 from palmbots.scene.scene import load_scene
 from palmbots.simulation.quasistatic import QuasistaticEpisode
 

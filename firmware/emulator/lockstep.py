@@ -15,17 +15,17 @@ import palmbots._core as _core
 from emulator.board import Board, Image
 from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
-from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.firmware.settings_page import (
+from palmbots.boards.settings_page import (
     CONTROLLERS,
     PAGE_ADDRESS,
     SWITCHES,
     BoardSettings,
     settings_page,
 )  # fmt: skip
-from palmbots.runtime.lockstep_world import remote
+from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.lockstep_world import remote
 
 KEY = bytes(range(16))
 PAIR = 7

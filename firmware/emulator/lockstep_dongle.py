@@ -12,7 +12,7 @@ from typing import Any
 import palmbots._core as _core
 from emulator.board import Board, Image
 from emulator.processor import CYCLES_PER_US, Violation
-from palmbots.firmware.settings_page import PAGE_ADDRESS, radio_settings, settings_page
+from palmbots.boards.settings_page import PAGE_ADDRESS, radio_settings, settings_page
 from palmbots.wire.serial_frames import FRAME_NUMBERS, FrameDecoder, encode_frame
 
 _CHANNEL = 60

@@ -16,7 +16,7 @@ from intelhex import IntelHex
 
 from emulator.lockstep import LockstepBoard
 from emulator.processor import Violation
-from palmbots.firmware.settings_page import PAGE_ADDRESS, BoardSettings, settings_page
+from palmbots.boards.settings_page import PAGE_ADDRESS, BoardSettings, settings_page
 from palmbots.wire.serial_frames import FrameDecoder
 from palmbots.wire.serial_frames import encode_frame as _encode
 

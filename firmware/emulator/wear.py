@@ -18,8 +18,8 @@ from emulator.__main__ import robot_image
 from emulator.board import Image
 from emulator.live import LivePair
 from emulator.peripherals.storage import MOST_ERASES, PAGE
-from palmbots.firmware.pair_settings import BOOTS_PER_IMAGE, board_pair
-from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.boards.pair_settings import BOOTS_PER_IMAGE, board_pair
+from palmbots.pair.pair_file import init_pair, load_pair
 
 PAGES = 2
 RECORD = 12

@@ -3,9 +3,9 @@
 
 from collections.abc import Iterable
 
-from palmbots.runtime.imperfections import imperfection_keys
-from palmbots.runtime.pair_file import pair_keys
+from palmbots.pair.pair_file import pair_keys
 from palmbots.scene.key_reference import SceneKey
+from palmbots.simulation.imperfections import imperfection_keys
 
 PAGE = "docs/guide/robots.md"
 

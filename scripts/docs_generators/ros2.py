@@ -3,18 +3,18 @@
 
 from collections.abc import Iterable
 
-from palmbots.drivers.ros2_topics import (
+from palmbots.pair.pair_file import pair_keys
+from palmbots.pair.ros2_keys import Ros2Table
+from palmbots.ros2.ros2_topics import (
     COMMANDS,
     OF_THE_BASE,
     PUBLISHED,
     QUALITIES,
     READINGS,
-    Ros2Table,
     Topic,
     dds_topic,
     dds_type,
 )
-from palmbots.runtime.pair_file import pair_keys
 
 PAGE = "docs/guide/ros2.md"
 _EXAMPLES = (

@@ -132,6 +132,7 @@ _PLACES = {
 # What higher rooms add to the registries of lower ones; imported on first use.
 _OPTIMAL = "palmbots.optimum.optimal_controllers"
 _offer_entry("world", "mujoco", "palmbots.mujoco.carry_runner:WORLD")
+_offer_entry("driver", "ros2", "palmbots.ros2.ros2_driver:open_ros2")
 _offer_entry("controller file", ".toml", "palmbots.derivation.policy_controller:load_policy")
 _offer_entry(
     "controller file", ".toml@station", "palmbots.derivation.policy_controller:load_station_policy"

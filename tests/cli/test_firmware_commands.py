@@ -11,8 +11,8 @@ import pytest
 from intelhex import IntelHex
 
 from commands import Run, assert_refused
-from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.stored_state import read_state
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.stored_state import read_state
 
 PAGE = 0xF000
 
@@ -149,7 +149,7 @@ def test_what_is_no_image_is_refused(tmp_path: Path, here: Run) -> None:
 def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here: Run) -> None:
     target = drive(tmp_path / "MICROBIT")
     whole = image.read_text().splitlines(keepends=True)
-    ready_made = resources.files("palmbots.firmware") / "data" / "robot.hex"
+    ready_made = resources.files("palmbots.boards") / "data" / "robot.hex"
     cases = {
         "empty.hex": "",
         "cut.hex": "".join(whole[:-9]),

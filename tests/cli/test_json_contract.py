@@ -145,7 +145,7 @@ CONTRACT: list[tuple[str, tuple[str, ...], int, set[str]]] = [
 
 
 # These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
-# other processes (tests/robot), or the files of a pair (tests/cli/test_firmware_commands.py).
+# other processes (tests/processes), or the files of a pair (tests/cli/test_firmware_commands.py).
 ELSEWHERE = {
     "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
     "firmware", "flash",

@@ -14,8 +14,8 @@ import palmbots as pb
 from cxx import ROOT
 from emulator.__main__ import robot_image
 from emulator.board import Image
-from palmbots.firmware.pair_settings import BoardPair, board_pair
-from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.boards.pair_settings import BoardPair, board_pair
+from palmbots.pair.pair_file import init_pair, load_pair
 from waiting import locked
 
 IMAGES = ROOT / "build" / "firmware"

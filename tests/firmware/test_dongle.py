@@ -17,8 +17,8 @@ import pytest
 from emulator.__main__ import dongle_image
 from emulator.board import Board, Image
 from emulator.live import LivePair
-from palmbots.firmware.pair_settings import BoardPair
-from palmbots.firmware.settings_page import PAGE_ADDRESS
+from palmbots.boards.pair_settings import BoardPair
+from palmbots.boards.settings_page import PAGE_ADDRESS
 from palmbots.wire.serial_frames import BridgeReport, FrameDecoder, content_of, encode_frame
 
 MakeBoards = Callable[..., BoardPair]

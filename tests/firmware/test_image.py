@@ -16,7 +16,7 @@ from palmbots.scene.scene import load_scene
 
 IMAGES = ROOT / "build" / "firmware"
 PROGRAMS = ("robot", "dongle")
-PACKAGE = ROOT / "src" / "palmbots" / "firmware" / "data"
+PACKAGE = ROOT / "src" / "palmbots" / "boards" / "data"
 MOST_FLASH, MOST_RAM = 64 * 1024, 8 * 1024
 # Of the floating-point unit, and of a library that computes in its place.
 UNIT = re.compile(r"\t(v(?:add|sub|mul|div|sqrt|cvt|mov|ldr|str|cmp|neg|abs|push|pop|mrs|msr)\S*)")

@@ -9,8 +9,8 @@ from emulator.__main__ import dongle_image
 from emulator.board import Board, Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
-from palmbots.firmware.pair_settings import BoardPair
-from palmbots.firmware.settings_page import PAGE_ADDRESS
+from palmbots.boards.pair_settings import BoardPair
+from palmbots.boards.settings_page import PAGE_ADDRESS
 
 MakeBoards = Callable[..., BoardPair]
 PICTURES = {

@@ -11,8 +11,8 @@ from emulator.board import Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
 from flash_records import flash_record
-from palmbots.firmware.pair_settings import BoardPair, board_pair
-from palmbots.runtime.pair_file import init_pair, load_pair
+from palmbots.boards.pair_settings import BoardPair, board_pair
+from palmbots.pair.pair_file import init_pair, load_pair
 
 MakeBoards = Callable[..., BoardPair]
 RESTING = ("disarmed", "armed", "done", "stopped", "fault")

@@ -16,7 +16,7 @@ import pytest
 from emulator.board import Image
 from emulator.live import LivePair
 from flash_records import flash_records
-from palmbots.firmware.pair_settings import BoardPair
+from palmbots.boards.pair_settings import BoardPair
 
 COURSE_S = 5.0
 STEP_S = 0.25

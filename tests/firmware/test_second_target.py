@@ -10,7 +10,7 @@ import palmbots as pb
 from cxx import ROOT
 from emulator.lockstep import LockstepBoard, carry_on_boards
 from emulator.qemu import QemuBoard
-from palmbots.firmware.settings_page import BoardSettings
+from palmbots.boards.settings_page import BoardSettings
 
 NRF, MPS2 = (ROOT / "firmware" / "board" / name for name in ("nrf52833", "mps2"))
 HARD = {

@@ -86,7 +86,7 @@ def test_wheel_holds_every_source_scene_and_type(wheel: Path) -> None:
         "palmbots/_core/__init__.pyi",
     } <= table
     assert {f"palmbots/scene/data/objects/{name}.toml" for name in palmbots.object_names()} <= table
-    assert {f"palmbots/firmware/data/{name}.hex" for name in ("robot", "dongle")} <= table
+    assert {f"palmbots/boards/data/{name}.hex" for name in ("robot", "dongle")} <= table
     extensions = {Path(n).name.split(".")[0] for n in held - table if n.endswith(".so")}
     assert {"_core", "_batch"} <= extensions <= {"_core", "_batch", "_batch_v3", "_batch_v4"}
     assert held - table - {name for name in held if name.endswith(".so")} == {REFERENCE}

@@ -22,11 +22,11 @@ from palmbots.learn import EpisodeResult
 from palmbots.mujoco.drift_forecast import Budget
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
-from palmbots.runtime.log_alignment import ClockFit
-from palmbots.runtime.run_replay import RunReplay, Verified
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
 from palmbots.studies.cost_estimate import Cost
+from palmbots.views.log_alignment import ClockFit
+from palmbots.views.run_replay import RunReplay, Verified
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.2}

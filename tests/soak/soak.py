@@ -111,7 +111,7 @@ def main(minutes: str) -> int:
         if time.time() < until:
             pytest(seed, until, "-m", "hypothesis or soak", "tests")
         if time.time() < until:
-            pytest(seed, until, "-m", "soak", "tests/robot")
+            pytest(seed, until, "-m", "soak", "tests/processes")
         if time.time() < until and shutil.which("arm-none-eabi-g++"):
             pytest(seed, until, "-m", "soak", "tests/firmware")
     if rounds:

@@ -17,9 +17,9 @@ from typing import Any, get_type_hints
 import pytest
 
 from dds_loopback import dds_environment
-from palmbots.drivers.ros2_messages import MESSAGES, String
-from palmbots.drivers.ros2_node import Ros2Node
-from palmbots.drivers.ros2_topics import COMMANDS, PUBLISHED, READINGS, dds_type
+from palmbots.ros2.ros2_messages import MESSAGES, String
+from palmbots.ros2.ros2_node import Ros2Node
+from palmbots.ros2.ros2_topics import COMMANDS, PUBLISHED, READINGS, dds_type
 from waiting import wait_until
 
 pytestmark = [

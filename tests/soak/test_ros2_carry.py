@@ -16,7 +16,7 @@ import pytest
 
 import palmbots as pb
 from dds_loopback import dds_environment
-from palmbots.drivers.ros2_node import Ros2Node
+from palmbots.ros2.ros2_node import Ros2Node
 from robot_processes import new_pair
 from waiting import wait_until
 

@@ -14,9 +14,8 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots.runtime.pair_file import load_pair
-from palmbots.runtime.station_client import ScreenRole, StationClient
-from palmbots.runtime.station_server import station_address
+from palmbots.pair.pair_file import load_pair, station_address
+from palmbots.station.station_client import ScreenRole, StationClient
 from robot_processes import new_pair, running, started
 from waiting import wait_until
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 import tap_bridge
-from palmbots.runtime.impairment import Impairment
+from palmbots.links.impairment import Impairment
 from tap_bridge import ADDRESSES, TapBridge
 
 pytestmark = [

@@ -11,10 +11,10 @@ from palmbots._types import SIDES
 from palmbots.drivers.driver import RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.hardware_io import HardwareIo
-from palmbots.runtime.drive_table import drive_table
-from palmbots.runtime.imperfections import Imperfections
-from palmbots.runtime.station import PERIOD_S
-from palmbots.runtime.world_stage import ImperfectStage
+from palmbots.pair.drive_table import drive_table
+from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.world_stage import ImperfectStage
+from palmbots.station.station import PERIOD_S
 
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import palmbots as pb
-from palmbots.runtime.impairment import Impairment
-from palmbots.runtime.launcher import LiveCarryProcesses
+from palmbots.links.impairment import Impairment
+from palmbots.pair.launcher import LiveCarryProcesses
 
 CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
 HELD_S = 0.02

@@ -11,12 +11,12 @@ from typing import Any
 
 import palmbots as pb
 import palmbots._core as _core
-from palmbots.runtime.carry_script import carry_once
-from palmbots.runtime.live_robot import live_program
-from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.station import PERIOD_S, Station
-from palmbots.runtime.stored_state import StoredState
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.stored_state import StoredState
+from palmbots.robot.live_robot import live_program
 from palmbots.simulation.quasistatic import QuasistaticEpisode
+from palmbots.station.carry_script import carry_once
+from palmbots.station.station import PERIOD_S, Station
 
 ENDS = ("left", "right", "station")
 

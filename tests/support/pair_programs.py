@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from palmbots.runtime.live_ends import open_pair_link
-from palmbots.runtime.pair_file import load_pair
-from palmbots.runtime.station import PERIOD_S, Station
+from palmbots.pair.live_ends import open_pair_link
+from palmbots.pair.pair_file import load_pair
+from palmbots.station.station import PERIOD_S, Station
 
 
 def ended(process: "subprocess.Popen[str]") -> tuple[dict[str, Any], str]:

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from palmbots.runtime.pair_file import init_pair
+from palmbots.pair.pair_file import init_pair
 
 ENDS = ("left", "right", "station")
 

@@ -19,14 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from palmbots._types import SIDES, Side
-from palmbots.drivers import ros2_messages as msg
 from palmbots.drivers.driver import Drive
-from palmbots.drivers.ros2_node import Ros2Node, header
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.errors import PalmbotsError
-from palmbots.runtime.drive_table import drive_table
-from palmbots.runtime.greeting import scene_number
-from palmbots.runtime.pair_file import Pair, load_pair
+from palmbots.links.greeting import scene_number
+from palmbots.pair.drive_table import drive_table
+from palmbots.pair.pair_file import Pair, load_pair
+from palmbots.ros2 import ros2_messages as msg
+from palmbots.ros2.ros2_node import Ros2Node, header
 from palmbots.scene.scene import load_scene
 
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"

@@ -10,10 +10,10 @@ import palmbots as pb
 from palmbots._types import Side
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.drivers.hardware import HardwareParameters
-from palmbots.runtime.bench_stage import BenchStage, Pose
-from palmbots.runtime.calibration import Task
-from palmbots.runtime.calibration_bench import Machine
-from palmbots.runtime.imperfections import Imperfections
+from palmbots.pair.calibration import Task
+from palmbots.pair.calibration_bench import Machine
+from palmbots.simulation.bench_stage import BenchStage, Pose
+from palmbots.simulation.imperfections import Imperfections
 
 TASK = Task(length_m=1.5, fastest_m_s=0.09, palm_deg=(5.0, 15.0), palm_half_m=0.075)
 

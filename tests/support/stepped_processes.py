@@ -2,7 +2,7 @@
 """World, robots and station as real processes over real sockets, whose time a test grants.
 
 The programs are those that `palmbots up` starts. Each waits for its next tick on a socket of this
-module (`palmbots.runtime.stepped_clock`), and all packets pass through a bad radio that runs on the
+module (`palmbots.clocks.stepped_clock`), and all packets pass through a bad radio that runs on the
 same time. A fault therefore comes at the same instant in every run, and `trace` is the same.
 """
 
@@ -22,11 +22,11 @@ from typing import Any, Self
 
 import palmbots as pb
 from json_output import read_json
+from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
-from palmbots.runtime.impairment import ImpairedPackets, Impairment
-from palmbots.runtime.launcher import free_addresses, own_file
-from palmbots.runtime.pair_file import init_pair, load_pair
-from palmbots.runtime.stopping_limit import stopping_limit_s
+from palmbots.pair.launcher import free_addresses, own_file
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.wire import Status, decode
 
 ENDS = ("left", "right", "station")

@@ -17,7 +17,7 @@ import threading
 import time
 from typing import Self
 
-from palmbots.runtime.impairment import ImpairedPackets, Impairment
+from palmbots.links.impairment import ImpairedPackets, Impairment
 
 _SET_INTERFACE = 0x400454CA
 _TAP, _WITHOUT_INFORMATION = 0x0002, 0x1000

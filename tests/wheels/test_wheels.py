@@ -25,7 +25,7 @@ import pytest
 
 import palmbots as pb
 from cxx import ROOT
-from palmbots.runtime.pair_file import init_pair
+from palmbots.pair.pair_file import init_pair
 
 DIST = Path(os.environ.get("PALMBOTS_DIST", ROOT / "dist"))
 WORK = ROOT / "build" / "wheels"
@@ -79,7 +79,7 @@ def test_wheel_is_complete_and_needs_only_old_libraries(wheel: Path, tmp_path: P
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert sources <= held
-    assert {"palmbots/firmware/data/robot.hex", "palmbots/scene/data/scene-keys.md"} <= held
+    assert {"palmbots/boards/data/robot.hex", "palmbots/scene/data/scene-keys.md"} <= held
     modules = sorted(tmp_path.rglob("*.so"))
     names = {module.name.partition(".")[0] for module in modules}
     more = {"_batch_v3", "_batch_v4"} if "x86_64" in wheel.name else set()

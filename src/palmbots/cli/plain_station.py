@@ -13,7 +13,7 @@ from palmbots.cli._streams import say
 from palmbots.cli.reports.station_text import plain_status
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
-from palmbots.runtime.station_client import StationClient
+from palmbots.station.station_client import StationClient
 from palmbots.wire import Operation
 
 _POLL_S = 0.1

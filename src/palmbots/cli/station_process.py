@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
-from palmbots.runtime.station_client import ScreenRole, StationClient
+from palmbots.station.station_client import ScreenRole, StationClient
 
 _STARTS_WITHIN_S = 30.0
 _ENDS_WITHIN_S = 10.0

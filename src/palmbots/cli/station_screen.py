@@ -21,7 +21,7 @@ from palmbots.cli.reports.station_text import (
 )
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
-from palmbots.runtime.station_client import StationClient
+from palmbots.station.station_client import StationClient
 from palmbots.wire import Operation
 
 if TYPE_CHECKING:

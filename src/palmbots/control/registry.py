@@ -336,3 +336,10 @@ def refusal(controller: ControllerLike, scene: Scene) -> str | None:
     except SceneError as error:
         return str(error)
     return None
+
+
+def check_on_robots(entry: ControllerEntry) -> None:
+    """Raise `PalmbotsError` for a controller that no robot runs."""
+    if entry.is_reference or entry.team == "none":
+        why = "reads the state of the world" if entry.is_reference else "has no programs"
+        raise PalmbotsError(f"controller: {entry.name} {why}; allowed: a controller of robots")

@@ -9,6 +9,7 @@ import importlib
 from typing import cast
 
 from palmbots._util.entry_points import built_in_or_installed
+from palmbots._util.offers import offered_entries
 from palmbots.drivers.driver import Driver, DriverMaker, DriverSettings
 from palmbots.drivers.guard import GuardedDriver
 from palmbots.drivers.speed_limit import limited
@@ -16,15 +17,17 @@ from palmbots.drivers.speed_limit import limited
 DRIVER_GROUP = "palmbots.drivers"
 """Group of the entry points."""
 
-
-DRIVERS = {
+_BUILT_IN = {
     "simulated": "palmbots.drivers.simulated:open_simulated",
     "serial": "palmbots.drivers.serial_board:SerialDriver",
     "dry-run": "palmbots.drivers.dry_run:DryRunDriver",
-    "ros2": "palmbots.drivers.ros2:open_ros2",
 }
-"""The kinds of this package, each as ``module:attribute`` of a `DriverMaker`. Their hardware has a
-watchdog of its own."""
+
+
+def drivers() -> dict[str, str]:
+    """The kinds of this package, each as ``module:attribute`` of a `DriverMaker`. Their hardware
+    has a watchdog of its own."""
+    return _BUILT_IN | offered_entries("driver")
 
 
 def driver_maker(kind: str) -> DriverMaker:
@@ -33,7 +36,7 @@ def driver_maker(kind: str) -> DriverMaker:
     Raises:
         PalmbotsError: there is no such kind, or it cannot be imported.
     """
-    found = built_in_or_installed("driver.kind", kind, DRIVERS, DRIVER_GROUP)
+    found = built_in_or_installed("driver.kind", kind, drivers(), DRIVER_GROUP)
     if isinstance(found, str):
         module, _, attribute = found.partition(":")
         found = getattr(importlib.import_module(module), attribute)
@@ -47,6 +50,6 @@ def open_driver(kind: str, settings: DriverSettings) -> Driver:
         PalmbotsError: there is no such kind, or its hardware cannot be used.
     """
     make = driver_maker(kind)
-    if kind in DRIVERS or getattr(make, "has_watchdog", False):
+    if kind in drivers() or getattr(make, "has_watchdog", False):
         return limited(make(settings), settings)
     return limited(GuardedDriver(kind, settings), settings)

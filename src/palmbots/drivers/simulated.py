@@ -22,7 +22,7 @@ _SILENCE_S = 1.0
 
 
 class SimulatedDriver:
-    """Talks to the process of a world (`palmbots.runtime.live_world`).
+    """Talks to the process of a world (`palmbots.simulation.live_world`).
 
     Args:
         address: of the world.

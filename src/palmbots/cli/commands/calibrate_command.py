@@ -41,8 +41,8 @@ def calibrate(
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
     from palmbots.cli.reports.calibrate_report import TerminalPerson, calibrate_report, summary
-    from palmbots.runtime.calibration_run import run_calibration, steps_of
-    from palmbots.runtime.pair_file import load_pair
+    from palmbots.pair.calibration_run import run_calibration, steps_of
+    from palmbots.pair.pair_file import load_pair
 
     one_of("--side", side, SIDES)
     steps = steps_of(only)

@@ -13,8 +13,8 @@ from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
-    from palmbots.runtime.checkup import Check
-    from palmbots.runtime.pair_file import Pair
+    from palmbots.pair.checkup import Check
+    from palmbots.pair.pair_file import Pair
     from palmbots.scene.scene import Scene
 
 ORDER = 208
@@ -42,12 +42,12 @@ def doctor(
 
     Exit status 1: something is wrong. A line says what to do.
     """
-    from palmbots.runtime.checkup import checks_of_status
-    from palmbots.runtime.link_check import PERIOD_S, measure, needs_of
-    from palmbots.runtime.live_ends import open_pair_link
-    from palmbots.runtime.pair_file import load_pair
-    from palmbots.runtime.robot_program import controller_of
-    from palmbots.runtime.stored_state import booted
+    from palmbots.pair.checkup import checks_of_status
+    from palmbots.pair.link_check import PERIOD_S, measure, needs_of
+    from palmbots.pair.live_ends import open_pair_link
+    from palmbots.pair.pair_file import load_pair
+    from palmbots.pair.stored_state import booted
+    from palmbots.robot.robot_program import controller_of
     from palmbots.scene.scene import load_scene
 
     if not 1 <= seconds <= 3600:
@@ -96,7 +96,7 @@ def doctor(
 
 
 def _check_clock(scene: "Scene", seconds: float, *, as_json: bool) -> "Check":
-    from palmbots.runtime.checkup import check_own_clock
+    from palmbots.pair.checkup import check_own_clock
 
     with progress("measuring the clock", as_json) as report:
         return check_own_clock(scene.control.period_s, seconds, report=report)
@@ -107,8 +107,8 @@ def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> i
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
     from palmbots.links.local_connection import ConnectionLost
-    from palmbots.runtime.checkup import Check, check_driver
-    from palmbots.runtime.robot_driver import opened_driver
+    from palmbots.pair.checkup import Check, check_driver
+    from palmbots.pair.robot_driver import opened_driver
 
     one_of("--side", side, SIDES)
     chosen: Any = side

@@ -23,8 +23,8 @@ def firmware(
     left.hex and right.hex are the robots, dongle.hex is the radio of the station. No compiler is
     needed. Each image counts boots of its own: flash it into one board, once.
     """
+    from palmbots.boards.images import write_images
     from palmbots.cli.reports.console import print_written_files, report_console
-    from palmbots.firmware.images import write_images
 
     files = write_images(pair, out)
     if as_json:

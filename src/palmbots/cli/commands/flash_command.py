@@ -29,8 +29,8 @@ def flash(
     An image that has been flashed already is refused: a flashed board forgets how often it has
     booted, and would accept old packets as new.
     """
+    from palmbots.boards import flashing
     from palmbots.cli.reports.console import print_written_files, report_console
-    from palmbots.firmware import flashing
 
     file = flashing.flash(image, drive, again=again)
     if as_json:

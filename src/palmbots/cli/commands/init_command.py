@@ -49,7 +49,7 @@ def init_pair(
     Existing files are never overwritten.
     """
     from palmbots.cli.reports.console import print_written_files, report_console
-    from palmbots.runtime import pair_file
+    from palmbots.pair import pair_file
 
     written = pair_file.init_pair(path)
     if as_json:

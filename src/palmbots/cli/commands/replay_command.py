@@ -34,14 +34,14 @@ def replay(
             raise PalmbotsError("--out: draws runs of robots; allowed: for logs of robots")
         return _replay_carry(logs[0], as_json=as_json)
     from palmbots.cli.reports.run_report import run_replay_report
-    from palmbots.runtime.run_replay import read_run, replay_run
+    from palmbots.views.run_replay import read_run, replay_run
 
     check_output(out)
     run = read_run(logs)
     result = replay_run(run)
     written: list[Path] = []
     if out is not None:
-        from palmbots.runtime.run_figures import save_figures
+        from palmbots.views.run_figures import save_figures
 
         try:
             written = save_figures(run, result, out)

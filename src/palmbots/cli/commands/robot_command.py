@@ -29,17 +29,17 @@ def robot(
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
-    from palmbots.runtime.pair_file import load_pair
+    from palmbots.pair.pair_file import load_pair
 
     one_of("--side", side, SIDES)
     chosen: Any = side
     pair_of = load_pair(pair).with_logs(log, is_off=no_log)
     if lockstep:
-        from palmbots.runtime.lockstep_robot import run_robot
+        from palmbots.robot.lockstep_robot import run_robot
 
         end = {"side": side, "boots": run_robot(pair_of, chosen)}
     else:
-        from palmbots.runtime.live_robot import run_live_robot
+        from palmbots.robot.live_robot import run_live_robot
 
         end = run_live_robot(pair_of, chosen, check_rate(rate), _say).summary()
     if as_json:

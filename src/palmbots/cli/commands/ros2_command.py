@@ -30,8 +30,8 @@ def ros2(
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
-    from palmbots.runtime.pair_file import load_pair
-    from palmbots.runtime.ros2_bridge import run_bridge
+    from palmbots.pair.pair_file import load_pair
+    from palmbots.ros2.ros2_bridge import run_bridge
 
     one_of("--side", side, SIDES)
     if seconds is not None and not 0.1 <= seconds <= 1e6:

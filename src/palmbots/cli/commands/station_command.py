@@ -12,7 +12,7 @@ from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption, NoLogOptio
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
-    from palmbots.runtime.station_client import StationClient
+    from palmbots.station.station_client import StationClient
 
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
@@ -55,19 +55,18 @@ def station(
 
     Exit status 1: with --auto, if the robots did not carry to the end.
     """
-    from palmbots.runtime.pair_file import load_pair
-    from palmbots.runtime.station_server import station_address
+    from palmbots.pair.pair_file import load_pair, station_address
 
     if no_screen and (attach or watch):
         raise PalmbotsError("--no-screen starts a station; allowed: without --attach and --watch")
     chosen = load_pair(pair)
     if lockstep:
-        from palmbots.runtime.lockstep_station import run_lockstep_station
+        from palmbots.station.lockstep_station import run_lockstep_station
 
         run_lockstep_station(chosen)
         return DONE
     if no_screen:
-        from palmbots.runtime.station_loop import run_station_loop
+        from palmbots.station.station_loop import run_station_loop
 
         on_line = None if as_json else partial(print, flush=True)
         logged = chosen.with_logs(log, is_off=no_log)

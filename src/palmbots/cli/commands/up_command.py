@@ -78,9 +78,9 @@ def up(
     """
     from palmbots._util.arguments import seed_of
     from palmbots.control.registry import check
-    from palmbots.runtime.impairment import Impairment
-    from palmbots.runtime.launcher import run_live, run_lockstep
-    from palmbots.runtime.lockstep_world import remote
+    from palmbots.links.impairment import Impairment
+    from palmbots.pair.launcher import run_live, run_lockstep
+    from palmbots.simulation.lockstep_world import remote
     from palmbots.simulation.worlds import check_precision, check_scene, world_entry
 
     chosen = load(scene, changes)
@@ -111,7 +111,7 @@ def up(
     if has_screen:
         require("textual", "station")
     if live is not None:
-        from palmbots.runtime.foxglove_server import place_of
+        from palmbots.views.foxglove_server import place_of
 
         require("foxglove", "station")
         place_of(live, "--live")

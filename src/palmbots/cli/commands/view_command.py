@@ -43,7 +43,7 @@ def view(
     Foxglove connects to ws://HOST:PORT (Open connection, Foxglove WebSocket) and draws it. With a
     pair.toml it shows the station of this pair, live and read-only: no key is needed.
     """
-    from palmbots.runtime.foxglove_server import place_of
+    from palmbots.views.foxglove_server import place_of
 
     place_of(serve)
     if layout is not None or rerun is not None:
@@ -64,7 +64,7 @@ def view(
 
 def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list[Path]:
     from palmbots._util.atomic_files import write_whole
-    from palmbots.runtime.log_player import viewable
+    from palmbots.views.log_player import viewable
 
     written: list[Path] = []
     if layout is not None:
@@ -83,8 +83,8 @@ def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list
 
 
 def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
-    from palmbots.runtime.foxglove_server import FoxgloveServer
-    from palmbots.runtime.log_player import announce, play, read_playable, viewable
+    from palmbots.views.foxglove_server import FoxgloveServer
+    from palmbots.views.log_player import announce, play, read_playable, viewable
 
     check_rate(rate)
     with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
@@ -97,10 +97,9 @@ def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bo
 
 def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: bool) -> None:
     from palmbots.cli.station_process import attached
-    from palmbots.runtime.foxglove_server import FoxgloveServer
-    from palmbots.runtime.live_view import LiveView
-    from palmbots.runtime.pair_file import load_pair
-    from palmbots.runtime.station_server import station_address
+    from palmbots.pair.pair_file import load_pair, station_address
+    from palmbots.views.foxglove_server import FoxgloveServer
+    from palmbots.views.live_view import LiveView
 
     if len(sources) > 1:
         raise PalmbotsError("SOURCE: more than one pair.toml; allowed: one")

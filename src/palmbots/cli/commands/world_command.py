@@ -88,9 +88,9 @@ def _lockstep(
     """A world that waits in every tick for the programs of the robots."""
     from palmbots.cli.reports.carry_report import carry_report
     from palmbots.control.dead_band import warnings_before
+    from palmbots.links.greeting import scene_number
     from palmbots.links.local_connection import listen
-    from palmbots.runtime.greeting import scene_number
-    from palmbots.runtime.lockstep_world import Programs, ends_of, remote
+    from palmbots.simulation.lockstep_world import Programs, ends_of, remote
     from palmbots.simulation.single import carry
     from palmbots.simulation.worlds import check_precision, world_entry
     from palmbots.stability.scene_limits import self_check
@@ -131,8 +131,8 @@ def _live(
 ) -> int:
     """A world in real time."""
     from palmbots.links.local_connection import listen
-    from palmbots.runtime.imperfections import load_imperfections
-    from palmbots.runtime.live_world import run_live_world
+    from palmbots.simulation.imperfections import load_imperfections
+    from palmbots.simulation.live_world import run_live_world
 
     imperfections = load_imperfections(imperfect) if imperfect else None
     with listen(serve, "--serve") as door:
@@ -152,8 +152,8 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     import sys
 
     from palmbots.links.local_connection import listen
-    from palmbots.runtime.bench_world import run_bench
-    from palmbots.runtime.imperfections import load_imperfections
+    from palmbots.simulation.bench_world import run_bench
+    from palmbots.simulation.imperfections import load_imperfections
 
     check_rate(rate)
     imperfections = load_imperfections(imperfect or [])

@@ -11,7 +11,7 @@ from palmbots.cli.reports.console import plain_table, report_console
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
-    from palmbots.runtime.calibration_run import CalibrationRun
+    from palmbots.pair.calibration_run import CalibrationRun
 
 _POLL_S = 0.01
 
@@ -60,7 +60,7 @@ class TerminalPerson:
 
 def summary(run: "CalibrationRun") -> dict[str, Any]:
     """The findings as a table for ``--json``."""
-    from palmbots.runtime.calibration import values_of
+    from palmbots.pair.calibration import values_of
 
     intervals = {
         one.key: [one.estimate.low, one.estimate.high]

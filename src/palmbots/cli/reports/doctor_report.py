@@ -8,8 +8,8 @@ from palmbots.cli.reports.console import definitions, indented, plain_table, rep
 
 if TYPE_CHECKING:
     from palmbots._types import Side
-    from palmbots.runtime.checkup import Check
-    from palmbots.runtime.link_check import LinkFigures, Needs
+    from palmbots.pair.checkup import Check
+    from palmbots.pair.link_check import LinkFigures, Needs
 
 _SILENT = (
     "not heard: is its program running, with the same key and number? Does it have its own address "

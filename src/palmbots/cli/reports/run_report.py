@@ -16,7 +16,7 @@ from palmbots.cli.reports.console import (
 )
 
 if TYPE_CHECKING:
-    from palmbots.runtime.run_replay import RunReplay
+    from palmbots.views.run_replay import RunReplay
 
 
 def run_replay_report(result: "RunReplay", written: Sequence[Path]) -> None:

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flashing: an image is copied to the drive as which a board shows itself.
+
+The interface chip of the board writes the image into the flash memory and restarts the board. It
+reports a failure in a file FAIL.TXT on the drive.
+"""
+
+import hashlib
+import io
+import os
+from pathlib import Path
+
+from palmbots._types import SIDES
+from palmbots._util.atomic_files import write_whole
+from palmbots._util.optional_imports import require
+from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
+from palmbots.errors import PalmbotsError
+
+_MARK = "MICROBIT.HTM"
+"""A file that every micro:bit has on its drive."""
+_END = ":00000001FF"
+_PLACES = ("/media", "/run/media", "/Volumes", "/mnt")
+
+
+def find_drives(places: tuple[str, ...] = _PLACES) -> list[Path]:
+    """The drives of all boards that are connected."""
+    found = []
+    for place in map(Path, places):
+        for pattern in ("*", "*/*"):
+            found += [file.parent for file in place.glob(f"{pattern}/{_MARK}")]
+    return sorted(found)
+
+
+def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Path:
+    """Copy an image to a board.
+
+    A robot that is flashed forgets how often it has booted, so its image is refused if it has been
+    flashed: with it the robot would use old epochs again, and old packets would count as new.
+
+    Args:
+        image: a file of `palmbots firmware`.
+        drive: the folder of the board's drive; None: the only board that is connected.
+        again: flash an image that has been flashed already, for example because that failed.
+
+    Returns:
+        The file on the drive.
+
+    Raises:
+        PalmbotsError: the image is none, there is no board, or the copy failed.
+    """
+    text, counts_boots = _image_text(image)
+    target = _only(find_drives()) if drive is None else drive
+    if not (target / _MARK).exists():
+        raise PalmbotsError(f"{target}: is no drive of a board; it has no file {_MARK}")
+    mark = image.with_name(f"{image.name}.flashed")
+    check = hashlib.sha256(text.encode()).hexdigest()
+    if (
+        counts_boots
+        and not again
+        and mark.exists()
+        and mark.read_text("ascii", "replace").strip() == check
+    ):
+        raise PalmbotsError(
+            f"{image}: has been flashed already; run: palmbots firmware, or flash it --again if no "
+            "board has run it"
+        )
+    if counts_boots:
+        write_whole(mark, check + "\n")
+    copy = target / image.name
+    try:
+        with copy.open("w", encoding="ascii", newline="\n") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+    except OSError as error:
+        raise PalmbotsError(f"{copy}: cannot be written: {error.strerror or error}") from None
+    failure = target / "FAIL.TXT"
+    if failure.exists():
+        reason = " ".join(failure.read_text("utf-8", "replace").split())
+        raise PalmbotsError(f"{target}: the board reports: {reason}")
+    return copy
+
+
+def _image_text(image: Path) -> tuple[str, bool]:
+    """What the image contains, and whether it is that of a robot, which counts boots."""
+    intelhex = require("intelhex", "firmware")
+    try:
+        text = image.read_text("ascii")
+        content = intelhex.IntelHex(io.StringIO(text))
+    except OSError as error:
+        raise PalmbotsError(f"{image}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, intelhex.IntelHexError):
+        raise PalmbotsError(f"{image}: is no image; allowed: a .hex of palmbots firmware") from None
+    # The settings are its last page, and a record that ends the file follows them.
+    role = role_in(content.tobinstr(start=PAGE_ADDRESS, size=PAGE_SIZE))
+    if role is None or not text.rstrip().endswith(_END):
+        raise PalmbotsError(
+            f"{image}: has no settings, or ends too early; allowed: a .hex of palmbots firmware"
+        )
+    return text, role < len(SIDES)
+
+
+def _only(drives: list[Path]) -> Path:
+    if len(drives) == 1:
+        return drives[0]
+    if not drives:
+        raise PalmbotsError(
+            "no board is connected; connect one by USB, or give its drive with --drive"
+        )
+    names = ", ".join(str(drive) for drive in drives)
+    raise PalmbotsError(f"{len(drives)} boards are connected; allowed: --drive, one of {names}")

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images for the boards of a pair: ready-made programs with the pair's settings put in."""
+
+import io
+import os
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots._util.atomic_files import folder, write_whole
+from palmbots._util.optional_imports import require
+from palmbots.boards.pair_settings import BOOTS_PER_IMAGE, BoardPair, board_pair
+from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE
+from palmbots.errors import PalmbotsError
+from palmbots.pair.pair_file import load_pair
+from palmbots.pair.stored_state import held, read_state, write_state
+from palmbots.wire import MAX_EPOCH
+
+PROGRAMS = ("robot", "dongle")
+"""The ready-made programs; a robot's serves both sides."""
+
+
+def program(name: str) -> Any:
+    """A ready-made program of the package, as an ``IntelHex`` object."""
+    intelhex = require("intelhex", "firmware")
+    text = (resources.files("palmbots.boards") / "data" / f"{name}.hex").read_text("ascii")
+    return intelhex.IntelHex(io.StringIO(text))
+
+
+def image_with(name: str, page: bytes) -> str:
+    """A ready-made program with a page of settings, as text in Intel's hexadecimal format."""
+    assert len(page) == PAGE_SIZE
+    image = program(name)
+    del image[PAGE_ADDRESS : PAGE_ADDRESS + PAGE_SIZE]
+    content = page.rstrip(b"\xff")
+    image.puts(PAGE_ADDRESS, content.ljust(-(-len(content) // 4) * 4, b"\xff"))
+    image.start_addr = None
+    text = io.StringIO()
+    image.write_hex_file(text)
+    return text.getvalue()
+
+
+def write_images(pair_file: str | os.PathLike[str], out: Path) -> list[Path]:
+    """Write ``left.hex``, ``right.hex`` and ``dongle.hex`` for the boards of a pair.
+
+    The images hold the key, so only their owner can read them. Each counts boots of its own: flash
+    each into one board, once. Files of an earlier call are replaced.
+
+    Returns:
+        The files.
+
+    Raises:
+        PalmbotsError: the pair cannot run on boards, or a file cannot be read or written.
+    """
+    pair = load_pair(pair_file)
+    boards = board_pair(pair)
+    program("robot")  # a missing package is reported before anything is written
+    folder(out)
+    written = []
+    for side in SIDES:
+        file = pair.state_file(side)
+        with held(file):
+            state = read_state(file)
+            first_epoch = state.epoch + 1
+            last_epoch = state.epoch + BOOTS_PER_IMAGE
+            if last_epoch > MAX_EPOCH:
+                raise PalmbotsError(
+                    f"{file}: no boots are left for another image; the pair needs a new key"
+                )
+            text = image_with("robot", boards.page(side, first_epoch))
+            # Counted before the image exists, so that no epoch can be used twice.
+            write_state(file, replace(state, epoch=last_epoch))
+        written.append(_write_secret(out / f"{side}.hex", text))
+    written.append(_write_secret(out / "dongle.hex", dongle_image(boards)))
+    return written
+
+
+def dongle_image(boards: BoardPair) -> str:
+    """The image of the station's radio."""
+    return image_with("dongle", boards.dongle_page())
+
+
+def _write_secret(path: Path, text: str) -> Path:
+    previous = os.umask(0o077)
+    try:
+        write_whole(path, text)
+    finally:
+        os.umask(previous)
+    return path

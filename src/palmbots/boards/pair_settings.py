@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The settings of a pair's boards, from its ``pair.toml``, and the refusal of what cannot work."""
+
+import math
+from dataclasses import dataclass
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots.boards.settings_page import (
+    CONTROLLERS,
+    SWITCHES,
+    BoardSettings,
+    radio_settings,
+    settings_page,
+)
+from palmbots.control.registry import ControllerEntry
+from palmbots.drivers.hardware import (
+    HardwareParameters,
+    motor_command,
+    motor_power,
+    oriented,
+    servo_angle,
+    servo_pulse_s,
+    wheel_rates,
+)
+from palmbots.errors import PalmbotsError
+from palmbots.pair.drive_table import drive_table
+from palmbots.pair.pair_file import Pair
+from palmbots.pair.stopping_limit import stopping_limit_s
+from palmbots.robot.live_robot import core_settings
+from palmbots.robot.robot_program import controller_of
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+
+BOOTS_PER_IMAGE = 16384
+"""How many boots an image may count. Each new image begins beyond those of the one before."""
+PERIODS_S = (0.005, 0.05)
+"""Shortest and longest control period of a board."""
+SHORTEST_WATCHDOG_S = 0.1
+"""An erase of a page of flash memory halts the processor for 88 ms."""
+PALM_SWITCHES = 7
+"""Switches along the palm; the two others of the matrix feel its ends."""
+MOST_BATTERY_V = 3.3
+"""The board measures its own supply."""
+
+
+@dataclass(frozen=True)
+class BoardPair:
+    """A pair whose robots are boards."""
+
+    pair: Pair
+    scene: Scene
+    entry: ControllerEntry
+
+    def page(self, side: Side, first_epoch: int) -> bytes:
+        """The page of the settings of one robot."""
+        spec = to_spec(self.scene)
+        table = b""
+        if self.entry.machines is not None:
+            table = self.entry.for_core(spec).image(SIDES.index(side))
+        return settings_page(self.settings(side, first_epoch), table)
+
+    def dongle_page(self) -> bytes:
+        """The page of the settings of the station's radio, which has no key."""
+        board = self.pair.settings.board
+        return settings_page(radio_settings(board.channel, board.power_dbm))
+
+    def settings(self, side: Side, first_epoch: int) -> BoardSettings:
+        """The settings of one robot.
+
+        Args:
+            side: which of the two.
+            first_epoch: epoch of the first boot with the image.
+        """
+        pair, scene, entry = self.pair, self.scene, self.entry
+        board, hardware = pair.settings.board, pair.settings.hardware.of(side)
+        spec = to_spec(scene)
+        period_s = scene.control.period_s
+        robot, palm = scene.robot_of(side), scene.palm_of(side)
+        travel_s = scene.task.distance_m / robot.speed_m_s if robot.speed_m_s > 0 else 0.0
+        core = core_settings(pair, scene, entry, travel_s)
+        turn_s = abs(palm.steep_deg - palm.shallow_deg) / palm.rate_deg_s
+        leads = (side == "right") == (scene.task.direction == "forward")
+        palm_us = tuple(
+            round(1e6 * servo_pulse_s(hardware, servo_angle(hardware, math.radians(angle))))
+            for angle in (palm.steep_deg, palm.shallow_deg)
+        )
+        signs = {"-": "minus", "0": "zero", "+": "plus"}
+        along = [SWITCHES.index(signs[zone.sign]) for zone in hardware.switches]
+        ends = [SWITCHES.index("steep-end"), SWITCHES.index("shallow-end")]
+        slew = abs(palm_us[1] - palm_us[0]) * period_s / turn_s if turn_s > 0 else 2000
+        return BoardSettings(
+            role=SIDES.index(side), key=pair.key, pair=pair.settings.pair.number,
+            first_epoch=first_epoch, last_epoch=first_epoch + BOOTS_PER_IMAGE - 1,
+            number=core["number"], period_us=round(1e6 * period_s),
+            watchdog_us=round(1e6 * scene.control.watchdog_s), lease=core["lease"],
+            station_limit=core["station_limit"], time_limit=core["time_limit"],
+            travel=core["travel"], stopping_limit=core["stopping_limit"],
+            stopping=math.ceil(hardware.stopping_s / period_s - 1e-9),
+            turn_limit=math.ceil(2 * turn_s / period_s) + 20,
+            most_overruns=core["most_overruns"], state_period=core["state_period"],
+            status_period=core["status_period"],
+            least_battery_mv=round(1000 * hardware.battery_low_v),
+            controller=CONTROLLERS.index("policy" if entry.machines is not None else entry.name),
+            channel=board.channel, power_dbm=board.power_dbm, rejoins=core["rejoins"],
+            stops_without_station=core["stops_without_station"],
+            stops_without_partner=core["stops_without_partner"], has_radio=core["has_radio"],
+            leads=leads, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
+            wheel_kind=int(board.wheels == "motor-board"),
+            debounce=max(1, math.ceil((board.bounce_s - 1e-9) / period_s)),
+            palm_slew_us=max(1, math.ceil(slew - 1e-9)),
+            wheel_slew=self._wheel_slew(hardware, period_s),
+            switches=(*along, *[0] * (PALM_SWITCHES - len(along)), *ends),
+            palm_us=(palm_us[0], palm_us[1]), wheels=self._wheels(side, hardware, leads),
+            times=tuple(_core.runtime.times(spec, entry.name)),
+        )  # fmt: skip
+
+    def _share(self, power: float) -> int:
+        """A share of full power as a pulse [us] or a speed of the motor board."""
+        board = self.pair.settings.board
+        if board.wheels == "motor-board":
+            return round(255 * power)
+        return round(1e6 * (board.wheel_rest_s + board.wheel_full_s * power))
+
+    def _wheel_slew(self, hardware: HardwareParameters, period_s: float) -> int:
+        share = hardware.acceleration_m_s2 * period_s / hardware.full_speed_m_s
+        return max(1, abs(self._share(share) - self._share(0.0)))
+
+    def _wheels(self, side: Side, hardware: HardwareParameters, leads: bool) -> tuple[int, ...]:
+        """Of the left and the right wheel, by stop and move."""
+        drives = drive_table(self.scene, side)
+        sense = -1.0 if leads else 1.0  # forward is towards the partner
+        found: list[tuple[int, int]] = []
+        for stop in (False, True):
+            for move in (0, 1, 2):
+                rates = wheel_rates(hardware, sense * drives[0, move, stop, True].speed_m_s)
+                commands = [motor_command(hardware, rate, turns=True) for rate in rates]
+                powers = oriented(hardware, [motor_power(hardware, c) for c in commands])
+                found.append((self._share(powers[0]), self._share(powers[1])))
+        return (*(left for left, _ in found), *(right for _, right in found))
+
+
+def board_pair(pair: Pair) -> BoardPair:
+    """Check that the robots of a pair can be boards.
+
+    Raises:
+        PalmbotsError: they cannot; the message says what to change.
+    """
+    scene = load_scene(pair.scene())
+    entry = controller_of(pair)
+    if entry.team == "station":
+        raise PalmbotsError(
+            f"pair.controller: {entry.name} needs a station that decides; allowed: a controller "
+            "that runs on the robots"
+        )
+    if entry.machines is None and entry.name not in CONTROLLERS:
+        raise PalmbotsError(
+            f"pair.controller: {entry.name} is a class in Python; allowed: a shipped controller, "
+            "or a policy FILE.toml"
+        )
+    if entry.machines is not None:
+        _check_table(entry, scene)
+    core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
+    _check_times(scene)
+    board = pair.settings.board
+    for side in SIDES:
+        _check_hardware(pair.settings.hardware.of(side), side, scene)
+    if board.wheels == "motor-board" and not 0 < board.motor_timeout_s <= scene.control.watchdog_s:
+        kept = "keeps its last speed" if board.motor_timeout_s == 0 else "stops too late"
+        raise PalmbotsError(
+            f"board.motor_timeout_s: value is {board.motor_timeout_s:g}: a motor board that {kept} "
+            "while the processor is silent is refused; allowed: more than 0, at most "
+            f"control.watchdog_s, {scene.control.watchdog_s:g} s"
+        )
+    return BoardPair(pair, scene, entry)
+
+
+def _check_table(entry: ControllerEntry, scene: Scene) -> None:
+    entry.for_core(to_spec(scene))
+
+
+def _check_times(scene: Scene) -> None:
+    period_s, watchdog_s = scene.control.period_s, scene.control.watchdog_s
+    period_us = 1e6 * period_s
+    is_whole = abs(period_us / 5 - round(period_us / 5)) < 1e-6
+    if not PERIODS_S[0] <= period_s <= PERIODS_S[1] or not is_whole:
+        raise PalmbotsError(
+            f"control.period_s: value is {period_s:g}; allowed on a board: a multiple of 5 µs, "
+            f"from {PERIODS_S[0]:g} to {PERIODS_S[1]:g} s"
+        )
+    if watchdog_s < max(SHORTEST_WATCHDOG_S, 2 * period_s):
+        raise PalmbotsError(
+            f"control.watchdog_s: value is {watchdog_s:g}; allowed on a board: at least "
+            f"{max(SHORTEST_WATCHDOG_S, 2 * period_s):g} s, because an erase of its flash memory "
+            "takes 0.088 s"
+        )
+    for side in SIDES:
+        if scene.stride_of(side) > 1:
+            raise PalmbotsError(
+                f"robot.{side}.period_s: value is {scene.robot_of(side).period_s:g}; allowed on a "
+                f"board: control.period_s, {period_s:g}"
+            )
+
+
+def _check_hardware(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
+    if len(hardware.switches) > PALM_SWITCHES:
+        raise PalmbotsError(
+            f"hardware.switches: {len(hardware.switches)} switches on the {side} palm; allowed on "
+            f"a board: at most {PALM_SWITCHES}"
+        )
+    if hardware.battery_low_v > MOST_BATTERY_V:
+        raise PalmbotsError(
+            f"hardware.battery_low_v: value is {hardware.battery_low_v:g}; allowed on a board: at "
+            f"most {MOST_BATTERY_V:g} V, because it measures its own supply"
+        )
+    limit_s = stopping_limit_s(scene)
+    if hardware.stopping_s > limit_s + 1e-9:
+        raise PalmbotsError(
+            f"hardware.stopping_s: value is {hardware.stopping_s:g}; allowed: at most "
+            f"{limit_s:g} s, the time in which the scene's robots brake"
+        )
+    palm = scene.palm_of(side)
+    for key, angle in (("steep_deg", palm.steep_deg), ("shallow_deg", palm.shallow_deg)):
+        wanted = hardware.servo_zero_deg + hardware.servo_scale * angle
+        if not hardware.servo_min_deg <= wanted <= hardware.servo_max_deg:
+            raise PalmbotsError(
+                f"palm.{key}: the servo of the {side} robot would have to turn to {wanted:g} "
+                f"degrees; allowed: hardware.servo_min_deg to servo_max_deg, "
+                f"{hardware.servo_min_deg:g} to {hardware.servo_max_deg:g}"
+            )
+    for name in ("servo_min_pulse_s", "servo_max_pulse_s"):
+        pulse_s = getattr(hardware, name)
+        if not 0.0005 <= pulse_s <= 0.0025:
+            raise PalmbotsError(
+                f"hardware.{name}: value is {pulse_s:g}; allowed on a board: 0.0005 to 0.0025 s"
+            )

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A calibration of one robot of a pair, from its ``pair.toml`` and back into it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from palmbots._types import Side
+from palmbots._util.arguments import show
+from palmbots._util.optional_imports import require
+from palmbots.clocks.control_clock import ControlClock
+from palmbots.drivers.driver import RawAccess
+from palmbots.errors import PalmbotsError
+from palmbots.pair.calibration import STEPS, Finding, Task, calibrate, values_of
+from palmbots.pair.calibration_bench import Machine, Person
+from palmbots.pair.pair_edit import write_hardware
+from palmbots.pair.pair_file import Pair
+from palmbots.pair.robot_driver import opened_driver
+from palmbots.scene.scene import Scene, load_scene
+
+
+@dataclass(frozen=True)
+class CalibrationRun:
+    """What a calibration has done."""
+
+    findings: list[Finding]
+    backup: Path
+    """The ``pair.toml`` as it was before."""
+    warnings: list[str]
+    """What the values mean for the scene."""
+
+
+def steps_of(text: str) -> tuple[str, ...]:
+    """The steps of ``--only``, in the order in which they are run; empty: all.
+
+    Raises:
+        PalmbotsError: there is no such step.
+    """
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    for name in names:
+        if name not in STEPS:
+            raise PalmbotsError(f"--only: value is {show(name)}; allowed: {', '.join(STEPS)}")
+    return tuple(name for name in STEPS if name in names)
+
+
+def task_of(scene: Scene, side: Side, length_m: float) -> Task:
+    """What a robot of a scene is calibrated for."""
+    robot, palm = scene.robot_of(side), scene.palm_of(side)
+    fastest = min(robot.speed_m_s + robot.correction_m_s, robot.max_speed_m_s)
+    return Task(length_m, fastest, (palm.shallow_deg, palm.steep_deg), palm.length_m / 2)
+
+
+def run_calibration(
+    pair: Pair,
+    side: Side,
+    person: Person,
+    *,
+    steps: Sequence[str] = (),
+    length_m: float = 1.5,
+    rate: float = 1.0,
+) -> CalibrationRun:
+    """Calibrate one robot, and write what was found into the ``pair.toml``.
+
+    Nothing is written before the last step is done.
+
+    Args:
+        pair: the pair.
+        side: which of its robots.
+        person: who does what the steps ask for.
+        steps: names of the steps; none: all.
+        length_m: of the drive along the tape.
+        rate: multiple of real time at which a simulated robot runs.
+
+    Raises:
+        PalmbotsError: the robot's program runs, its driver gives no access to its hardware, a step
+            fails, or a file cannot be written.
+    """
+    require("tomlkit", "calibrate")  # found missing before, and not after, all the work
+    scene = load_scene(pair.scene())
+    period_s = scene.control.period_s
+    with opened_driver(pair, side, scene) as driver:
+        has_raw = isinstance(driver, RawAccess) and getattr(driver, "has_raw", True)
+        if not has_raw:
+            kind = show(pair.settings.driver.kind)
+            raise PalmbotsError(
+                f"driver.kind: {kind} gives no access to motors and encoders, which calibrate "
+                "needs; allowed: a driver with read_raw and write_raw"
+            )
+        clock = ControlClock(period_s / rate)
+        machine = Machine(driver, pair.settings.hardware.of(side), clock.wait, period_s)
+        machine.rest(5 * period_s)
+        findings = calibrate(machine, person, task_of(scene, side, length_m), steps)
+    backup = write_hardware(pair.file, side, values_of(findings))
+    return CalibrationRun(findings, backup, warnings_of(findings, scene))
+
+
+def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:
+    """What the values mean for the scene."""
+    found = {one.key: one for one in findings}
+    warnings = [one.note for one in findings if one.note]
+    if "stopping_s" in found and found["stopping_s"].value > scene.control.watchdog_s:
+        warnings.append(
+            f"the wheels need {found['stopping_s'].value:.3f} s to stop, longer than "
+            f"control.watchdog_s = {scene.control.watchdog_s:g}: the robot cannot be armed"
+        )
+    if "switches" in found:
+        middle = scene.tactile.zero_half_width_m
+        for zone in found["switches"].value:
+            if zone.sign != "0" or scene.tactile.zones is not None:
+                continue
+            if max(abs(zone.from_m + middle), abs(zone.to_m - middle)) > _ZONE_SLACK_M:
+                warnings.append(
+                    f"the middle switch reaches from {1000 * zone.from_m:.1f} to "
+                    f"{1000 * zone.to_m:.1f} mm, not ±{1000 * middle:g} mm as the scene assumes "
+                    "(tactile.zero_half_width_m): set tactile.zones to what was measured"
+                )
+    return warnings
+
+
+_ZONE_SLACK_M = 0.002

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measuring the radio between a station and two robots, and what it means for the controllers.
+
+The station greets both robots in every period. Their status packets are numbered without gaps, so
+missing numbers are losses, and they acknowledge the newest greeting, so an acknowledgement gives a
+round trip. A robot answers with its next status, up to 0.05 s later, which counts as part of it.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from palmbots._types import SIDES, Side
+from palmbots.control.dead_band import warnings_before
+from palmbots.control.registry import refusal, resolve
+from palmbots.control.resilient_timing import bounds_of
+from palmbots.errors import SceneError
+from palmbots.links.link import Link
+from palmbots.links.round_trips import RoundTrips, quantile
+from palmbots.pair.pair_file import Pair
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
+
+PERIOD_S = 0.05
+_ANSWER_S = 0.05
+_FALSE_SILENCE_S = 3600.0
+"""The lease should run out without need at most once in this time."""
+CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+
+
+@dataclass
+class LinkFigures:
+    """What was measured between the station and one robot."""
+
+    received: int = 0
+    """Status packets of the robot that arrived."""
+    lost: int = 0
+    """Status packets that did not."""
+    round_trips_s: list[float] = field(default_factory=list)
+    mode: str = ""
+    """The robot's mode; empty: it was not heard."""
+    fault: FaultCode = "none"
+    status: Status | None = None
+    """The newest one."""
+    items: dict[str, int] = field(default_factory=dict)
+    """The newest value of each number that a status can have."""
+    arrivals: list[tuple[float, int]] = field(default_factory=list)
+    """Time at which each status packet arrived [s], and its number."""
+    _first: int = 0
+    _last: int = 0
+
+    @property
+    def loss(self) -> float:
+        """Fraction of the packets that were lost."""
+        sent = self.received + self.lost
+        return self.lost / sent if sent else 0.0
+
+    def round_trip_s(self, fraction: float) -> float:
+        """A quantile of the round trips [s]; NaN: there was none."""
+        return quantile(self.round_trips_s, fraction)
+
+    @property
+    def delay_s(self) -> float:
+        """Delay in one direction that 99 % of the packets keep, estimated as half of the round trip
+        without the time until the robot answers [s]."""
+        return max(0.0, self.round_trip_s(0.99) - _ANSWER_S) / 2
+
+    def note(self, number: int, status: Status, now_s: float = 0.0) -> None:
+        """A status with this number has arrived."""
+        self.status = status
+        self.items[status.item] = status.value
+        self.arrivals.append((now_s, number))
+        self._first = self._first or number
+        self._last = number
+        self.received += 1
+        self.lost = self._last - self._first + 1 - self.received
+        self.mode, self.fault = status.mode, status.fault
+
+    def summary(self) -> dict[str, Any]:
+        """The figures as a table."""
+        trips = {f"round_trip_{name}_s": self.round_trip_s(q) for name, q in _QUANTILES.items()}
+        shown = {name: None if math.isnan(value) else value for name, value in trips.items()}
+        own = {k: v for k, v in asdict(self).items() if k in ("received", "lost", "mode", "fault")}
+        return own | {"loss": self.loss} | shown
+
+
+_QUANTILES = {"median": 0.5, "p99": 0.99, "longest": 1.0}
+
+
+def measure(
+    pair: Pair,
+    link: Link,
+    epoch: int,
+    seconds: float,
+    clock: Callable[[], float],
+    wait: Callable[[], None],
+    verdicts: dict[Verdict, int] | None = None,
+) -> dict[Side, LinkFigures]:
+    """Measure for some seconds.
+
+    Args:
+        pair: the pair.
+        link: how packets travel.
+        epoch: number of the station's boots, this one included.
+        seconds: duration.
+        clock: the time [s].
+        wait: returns after `PERIOD_S`.
+        verdicts: gets the number of received packets by verdict.
+    """
+    end = Endpoint(pair.key, pair.settings.pair.number, "station", epoch)
+    figures: dict[Side, LinkFigures] = {side: LinkFigures() for side in SIDES}
+    trips = {side: RoundTrips() for side in SIDES}
+    greetings = 0
+    stop_s = clock() + seconds
+    while clock() < stop_s:
+        for data in link.receive():
+            packet = end.receive(data).packet
+            if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
+                continue
+            figures[packet.sender].note(packet.sequence, packet.body, clock())
+            trip_s = trips[packet.sender].answered(packet.acknowledged, clock())
+            if trip_s is not None:
+                figures[packet.sender].round_trips_s.append(trip_s)
+        greetings += 1
+        for side in SIDES:
+            link.send(side, end.send(side, Hello()))
+            trips[side].note_sent((epoch, greetings), clock())
+        wait()
+    if verdicts is not None:
+        verdicts.update(end.counts)
+    return figures
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What a radio means for the controllers."""
+
+    delay_s: float
+    """Delay in one direction [s]."""
+    loss: float
+    """Fraction of lost packets."""
+    lease_s: float
+    """A lease that runs out without need at most once per hour [s]."""
+    verdicts: dict[str, str]
+    """For each controller: ``suffices``, or why not."""
+
+
+def needs_of(scene: Scene, delay_s: float, loss: float) -> Needs:
+    """What a radio with this delay and loss means for each controller of robots.
+
+    The robots' own link is assumed to be as good as those to the station.
+    """
+    tick_s, beacon_s = scene.control.period_s, scene.radio.beacon_s
+    shortest_s = 2 * (max(delay_s, tick_s) + beacon_s + tick_s)
+    in_a_row = math.ceil(math.log(beacon_s / _FALSE_SILENCE_S) / math.log(loss)) if loss > 0 else 0
+    lease_s = shortest_s + in_a_row * beacon_s
+    measured = load_scene(scene, {"radio.latency_s": delay_s, "radio.jitter_s": 0.0})
+    verdicts = {name: _verdict(name, measured, loss, lease_s) for name in CONTROLLERS}
+    return Needs(delay_s, loss, lease_s, verdicts)
+
+
+def _verdict(controller: str, scene: Scene, loss: float, lease_s: float) -> str:
+    why = refusal(controller, scene)
+    if why is not None:
+        return why
+    if controller == "resilient":
+        try:
+            own_s = bounds_of(scene).lease_s
+        except SceneError as error:
+            return str(error)
+        if own_s < lease_s:
+            return f"its lease of {own_s:.2f} s is shorter than {lease_s:.2f} s: it will stop often"
+    if controller == "distributed" and loss > 0:
+        return "a lost message can make it hang"
+    warnings = warnings_before(scene, resolve(controller))
+    return warnings[0] if warnings else "suffices"

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The link and the driver of one end of a pair, as its ``pair.toml`` describes them."""
+
+from collections.abc import Callable
+
+from palmbots._types import Side
+from palmbots._util.arguments import show
+from palmbots.drivers.driver import Driver, DriverSettings
+from palmbots.drivers.driver_registry import open_driver
+from palmbots.errors import PalmbotsError
+from palmbots.links.greeting import scene_number
+from palmbots.links.link import LinkSettings, to_stderr
+from palmbots.links.link_meter import LinkMeter
+from palmbots.links.link_registry import open_link
+from palmbots.pair.drive_table import drive_table
+from palmbots.pair.pair_file import Pair
+from palmbots.scene.scene import Scene
+from palmbots.wire import Role
+
+_ROUNDING = 1e-9
+
+
+def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_stderr) -> LinkMeter:
+    """Open the link of a robot or the station; it counts.
+
+    Raises:
+        PalmbotsError: there is no such kind, or its address is wrong or cannot be used.
+    """
+    table, number = pair.settings.link, pair.settings.pair.number
+    settings = LinkSettings(role, table.addresses(), number, table.baud, on_line)
+    return LinkMeter(open_link(table.kind, settings), role, pair.key, number)
+
+
+def open_pair_driver(
+    pair: Pair,
+    side: Side,
+    scene: Scene,
+    *,
+    epoch: int,
+    rate: float = 1.0,
+    within_s: float = 20.0,
+    on_line: Callable[[str], None] = to_stderr,
+) -> Driver:
+    """Open the driver of a robot, with the speed limit of the pair.
+
+    Args:
+        pair: the pair.
+        side: of the robot.
+        scene: of the pair.
+        epoch: number of the robot's boots.
+        rate: multiple of real time at which a simulated robot runs.
+        within_s: time within which the world of a simulated robot has to answer.
+        on_line: called with a line for the operator.
+
+    Raises:
+        PalmbotsError: the scene needs a higher speed than the limit, there is no such kind of
+            driver, or its hardware cannot be used.
+    """
+    table, limit_m_s = pair.settings.driver, pair.settings.limits.max_speed_m_s
+    drives = drive_table(scene, side)
+    fastest_m_s = max(abs(drive.speed_m_s) for drive in drives.values())
+    if fastest_m_s > limit_m_s + _ROUNDING:
+        raise PalmbotsError(
+            f"limits.max_speed_m_s: value is {show(limit_m_s)}; allowed: at least "
+            f"{fastest_m_s:g} m/s, which the {side} robot needs for the scene"
+        )
+    settings = DriverSettings(
+        side=side,
+        leads=(side == "right") == (scene.task.direction == "forward"),
+        address=table.address_of(side),
+        period_s=scene.control.period_s / rate,
+        watchdog_s=scene.control.watchdog_s / rate,
+        hardware=pair.settings.hardware.of(side),
+        baud=table.baud,
+        options=table.options or {},
+        max_speed_m_s=limit_m_s,
+        epoch=epoch,
+        within_s=within_s,
+        scene=scene_number(scene),
+        table=getattr(pair.settings, table.kind, None),
+        on_line=on_line,
+    )
+    return open_driver(table.kind, settings)

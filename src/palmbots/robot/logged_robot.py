@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A robot whose steps are logged.
+
+A log holds no secret. Its packets carry the tag of a key that was made for the log and is
+written in it, so a log can be checked without the key of the pair, and no robot accepts a packet
+of it.
+"""
+
+import secrets
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+import palmbots._core as _core
+from palmbots._types import Side
+from palmbots.logs.run_channels import RobotTick
+from palmbots.logs.run_log_writer import RunLogWriter
+from palmbots.pair.pair_file import Pair
+from palmbots.pair.stored_state import StoredState
+from palmbots.robot.robot_program import controller_of
+from palmbots.scene.scene import Scene
+from palmbots.wire import KEY_SIZE, Role, decode, encode
+
+_RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
+READING: dict[str, Any] = {
+    "contact": True,
+    "battery_ok": True,
+    "driver_ok": True,
+    "storage_ok": True,
+    "covered": False,
+    "stop": False,
+    "overruns": 0,
+    "battery_mv": 0xFFFF,
+    "progress": 0,
+    "stopping": 0,
+}
+"""The arguments of the core's Reading that have a default."""
+
+
+class LoggedRobot:
+    """The core's program of a robot, with the same interface, which logs every step.
+
+    Args:
+        robot: the core's program, just started.
+        pair: the pair.
+        side: which of its robots.
+        state: what the robot had stored, this boot included.
+        scene: the scene.
+        settings: the arguments of the core's RuntimeSettings.
+        on_warning: called with one line if nothing can be logged.
+    """
+
+    def __init__(
+        self,
+        robot: Any,
+        pair: Pair,
+        side: Side,
+        state: StoredState,
+        scene: Scene,
+        settings: dict[str, Any],
+        on_warning: Callable[[str], None],
+    ) -> None:
+        self._robot = robot
+        self._side: Side = side
+        self._values: dict[str, Any] = {}
+        self._number = 0
+        self._tick: tuple[Callable[[], Any], int] | None = None
+        self._log: RunLogWriter | None = None
+        folder = pair.log_folder()
+        if folder is None:
+            return
+        key = secrets.token_bytes(KEY_SIZE)
+        self._retag = partial(_retagged, pair.key, pair.settings.pair.number, key)
+        source = controller_of(pair).source
+        facts = {
+            "pair": pair.settings.pair.number,
+            "key": key.hex(),
+            "scene": scene.model_dump(mode="json"),
+            "controller": pair.settings.pair.controller,
+            "controller_source": None if source is None else asdict(source),
+            "state": asdict(state),
+            "settings": settings,
+        }
+        self._log = RunLogWriter(folder, side, state.epoch, facts, on_warning)
+
+    def reading(self, sign: int, palm_at_target: bool, **more: Any) -> Any:
+        """What the robot reads in the next step: the core's Reading."""
+        self._values = {"sign": sign, "palm_at_target": palm_at_target} | READING | more
+        return _core.runtime.Reading(sign, palm_at_target, **more)
+
+    def step(self, elapsed: int, reading: Any, packets: list[bytes]) -> Any:
+        """One tick; as the core's."""
+        self._log_tick()
+        answer = self._robot.step(elapsed, reading, packets)
+        self._number += 1
+        if self._log is not None:
+            robot = self._robot
+            facts = (self._number, elapsed, self._values, robot.mode, robot.fault, robot.wheels)
+            self._withheld: list[int] = []
+            fill = partial(self._message, facts, packets, answer, self._withheld)
+            self._tick = (fill, self._log.now_ns())
+        return answer
+
+    def withhold(self, receiver: int) -> None:
+        """The packet of this step to this receiver is not sent."""
+        if self._log is not None:
+            self._withheld.append(receiver)
+
+    def _log_tick(self) -> None:
+        """Log the last step, once it is known what was sent."""
+        if self._log is not None and self._tick is not None:
+            fill, instant_ns = self._tick
+            self._log.add(f"/{self._side}/ticks", fill, instant_ns)
+            self._tick = None
+
+    def _message(
+        self, facts: tuple[Any, ...], packets: Sequence[bytes], answer: Any, withheld: list[int]
+    ) -> Any:
+        number, elapsed, values, mode, fault, wheels = facts
+        palm, move, rests, sent, case, *_, assists = answer
+        return RobotTick(
+            number=number,
+            elapsed=elapsed,
+            **values,
+            received=[self._retag(self._side, data) for data in packets],
+            palm=palm,
+            move=move,
+            rests=rests,
+            wheels=wheels,
+            case=chr(case),
+            assists=assists,
+            mode=mode,
+            fault=fault,
+            sent=[self._retag(_RECEIVERS[to], data) for to, data, _ in sent],
+            receivers=[to for to, _, _ in sent],
+            words=[word for *_, word in sent],
+            withheld=withheld,
+        )
+
+    def close(self) -> None:
+        """Write what is left of the log."""
+        if self._log is not None:
+            self._log_tick()
+            self._log.close()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._robot, name)
+
+
+def _retagged(key: bytes, pair: int, log_key: bytes, receiver: Role, data: bytes) -> bytes:
+    """The packet with the tag of the log's key; bytes that are no packet of the pair stay."""
+    packet = decode(data, key, pair, receiver).packet
+    return data if packet is None else encode(packet, log_key)

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated world in real time: the motor boards and sensors of two robots.
+
+The programs of the robots connect as drivers (`palmbots.drivers.simulated`). In every tick the
+world sends a reading to each, takes the newest command of each, and moves the robots. If a program
+has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
+"""
+
+import contextlib
+import time
+from collections import deque
+from dataclasses import asdict, dataclass
+from socket import socket
+from typing import Any
+
+import numpy as np
+
+from palmbots._types import SIDES
+from palmbots._util import process_clock
+from palmbots.clocks.control_clock import control_clock
+from palmbots.errors import PalmbotsError
+from palmbots.links.greeting import Greeting, greeting_in, is_other_scene, scene_number
+from palmbots.links.local_connection import Connection, ConnectionLost
+from palmbots.scene.scene import Scene
+from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
+from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
+
+_START_WITHIN_S = 30.0
+_ALONE_S = 3.0
+_REMEMBERED_S = 60.0
+_POLL_S = 0.01
+_MOST_AT_ONCE = 10  # programs that connect in one tick
+_DELIVERED_SHARE = 0.95
+
+
+@dataclass(frozen=True)
+class LiveCarry:
+    """The result of a carry in real time."""
+
+    outcome: str
+    """``delivered``: carried over at least 95 % of the distance; ``dropped``, or ``stopped``."""
+    distance_m: float
+    """Distance that the midpoint of the robots has covered."""
+    time_s: float
+    """Simulated time."""
+    overruns: int
+    """Ticks that the world missed."""
+    avoidable: bool | None = None
+    """After a drop: whether a controller could have prevented it."""
+
+    def summary(self) -> dict[str, Any]:
+        """The same as a table."""
+        return asdict(self)
+
+    def line(self) -> str:
+        """The same in a line for people."""
+        drop = {None: "", True: ", avoidable", False: ", unavoidable"}[self.avoidable]
+        return f"{self.outcome.upper()}{drop}  {self.distance_m:.2f} m in {self.time_s:.1f} s"
+
+
+class Board:
+    """The motor board of one robot."""
+
+    def __init__(self, stage: Stage, side: int, watchdog_ticks: int, rate: float) -> None:
+        self._stage, self._side, self._rate = stage, side, rate
+        self._watchdog_ticks = watchdog_ticks
+        self.driver: Connection | None = None
+        self.command: Any = stage.rest(None)
+        self._silent = 0
+
+    def plug(self, driver: Connection) -> None:
+        """A program has connected."""
+        self.driver = driver
+        if greeting := self._stage.greeting(self._side):
+            self.send([*greeting, self._rate])
+
+    def take(self) -> None:
+        """Take in the newest command; stop the wheels if there was none for too long."""
+        self._silent += 1
+        try:
+            while self.driver is not None and (frame := self.driver.poll()) is not None:
+                self.command, self._silent = self._stage.command_in(frame), 0
+        except ConnectionLost:
+            self.unplug()
+        if self._silent > self._watchdog_ticks:
+            self.command = self._stage.rest(self.command)
+
+    def send(self, reading: Any) -> None:
+        """Send a reading to the program; one that is frozen misses it."""
+        if self.driver is not None:
+            try:
+                self.driver.offer(reading)
+            except ConnectionLost:
+                self.unplug()
+
+    def unplug(self) -> None:
+        """The program is gone."""
+        if self.driver is not None:
+            self.driver.close()
+        self.driver = None
+
+
+def run_live_world(
+    scene: Scene,
+    door: socket,
+    *,
+    world: str = "quasistatic",
+    seed: int = 0,
+    rate: float = 1.0,
+    imperfections: Imperfections | None = None,
+) -> LiveCarry:
+    """Run a world until the programs of both robots have gone, or the object is dropped.
+
+    Args:
+        scene: the scene; its radio and the faults of its robots are not simulated here.
+        door: where the programs connect.
+        world: name of the world.
+        seed: of the noise.
+        rate: multiple of real time.
+        imperfections: what the robots really are; None: they are as in the scene.
+
+    Raises:
+        PalmbotsError: a program does not connect in time, or is not a robot.
+    """
+    stage: Stage
+    if imperfections is None:
+        stage = PerfectStage(scene, world, seed)
+    else:
+        stage = ImperfectStage(scene, world, seed, imperfections)
+    period_s = scene.control.period_s
+    watchdog_ticks = round(scene.control.watchdog_s / period_s)
+    boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
+    entrance = Entrance(door, boards, scene_number(scene))
+    entrance.wait()
+    clock = control_clock("world", period_s / rate)
+    ticks = 0
+    contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))
+    alone_since = None
+    while stage.outcome == "running":
+        clock.wait()
+        entrance.admit()
+        for board, frame in zip(boards.values(), stage.frames(), strict=True):
+            board.take()
+            board.send(frame)
+        left, right = (board.command for board in boards.values())
+        stage.step(left, right)
+        contacts.append(stage.contacts)
+        ticks += 1
+        if all(board.driver is None for board in boards.values()):
+            now = process_clock.monotonic()
+            alone_since = alone_since or now
+            if now - alone_since > _ALONE_S / rate:
+                break
+        else:
+            alone_since = None
+    for board in boards.values():
+        board.send("end")
+        board.unplug()
+    distance_m = abs(stage.midpoint)
+    outcome = "dropped" if stage.outcome == "dropped" else "stopped"
+    if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
+        outcome = "delivered"
+    avoidable = None
+    if outcome == "dropped":
+        avoidable = not _was_unavoidable(scene, stage, np.array(contacts))
+    return LiveCarry(outcome, distance_m, ticks * period_s, clock.overruns, avoidable)
+
+
+def _was_unavoidable(scene: Scene, stage: Stage, contacts: np.ndarray) -> bool:
+    """Whether no controller could have prevented the drop; the last contacts are those of the
+    drop."""
+    if stage.drop_reason() != "off-palm":
+        return False
+    times = scene.control.period_s * np.arange(len(contacts))
+    return left_palm_unavoidably(scene, times, contacts)
+
+
+class Entrance:
+    """Lets programs connect. It never waits, and strangers do not disturb the world."""
+
+    def __init__(self, door: socket, boards: dict[str, Board], scene: int) -> None:
+        self._door, self._boards, self._scene = door, boards, scene
+        self._unknown: list[tuple[float, Connection]] = []
+        door.settimeout(0)
+
+    def wait(self) -> None:
+        """Wait until both programs have connected.
+
+        Raises:
+            PalmbotsError: one does not come.
+        """
+        give_up = time.monotonic() + _START_WITHIN_S
+        here: set[str] = set()
+        while len(here) < len(self._boards):
+            self.admit()
+            for board in self._boards.values():
+                board.take()  # notices a program that is gone
+            now = {side for side, board in self._boards.items() if board.driver is not None}
+            if now - here:
+                give_up = time.monotonic() + _START_WITHIN_S
+            here = now
+            if time.monotonic() > give_up:
+                missing = " and ".join(side for side in self._boards if side not in here)
+                raise PalmbotsError(
+                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
+                )
+            time.sleep(_POLL_S)
+
+    def admit(self) -> None:
+        """Let the programs in that have connected and said who they are."""
+        with contextlib.suppress(BlockingIOError, ConnectionAbortedError):
+            for _ in range(_MOST_AT_ONCE):
+                stream, _ = self._door.accept()
+                self._unknown.append((time.monotonic(), Connection(stream, "a program")))
+        for entry in [*self._unknown]:
+            since, program = entry
+            try:
+                frame = program.poll()
+                if frame is None and time.monotonic() - since < _START_WITHIN_S:
+                    continue
+                greeting = greeting_in(frame)
+            except PalmbotsError:
+                program.close()
+            else:
+                self._plug(greeting, program)
+            self._unknown.remove(entry)
+
+    def _plug(self, greeting: Greeting, program: Connection) -> None:
+        side = greeting.end
+        is_taken = self._boards[side].driver is not None
+        if is_taken or is_other_scene(greeting, self._scene):
+            with contextlib.suppress(ConnectionLost):
+                program.send("taken" if is_taken else "scene")
+            program.close()
+            return
+        program.name = f"{side} robot"
+        self._boards[side].plug(program)

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the motor boards of a world in real time are connected to: a `Stage`.
+
+`PerfectStage` has the robots of the scene, whose commands are those of a controller.
+`ImperfectStage` has robots with imperfections, whose commands are those of motors.
+"""
+
+import math
+from typing import Any, Protocol
+
+from palmbots._types import SIDES
+from palmbots.drivers.driver import RawCommand, RawReading
+from palmbots.errors import PalmbotsError
+from palmbots.links.local_connection import ConnectionLost
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.driven_world import DrivenWorld
+from palmbots.simulation.imperfect_robot import REST, ImperfectRobot
+from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.worlds import world_entry
+
+# The world goes on until the robots stop: neither distance nor time ends it.
+_ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
+
+
+class Stage(Protocol):
+    """A world with two robots, tick by tick."""
+
+    @property
+    def midpoint(self) -> float:
+        """Displacement of the midpoint of the robots [m]."""
+        ...
+
+    @property
+    def outcome(self) -> str:
+        """``running``, or how it has ended."""
+        ...
+
+    @property
+    def contacts(self) -> tuple[float, float]:
+        """The contact coordinates p after the last step [m]."""
+        ...
+
+    def drop_reason(self) -> str | None:
+        """Why the object was dropped; None: it was not."""
+        ...
+
+    def greeting(self, side: int) -> list[Any]:
+        """Further values of the frame for a program that has just connected; none: no frame."""
+        ...
+
+    def frames(self) -> tuple[Any, Any]:
+        """The reading of each robot, as a frame."""
+        ...
+
+    def command_in(self, frame: Any) -> Any:
+        """The command in a frame.
+
+        Raises:
+            ConnectionLost: it is none.
+        """
+        ...
+
+    def rest(self, command: Any) -> Any:
+        """The command that stops the wheels and keeps the palm, after this one; None: at first."""
+        ...
+
+    def step(self, left: Any, right: Any) -> None:
+        """One control period with these commands."""
+        ...
+
+
+class PerfectStage:
+    """The robots of the scene."""
+
+    def __init__(self, scene: Scene, world: str, seed: int) -> None:
+        episode: Any = world_entry(world).episode
+        if episode is None:
+            raise PalmbotsError(f"world: {world} cannot be stepped from outside")
+        self._carry = episode(load_scene(scene, _ENDLESS), seed, record=False)
+        self._seen = self._carry.seen
+        self.midpoint = 0.0
+        self.contacts: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def outcome(self) -> str:
+        """``running``, or how it has ended."""
+        return self._carry.outcome
+
+    def drop_reason(self) -> str | None:
+        """The reason of a drop, by its name in results."""
+        return self._carry.make_carry("none").reason
+
+    def greeting(self, side: int) -> list[Any]:
+        """Nothing."""
+        return []
+
+    def frames(self) -> tuple[Any, Any]:
+        """Sign, whether the palm is turned, and the distance."""
+        left, right = ([sign, turned, abs(self.midpoint)] for sign, turned, *_ in self._seen())
+        return left, right
+
+    def command_in(self, frame: Any) -> tuple[int, int, bool]:
+        """Palm, move and stop."""
+        if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool]:
+            palm, move, stop = frame
+            if palm in (0, 1) and move in (0, 1, 2):
+                return palm, move, stop
+        raise ConnectionLost("a program: sends no commands")
+
+    def rest(self, command: tuple[int, int, bool] | None) -> tuple[int, int, bool]:
+        """Stop; the palm stays."""
+        return (0 if command is None else command[0], 0, True)
+
+    def step(self, left: tuple[int, int, bool], right: tuple[int, int, bool]) -> None:
+        """One control period."""
+        self._carry.stop(left[2], right[2])
+        _, _, _, self.midpoint, self.contacts = self._carry.step((*left[:2], 0), (*right[:2], 0), 1)
+
+
+def raw_frame(reading: RawReading) -> list[Any]:
+    """A reading of the hardware as a frame."""
+    counts = None if reading.wheel_counts is None else [*reading.wheel_counts]
+    return ["raw", counts, [*reading.closed], reading.servo_rad, reading.battery_v]
+
+
+class RawStage:
+    """Commands to motors, as frames.
+
+    Args:
+        imperfections: what the robots really are.
+    """
+
+    def __init__(self, imperfections: Imperfections) -> None:
+        self._clocks = [1 + 1e-6 * imperfections.of(side).clock_ppm for side in SIDES]
+
+    def greeting(self, side: int) -> list[Any]:
+        """The rate of the clock of the robot's program, which only its simulation knows."""
+        return ["clock", self._clocks[side]]
+
+    def command_in(self, frame: Any) -> RawCommand:
+        """The rates of both wheels, and the angle of the servo or null."""
+        if isinstance(frame, list) and len(frame) == 4 and frame[0] == "raw":
+            *wheels, servo = frame[1:]
+            if all(_is_number(value) for value in wheels) and (servo is None or _is_number(servo)):
+                return RawCommand((float(wheels[0]), float(wheels[1])), servo)
+        raise ConnectionLost("a program: sends no commands")
+
+    def rest(self, command: RawCommand | None) -> RawCommand:
+        """Stop the wheels; the servo keeps its angle."""
+        return REST if command is None else RawCommand((0.0, 0.0), command.servo_rad)
+
+
+def _is_number(value: Any) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and math.isfinite(value)
+
+
+class ImperfectStage(RawStage):
+    """Robots with imperfections under an object.
+
+    Args:
+        scene: the scene.
+        world: its name.
+        seed: of the noise.
+        imperfections: what the robots really are.
+    """
+
+    def __init__(self, scene: Scene, world: str, seed: int, imperfections: Imperfections) -> None:
+        driven = world_entry(world).driven
+        if driven is None:
+            raise PalmbotsError(f"--imperfect: the world {world} cannot have imperfect robots")
+        params = [imperfections.of(side) for side in SIDES]
+        left, right = (one.pivot_height_m for one in params)
+        self._world: DrivenWorld = driven(scene, (left, right))
+        super().__init__(imperfections)
+        self.contacts: tuple[float, float] = (0.0, 0.0)
+        self._robots = [
+            ImperfectRobot(one, scene, side, seed) for one, side in zip(params, SIDES, strict=True)
+        ]
+
+    @property
+    def midpoint(self) -> float:
+        """Displacement of the midpoint of the robots [m]."""
+        return self._world.midpoint
+
+    @property
+    def outcome(self) -> str:
+        """``running`` or ``dropped``."""
+        return "dropped" if self._world.end else "running"
+
+    def readings(self) -> tuple[RawReading, RawReading]:
+        """What the hardware of each robot reads."""
+        world = self._world
+        rows = zip(self._robots, world.rolled_m, world.pressed, world.palms, strict=True)
+        left, right = (robot.reading(rolled, p, palm) for robot, rolled, p, palm in rows)
+        return left, right
+
+    def frames(self) -> tuple[Any, Any]:
+        """The readings as frames."""
+        left, right = self.readings()
+        return raw_frame(left), raw_frame(right)
+
+    def step(self, left: RawCommand, right: RawCommand) -> None:
+        """One control period."""
+        one, other = self._robots
+        rims = (one.move(left), other.move(right))
+        self._world.step(rims, (one.palm_rad, other.palm_rad))
+        # A palm that is pressed too lightly keeps its last contact.
+        (p, q), (was, was_other) = self._world.pressed, self.contacts
+        self.contacts = (was if p is None else p, was_other if q is None else q)
+
+    def drop_reason(self) -> str | None:
+        """The reason of a drop, by its name in results."""
+        return self._world.end or None

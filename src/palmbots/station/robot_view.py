@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the station knows of one robot."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from palmbots.pair.fault_words import fault_line
+from palmbots.station.link_quality import LinkQuality
+from palmbots.wire import Packet, Status
+
+LOST_AFTER_S = 1.0
+_NOT_MEASURED = 0xFFFF
+_MANY_OVERRUNS = 5
+_MUCH_LOSS = 0.1
+_NUMBERS = ("progress", "battery", "overruns")
+
+
+@dataclass
+class RobotView:
+    """The newest news of one robot."""
+
+    status: Status | None = None
+    """None: it has never been heard."""
+    heard_s: float = -math.inf
+    """When it was heard last."""
+    stamp: tuple[int, int] = (0, 0)
+    """Epoch and number of its newest packet."""
+
+    def __post_init__(self) -> None:
+        self.link = LinkQuality()
+        self._numbers: dict[str, int] = {}
+
+    def take(self, packet: Packet, status: Status, now: float) -> None:
+        """A status of the robot has arrived."""
+        if packet.epoch != self.stamp[0]:
+            self._numbers.clear()
+        self.status, self.heard_s, self.stamp = status, now, (packet.epoch, packet.sequence)
+        self.link.note_received(self.stamp, packet.acknowledged, now)
+        if status.item in _NUMBERS:
+            self._numbers[status.item] = status.value
+
+    def is_heard(self, now: float) -> bool:
+        """Whether it has been heard lately."""
+        return now - self.heard_s < LOST_AFTER_S
+
+    @property
+    def progress(self) -> float | None:
+        """Covered part of the distance, from 0 to 1."""
+        value = self._numbers.get("progress")
+        return None if value is None else value / _NOT_MEASURED
+
+    @property
+    def battery_v(self) -> float | None:
+        """Voltage of the battery; None: not measured."""
+        value = self._numbers.get("battery", _NOT_MEASURED)
+        return None if value == _NOT_MEASURED else value / 1000
+
+    def frame(self, now: float) -> dict[str, Any] | None:
+        """The same for a screen; None: the robot has never been heard."""
+        status = self.status
+        if status is None:
+            return None
+        return {
+            "is_heard": self.is_heard(now),
+            "silent_s": round(now - self.heard_s, 2),
+            "mode": status.mode,
+            "fault": status.fault,
+            "sign": status.sign,
+            "palm": status.palm,
+            "palm_at_target": status.palm_at_target,
+            "case": status.case.strip(),
+            "at_rest": status.at_rest,
+            "stop": status.stop,
+            "progress": self.progress,
+            "battery_v": self.battery_v,
+            "overruns": self._numbers.get("overruns"),
+            "loss": self.link.loss(now),
+            "round_trip_s": self.link.round_trip_s(now),
+            "boots": self.stamp[0],
+        }
+
+    def warnings(self, now: float) -> list[str]:
+        """What an operator should know."""
+        if self.status is None:
+            return ["has not been heard yet"]
+        if not self.is_heard(now):
+            return [f"not heard for {now - self.heard_s:.0f} s"]
+        found = []
+        if self.status.fault != "none":
+            found.append(f"fault {fault_line(self.status.fault)}")
+        if (late := self._numbers.get("overruns", 0)) >= _MANY_OVERRUNS:
+            found.append(f"{late} of the last 100 control ticks came too late")
+        if (loss := self.link.loss(now)) is not None and loss >= _MUCH_LOSS:
+            found.append(f"{100 * loss:.0f} % of its packets are lost")
+        return found

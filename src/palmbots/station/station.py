@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's station: receives the status of both robots, and sends what the operator wants.
+
+A wish is repeated in every period until the status of each robot shows that it has been carried
+out. Then it is fulfilled, and this robot does not get it again: one that has a fault afterwards is
+not armed or started on its own. Only a stop stays in force.
+"""
+
+import contextlib
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+from palmbots._types import SIDES, Side
+from palmbots._util import process_clock
+from palmbots.errors import PalmbotsError
+from palmbots.links.link import Link
+from palmbots.links.link_meter import LinkMeter
+from palmbots.pair.fault_words import fault_line
+from palmbots.pair.pair_file import Pair
+from palmbots.pair.stored_state import StoredState, read_state, write_state
+from palmbots.scene.scene import load_scene
+from palmbots.station.correction_watch import CorrectionWatch, longest_correction_s
+from palmbots.station.fault_watch import FaultWatch
+from palmbots.station.reported_counts import ReportedCounts
+from palmbots.station.robot_view import LOST_AFTER_S, RobotView
+from palmbots.station.station_epochs import StationEpochs
+from palmbots.wire import Endpoint, Hello, Operate, Operation, Packet, RobotMode, Status, decode
+
+PERIOD_S = 0.05
+UNDER_WAY: tuple[RobotMode, ...] = ("ready", "carrying", "holding")
+GONE_AFTER_S = 10.0
+_WISH_LASTS_S = 5.0
+_STOPS: tuple[Operation, ...] = ("stop", "e_stop")
+# What is not done in time is not done later either, when nobody expects it any more.
+_LAPSES: tuple[Operation, ...] = ("arm", "start", "release")
+# The modes in which a wish has been carried out.
+_REACHED: dict[Operation, tuple[RobotMode, ...]] = {
+    "arm": ("armed", *UNDER_WAY),
+    "start": (*UNDER_WAY, "done"),
+    "stop": ("stopped",),
+    "e_stop": ("stopped",),
+    "release": ("off", "disarmed", "armed", *UNDER_WAY, "done", "fault"),
+    "disarm": ("disarmed",),
+}
+
+
+class OtherStation(PalmbotsError):
+    """Another station operates the pair."""
+
+
+class Station:
+    """The station's end of the wire, with what it knows of both robots.
+
+    Args:
+        pair: the pair.
+        link: how packets travel.
+        on_line: called with each line about what happens.
+        clock: the time [s].
+    """
+
+    def __init__(
+        self,
+        pair: Pair,
+        link: Link,
+        on_line: Callable[[str], None],
+        clock: Callable[[], float] = process_clock.monotonic,
+    ) -> None:
+        self._pair, self._link, self._on_line, self.clock = pair, link, on_line, clock
+        self._number = pair.settings.pair.number
+        self._file = pair.state_file("station")
+        self._storing = ThreadPoolExecutor(max_workers=1)
+        self._start_s = clock()
+        self._wish: Operation | None = None
+        self._wish_s = 0.0
+        self._fulfilled: set[Side] = set()
+        self._lapsed: set[Side] = set()
+        self._notes: list[Callable[[str, Any], None]] = []
+        self.robots: dict[Side, RobotView] = {side: RobotView() for side in SIDES}
+        """What is known of each robot."""
+        self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
+        """What each robot has reported about its own end of the wire."""
+        self.corrections = CorrectionWatch(longest_correction_s(load_scene(pair.scene())))
+        self._faults = FaultWatch(PERIOD_S, self._start_s)
+        self._lost: set[Side] = set()
+        self._boot(read_state(self._file))
+        self.was_carrying = self._state.carries
+        """A carry was under way when this station's program ended without saying so."""
+
+    def _boot(self, before: StoredState) -> None:
+        self._state = before.booted()
+        self._storing.submit(write_state, self._file, self._state).result()
+        self.epoch = self._state.epoch
+        self._sent = dict.fromkeys(SIDES, 0)  # packets in this epoch
+        self._wished_at = dict.fromkeys(SIDES, 0)
+        self._end = Endpoint(self._pair.key, self._number, "station", self.epoch)
+        self._epochs = StationEpochs(self.epoch)
+
+    def keep_carrying(self, carries: bool) -> None:
+        """Store whether a carry is under way, for a program that goes on after this one."""
+        if self._state.carries != carries:
+            self._state = replace(self._state, carries=carries)
+            self._storing.submit(self._store, self._state)  # a slow disk must not delay a stop
+
+    def _store(self, state: StoredState) -> None:
+        with contextlib.suppress(PalmbotsError):  # the boot counter was written before
+            write_state(self._file, state)
+
+    def close(self) -> None:
+        """Wait until everything is stored."""
+        self._storing.shutdown()
+
+    @property
+    def status(self) -> dict[Side, Status]:
+        """The newest status of each robot that has been heard."""
+        return {side: v.status for side, v in self.robots.items() if v.status is not None}
+
+    @property
+    def wished(self) -> Operation | None:
+        """What the operator wants."""
+        return self._wish
+
+    def time_s(self) -> float:
+        """Time since the start of this station."""
+        return self.clock() - self._start_s
+
+    def wish(self, operation: Operation, by: str = "operator") -> None:
+        """Set what is wanted of both robots, and who wants it."""
+        self._wish, self._wish_s = operation, self.clock()
+        self._fulfilled, self._lapsed = set(), set()
+        self._wished_at = {**self._sent}
+        self._say(f"{by}: {operation.replace('_', '-')}")
+        self._note("wish", (operation, by))
+
+    def modes(self) -> dict[Side, RobotMode]:
+        """The modes of the robots that are heard."""
+        now = self.clock()
+        return {
+            side: view.status.mode
+            for side, view in self.robots.items()
+            if view.status is not None and view.is_heard(now)
+        }
+
+    def links(self) -> dict[str, Any]:
+        """What the link of the station has sent, received and lost, and what the robots report."""
+        own = self._link.summary() if isinstance(self._link, LinkMeter) else {}
+        reported = {side: counts.totals for side, counts in self.reported.items()}
+        return {"station": own, "verdicts": dict(self._end.counts), "robots": reported}
+
+    def is_done(self) -> bool:
+        """Both robots have carried out the wish."""
+        modes = self.modes()
+        wanted = _REACHED[self._wish] if self._wish else ()
+        return len(modes) == len(SIDES) and all(mode in wanted for mode in modes.values())
+
+    def has_fallen_back(self) -> bool:
+        """A robot that had carried out the wish no longer does as wished, because of a fault."""
+        wanted = _REACHED[self._wish] if self._wish else ()
+        modes = self.modes()
+        return any(side in modes and modes[side] not in wanted for side in self._fulfilled)
+
+    def has_lapsed(self) -> bool:
+        """The wish was not carried out in time, and is not sent any more."""
+        lasts = self._wish not in _LAPSES or self.clock() - self._wish_s <= _WISH_LASTS_S
+        return self._wish is not None and not lasts
+
+    def step(self) -> None:
+        """Take in what has arrived, and send what is due; to be called every `PERIOD_S`.
+
+        Raises:
+            OtherStation: another station operates the pair.
+        """
+        for data in self._link.receive():
+            self._receive(data)
+        self._say_faults()
+        found = self._epochs.found(self.clock())
+        if found == "other":
+            raise OtherStation(
+                f"station: another station operates this pair (it has booted {self._epochs.newest} "
+                f"times, this one {self.epoch}); allowed: one at a time"
+            )
+        if found == "behind":
+            self._say("another station has been in use: this one takes the next epoch")
+            self._boot(replace(self._state, epoch=self._epochs.newest))
+        if found == "listening" and self._wish not in _STOPS:
+            return
+        self._note_lapse()
+        for side in SIDES:
+            body = self._due(side)
+            self._link.send(side, self._end.send(side, body))
+            self._sent[side] += 1
+            stamp = (self.epoch, self._sent[side])
+            self.robots[side].link.note_sent(stamp, self.clock())
+            self._faults.streams[side].note_sent(stamp, self.clock())
+            self._note("sent", (side, stamp, body))
+
+    def _receive(self, data: bytes) -> None:
+        decoded = self._end.receive(data)
+        packet = authentic = decoded.packet
+        if packet is None:
+            authentic = decode(data, self._pair.key, self._number, "station").packet
+        for line in self._faults.take(decoded.verdict, authentic, data, self.clock()):
+            self._say(line)
+        if decoded.verdict == "no_session":  # its sender is a robot that knows another epoch
+            packet = authentic
+        if packet is None or packet.sender == "station":
+            return
+        side = packet.sender
+        self._epochs.take(side, packet.acknowledged, self._sent[side], self.clock())
+        if decoded.packet is not None and isinstance(packet.body, Status):
+            self._take(side, packet, packet.body)
+            self._note("received", packet)
+
+    def _say_faults(self) -> None:
+        modes = self.modes()
+        for side in self.status.keys() - modes.keys() - self._lost:
+            self._say(f"{side}: not heard for {LOST_AFTER_S:g} s")
+        for side in modes.keys() & self._lost:
+            self._say(f"{side}: heard again")
+        self._lost = set(self.status.keys() - modes.keys())
+        for line in self._faults.step(modes, self.clock()):
+            self._say(line)
+        if len(modes) == len(SIDES) and set(modes.values()) <= set(UNDER_WAY):
+            for line in self.corrections.hanging(self.time_s()):
+                self._say(line)
+
+    def claimed_twice(self) -> tuple[Side, ...]:
+        """The robots that two programs claim to be. None is armed meanwhile."""
+        return self._faults.claimed_twice(self.clock())
+
+    def gone(self) -> tuple[Side, ...]:
+        """The robots that have not been heard for so long that a carry is over."""
+        now = self.clock()
+        return tuple(s for s, v in self.robots.items() if now - v.heard_s > GONE_AFTER_S)
+
+    def _due(self, side: Side) -> Operate | Hello:
+        wish = self._wish
+        if wish is None or (wish in ("arm", "start") and self.claimed_twice()):
+            return Hello()
+        stops = wish in _STOPS
+        status = self.robots[side].status
+        if status is not None and status.mode in _REACHED[wish] and wish != "release":
+            self._fulfilled.add(side)
+        is_over = side in self._fulfilled or self.has_lapsed()
+        if stops and status is not None:
+            is_over = status.mode in _REACHED[wish]
+        return Hello(stop=stops) if is_over else Operate(wish, stop=stops)
+
+    def _note_lapse(self) -> None:
+        if not self.has_lapsed():
+            return
+        for side in SIDES:
+            status = self.robots[side].status
+            if side not in self._fulfilled | self._lapsed:
+                self._lapsed.add(side)
+                why = "is not heard"
+                if status is not None:
+                    why = f"is {status.mode} ({fault_line(status.fault)})"
+                self._say(f"{side}: {self._wish} has no effect within {_WISH_LASTS_S:g} s: {why}")
+
+    def _take(self, side: Side, packet: Packet, status: Status) -> None:
+        view, now = self.robots[side], self.clock()
+        old = view.status
+        view.take(packet, status, now)
+        self.reported[side].note(status)
+        if old is None or (old.mode, old.fault) != (status.mode, status.fault):
+            why = f" ({status.fault})" if status.fault != "none" else ""
+            turns = old is not None and {old.mode, status.mode} == {"carrying", "holding"}
+            if not turns or (old is not None and old.fault != status.fault):
+                self._say(f"{side}: {status.mode}{why}")
+        line = self.corrections.take(side, status.case, self.time_s())
+        if line is not None:
+            self._say(line)
+        # A release ends the stop that was in force, and no later one: it is not repeated once the
+        # robot has heard it.
+        epoch, number = packet.acknowledged
+        has_heard = epoch == self.epoch and number > self._wished_at[side]
+        if self._wish == "release" and has_heard and status.mode != "stopped":
+            self._fulfilled.add(side)
+
+    def frame(self) -> dict[str, Any]:
+        """What a screen shows."""
+        now = self.clock()
+        return {
+            "time_s": round(self.time_s(), 3),
+            "wish": self._wish,
+            "robots": {side: view.frame(now) for side, view in self.robots.items()},
+            "corrections": [
+                [one.label, one.robot, one.case, one.assistant]
+                for one in self.corrections.under_way
+            ],
+            "warnings": [
+                f"{side}: {text}" for side, v in self.robots.items() for text in v.warnings(now)
+            ],
+        }
+
+    def on_note(self, call: Callable[[str, Any], None]) -> None:
+        """Call this for every packet sent and received, every wish and line: for the log."""
+        self._notes.append(call)
+
+    def _note(self, kind: str, what: Any) -> None:
+        for call in self._notes:
+            call(kind, what)
+
+    def _say(self, text: str) -> None:
+        self._note("line", text)
+        self._on_line(f"{self.time_s():7.2f} s  {text}")

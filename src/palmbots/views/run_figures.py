@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run of robots as a carry, from their logs, and its figures.
+
+Robots know the sign of the contact coordinate, not the coordinate itself: it is NaN. The separation
+is that of the start plus what the odometry of both robots adds.
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
+from palmbots._util.atomic_files import folder
+from palmbots._version import __version__
+from palmbots.errors import PalmbotsError
+from palmbots.logs.run_log_reader import RunLog
+from palmbots.pair.drive_table import drive_table
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.result import Carry, Correction, Message
+from palmbots.simulation.trace import trace_dataset
+from palmbots.station.correction_watch import CorrectionWatch, SeenCorrection
+from palmbots.views.log_alignment import ClockFit, traffic
+from palmbots.views.run_replay import RunReplay
+
+_WHOLE = 65535  # of the progress
+_ENDS = (*SIDES, "station")
+WORLD = "robots"
+"""The world of such a carry."""
+
+
+def save_figures(logs: Sequence[RunLog], replay: RunReplay, out: Path) -> list[Path]:
+    """Write ``carry.png``, and ``message_sequence.png`` if the robots exchanged messages.
+
+    Raises:
+        PalmbotsError: the logs show no carry of both robots, or a file cannot be written.
+    """
+    from palmbots.viz import carry_figure, sequence_chart
+
+    carry = carry_of(logs, replay.clocks)
+    target = folder(out)
+    written = [target / "carry.png"]
+    carry_figure.save(carry, written[0])
+    if carry.message_log:
+        written.append(target / "message_sequence.png")
+        sequence_chart.save(carry, written[-1])
+    return written
+
+
+def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
+    """The carry that the logs of both robots show; the last one, if there are more.
+
+    Args:
+        logs: of both robots, and of the station if there is one.
+        clocks: for each log but the first how its clock relates to that of the first.
+
+    Raises:
+        PalmbotsError: there is none, or the clocks of the robots cannot be aligned.
+    """
+    fits = [ClockFit(str(logs[0].path), 0.0, 1.0, 0.0, 0), *clocks]
+    ticks: dict[Side, list[tuple[float, Any]]] = {side: _ticks(side, logs, fits) for side in SIDES}
+    scene = load_scene(next(log for log in logs if log.end in SIDES).facts["scene"])
+    start_s, end_s = _span(ticks)
+    count = max(1, round((end_s - start_s) / scene.control.period_s)) + 1
+    times = np.arange(count) * scene.control.period_s
+    rows: dict[Side, list[Any]] = {side: _rows(ticks[side], times + start_s) for side in SIDES}
+    trace = _trace(scene, times, rows)
+    controller = next(log for log in logs if log.end in SIDES).facts["controller"]
+    messages = _messages(logs, fits, start_s, end_s)
+    corrections = _corrections(times, rows)
+    ends = {side: _last(side, logs, ticks[side]) for side in SIDES}
+    is_done = set(ends.values()) == {"done"}
+    reason = ", ".join(f"{side} robot {text}" for side, text in ends.items())
+    nothing: dict[str, float] = dict.fromkeys(SIDES, math.nan)
+    return Carry(
+        scene=scene,
+        controller=controller,
+        world=WORLD,
+        precision="double",
+        seed=0,
+        version=__version__,
+        outcome="delivered" if is_done else "stalled",
+        reason=None if is_done else reason,
+        time_s=float(times[-1]),
+        distance_m=float(trace["midpoint"].to_numpy()[-1]),
+        contact_rms_m=nothing,
+        contact_peak_m=nothing,
+        corrections=corrections,
+        correction_count=len(corrections),
+        contact_events=(),
+        messages=len(messages),
+        messages_lost=sum(message.received_s is None for message in messages),
+        links={},
+        bounds=None,
+        waiting_s=nothing,
+        bump_count=0,
+        warnings=(),
+        trace_hash="",
+        trace=trace,
+        message_log=messages,
+    )
+
+
+def _ticks(side: Side, logs: Sequence[RunLog], fits: Sequence[ClockFit]) -> list[tuple[float, Any]]:
+    """All ticks of one robot, on the clock of the first log."""
+    found: list[tuple[float, Any]] = []
+    for log, fit in zip(logs, fits, strict=True):
+        if log.end != side or not log.messages["ticks"]:
+            continue
+        if fit.offset_s is None:
+            raise PalmbotsError(
+                f"{log.path}: its clock cannot be aligned; needed: the station's log, or packets "
+                "of the partner"
+            )
+        found += [(fit.to_first(now), tick) for now, tick in log.messages["ticks"]]
+    if not found:
+        raise PalmbotsError(f"logs: none of the {side} robot; needed: those of both robots")
+    return sorted(found, key=lambda entry: entry[0])
+
+
+def _last(side: Side, logs: Sequence[RunLog], ticks: list[tuple[float, Any]]) -> str:
+    """The last mode of a robot that a log knows. That of a robot that was ended may lack it."""
+    modes = [(tick.mode, tick.fault) for _, tick in ticks[-1:]]
+    for log in logs:
+        if log.end == "station":
+            news = [s for _, s in log.messages["received"] if s.sender == side]
+            modes += [(status.mode, status.fault) for status in news[-1:]]
+    if ("done", "none") in modes:
+        return "done"
+    mode, fault = modes[-1]
+    return mode if fault == "none" else f"{mode} ({fault})"
+
+
+def _span(ticks: dict[Side, list[tuple[float, Any]]]) -> tuple[float, float]:
+    """Start and end of the last carry in which the wheels of both robots could turn."""
+    starts, ends = [], []
+    for side in SIDES:
+        turning = [now for now, tick in ticks[side] if tick.wheels]
+        if not turning:
+            raise PalmbotsError("logs: show no carry: the wheels of a robot never turned")
+        gaps = [k for k in range(1, len(turning)) if turning[k] - turning[k - 1] > 2.0]
+        starts.append(turning[gaps[-1] if gaps else 0])
+        ends.append(turning[-1])
+    after = [now for side in SIDES for now, _ in ticks[side] if now > max(ends)]
+    return min(starts), min(after, default=max(ends))
+
+
+def _rows(ticks: list[tuple[float, Any]], times: Any) -> list[Any]:
+    """The newest tick at each of these times."""
+    instants = np.array([now for now, _ in ticks])
+    places = np.clip(np.searchsorted(instants, times, side="right") - 1, 0, len(ticks) - 1)
+    return [ticks[k][1] for k in places]
+
+
+def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
+    spec = to_spec(scene)
+    drives = {side: drive_table(scene, side) for side in SIDES}
+
+    def by_side(value: Any) -> Any:
+        return np.array([[value(side, row) for row in rows[side]] for side in SIDES]).T
+
+    def drive(side: Side, row: Any) -> Any:
+        return drives[side][row.palm, row.move, row.rests, row.wheels]
+
+    progress = by_side(lambda _, row: row.progress / _WHOLE)
+    covered = scene.task.distance_m * (progress - progress[0])
+    forward = 1.0 if scene.task.direction == "forward" else -1.0
+    speed = by_side(lambda side, row: drive(side, row).speed_m_s)
+    unknown = np.full((len(times), 2), math.nan)
+    columns = {
+        "time_s": times,
+        "contact_m": unknown,
+        "vertex_height_m": np.zeros_like(unknown),
+        "palm_rad": by_side(lambda side, row: drive(side, row).palm_rad),
+        "speed_m_s": speed,
+        "commanded_m_s": speed,
+        "separation_m": spec.com_left + spec.com_right + forward * (covered[:, 1] - covered[:, 0]),
+        "midpoint_m": covered.mean(axis=1),
+        "object_rad": np.zeros(len(times)),
+        "sign": by_side(lambda _, row: row.sign).astype(np.int64),
+        "case": by_side(lambda _, row: row.case if row.wheels else " ").astype("S1"),
+        "motion": np.zeros(unknown.shape, np.int64),
+    }
+    return trace_dataset(columns)
+
+
+def _corrections(times: Any, rows: dict[Side, list[Any]]) -> tuple[Correction, ...]:
+    watch = CorrectionWatch()
+    for k, now in enumerate(times.tolist()):
+        for side in SIDES:
+            watch.take(side, rows[side][k].case if rows[side][k].wheels else " ", now)
+    over = [*watch.ended, *watch.under_way]
+
+    def place(one: SeenCorrection) -> tuple[int, str]:
+        return len(one.label), one.label
+
+    return tuple(
+        Correction(
+            one.label,
+            one.robot,
+            one.case,
+            one.assistant,
+            one.start_s,
+            float(times[-1]) if one.end_s is None else one.end_s,
+        )
+        for one in sorted(over, key=place)
+    )
+
+
+def _messages(
+    logs: Sequence[RunLog], fits: Sequence[ClockFit], start_s: float, end_s: float
+) -> tuple[Message, ...]:
+    """What the robots said to each other, as far as it has a word."""
+    words = _core.wire.words
+    arrived: dict[tuple[str, str, int, int], float] = {}
+    packets = [traffic(log) for log in logs]
+    for own, fit in zip(packets, fits, strict=True):
+        for stamp, now in own.received.items():
+            arrived.setdefault(stamp, fit.to_first(now) - start_s)
+    found: list[Message] = []
+    for log, own, fit in zip(logs, packets, fits, strict=True):
+        if log.end not in SIDES:
+            continue
+        receiver: Side = "right" if log.end == "left" else "left"
+        sent = {s: fit.to_first(now) for s, now in own.sent.items() if s[1] == receiver}
+        said = [
+            words[word]
+            for _, tick in log.messages["ticks"]
+            for to, word in zip(tick.receivers, tick.words, strict=True)
+            if _ENDS[to] == receiver and to not in tick.withheld
+        ]
+        for (stamp, now), word in zip(sent.items(), said, strict=False):
+            if word and start_s <= now <= end_s:
+                got = arrived.get(stamp)
+                found.append(Message(now - start_s, got, log.end, receiver, word))  # type: ignore[arg-type]
+    return tuple(sorted(found, key=lambda message: message.sent_s))

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Verifies the log of a robot: the core's program, given the logged inputs, decides the same.
+
+The program is built from the scene, the controller and the settings in the log. Every command, mode
+and packet is compared, to the last bit.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots._util.results import Result
+from palmbots.control.python_source import ControllerSource
+from palmbots.control.registry import recover
+from palmbots.errors import PalmbotsError
+from palmbots.logs.run_log_reader import RunLog, read_run_log
+from palmbots.robot.logged_robot import READING
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.views.log_alignment import ClockFit, align
+
+
+@dataclass(frozen=True)
+class Verified:
+    """What was found in one log."""
+
+    file: str
+    end: str
+    boots: int
+    is_cut: bool
+    """The log has no end: its program was killed, or the disk was full."""
+    ticks: int
+    """Ticks in the log; 0 for a station."""
+    verified: int
+    """Ticks, from the first one on, whose decisions are equal."""
+    difference: str | None
+    """The first difference, or why the rest cannot be verified; None: everything is equal."""
+
+
+@dataclass(frozen=True, repr=False)
+class RunReplay(Result):
+    """The verification of the logs of one run, and how their clocks fit together."""
+
+    logs: tuple[Verified, ...]
+    clocks: tuple[ClockFit, ...]
+    """For each log but the first how its clock relates to that of the first."""
+
+    @property
+    def identical(self) -> bool:
+        """All decisions of all robots are equal."""
+        return all(log.difference is None for log in self.logs)
+
+    def headline(self) -> str:
+        """One line that states whether the decisions are equal."""
+        return f"replay {'identical' if self.identical else 'different'}: {len(self.logs)} logs"
+
+    def facts(self) -> dict[str, str]:
+        """The main figures."""
+        return {Path(v.file).name: _outcome(v) for v in self.logs}
+
+    def summary(self) -> dict[str, Any]:
+        """What ``palmbots replay --json`` prints."""
+        return {
+            "identical": self.identical,
+            "logs": [vars(v) for v in self.logs],
+            "clocks": [vars(clock) for clock in self.clocks],
+        }
+
+
+def _outcome(found: Verified) -> str:
+    if found.end == "station":
+        return "station" + (", cut off" if found.is_cut else "")
+    what = f"{found.verified} of {found.ticks} decisions equal"
+    return what + (", cut off" if found.is_cut else "")
+
+
+def replay_run(logs: list[RunLog]) -> RunReplay:
+    """Verify the logs of one run, and align their clocks.
+
+    Raises:
+        PalmbotsError: the logs are of different pairs, or a controller cannot be found.
+    """
+    pairs = {log.facts["pair"] for log in logs}
+    if len(pairs) > 1:
+        numbers = ", ".join(str(pair) for pair in sorted(pairs))
+        raise PalmbotsError(f"logs: are of the pairs {numbers}; allowed: logs of one pair")
+    return RunReplay(tuple(verify(log) for log in logs), align(logs))
+
+
+def read_run(paths: list[Path]) -> list[RunLog]:
+    """The logs of one run; a folder stands for all logs in it.
+
+    Raises:
+        PalmbotsError: a log cannot be read, or a folder has none.
+    """
+    files: list[Path] = []
+    for path in paths:
+        found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+        if not found:
+            raise PalmbotsError(f"{path}: has no logs (*.mcap)")
+        files += found
+    return [read_run_log(file) for file in files]
+
+
+def verify(log: RunLog) -> Verified:
+    """Give the program of the robot the logged inputs, and compare what it decides.
+
+    Raises:
+        PalmbotsError: its controller cannot be found or has changed, or its scene is refused.
+    """
+    ticks = [message for _, message in log.messages["ticks"]]
+    verified, difference = 0, None
+    if log.end != "station":
+        robot = _program(log)
+        for tick in ticks:
+            if tick.number != verified + 1:
+                difference = f"the ticks {verified + 1} to {tick.number - 1} are missing"
+                break
+            difference = _difference(robot, tick)
+            if difference is not None:
+                break
+            verified += 1
+    return Verified(str(log.path), log.end, log.epoch, log.is_cut, len(ticks), verified, difference)
+
+
+def _program(log: RunLog) -> Any:
+    facts, state = log.facts, log.facts["state"]
+    source = facts["controller_source"]
+    try:
+        scene = load_scene(facts["scene"])
+        known = None if source is None else ControllerSource(**source)
+        entry = recover(facts["controller"], known, str(log.path.parent))
+        spec = to_spec(scene)
+    except PalmbotsError as error:
+        raise PalmbotsError(f"{log.path}: cannot be verified: {error}") from None
+    return _core.runtime.Robot(
+        spec,
+        entry.for_core(spec),
+        SIDES.index(log.end),  # type: ignore[arg-type]
+        bytes.fromhex(facts["key"]),
+        facts["pair"],
+        epoch=state["epoch"],
+        assists=state["assists"],
+        settings=_core.runtime.RuntimeSettings(**facts["settings"]),
+        stored_carries=state["carries"],
+        stored_stop=state["stop"],
+    )
+
+
+def _difference(robot: Any, tick: Any) -> str | None:
+    """What the robot decides otherwise in this tick, or None."""
+    reading = _core.runtime.Reading(
+        tick.sign, tick.palm_at_target, **{name: getattr(tick, name) for name in READING}
+    )
+    answer = robot.step(tick.elapsed, reading, list(tick.received))
+    palm, move, rests, packets, case, *_, assists = answer
+    now = {
+        "palm": palm,
+        "move": move,
+        "rests": rests,
+        "case": chr(case),
+        "assists": assists,
+        "mode": robot.mode,
+        "fault": robot.fault,
+        "wheels": robot.wheels,
+        "receivers": [to for to, _, _ in packets],
+        "words": [word for *_, word in packets],
+        "sent": [data for _, data, _ in packets],
+    }
+    for name, value in now.items():
+        logged = getattr(tick, name)
+        logged = list(logged) if isinstance(value, list) else logged
+        if logged != value:
+            return f"tick {tick.number}: {name} was {_shown(logged)}, is {_shown(value)}"
+    return None
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_shown(one) for one in value) + "]"
+    return value.hex() if isinstance(value, bytes) else repr(value)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The proxy that makes a radio bad: rates against closed forms, and real datagrams."""
+
+import math
+import random
+import socket
+
+import pytest
+
+import palmbots as pb
+from palmbots.links.impairment import Impairment, Proxy
+
+PACKETS = 20_000
+
+
+def test_rates_and_delays_are_those_asked_for() -> None:
+    bad = Impairment(loss=0.2, delay_ms=50, jitter_ms=30, duplicate=0.1)
+    chance = random.Random(1)
+    fates = [bad.delays_s(chance) for _ in range(PACKETS)]
+    for share, expected in (
+        (sum(not fate for fate in fates), 0.2),
+        (sum(len(fate) == 2 for fate in fates), 0.8 * 0.1),
+    ):
+        error = 4 * math.sqrt(expected * (1 - expected) / PACKETS)
+        assert share / PACKETS == pytest.approx(expected, abs=error)
+    delays = [delay for fate in fates for delay in fate]
+    assert 0.02 <= min(delays) < 0.021
+    assert 0.079 < max(delays) <= 0.08
+    mean_error = 4 * 0.06 / math.sqrt(12 * len(delays))
+    assert sum(delays) / len(delays) == pytest.approx(0.05, abs=mean_error)
+
+
+def test_the_same_seed_gives_the_same_fates() -> None:
+    bad = Impairment(loss=0.5, delay_ms=5, jitter_ms=5)
+
+    def fates(seed: int) -> list[list[float]]:
+        chance = random.Random(seed)
+        return [bad.delays_s(chance) for _ in range(50)]
+
+    assert fates(7) == fates(7)
+    assert fates(7) != fates(8)
+
+
+@pytest.mark.parametrize(
+    ("text", "made"),
+    [
+        ("", Impairment()),
+        ("loss=0.2 delay_ms=50 jitter_ms=30", Impairment(0.2, 50, 30)),
+        ("duplicate=1", Impairment(duplicate=1)),
+    ],
+)
+def test_what_a_user_types_is_read(text: str, made: Impairment) -> None:
+    assert Impairment.parse(text) == made
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("lost=1", 'link: value is "lost=1"; allowed: loss, delay_ms, jitter_ms, duplicate, each'),
+        ("loss", 'link: value is "loss"; allowed: '),
+        ("loss=much", 'link: value is "loss=much"; allowed: '),
+        ("loss=1.5", "link: loss is 1.5; allowed: 0 to 1"),
+        ("loss=nan", "link: loss is nan; allowed: 0 to 1"),
+        ("jitter_ms=5", "link: delay_ms is 0 and jitter_ms is 5; allowed: "),
+    ],
+)
+def test_what_makes_no_radio_is_refused(text: str, message: str) -> None:
+    with pytest.raises(pb.PalmbotsError) as error:
+        Impairment.parse(text)
+    assert str(error.value).startswith(message)
+
+
+def test_datagrams_go_to_the_end_they_are_meant_for() -> None:
+    ends = {end: socket.socket(type=socket.SOCK_DGRAM) for end in ("left", "right")}
+    for one in ends.values():
+        one.bind(("127.0.0.1", 0))
+        one.settimeout(30)
+    targets = {end: "{}:{}".format(*one.getsockname()) for end, one in ends.items()}
+    proxy = Proxy(targets, Impairment(duplicate=1))  # type: ignore[arg-type]
+    with proxy, socket.socket(type=socket.SOCK_DGRAM) as me:
+        for end, address in proxy.addresses.items():
+            host, port = address.split(":")
+            me.sendto(end.encode(), (host, int(port)))
+        for end, one in ends.items():
+            assert [one.recv(100), one.recv(100)] == [end.encode()] * 2
+            one.close()

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A world and two robots as processes give the result of `palmbots carry`, bit for bit."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from cxx import ROOT
+from json_output import read_json
+from waiting import wait_until
+
+HARD_RADIO = (
+    "radio.loss=0.1", "radio.latency_s=0.03", "radio.jitter_s=0.04", "radio.reorder=true",
+    "radio.duplicate=0.1", "radio.corruption=0.05",
+)  # fmt: skip
+FAULTS = (
+    'faults.script=[{kind="reboot", robot="left", at_s=4.0, duration_s=0.5},'
+    ' {kind="freeze", robot="right", at_s=9.0, duration_s=0.1},'
+    ' {kind="reboot", robot="right", at_s=12.0, duration_s=0.3}]',
+)
+DRIFT = ("robot.left.clock_ppm=20000.0", "robot.right.clock_ppm=-15000.0")
+OTHERS = (
+    "radio.left.latency_s=0.09", "radio.right.loss=0.1", "radio.replay=0.3",
+    'faults.script=[{kind="clock-rate", robot="left", at_s=2.0, duration_s=6.0, ppm=20000.0},'
+    ' {kind="clock-jump", robot="right", at_s=5.0, duration_s=0.8},'
+    ' {kind="reboot", robot="left", at_s=9.0, duration_s=0.5, limp_deg=9.0},'
+    ' {kind="reboot", robot="right", at_s=14.0, duration_s=0.5, loses_boot_counter=true}]',
+    "task.timeout_s=20.0",
+)  # fmt: skip
+SHORT = ("task.distance_m=0.9",)  # long enough for all faults
+PERIODS = ("robot.left.period_s=0.03", "robot.right.period_s=0.02")
+CASES = {
+    "resilient": ("resilient", ()),
+    "resilient, everything": ("resilient", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
+    "distributed, directions, replays, lost counter": ("distributed", OTHERS),
+    "shared-sign, everything": ("shared-sign", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
+    "resilient, a period per robot, everything": (
+        "resilient",
+        (*SHORT, *HARD_RADIO, *FAULTS, *PERIODS),
+    ),
+    "centralized, a period per robot": ("centralized", (*SHORT, *PERIODS)),
+    "silent": ("silent", (*SHORT, *FAULTS)),
+    "distributed": ("distributed", SHORT),
+    "distributed, losses": ("distributed", (*SHORT, "radio.loss=0.02")),
+    "centralized, everything": ("centralized", (*SHORT, *HARD_RADIO, *FAULTS)),
+    "policy": ("examples/policies/table-1.toml", SHORT),
+    "class in Python": ("CLASS", SHORT),
+}
+
+
+def palmbots(command: Sequence[str], folder: Path) -> tuple[int, str, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "palmbots", *command],
+        capture_output=True, text=True, timeout=120, cwd=folder,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture(scope="module")
+def own_class(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The class of the example, without the carries that the example runs."""
+    text = (ROOT / "examples" / "03_own_controller.py").read_text(encoding="utf-8")
+    file = tmp_path_factory.mktemp("own") / "patient.py"
+    file.write_text(text.split("\nfor ")[0], encoding="utf-8")
+    return f"{file}:Patient"
+
+
+# Of these `make test` compares the programs inside one process (tests/robot).
+LONG = {
+    "resilient", "distributed", "distributed, directions, replays, lost counter",
+    "centralized, a period per robot",
+}  # fmt: skip
+EACH = [pytest.param(case, marks=pytest.mark.soak if case in LONG else ()) for case in CASES]
+
+
+@pytest.mark.parametrize("case", EACH)
+def test_processes_carry_as_one_program(case: str, own_class: str) -> None:
+    controller, overrides = CASES[case]
+    controller = controller.replace("CLASS", own_class)
+    arguments = ["paper", "--controller", controller, "--seed", "3", "--json"]
+    for override in overrides:
+        arguments += ["--set", override]
+    status, expected, _ = palmbots(["carry", *arguments], ROOT)
+    up_status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
+    assert errors == ""
+    assert printed == expected
+    assert up_status == status
+    read_json("world", printed)
+
+
+def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:
+    pytest.importorskip("mujoco")
+    arguments = ["--world", "mujoco", "--set", "task.distance_m=0.3", "--json"]
+    _, expected, _ = palmbots(["carry", "--controller", "resilient", *arguments], ROOT)
+    _, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
+    assert (printed, errors) == (expected, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--controller", "none"], "--controller: none has no programs; allowed: "),
+        (["--controller", "optimal"], "--controller: optimal reads the state of the world; "),
+        (["--rate", "2"], "--rate has no effect with --lockstep; allowed: without it"),
+        (["--link", "loss=0.1"], "--link has no effect with --lockstep; allowed: without it"),
+        (["--world", "moon"], '--world: value is "moon"; '),
+        (["--set", "radio.lose=1"], "--set radio.lose: 1 is the value of an unknown key; "),
+    ],
+)
+def test_refused_before_any_process_starts(arguments: list[str], line: str) -> None:
+    status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
+    assert (status, printed) == (2, "")
+    assert errors.startswith(f"palmbots: {line}")
+    assert errors.count("\n") == 1
+
+
+def test_a_killed_robot_ends_everything_with_one_line(tmp_path: Path) -> None:
+    """The world and the other robot end, too, and nothing is left behind."""
+    command = [sys.executable, "-m", "palmbots", "up", "--lockstep", "--set", "task.distance_m=50"]
+    up = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+    )  # fmt: skip
+    left = child_with("--side left", up.pid)
+    os.kill(left, signal.SIGKILL)
+    printed, errors = up.communicate(timeout=60)
+    assert up.returncode == 2
+    assert printed == ""
+    assert "palmbots: left robot: its program ended with status -9\n" in errors
+    assert "Traceback" not in errors
+    assert [*tmp_path.iterdir()] == []
+
+
+def child_with(text: str, parent: int) -> int:
+    """Wait for a child process with this text in its command, and return its number."""
+    found: list[int] = []
+
+    def look() -> bool:
+        for folder in Path("/proc").iterdir():
+            with contextlib.suppress(OSError):
+                command = (folder / "cmdline").read_text().replace("\0", " ")
+                status = (folder / "status").read_text()
+                if text in command and f"PPid:\t{parent}\n" in status:
+                    found.append(int(folder.name))
+        return bool(found)
+
+    wait_until(look)
+    return found[0]

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two robots and a station in real time, on a clock of the test: start, stops, faults, the end."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from live_pair import Air, LivePair
+from palmbots.drivers.driver import Reading
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.stored_state import StoredState, write_state
+from palmbots.robot import live_robot, state_keeper
+from palmbots.station.carry_script import carry_once
+from palmbots.wire import Endpoint, Operate, State, decode
+
+CARRYING = ("carrying", "holding")
+CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_station_arms_starts_and_sees_the_end(controller: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, controller, Air(delay=2), UP)
+    assert pair.carry()
+    assert pair.modes() == ("done", "done")
+    assert pair.world.outcome == "running"
+    assert pair.world.midpoint == pytest.approx(0.3, abs=0.02)
+    # Both rest, with their palms where they were.
+    pair.run(50)
+    before = pair.world.midpoint
+    pair.run(100)
+    assert pair.world.midpoint == before
+
+
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign"])
+def test_the_same_over_a_lossy_radio(controller: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, controller, Air(delay=4, loss=0.2, seed=5), UP)
+    assert pair.carry()
+    assert pair.world.outcome == "running"
+    assert pair.world.midpoint == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_wheels_turn_only_in_a_carry(controller: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, controller, Air(), UP)
+    pair.run(100)
+    assert pair.modes() == ("disarmed", "disarmed")
+    pair.wish("arm", "armed")
+    pair.run(100)
+    assert pair.modes() == ("armed", "armed")
+    assert pair.world.midpoint == 0.0
+
+
+@pytest.mark.parametrize("by", ["stop", "e_stop", "left", "right"])
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, controller, Air(delay=2), UP)
+    pair.start()
+    pair.run(100)
+    if by in ("left", "right"):
+        pair.by_hand = {by}
+        pair.run(1)
+        pair.by_hand = set()
+    else:
+        pair.station.wish(by)
+    # Silent robots hear the station, but not each other.
+    if controller == "silent" and by in ("left", "right"):
+        pair.station.wish("stop")
+    pair.run_until(("stopped",), within=60)
+    commands = dict(pair.commands)
+    assert all(command[1:] == (0, True) for command in commands.values())
+    pair.station.wish("start")
+    pair.run(100)
+    assert pair.modes() == ("stopped", "stopped")
+    assert pair.commands == commands  # palms keep their angle
+    pair.wish("release", "disarmed")
+    pair.wish("arm", "armed")
+
+
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed"])
+def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path: Path) -> None:
+    """Also one whose controller seldom says anything: its partner may wait for it."""
+    pair = LivePair(tmp_path, controller, Air(), UP)
+    pair.start()
+    for _ in range(20):
+        before = [robot.count(0) for robot in pair.robots.values()]  # accepted packets
+        pair.run(20)
+        assert all(
+            robot.count(0) > count + 1
+            for robot, count in zip(pair.robots.values(), before, strict=True)
+        )
+
+
+def test_an_e_stop_is_obeyed_without_a_session(tmp_path: Path) -> None:
+    """A station that has just started, and hears nobody, stops the robots; nothing else works."""
+    pair = LivePair(tmp_path, "resilient", Air(delay=2), UP | {"limits.station_lost": "carry-on"})
+    pair.start()
+    pair.restart_station()
+    pair.air.cut = {("left", "station"), ("right", "station")}
+    pair.air.under_way.clear()
+    pair.station.wish("stop")
+    pair.run(100)
+    assert all(mode in CARRYING for mode in pair.modes())
+    pair.station.wish("e_stop")
+    pair.run(20)
+    assert pair.modes() == ("stopped", "stopped")
+    pair.station.wish("release")
+    pair.run(100)
+    assert pair.modes() == ("stopped", "stopped")
+
+
+def test_a_lost_station_ends_the_carry(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.air.cut = {("station", "left"), ("station", "right")}
+    pair.run_until(("fault",), within=150)
+    assert {pair.robots[side].fault for side in ("left", "right")} == {"station_lost"}
+
+
+@pytest.mark.parametrize("lost", ["left", "right"])
+def test_a_lost_partner_ends_the_carry_if_the_pair_says_so(lost: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "distributed", Air())
+    pair.start()
+    other = "right" if lost == "left" else "left"
+    pair.air.cut = {(lost, other)}
+    pair.run(80)
+    assert pair.robots[other].fault == "partner_lost"
+    assert pair.robots[lost].mode == "fault"  # it has heard that the other does not carry
+
+
+def test_robots_with_other_settings_are_not_armed(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    pair = LivePair(tmp_path / "a", "resilient", Air(), UP)
+    other = LivePair(tmp_path / "b", "resilient", Air(), UP, {"robot.speed_m_s": 0.05})
+    other.pair = type(pair.pair)(other.pair.file, other.pair.settings, pair.pair.key)
+    number = pair.pair.settings.pair.number
+    table = other.pair.settings.pair.model_copy(update={"number": number})
+    settings = other.pair.settings.model_copy(update={"pair": table})
+    other.pair = type(pair.pair)(other.pair.file, settings, pair.pair.key)
+    other.boot("right")
+    pair.robots["right"] = other.robots["right"]
+    pair.station.wish("arm")
+    pair.run(200)
+    assert pair.modes() == ("disarmed", "disarmed")
+    assert {robot.fault for robot in pair.robots.values()} == {"settings"}
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_rebooted_robot_rejoins_or_ends_the_carry(side: str, tmp_path: Path) -> None:
+    for rejoins in (True, False):
+        folder = tmp_path / str(rejoins)
+        folder.mkdir()
+        values = UP | {"limits.after_reboot": "rejoin" if rejoins else "disarm"}
+        pair = LivePair(folder, "resilient", Air(delay=2), values)
+        pair.start()
+        pair.run(150)
+        del pair.robots[side]
+        pair.commands[side] = (pair.commands[side][0], 0, True)
+        pair.run(50)
+        pair.boot(side)
+        pair.run(60)
+        if rejoins:
+            assert all(mode in CARRYING for mode in pair.modes())
+            pair.run_until(("done",), within=3000)
+            assert pair.world.outcome == "running"
+        else:
+            assert set(pair.modes()) == {"disarmed", "fault"}
+
+
+def test_a_station_with_a_lower_count_takes_the_next_epoch(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    for _ in range(5):
+        pair.restart_station()
+    pair.wish("arm", "armed")
+    write_state(pair.pair.state_file("station"), StoredState())
+    pair.restart_station()
+    pair.wish("disarm", "disarmed")
+    assert any("takes the next epoch" in line for line in pair.lines)
+
+
+def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(delay=2), UP)
+    pair.start()
+    pair.wish("stop", "stopped")
+    pair.wish("release", "disarmed")
+    pair.run(100)
+    pair.by_hand = {"left"}
+    pair.run(1)
+    pair.by_hand = set()
+    pair.run(300)
+    assert pair.robots["left"].mode == "stopped"
+    pair.station.wish("release")
+    pair.run(50)
+    assert pair.modes() == ("disarmed", "disarmed")
+
+
+@pytest.mark.parametrize("end", ["silence", "reboots"])
+def test_the_station_ends_when_nobody_carries_any_more(end: str, tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
+    steps = 0
+    done = None
+    for done in carry_once(pair.station, 600):
+        steps += 1
+        if done is not None:
+            break
+        pair.run(5)
+        if steps == 60 and end == "silence":
+            pair.robots.clear()
+        elif steps == 60:
+            pair.boot("left")
+            pair.boot("right")
+    assert done is False
+    assert steps < 60 + 20 * 21
+
+
+def test_a_stop_is_passed_on_although_nothing_can_be_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk fills up in operation: the partner must hear the stop all the same."""
+    pair = load_pair(init_pair(tmp_path / "pair.toml")[0])
+    number = pair.settings.pair.number
+    station = Endpoint(pair.key, number, "station", 1)
+    sent: list[Any] = []
+
+    class Driver:
+        works = True
+
+        def __init__(self, *_: Any) -> None:
+            self.left = 40
+
+        def read(self) -> Any:
+            self.left -= 1
+            return Reading(0, True, 0.0) if self.left else None
+
+        def write(self, *_: Any) -> None:
+            pass
+
+        def stop(self) -> None:
+            pass
+
+        def close(self) -> None:
+            pass
+
+    class Link(Driver):
+        def receive(self) -> list[bytes]:
+            return [station.send("left", Operate("e_stop", stop=True))]
+
+        def summary(self) -> dict[str, Any]:
+            return {}
+
+        def send(self, receiver: str, data: bytes) -> None:
+            if receiver == "right":
+                sent.append(decode(data, pair.key, number, "right").packet.body)  # type: ignore[union-attr]
+
+    def full(*_: Any) -> None:
+        raise pb.PalmbotsError("No space left on device")
+
+    monkeypatch.setattr(live_robot, "open_pair_driver", lambda *_, **__: Driver())
+    monkeypatch.setattr(live_robot, "open_pair_link", lambda *_: Link())
+    monkeypatch.setattr(state_keeper, "write_state", full)
+    live_robot.run_live_robot(pair, "left", rate=10)
+    assert any(isinstance(body, State) and body.stop for body in sent)
+
+
+@pytest.mark.parametrize(
+    ("controller", "line"),
+    [
+        ("centralized", "controller: centralized needs a station that decides; "),
+        ("none", "controller: none has no programs; "),
+        ("optimal", "controller: optimal reads the state of the world; "),
+    ],
+)
+def test_a_controller_that_no_robot_runs_is_refused(
+    controller: str, line: str, tmp_path: Path
+) -> None:
+    pair = load_pair(init_pair(tmp_path / "pair.toml", controller=controller)[0])
+    with pytest.raises(pb.PalmbotsError, match=f"^{line}"):
+        live_robot.run_live_robot(pair, "left")

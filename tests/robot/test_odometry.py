@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The covered distance: counted from the start of each carry, and on over a boot."""
+
+import pytest
+
+from palmbots.robot.odometry import Odometry
+
+
+def test_each_carry_counts_from_its_start() -> None:
+    odometry = Odometry(1.0)
+    for distance_m, carries, covered_m in (
+        (3.0, False, 0.0), (3.2, False, 0.0), (3.3, True, 0.1), (4.25, True, 1.05),
+        (4.3, False, 0.0), (4.8, True, 0.5),
+    ):  # fmt: skip
+        odometry.take(distance_m, carries)
+        assert odometry.covered_m == pytest.approx(covered_m)
+        assert odometry.is_covered == (covered_m >= 1.0)
+        assert odometry.share == pytest.approx(min(1.0, covered_m))
+
+
+@pytest.mark.parametrize("counts_from_m", [0.0, 7.0])
+def test_a_carry_goes_on_after_a_boot(counts_from_m: float) -> None:
+    """Also if the driver counts anew."""
+    before = Odometry(1.0)
+    before.take(7.0, False)
+    before.take(7.63, True)
+    assert 0.6 <= before.to_store_m <= 0.63
+    after = Odometry(1.0, before.to_store_m)
+    after.take(counts_from_m, True)
+    assert after.covered_m == pytest.approx(before.to_store_m)
+    after.take(counts_from_m + 0.2, True)
+    assert after.covered_m == pytest.approx(before.to_store_m + 0.2)
+    after.take(counts_from_m + 0.2, False)
+    assert after.covered_m == 0.0
+
+
+def test_little_is_stored() -> None:
+    odometry = Odometry(1.5)
+    stored = set()
+    for step in range(2500):
+        odometry.take(0.0006 * step, step > 0)
+        stored.add(odometry.to_store_m)
+    assert 40 < len(stored) <= 52

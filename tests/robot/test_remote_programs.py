@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robots as programs of their own, which exchange packets as bytes, carry as inside one program."""
+
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+import palmbots._core as _core
+from palmbots.control.registry import resolve
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.lockstep_world import ends_of, establish_sessions, remote
+
+SIDES = ("left", "right")
+KEY = bytes(range(16))
+PAIR = 7
+HARD_RADIO = {
+    "radio.loss": 0.1, "radio.jitter_s": 0.04, "radio.latency_s": 0.03, "radio.reorder": True,
+    "radio.duplicate": 0.1, "radio.corruption": 0.05,
+}  # fmt: skip
+REBOOTS = {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
+        {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.1},
+        {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
+    ]
+}
+STATION_LOST = {"faults.script": [{"kind": "station-down", "at_s": 5.0, "duration_s": 1.0}]}
+DRIFT = {"robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0}
+DIRECTIONS = {
+    "radio.left.latency_s": 0.09, "radio.left.loss": 0.1, "radio.right.jitter_s": 0.03,
+    "radio.station.loss": 0.05,
+}  # fmt: skip
+REPLAY = {"radio.replay": 0.3, "radio.replay_within_s": 2.0}
+CLOCKS = {
+    "faults.script": [
+        {"kind": "clock-rate", "robot": "left", "at_s": 2.0, "duration_s": 6.0, "ppm": 20000.0},
+        {"kind": "clock-rate", "robot": "right", "at_s": 4.0, "duration_s": 6.0, "ppm": -15000.0},
+        {"kind": "clock-jump", "robot": "right", "at_s": 12.0, "duration_s": 0.8},
+    ]
+}
+PERIODS = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
+LOST = {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5, "limp_deg": 0.0},
+        {"kind": "reboot", "robot": "right", "at_s": 8.0, "duration_s": 0.5,
+         "loses_boot_counter": True},
+    ]
+}  # fmt: skip
+
+
+class Programs:
+    """The programs of both robots in this process, and what survives their reboots."""
+
+    def __init__(self, scene: pb.Scene, controller: str) -> None:
+        self.spec, self.entry = to_spec(scene), resolve(controller)
+        self.epoch, self.assists = [0, 0], [False, False]
+        self.robots = [self.booted(side) for side in (0, 1)]
+        self.station = _core.runtime.Station(KEY, PAIR, 1)
+        establish_sessions(ends_of(self.entry), self.greet, self.hear)
+
+    def greet(self, end: str, other: str) -> bytes | None:
+        if end == "station":
+            return self.station.greet(SIDES.index(other))
+        return self.robots[SIDES.index(end)].greet()
+
+    def hear(self, end: str, data: bytes) -> None:
+        (self.station if end == "station" else self.robots[SIDES.index(end)]).hear(data)
+
+    def booted(self, side: int) -> Any:
+        self.epoch[side] += 1
+        return _core.runtime.Robot(
+            self.spec, self.entry.for_core(self.spec), side, KEY, PAIR,
+            epoch=self.epoch[side], assists=self.assists[side],
+            settings=_core.runtime.RuntimeSettings.lockstep(), carries=True,
+        )  # fmt: skip
+
+    def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
+        answers: list[Any] = []
+        for side, given in enumerate((left, right)):
+            if given is None:
+                answers.append(None)
+                continue
+            elapsed, sign, palm_at_target, boots, packets = given
+            if boots:
+                self.robots[side] = self.booted(side)
+            answer = self.robots[side].step(
+                elapsed, _core.runtime.Reading(sign, palm_at_target), packets
+            )
+            self.assists[side] = answer[-1]
+            answers.append(answer)
+        return [*answers, None if station is None else self.station.step(station[4])]
+
+
+def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[Any, Any]:
+    scene = pb.load_scene("paper", overrides)
+    inside = pb.carry(scene, controller, seed=seed)
+    programs = Programs(scene, controller)
+    outside = pb.carry(scene, remote(resolve(controller), programs.exchange), seed=seed)
+    return inside, outside
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {},
+        {"radio.loss": 0.1},
+        HARD_RADIO,
+        REBOOTS,
+        STATION_LOST,
+        DRIFT,
+        HARD_RADIO | REBOOTS | DRIFT,
+        DIRECTIONS,
+        REPLAY,
+        CLOCKS,
+        LOST,
+        PERIODS,
+        HARD_RADIO | DIRECTIONS | REPLAY | CLOCKS,
+        HARD_RADIO | REBOOTS | DRIFT | PERIODS,
+    ],
+    ids=[
+        "plain",
+        "loss",
+        "hard-radio",
+        "reboots",
+        "station-lost",
+        "drift",
+        "everything",
+        "directions",
+        "replay",
+        "clocks",
+        "lost",
+        "periods",
+        "everything else",
+        "everything with periods",
+    ],
+)
+@pytest.mark.parametrize(
+    "controller",
+    [
+        "resilient",
+        "shared-sign",
+        "silent",
+        "distributed",
+        "centralized",
+        "examples/policies/table-1.toml",
+    ],
+)
+def test_programs_carry_as_inside_one_program(
+    controller: str, overrides: dict[str, Any], seed: int
+) -> None:
+    inside, outside = both_ways(controller, overrides, seed)
+    assert outside.trace_hash == inside.trace_hash
+    assert outside.summary() == inside.summary()
+    assert outside.message_log == inside.message_log

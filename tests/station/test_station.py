@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The station on a clock of the test: wishes, restarts, other stations, forged packets."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live_pair import Air, AirLink, LivePair
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.station.carry_script import carry_once
+from palmbots.station.correction_watch import CorrectionWatch
+from palmbots.station.link_quality import LinkQuality
+from palmbots.station.station import PERIOD_S, OtherStation, Station
+from palmbots.wire import Endpoint, Operate, Packet, encode
+
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
+CARRYING = ("carrying", "holding")
+STEP = round(PERIOD_S / 0.01)
+
+
+@pytest.mark.parametrize("wish", ["arm", "start"])
+def test_a_wish_does_not_arm_or_start_again_after_a_fault(wish: Any, tmp_path: Path) -> None:
+    """The robots have a fault while the wish is the operator's newest."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.wish("arm", "armed")
+    if wish == "start":
+        pair.wish("start", *CARRYING)
+    pair.air.cut = {("station", "left"), ("station", "right")}
+    pair.run_until(("fault",), within=150)
+    pair.air.cut = set()
+    pair.run(600)
+    assert pair.modes() == ("fault", "fault")
+    pair.wish("arm", "armed")  # the operator may
+
+
+def test_a_refused_wish_lapses(tmp_path: Path) -> None:
+    """What prevented it may end at any later time, when nobody expects a robot to arm."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.air.cut = {("left", "right"), ("right", "left")}
+    pair.station.wish("arm")
+    pair.run(600)
+    assert pair.modes() == ("disarmed", "disarmed")
+    assert pair.station.has_lapsed()
+    pair.air.cut = set()
+    pair.run(300)
+    assert pair.modes() == ("disarmed", "disarmed")
+    late = [line for line in pair.lines if "no effect within 5 s" in line]
+    assert len(late) == 2
+    assert "left: arm has no effect within 5 s: is disarmed (partner_lost: it has" in late[0]
+
+
+def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    script = carry_once(pair.station, 600)
+    done = None
+    while done is None and set(pair.modes()) != {"armed"}:
+        done = next(script)
+        pair.run(STEP)
+    pair.air.cut = {("station", "left"), ("station", "right")}
+    pair.run_until(("fault",), within=150)
+    pair.air.cut = set()
+    for _ in range(400):
+        if done is not None:
+            break
+        done = next(script)
+        pair.run(STEP)
+        assert not set(pair.modes()) & {"armed", "ready", *CARRYING}
+    assert done is False
+
+
+def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) -> None:
+    """The robots hear the station, and never each other."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.air.cut = {("left", "right"), ("right", "left")}
+    assert pair.carry() is False
+    assert pair.station.time_s() < 30
+    assert sum("script: arm" in line for line in pair.lines) == 3
+    assert any("script (the robots have not started): stop" in line for line in pair.lines)
+
+
+@pytest.mark.parametrize("end", ["done", "fault"])
+def test_a_station_that_was_killed_at_the_end_does_not_carry_again(
+    end: str, tmp_path: Path
+) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    script = carry_once(pair.station, 600)
+    while not all(mode in CARRYING for mode in pair.modes()):
+        assert next(script) is None
+        pair.run(STEP)
+    for _ in range(5):
+        assert next(script) is None
+        pair.run(STEP)
+    pair.station.close()
+    if end == "done":
+        pair.run_until(("done",), within=3000)  # the old station still answers
+    else:
+        pair.air.cut = {("station", "left"), ("station", "right")}
+        pair.run_until(("fault",), within=150)
+        pair.air.cut = set()
+    for _ in range(30):  # until the wheels rest
+        pair.air.now += 1
+        pair.world.step((*pair.commands["left"][:2], 0), (*pair.commands["right"][:2], 0), 1)
+    before = pair.world.midpoint
+    pair.restart_station()
+    assert pair.station.was_carrying
+    assert pair.carry() is (end == "done")
+    assert pair.world.midpoint == before
+    # The next one begins anew.
+    pair.station.close()
+    pair.restart_station()
+    assert not pair.station.was_carrying
+
+
+def test_a_station_that_was_killed_in_the_carry_goes_on(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    script = carry_once(pair.station, 600)
+    while not all(mode in CARRYING for mode in pair.modes()):
+        assert next(script) is None
+        pair.run(STEP)
+    next(script)
+    pair.station.close()
+    pair.restart_station()
+    assert pair.carry()
+
+
+class Tap:
+    """A link that hears everything to the station, as a second radio would."""
+
+    def __init__(self, air: Air) -> None:
+        self.air, self.heard = air, list[bytes]()
+        self.sends = 0
+        before = air.send
+
+        def send(sender: str, receiver: str, data: bytes) -> None:
+            if receiver == "station":
+                self.heard.append(data)
+            before(sender, receiver, data)
+
+        air.send = send  # type: ignore[method-assign]
+
+    def send(self, receiver: str, data: bytes) -> None:
+        self.sends += 1
+        self.air.send("station", receiver, data)
+
+    def receive(self) -> list[bytes]:
+        heard, self.heard = self.heard, []
+        return heard
+
+    def close(self) -> None:
+        pass
+
+
+def second_laptop(pair: LivePair, folder: Path, boots: int) -> tuple[Station, Tap, list[str]]:
+    """A station with the key of the pair and a boot counter of its own."""
+    folder.mkdir()
+    (folder / "scene.toml").write_text(pair.scene.to_toml())
+    number = pair.pair.settings.pair.number
+    other = load_pair(init_pair(folder / "pair.toml", values={"pair.number": number})[0])
+    other = type(other)(other.file, pair.pair.settings, pair.pair.key)
+    tap, lines = Tap(pair.air), list[str]()
+    station: Any = None
+    other.state_file("station").path.parent.mkdir(exist_ok=True)
+    for boot in range(boots):
+        if boot:
+            station.close()
+        station = Station(other, tap, lines.append, lambda: 0.01 * pair.air.now)  # type: ignore[arg-type]
+    return station, tap, lines
+
+
+@pytest.mark.parametrize("boots", [1, 5, 9])
+def test_a_second_station_on_another_laptop_is_refused(boots: int, tmp_path: Path) -> None:
+    """Whatever the count of its boots, it is refused before it has sent anything."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    for _ in range(4):
+        pair.restart_station()  # epoch 5
+    pair.start()
+    other, tap, _ = second_laptop(pair, tmp_path / "laptop", boots)
+    with pytest.raises(OtherStation, match=r"another station operates this pair \(it has booted 5"):
+        for _ in range(100):
+            pair.run(STEP)
+            other.step()
+    assert tap.sends == 0
+    assert all(mode in CARRYING for mode in pair.modes())
+
+
+def test_a_station_that_was_taken_over_says_so(tmp_path: Path) -> None:
+    """Its radio had failed meanwhile, and another laptop has taken its place."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair.start()
+    first = pair.station
+    pair.station = Station.__new__(Station)
+    pair.station.step = lambda: None  # type: ignore[method-assign]
+    pair.run(300)
+    other, _, lines = second_laptop(pair, tmp_path / "laptop", 1)
+    for _ in range(60):
+        pair.run(STEP)
+        other.step()
+    assert any("takes the next epoch" in line for line in lines)
+    assert other.modes().keys() == {"left", "right"}
+    with pytest.raises(OtherStation, match="another station operates this pair"):
+        for _ in range(40):
+            pair.run(STEP)
+            other.step()
+            first.step()
+
+
+def test_an_e_stop_does_not_wait_until_other_stations_are_ruled_out(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair.start()
+    for _ in range(3):  # the newest packets that the robots know are older than one boot
+        Station(pair.pair, AirLink(pair.air, "nobody"), pair.lines.append).close()  # type: ignore[arg-type]
+    pair.restart_station()
+    pair.station.wish("e_stop")
+    pair.run_until(("stopped",), within=30)
+
+
+def sent_by_a_stranger(pair: LivePair, key: bytes, body: Any, sequence: int) -> None:
+    """Packets to both robots as a station would send them, also with right acknowledgements."""
+    for side in ("left", "right"):
+        for ahead in (0, 5):
+            packet = Packet(
+                "station", side, pair.pair.settings.pair.number, 2**24 - 1, sequence + ahead,
+                (pair.stored[side].epoch, 1), body,
+            )  # fmt: skip
+            pair.air.send("station", side, encode(packet, key))
+
+
+def test_a_wrong_key_moves_nothing(tmp_path: Path) -> None:
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.run(50)
+    wrong = bytes(16)
+    assert wrong != pair.pair.key
+    for number, operation in enumerate(("arm", "start", "e_stop", "release") * 5):
+        sent_by_a_stranger(pair, wrong, Operate(operation, stop=operation == "e_stop"), number + 1)  # type: ignore[arg-type]
+        pair.run(20)
+        assert pair.modes() == ("disarmed", "disarmed")
+    assert all(robot.count(6) >= 40 for robot in pair.robots.values())  # bad_tag
+
+
+def test_with_the_right_key_the_same_packets_do_stop(tmp_path: Path) -> None:
+    """Otherwise the test above could not fail."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.run(50)
+    sent_by_a_stranger(pair, pair.pair.key, Operate("e_stop", stop=True), 1)
+    pair.run(5)
+    assert pair.modes() == ("stopped", "stopped")
+
+
+def test_replayed_orders_do_nothing(tmp_path: Path) -> None:
+    """Everything that the station has sent is recorded and sent again: after the carry, after a
+    stop, and after a reboot of both robots. No robot arms, starts or is released by it."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
+    recorded: list[tuple[str, bytes]] = []
+    before = pair.air.send
+
+    def send(sender: str, receiver: str, data: bytes) -> None:
+        if sender == "station":
+            recorded.append((receiver, data))
+        before(sender, receiver, data)
+
+    pair.air.send = send  # type: ignore[method-assign]
+    pair.start()
+    pair.wish("stop", "stopped")
+    pair.wish("release", "disarmed")
+    pair.start()
+    pair.wish("stop", "stopped")
+    pair.air.send = before  # type: ignore[method-assign]
+
+    def replay() -> set[str]:
+        seen: set[str] = set()
+        for receiver, data in recorded:
+            pair.air.send("station", receiver, data)
+            pair.run(1)
+            seen |= set(pair.modes())
+        return seen
+
+    assert replay() == {"stopped"}
+    for side in ("left", "right"):
+        pair.boot(side)
+    assert replay() == {"stopped"}
+    pair.wish("release", "disarmed")
+    # An emergency stop counts without a session, and can only stop.
+    assert replay() <= {"disarmed", "stopped"}
+
+
+def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
+    """Bits of a release are changed in every byte, and its tag is that of other packets."""
+    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.wish("e_stop", "stopped")
+    number = pair.pair.settings.pair.number
+    stranger = Endpoint(bytes(range(16)), number, "station", 2**24 - 1)
+    forged = stranger.send("left", Operate("release"))
+    real: list[bytes] = []
+    before = pair.air.send
+
+    def send(sender: str, receiver: str, data: bytes) -> None:
+        if (sender, receiver) == ("station", "left"):
+            real.append(data)
+        before(sender, receiver, data)
+
+    pair.air.send = send  # type: ignore[method-assign]
+    pair.run(20)
+    for k in range(len(forged)):
+        changed = real[-1][:k] + bytes([real[-1][k] ^ 1]) + real[-1][k + 1 :]
+        mixed = real[-1][:k] + forged[k:]
+        for data in (forged, changed, mixed):
+            pair.air.send("station", "left", data)
+        pair.run(1)
+        assert pair.robots["left"].mode == "stopped"
+    pair.wish("release", "disarmed")  # a real one does
+
+
+def test_link_quality_counts_gaps_and_measures_round_trips() -> None:
+    link = LinkQuality()
+    assert (link.loss(0), link.round_trip_s(0)) == (None, None)
+    for number in range(1, 101):
+        link.note_sent((7, number), 0.05 * number)
+        if number % 4:
+            link.note_received((2, number), (7, number), 0.05 * number + 0.03)
+    loss = link.loss(5.0)
+    assert loss is not None
+    assert loss == pytest.approx(1 - 75 / 99)
+    assert link.round_trip_s(5.0) == pytest.approx(0.03)
+    assert link.loss(100.0) is None
+    link.note_received((3, 1), (7, 100), 100.0)  # the robot has booted
+    link.note_received((3, 2), (7, 100), 100.1)
+    assert link.loss(100.1) == 0
+
+
+def test_a_correction_that_never_ends_is_named_once() -> None:
+    watch = CorrectionWatch(6.0)
+    for now, side, case in ((1.0, "left", "a"), (1.2, "right", "c"), (5.0, "left", "a")):
+        watch.take(side, case, now)  # type: ignore[arg-type]
+    assert watch.hanging(7.0) == []
+    assert watch.hanging(7.1) == ["correction A of left lasts for more than 6 s: it hangs"]
+    assert watch.hanging(7.3) == ["right assists for more than 6 s: it hangs"]
+    assert watch.hanging(20.0) == []
+    watch.take("left", " ", 21.0)
+    watch.take("left", "d", 22.0)
+    watch.take("left", " ", 27.9)
+    assert watch.hanging(40.0) == []
+
+
+def test_corrections_get_labels_in_the_order_of_their_start() -> None:
+    watch = CorrectionWatch()
+    said = [
+        watch.take(side, case, now)  # type: ignore[arg-type]
+        for now, (side, case) in enumerate(
+            [("left", "a"), ("right", "c"), ("left", " "), ("right", " "), ("right", "b"),
+             ("left", "c"), ("right", "a"), ("right", "a")]
+        )
+    ]  # fmt: skip
+    assert said == [
+        "correction A of left (a) begins", "correction A: right assists",
+        "correction A ends after 2.0 s", None, "correction B of right (b) begins",
+        "correction B: left assists", "correction C of right (a) begins", None,
+    ]  # fmt: skip
+    assert [(c.label, c.robot, c.assistant, c.start_s, c.end_s) for c in watch.ended] == [
+        ("A", "left", "right", 0, 2),
+        ("B", "right", "left", 4, 6),
+    ]
+    assert [(c.label, c.assistant) for c in watch.under_way] == [("C", "left")]

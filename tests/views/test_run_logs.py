@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Logs of robots and station: verified bit by bit, aligned, cut off, and on a full disk."""
+
+import random
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from live_pair import Air, LivePair
+from palmbots.logs import run_log_writer
+from palmbots.logs.run_channels import LineEvent
+from palmbots.logs.run_log_reader import is_run_log, read_run_log
+from palmbots.logs.run_log_writer import RunLogWriter
+from palmbots.robot.live_robot import logged_program
+from palmbots.station.station_log import StationLog
+from palmbots.views.log_alignment import Traffic, align, fit
+from palmbots.views.run_figures import carry_of
+from palmbots.views.run_replay import read_run, replay_run, verify
+from palmbots.wire import decode
+
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
+CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+
+
+class LoggedPair(LivePair):
+    """Everything logs, each on a clock of its own."""
+
+    def boot(self, side: str) -> None:
+        super().boot(side)
+        before = self.robots.get(side)
+        state = self.stored[side]
+        assert self.pair.log_folder() is not None
+        self.robots[side] = logged_program(
+            self.pair,
+            side,  # type: ignore[arg-type]
+            state,
+            self.scene,
+            1.0,
+            self.warnings.append,
+        )
+        self.opened.append(self.robots[side])
+        assert before is None or before is not self.robots[side]
+
+    def restart_station(self) -> None:
+        super().restart_station()
+        log = StationLog(self.pair, self.station.epoch, self.scene, self.warnings.append)
+        self.station.on_note(log)
+        self.opened.append(log)
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.warnings: list[str] = []
+        self.opened: list[Any] = []
+        super().__init__(*arguments, **options)
+
+    def close(self) -> Path:
+        for one in self.opened:
+            one.close()
+        assert self.warnings == []
+        folder = self.pair.log_folder()
+        assert folder is not None
+        return folder
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The logs take their time from the simulated radio."""
+    place: dict[str, Any] = {"air": None}
+    monkeypatch.setattr(
+        run_log_writer, "_now_ns",
+        lambda: 0 if place["air"] is None else round(1e7 * place["air"].now),
+    )  # fmt: skip
+    return place
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_logs_of_a_carry_are_verified(controller: str, tmp_path: Path, clock: Any) -> None:
+    air = Air(delay=3, loss=0.1, jitter=2, duplicate=0.1, seed=4)
+    clock["air"] = air
+    pair = LoggedPair(tmp_path, controller, air, UP, {"task.distance_m": 0.15})
+    pair.carry()
+    folder = pair.close()
+    names = sorted(file.name for file in folder.iterdir())
+    assert names == ["left-000001.mcap", "right-000001.mcap", "station-000001.mcap"]
+    run = read_run([folder])
+    result = replay_run(run)
+    assert result.identical, result.logs
+    assert [log.verified for log in result.logs[:2]] == [pair.air.now, pair.air.now]
+    assert not any(log.is_cut for log in result.logs)
+    for one in result.clocks:  # all have the same clock here
+        assert one.offset_s == pytest.approx(0, abs=one.uncertainty_s + 1e-9)
+        assert one.rate == pytest.approx(1, abs=2e-3)
+        assert one.uncertainty_s < 0.08
+    carry = carry_of(run, result.clocks)
+    if controller != "distributed":  # which a loss can hang
+        assert carry.outcome == "delivered"
+        assert carry.distance_m == pytest.approx(0.15, abs=0.02)
+    assert bool(carry.message_log) == (controller != "silent")
+
+
+def test_no_packet_of_a_log_has_the_tag_of_the_pair(tmp_path: Path) -> None:
+    """A log may be passed on: it holds neither the key nor a packet that a robot accepts."""
+    pair = LoggedPair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.run(100)
+    folder = pair.close()
+    number = pair.pair.settings.pair.number
+    packets = 0
+    for file in folder.iterdir():
+        assert pair.pair.key not in file.read_bytes()
+        assert pair.pair.key.hex().encode() not in file.read_bytes()
+        log = read_run_log(file)
+        for _, tick in log.messages["ticks"]:
+            for data in tick.received:
+                packets += 1
+                assert decode(data, pair.pair.key, number, log.end).verdict == "bad_tag"  # type: ignore[arg-type]
+                assert decode(data, bytes.fromhex(log.facts["key"]), number, log.end).packet  # type: ignore[arg-type]
+    assert packets > 20
+
+
+def test_every_boot_has_a_log_of_its_own(tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "resilient", Air(delay=2), UP)
+    pair.start()
+    pair.run(100)
+    pair.boot("left")
+    pair.run(100)
+    pair.restart_station()
+    pair.run(50)
+    folder = pair.close()
+    assert sorted(file.name for file in folder.iterdir()) == [
+        "left-000001.mcap", "left-000002.mcap", "right-000001.mcap", "station-000001.mcap",
+        "station-000002.mcap",
+    ]  # fmt: skip
+    result = replay_run(read_run([folder]))
+    assert result.identical, result.logs
+    assert [log.boots for log in result.logs] == [1, 2, 1, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("field", "change"),
+    [
+        ("sign", lambda tick: -1 if tick.sign == 1 else 1),
+        ("palm", lambda tick: 1 - tick.palm),
+        ("mode", lambda _: "done"),
+        ("wheels", lambda tick: not tick.wheels),
+        ("elapsed", lambda tick: tick.elapsed + 3),
+        ("covered", lambda tick: not tick.covered),
+    ],
+)
+def test_a_changed_decision_or_input_is_found(field: str, change: Any, tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.run(60)
+    log = read_run_log(pair.close() / "left-000001.mcap")
+    place = next(k for k, (_, tick) in enumerate(log.messages["ticks"]) if tick.wheels) + 5
+    tick = log.messages["ticks"][place][1]
+    setattr(tick, field, change(tick))
+    found = verify(log)
+    assert found.difference is not None
+    assert place <= found.verified <= place + 3
+
+
+def test_a_changed_packet_or_a_gap_is_found(tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "distributed", Air(), UP)
+    pair.start()
+    pair.run(60)
+    path = pair.close() / "right-000001.mcap"
+    log = read_run_log(path)
+    ticks = log.messages["ticks"]
+    place = next(k for k, (_, tick) in enumerate(ticks) if k > 50 and tick.sent)
+    sent = ticks[place][1].sent[0]
+    ticks[place][1].sent[0] = sent[:-1] + bytes([sent[-1] ^ 1])
+    found = verify(log)
+    assert found.verified == place
+    assert f"tick {place + 1}: sent was " in (found.difference or "")
+    log = read_run_log(path)
+    del log.messages["ticks"][40:43]
+    assert verify(log).difference == "the ticks 41 to 43 are missing"
+
+
+def test_a_log_without_an_end_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.run(1500)
+    file = pair.close() / "left-000001.mcap"
+    whole = file.read_bytes()
+    count = len(read_run_log(file).messages["ticks"])
+    chance = random.Random(3)
+    lengths = set()
+    for share in (0.4, 0.6, 0.8, 0.95, 0.999):
+        file.write_bytes(whole[: int(share * len(whole)) - chance.randrange(50)])
+        log = read_run_log(file)
+        assert log.is_cut
+        found = verify(log)
+        assert found.difference is None
+        lengths.add(found.verified)
+        assert found.verified <= count
+    assert len(lengths) > 2
+    file.write_bytes(whole[:100])
+    with pytest.raises(pb.PalmbotsError, match="is no log of a robot or station"):
+        read_run_log(file)
+
+
+def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
+    other = tmp_path / "other.mcap"
+    other.write_bytes(b"no log")
+    assert not is_run_log(other)
+    assert not is_run_log(tmp_path / "missing")
+    for path, line in ((other, "is no log of a robot"), (tmp_path / "none", "cannot be read")):
+        with pytest.raises(pb.PalmbotsError, match=line):
+            read_run([path])
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(pb.PalmbotsError, match="has no logs"):
+        read_run([tmp_path / "empty"])
+
+
+def test_logs_of_two_pairs_are_not_one_run(tmp_path: Path) -> None:
+    files = []
+    for k in (1, 2):
+        (tmp_path / str(k)).mkdir()
+        pair = LoggedPair(tmp_path / str(k), "silent", Air(), UP | {"pair.number": k})
+        pair.run(20)
+        files.append(pair.close() / "left-000001.mcap")
+    with pytest.raises(pb.PalmbotsError, match="are of the pairs 1, 2; allowed: logs of one pair"):
+        replay_run(read_run(files))
+
+
+def talk(offset_s: float, rate: float, delay: Any, count: int = 2000) -> tuple[Traffic, Traffic]:
+    """Two programs that send each other packets; t_other = offset + rate · t_own."""
+    own, other = Traffic({}, {}), Traffic({}, {})
+    for k in range(count):
+        now = 0.01 * k
+        there = ("left", "right", 1, k)
+        own.sent[there] = now
+        other.received[there] = offset_s + rate * (now + delay())
+        back = ("right", "left", 1, k)
+        other.sent[back] = offset_s + rate * now
+        own.received[back] = now + delay()
+    return own, other
+
+
+@pytest.mark.parametrize("rate", [1.0, 1.02, 0.9995])
+@pytest.mark.parametrize("offset_s", [0.0, -1234.5])
+def test_alignment_finds_offset_and_rate(offset_s: float, rate: float) -> None:
+    chance = np.random.default_rng(5)
+    own, other = talk(offset_s, rate, lambda: 0.02 + chance.exponential(0.02))
+    found = fit(own, other)
+    assert found is not None
+    got_offset, got_rate, uncertainty_s, packets = found
+    assert packets == 4000
+    assert got_rate == pytest.approx(rate, abs=2e-4)
+    for time_s in (0.0, 10.0, 20.0):  # anywhere in the run
+        error = got_offset + got_rate * time_s - (offset_s + rate * time_s)
+        assert abs(error) <= uncertainty_s
+    assert 0.015 < uncertainty_s < 0.03
+
+
+def test_alignment_holds_with_delays_in_one_direction_only() -> None:
+    """The true offset is within the margin, although it is not in its middle."""
+    slow = iter([0.05, 0.0] * 4000)
+    own, other = talk(3.0, 1.0, lambda: next(slow))
+    found = fit(own, other)
+    assert found is not None
+    assert abs(found[0] - 3.0) <= found[2] + 1e-9
+    assert found[2] == pytest.approx(0.025, abs=1e-3)
+    assert fit(Traffic({}, {}), other) is None
+
+
+def test_logs_without_common_packets_are_not_aligned(tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "silent", Air(loss=1.0), UP)
+    pair.run(50)
+    clocks = align(read_run([pair.close()]))
+    assert [one.offset_s for one in clocks] == [None, None]
+
+
+# Writes a log of many lines in a process that may write at most so many bytes to a file, or to a
+# disk that is full.
+WRITING = """
+import sys, time
+from pathlib import Path
+from palmbots.logs.run_channels import LineEvent
+from palmbots.logs.run_log_writer import RunLogWriter
+import os
+log = RunLogWriter(Path(sys.argv[1]), "left", 1, {"pair": 1}, print)
+longest = 0.0
+for k in range(20000):
+    before = time.perf_counter()
+    log.add("/left/lines", lambda: LineEvent(text=os.urandom(100).hex()))
+    longest = max(longest, time.perf_counter() - before)
+    if k % 100 == 0:
+        time.sleep(0.002)
+log.close()
+print("goes on")
+"""
+
+
+def test_a_full_disk_costs_one_warning_and_the_rest_of_the_log(tmp_path: Path) -> None:
+    limit = 200_000
+
+    def little_room() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    done = subprocess.run(
+        [sys.executable, "-c", WRITING, str(tmp_path)], preexec_fn=little_room,
+        capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.stderr == ""
+    warning, rest = done.stdout.splitlines()
+    assert warning.startswith(f"log: {tmp_path}/left-000001.mcap: File too large; the rest")
+    assert rest == "goes on"
+    log = read_run_log(tmp_path / "left-000001.mcap")
+    assert log.is_cut
+    assert len(log.messages["lines"]) > 100
+
+
+def test_a_folder_that_cannot_be_made_costs_one_warning(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    warnings: list[str] = []
+    log = RunLogWriter(tmp_path / "file" / "logs", "left", 1, {}, warnings.append)
+    for _ in range(100):
+        log.add("/left/lines", lambda: LineEvent(text="a"))
+    log.close()
+    assert len(warnings) == 1
+    assert "the rest of this run is not logged" in warnings[0]
+
+
+def test_an_older_log_is_kept(tmp_path: Path) -> None:
+    for text in ("first", "second"):
+        log = RunLogWriter(tmp_path, "station", 7, {"pair": 1}, print)
+        log.add("/station/lines", lambda text=text: LineEvent(text=text))
+        log.close()
+    texts = [
+        read_run_log(tmp_path / name).messages["lines"][0][1].text
+        for name in ("station-000007.mcap", "station-000007-1.mcap")
+    ]
+    assert texts == ["first", "second"]
