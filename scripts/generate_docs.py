@@ -4,13 +4,13 @@
 
 Run it with the tree's own Python: .venv/bin/python scripts/generate_docs.py [--check]
 
-A generated part stands between two markers, `<!-- NAME -->` and `<!-- end of NAME -->`. With
---check nothing is written, and the exit status is 1 if a part is out of date.
+A generated part stands on some page of the docs between two markers, `<!-- NAME -->` and
+`<!-- end of NAME -->`. With --check nothing is written, and the exit status is 1 if a part is out
+of date.
 """
 
 import importlib
 import pkgutil
-import re
 import sys
 from pathlib import Path
 
@@ -27,21 +27,21 @@ GENERATORS = [
 
 def main() -> int:
     """Write or check all pages; return the exit status."""
-    stale = []
+    pages = {path: path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")}
+    wanted = dict(pages)
     for generator in GENERATORS:
-        page = ROOT / generator.PAGE
-        text = wanted = page.read_text(encoding="utf-8")
         for name, content in generator.blocks().items():
-            block = f"<!-- {name} -->\n{content}\n<!-- end of {name} -->"
-            pattern = rf"<!-- {re.escape(name)} -->.*?<!-- end of {re.escape(name)} -->"
-            wanted, count = re.subn(pattern, lambda _, b=block: b, wanted, flags=re.DOTALL)
-            assert count == 1, f"{generator.PAGE}: {count} places for {name}"
-        if wanted != text:
-            stale.append(generator.PAGE)
-            if "--check" not in sys.argv:
-                page.write_text(wanted, encoding="utf-8")
+            start, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+            (page,) = (path for path, text in wanted.items() if start in text)
+            before, _, rest = wanted[page].partition(start)
+            wanted[page] = f"{before}{start}\n{content}\n{end}{rest.partition(end)[2]}"
+    stale = [path for path, text in pages.items() if wanted[path] != text]
     for page in stale:
-        print(f"{page}: {'is out of date; run: make docs' if '--check' in sys.argv else 'written'}")
+        if "--check" not in sys.argv:
+            page.write_text(wanted[page], encoding="utf-8")
+    news = "is out of date; run: make docs" if "--check" in sys.argv else "written"
+    for page in stale:
+        print(f"{page.relative_to(ROOT)}: {news}")
     return int("--check" in sys.argv and bool(stale))
 
 

@@ -7,7 +7,6 @@ from typer.main import get_command
 
 from palmbots.cli.main import build_app
 
-PAGE = "docs/reference/cli.md"
 _WIDTH = 80
 
 

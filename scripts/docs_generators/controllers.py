@@ -6,7 +6,6 @@ from pathlib import Path
 
 import palmbots._core as _core
 
-PAGE = "docs/theory/protocols.md"
 LOSSES = Path(__file__).parents[2] / "benchmarks" / "results" / "loss.csv"
 BY_TIME = LOSSES.with_name("loss_by_time.csv")
 

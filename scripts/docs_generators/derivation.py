@@ -16,7 +16,6 @@ from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.refinement import check_refinement
 from palmbots.derivation.verification import verify
 
-PAGE = "docs/theory/derivation.md"
 ROOT = Path(__file__).parents[2]
 
 

@@ -4,7 +4,6 @@
 import csv
 from pathlib import Path
 
-PAGE = "docs/guide/robots.md"
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
 

@@ -13,8 +13,6 @@ from palmbots.logs.channels import CorrectionEvent, MessageEvent, state_channels
 from palmbots.logs.run_channels import LineEvent, PacketEvent, RobotTick, StatusEvent
 from palmbots.mujoco.trace_columns import COLUMNS
 
-PAGE = "docs/reference/log-schemas.md"
-
 _TYPES = {
     FieldDescriptor.TYPE_DOUBLE: "double",
     FieldDescriptor.TYPE_SINT64: "sint64",

@@ -3,8 +3,6 @@
 
 import palmbots._core as _core
 
-PAGE = "docs/reference/operation.md"
-
 # What happens, in words.
 MEANING = {
     "any": "always",

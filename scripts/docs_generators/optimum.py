@@ -4,7 +4,6 @@
 import csv
 from pathlib import Path
 
-PAGE = "docs/theory/optimum.md"
 BRAKES = Path(__file__).parents[2] / "benchmarks" / "results" / "brake_rules.csv"
 NEVER_S = 100.0
 CARRIES = 20_000

@@ -7,8 +7,6 @@ from palmbots.pair.pair_file import pair_keys
 from palmbots.scene.key_reference import SceneKey
 from palmbots.simulation.imperfections import imperfection_keys
 
-PAGE = "docs/guide/robots.md"
-
 
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""

@@ -11,8 +11,6 @@ from typing import Any, Literal, get_args, get_origin
 
 import palmbots
 
-PAGE = "docs/reference/python.md"
-
 
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""

@@ -4,7 +4,6 @@
 import csv
 from pathlib import Path
 
-PAGE = "docs/theory/robustness.md"
 RESULT = Path(__file__).parents[2] / "benchmarks" / "results" / "robustness.csv"
 
 

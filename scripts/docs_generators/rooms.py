@@ -4,7 +4,6 @@
 import tomllib
 from pathlib import Path
 
-PAGE = "docs/reference/internals.md"
 LAYERS = Path(__file__).parents[2] / "tests" / "package" / "layers.toml"
 
 

@@ -16,7 +16,6 @@ from palmbots.ros2.ros2_topics import (
     dds_type,
 )
 
-PAGE = "docs/guide/ros2.md"
 _EXAMPLES = (
     ("/left/cmd_vel", "geometry_msgs/msg/TwistStamped"),
     ("/left/joint_states", "sensor_msgs/msg/JointState"),
@@ -62,7 +61,7 @@ def blocks() -> dict[str, str]:
     return {
         "published topics": _table(published),
         "topics of the base": f"{of_the_base}.",
-        "commands": _table(keyed + rows(COMMANDS)),
+        "ros2 commands": _table(keyed + rows(COMMANDS)),
         "readings": _table(keyed + rows(READINGS)),
         "qualities": _table(qualities),
         "names in DDS": _table(names),

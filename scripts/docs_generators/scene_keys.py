@@ -4,8 +4,6 @@
 from palmbots._util.arguments import show
 from palmbots.scene.key_reference import scene_keys
 
-PAGE = "docs/reference/scene-keys.md"
-
 
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""

@@ -9,8 +9,6 @@ from palmbots.control.registry import resolve
 from palmbots.control.table_timing import transition_table
 from palmbots.scene.scene import Scene
 
-PAGE = "docs/theory/sign-controllers.md"
-
 CONDITION = {
     "settled": "the palm is at its target",
     "timed_out": "time is up",

@@ -7,7 +7,6 @@ from pathlib import Path
 import palmbots._core as _core
 from palmbots.wire import MAX_EPOCH, MAX_SEQUENCE
 
-PAGE = "docs/reference/wire.md"
 COST = Path(__file__).parents[2] / "benchmarks" / "results" / "wire.csv"
 
 MEANING = {
