@@ -23,9 +23,9 @@ from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
 from palmbots.control.state_words import STATE_MEANINGS
 from palmbots.derivation.global_policy import table_1
-from palmbots.geometry import robot_dimensions
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
 from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
+from palmbots.scene import robot_dimensions
 from palmbots.scene.faults_section import KEYS_OF_KIND, OPTIONAL_KEYS_OF_KIND, Fault
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The object in the frame of its two contact vertices, from an outline in any frame.
 //
-// The formulas and their order are those of src/palmbots/geometry/object_frame.py, so that a carry
+// The formulas and their order are those of src/palmbots/scene/object_frame.py, so that a carry
 // has the same bits; tests/site compares trace hashes for every built-in object and for random
 // polygons.
 #pragma once

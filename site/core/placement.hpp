@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places of the palms, contacts and object in the world frame, for drawing.
 //
-// The same as src/palmbots/geometry/placement.py: x forward, y up, the origin halfway between the
+// The same as src/palmbots/scene/placement.py: x forward, y up, the origin halfway between the
 // pivots at the start, at their height.
 #pragma once
 

@@ -11,8 +11,8 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.dead_band import overrun_m, warnings_before, zero_zone_m
-from palmbots.geometry.placement import placements
 from palmbots.scene.palm_overlap import overlap_m
+from palmbots.scene.placement import placements
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 

@@ -14,7 +14,6 @@ from mcap_protobuf.decoder import DecoderFactory
 
 import palmbots as pb
 from palmbots import write_log
-from palmbots.geometry.placement import placements
 from palmbots.logs.scene_updates import (
     prism_triangles,
     ros_string,
@@ -23,6 +22,7 @@ from palmbots.logs.scene_updates import (
     triangulate,
 )
 from palmbots.logs.solids import Prism, contact_balls, solids, urdf
+from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
 
 BOX = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0))

@@ -12,10 +12,10 @@ import palmbots as pb
 import palmbots._core as _core
 from palmbots.cli import main as cli
 from palmbots.errors import PalmbotsError
-from palmbots.geometry.placement import place
-from palmbots.geometry.polygon import place_of_point
 from palmbots.mechanics.contact_points import Contact, touching
 from palmbots.mechanics.state import palm_state
+from palmbots.scene.placement import place
+from palmbots.scene.polygon import place_of_point
 from palmbots.scene.scene import Scene
 
 W = 0.25

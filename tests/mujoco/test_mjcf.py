@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.geometry.extrusion import gyration, triangles
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.mjcf import layout, mjcf, steps_per_tick
+from palmbots.scene.extrusion import gyration, triangles
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 

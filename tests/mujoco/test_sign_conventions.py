@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from palmbots._types import SIDES
-from palmbots.geometry.robot_dimensions import BODY_SIZE, PALM_THICKNESS
 from palmbots.mujoco import film
 from palmbots.mujoco.drift_forecast import Budget
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.mjcf import mjcf
 from palmbots.mujoco.trace_columns import COLUMNS
 from palmbots.mujoco.world import MujocoWorld
+from palmbots.scene.robot_dimensions import BODY_SIZE, PALM_THICKNESS
 from palmbots.scene.scene import Scene, load_scene
 
 mj = mujoco()

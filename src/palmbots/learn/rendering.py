@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
-from palmbots.geometry.placement import Placement, place
 from palmbots.learn.episode import Episode
 from palmbots.learn.spaces import MESSAGES, MOVES, PALMS, RobotAction
+from palmbots.scene.placement import Placement, place
 from palmbots.viz.side_view import Moment, Stage
 from palmbots.viz.side_view_scene import Message
 

@@ -19,10 +19,10 @@ from mcap_protobuf.schema import register_schema
 
 from palmbots._util.atomic_files import whole_file
 from palmbots.errors import PalmbotsError
-from palmbots.geometry.placement import placements
 from palmbots.logs import scene_updates
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, state_channels, variables_of
 from palmbots.logs.solids import contact_balls, solids, urdf
+from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.result import Carry
 

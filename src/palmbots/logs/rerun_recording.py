@@ -14,9 +14,9 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
-from palmbots.geometry.placement import Placement, placements
 from palmbots.logs.scene_updates import prism_triangles
 from palmbots.logs.solids import WORLD, Box, Cylinder, Prism, Solid, poses, solids
+from palmbots.scene.placement import Placement, placements
 from palmbots.scene.spec import to_spec
 from palmbots.viz.style import DROP, SLIDES, ZERO
 

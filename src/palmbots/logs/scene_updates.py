@@ -22,8 +22,8 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from palmbots._types import SIDES
-from palmbots.geometry.placement import Placement
 from palmbots.logs.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector, poses
+from palmbots.scene.placement import Placement
 from palmbots.viz.style import SLIDES, ZERO
 
 

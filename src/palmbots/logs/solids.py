@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 from palmbots._types import SIDES, Side
-from palmbots.geometry.placement import Placement, floor_level
-from palmbots.geometry.robot_dimensions import (
+from palmbots.scene.placement import Placement, floor_level
+from palmbots.scene.robot_dimensions import (
     ARM_HALF_SPACING,
     BODY_GAP,
     BODY_SIZE,

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
-from palmbots.geometry.robot_dimensions import (
+from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
+from palmbots.scene.robot_dimensions import (
     ARM_HALF_SPACING,
     BODY_GAP,
     BODY_SIZE,
@@ -22,7 +23,6 @@ from palmbots.geometry.robot_dimensions import (
     WHEEL_INSET,
     WHEEL_WIDTH,
 )
-from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.scene import Scene
 from palmbots.viz.style import HUE, INK, PALE, QUIET
 

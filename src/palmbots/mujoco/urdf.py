@@ -12,13 +12,6 @@ import xml.etree.ElementTree as ET
 
 from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
-from palmbots.geometry.robot_dimensions import (
-    BODY_SIZE,
-    CASTER_RADIUS,
-    GROUND_CLEARANCE,
-    PALM_THICKNESS,
-    WHEEL_WIDTH,
-)
 from palmbots.mujoco.mjcf import layout
 from palmbots.mujoco.robot_mjcf import (
     axle_out,
@@ -29,6 +22,13 @@ from palmbots.mujoco.robot_mjcf import (
     wheel_radius,
 )
 from palmbots.mujoco.settings import ARM
+from palmbots.scene.robot_dimensions import (
+    BODY_SIZE,
+    CASTER_RADIUS,
+    GROUND_CLEARANCE,
+    PALM_THICKNESS,
+    WHEEL_WIDTH,
+)
 from palmbots.scene.scene import Scene
 from palmbots.viz.style import HUE, INK, PALE, QUIET
 

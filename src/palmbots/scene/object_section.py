@@ -10,8 +10,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, TypeAdapter, ValidationError, model_validator
 
-from palmbots.geometry.polygon import Point, area_and_centroid, bottom_ends, crossing_edges
 from palmbots.scene.fields import Index, Mass, Place, Size, field_error, from_list
+from palmbots.scene.polygon import Point, area_and_centroid, bottom_ends, crossing_edges
 from palmbots.scene.section import Section
 from palmbots.scene.support_check import check_support
 

@@ -8,7 +8,7 @@ No simulator models contact between the palms. If they would overlap, the simula
 import math
 
 from palmbots._types import SIDES
-from palmbots.geometry.object_frame import object_frame
+from palmbots.scene.object_frame import object_frame
 from palmbots.scene.scene import Scene
 
 

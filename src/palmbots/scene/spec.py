@@ -13,8 +13,8 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
-from palmbots.geometry.object_frame import object_frame
 from palmbots.scene.faults_section import Fault
+from palmbots.scene.object_frame import object_frame
 from palmbots.scene.palm_section import PalmParameters
 from palmbots.scene.radio_section import MessageFault
 from palmbots.scene.robot_section import RobotParameters, Tactile

@@ -8,15 +8,15 @@ contacts and between them.
 """
 
 from palmbots._types import SIDES
-from palmbots.geometry.object_frame import object_frame
-from palmbots.geometry.polygon import (
+from palmbots.scene.fields import field_error
+from palmbots.scene.object_frame import object_frame
+from palmbots.scene.polygon import (
     Point,
     crossing_edges,
     hull,
     lower_vertices,
     place_of_point,
 )
-from palmbots.scene.fields import field_error
 
 LEAST_WIDTH_M = 0.001
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from palmbots._types import SIDES
-from palmbots.geometry.object_frame import object_frame
+from palmbots.scene.object_frame import object_frame
 from palmbots.scene.scene import Scene
 
 

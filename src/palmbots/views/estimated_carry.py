@@ -11,8 +11,8 @@ import numpy as np
 
 from palmbots._types import SIDES
 from palmbots.drivers.driver import Drive
-from palmbots.geometry.placement import Placement, place
 from palmbots.pair.drive_table import drive_table
+from palmbots.scene.placement import Placement, place
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 

@@ -18,7 +18,7 @@ from PIL import Image
 
 from palmbots.control.registry import describe
 from palmbots.errors import PalmbotsError
-from palmbots.geometry.placement import placements
+from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
 from palmbots.viz.side_view import COLOURS, Moment, Stage
 from palmbots.viz.side_view_scene import Message

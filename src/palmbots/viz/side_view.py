@@ -14,7 +14,7 @@ import matplotlib
 from PIL import Image, ImageDraw, ImageFont
 
 from palmbots._types import SIDES, Side
-from palmbots.geometry.placement import Placement
+from palmbots.scene.placement import Placement
 from palmbots.viz.side_view_scene import WIDTH, Message, WorldView
 from palmbots.viz.style import (
     BACKGROUND,

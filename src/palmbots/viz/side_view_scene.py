@@ -13,8 +13,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from palmbots._types import SIDES, Side
-from palmbots.geometry.placement import Placement, floor_level
-from palmbots.geometry.robot_dimensions import (
+from palmbots.scene.placement import Placement, floor_level
+from palmbots.scene.robot_dimensions import (
     BODY_GAP,
     BODY_SIZE,
     GROUND_CLEARANCE,

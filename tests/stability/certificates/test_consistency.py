@@ -14,7 +14,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.cli.main import run
-from palmbots.geometry.polygon import crossing_edges
+from palmbots.scene.polygon import crossing_edges
 from palmbots.stability.certificates.checker.outline_validity import crosses_itself
 from palmbots.stability.certificates.checker.scene_comparison import _in_hull
 from palmbots.stability.certificates.prover import certify

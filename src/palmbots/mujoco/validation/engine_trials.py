@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 import palmbots._core as _core
-from palmbots.geometry.extrusion import gyration
-from palmbots.geometry.polygon import Point, hull
 from palmbots.mujoco.mjcf import layout
+from palmbots.scene.extrusion import gyration
+from palmbots.scene.polygon import Point, hull
 from palmbots.scene.scene import Scene
 
 _STEP, _THICK, _G = 0.005, 0.01, 9.80665

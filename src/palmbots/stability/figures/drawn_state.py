@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.geometry.placement import Placement, place
-from palmbots.geometry.robot_dimensions import PALM_THICKNESS
 from palmbots.mechanics.mode_analysis import CONTACT_MODES, Mode, modes_batch
+from palmbots.scene.placement import Placement, place
+from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.stability.figures.canvas import MM, Array, View
 from palmbots.stability.problem import Pair, StabilityProblem
 from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, OBJECT, PALE, axis_label

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
-from palmbots.geometry.robot_dimensions import PALM_THICKNESS
+from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.stability.figures.canvas import MM, Array, View, panel, sheet
 from palmbots.stability.figures.drawn_state import State, draw_bodies, draw_description, shown_area
 from palmbots.viz.style import HUE, styled

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palmbots._core import Spec
-from palmbots.geometry.robot_dimensions import PIVOT_HEIGHT
+from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from palmbots.geometry.polygon import Point, winding
+from palmbots.scene.polygon import Point, winding
 
 
 @dataclass(frozen=True)

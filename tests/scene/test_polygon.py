@@ -7,8 +7,8 @@ import pytest
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from palmbots.geometry.object_frame import object_frame
-from palmbots.geometry.polygon import (
+from palmbots.scene.object_frame import object_frame
+from palmbots.scene.polygon import (
     crossing_edges,
     hull,
     lower_vertices,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.geometry.placement import floor_level, place, placements
+from palmbots.scene.placement import floor_level, place, placements
 from palmbots.scene.spec import to_spec
 
 

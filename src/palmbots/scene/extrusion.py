@@ -7,7 +7,7 @@ A polygon in the (x, z) plane, counter-clockwise, stretched along y by ± depth 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from palmbots.geometry.polygon import Point, turn
+from palmbots.scene.polygon import Point, turn
 
 
 @dataclass(frozen=True)

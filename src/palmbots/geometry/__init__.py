@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Polygons, the object frame, and the placement of bodies from contact coordinates."""
