@@ -2,7 +2,6 @@
 """Bad input of any command: exit status 2, nothing on stdout, one line with what is allowed."""
 
 import importlib
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -237,25 +236,6 @@ def test_impossible_certificate_file_is_refused_before_the_proof(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
     assert_refused(here(*certify, name), f"palmbots: {name}: cannot be written: ")
-
-
-@pytest.mark.parametrize("command", WORK, ids=" ".join)
-def test_unknown_matplotlib_backend_is_refused_before_the_work(
-    command: tuple[str, str], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """``MPLBACKEND=nonsense`` makes the import of matplotlib fail."""
-    forbid_work(command, monkeypatch)
-    monkeypatch.setenv("MPLBACKEND", "nonsense")
-    for name in _modules_of_matplotlib():
-        monkeypatch.delitem(sys.modules, name)
-    line = 'palmbots: MPLBACKEND: value is "nonsense"; allowed: agg, or leave it unset\n'
-    assert_refused(here(*command, str(tmp_path)), line)
-    for name in _modules_of_matplotlib():  # what was imported until the refusal
-        del sys.modules[name]
-
-
-def _modules_of_matplotlib() -> list[str]:
-    return [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]
 
 
 def test_scene_passed_as_study_is_named(here: Run, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 """What the commands have in common: the scene, warnings, and the presentation of a result."""
 
 import json
-import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
@@ -126,26 +125,15 @@ def _announced(entry: "ControllerEntry") -> "ControllerEntry":
 
 
 def check_output(out: Path | None) -> None:
-    """Check, before the work, that figures can be drawn and written to the folder `out`.
+    """Check, before the work, that figures can be written to the folder `out`.
 
     Raises:
-        PalmbotsError: `out` cannot be a folder, or matplotlib rejects its settings.
+        PalmbotsError: `out` cannot be a folder.
     """
-    if out is None:
-        return
-    from palmbots._util.arguments import show
-    from palmbots._util.atomic_files import check_folder
+    if out is not None:
+        from palmbots._util.atomic_files import check_folder
 
-    check_folder(out)
-    try:
-        import matplotlib as _  # noqa: F401
-    except ValueError as error:
-        backend = os.environ.get("MPLBACKEND")
-        if isinstance(error, UnicodeError) or backend is None:
-            raise PalmbotsError(f"matplotlibrc: matplotlib rejects this file: {error}") from None
-        raise PalmbotsError(
-            f"MPLBACKEND: value is {show(backend)}; allowed: agg, or leave it unset"
-        ) from None
+        check_folder(out)
 
 
 def present(

@@ -26,7 +26,6 @@ from typer.main import get_command
 
 from palmbots._util.end_signal import end_with_starter
 from palmbots.cli import INTERRUPTION_LINE, commands
-from palmbots.cli._environment import environment_fault
 from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
@@ -67,9 +66,9 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command; returns the exit status."""
-    fault = environment_fault(os.environ)
-    if fault is not None:
-        return _refuse(fault)
+    # Commands only write files. A notebook of another environment may have set a backend that is
+    # not installed here; matplotlib then refuses to be imported.
+    os.environ["MPLBACKEND"] = "agg"
     try:
         with hold_warnings():
             app = build_app(arguments[0] if arguments else None)

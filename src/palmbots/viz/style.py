@@ -151,8 +151,13 @@ _SETTINGS: Any = {
 
 @contextlib.contextmanager
 def styled() -> Iterator[None]:
-    """Apply the style inside this block, and restore the matplotlib settings of the caller."""
+    """Apply the style inside this block, and restore the matplotlib settings of the caller.
+
+    The style starts from matplotlib's defaults, not from the user's matplotlibrc.
+    """
     import matplotlib  # here, because carry logs need only the colours
 
-    with matplotlib.rc_context(_SETTINGS):
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_SETTINGS)
         yield

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A command writes the same figure whatever matplotlib is told by the user's environment."""
+
+from pathlib import Path
+
+import pytest
+
+from shell import palmbots
+
+INLINE = "module://matplotlib_inline.backend_inline"  # of a notebook of another environment
+SETTINGS = "text.usetex: True\nfont.size: 30\naxes.grid: True\n"
+
+
+def figure(folder: Path) -> bytes:
+    """The figure that a command writes into a folder."""
+    short = ("--set", "task.distance_m=0.1", "--animation", "none")
+    run = palmbots("carry", *short, "--out", str(folder))
+    assert (run.returncode, run.stderr) == (0, "")
+    return (folder / "carry.png").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return figure(tmp_path_factory.mktemp("usual"))
+
+
+@pytest.mark.parametrize("backend", [INLINE, "nonsense", "tkagg"])
+def test_backend_that_is_not_installed_changes_nothing(
+    backend: str, usual: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MPLBACKEND", backend)
+    assert figure(tmp_path / "out") == usual
+
+
+def test_settings_of_the_user_change_nothing(
+    usual: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There is no LaTeX here."""
+    settings = tmp_path / "matplotlibrc"
+    settings.write_text(SETTINGS)
+    monkeypatch.setenv("MATPLOTLIBRC", str(settings))
+    assert figure(tmp_path / "out") == usual
