@@ -7,7 +7,9 @@ with the next one that is still to come.
 
 import time
 from collections import deque
+from collections.abc import Sequence
 
+from palmbots.clocks.clock import Clock
 from palmbots.clocks.stepped_clock import SteppedClock, stepper_address
 from palmbots.links.link import Link
 
@@ -68,7 +70,7 @@ class ControlClock:
         return link
 
 
-def control_clock(name: str, period_s: float, stride: int = 1) -> ControlClock | SteppedClock:
+def control_clock(name: str, period_s: float, stride: int = 1) -> Clock:
     """The clock of a program: the system's, or one that another program steps.
 
     Args:
@@ -82,7 +84,7 @@ def control_clock(name: str, period_s: float, stride: int = 1) -> ControlClock |
     return SteppedClock(name, address, stride)
 
 
-def jitter_table(counts: list[int]) -> dict[str, int]:
+def jitter_table(counts: Sequence[int]) -> dict[str, int]:
     """The histogram of `ControlClock.jitter` with its limits as names."""
     names = [f"< {limit:g} ms" for limit in JITTER_LIMITS_MS]
     return dict(zip([*names, f">= {JITTER_LIMITS_MS[-1]:g} ms"], counts, strict=True))

@@ -14,8 +14,9 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.links.impairment import Impairment, Proxy
+from palmbots.links.lockstep import REBOOTED
 from palmbots.pair.pair_file import ENDS, init_pair, load_pair, station_address
-from palmbots.pair.processes import REBOOTED, Processes
+from palmbots.pair.processes import Processes
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role

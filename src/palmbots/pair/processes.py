@@ -15,8 +15,6 @@ from typing import Self
 from palmbots._util.end_signal import lifeline
 from palmbots.errors import PalmbotsError
 
-REBOOTED = 3
-"""The exit status of a program that its world has rebooted."""
 _END_WITHIN_S = 5.0
 _POLL_S = 0.02
 # No program of a pair multiplies large matrices: the threads of NumPy take time and memory.

@@ -1,82 +1,123 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot's program in lockstep with a world: both wait for each other in every tick.
+"""A robot's program in lockstep with a world, which is its clock, its driver and its link.
 
-Frames (`palmbots.links.local_connection`), one JSON line each:
-
-- robot → world: ``["left", epoch, scene]`` once, when the program has booted
-  (`palmbots.links.greeting`).
-- world → robot: ``["greet", end]``, answered by a hello to that end or null, and
-  ``["hear", packet]``, before the carry.
-- world → robot: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the program
-  runs, or ``"reboot"``, or ``"end"``. Packets are hexadecimal.
-- robot → world: the answer of `_core.runtime.Robot.step`, with the packets in hexadecimal.
+The loop is that of every robot (`palmbots.robot.robot_loop`). The carry is under way from the first
+tick on, and the controller alone decides.
 """
 
-import os
-from dataclasses import replace
+import contextlib
+import math
+import threading
 from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import Side
-from palmbots.errors import PalmbotsError
+from palmbots.clocks.control_clock import JITTER_LIMITS_MS
+from palmbots.drivers.driver import Drive, Reading
 from palmbots.links.greeting import scene_number
-from palmbots.links.local_connection import connect
+from palmbots.links.link import Link
+from palmbots.links.lockstep import Input, LockstepLine
 from palmbots.pair.pair_file import Pair
-from palmbots.pair.processes import REBOOTED
-from palmbots.pair.stored_state import StateFile, StoredState, booted, write_state
+from palmbots.pair.stored_state import StoredState, booted
+from palmbots.robot.logged_robot import LoggedRobot
+from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.robot_program import robot_program
+from palmbots.robot.state_keeper import StateKeeper
 from palmbots.scene.scene import load_scene
+from palmbots.wire import Role
 
-_WORLD_STARTS_WITHIN_S = 20.0
+_NOTHING_YET = Reading(0, True, math.nan)
 
 
-def run_robot(pair: Pair, side: Side) -> int:
+class LockstepWorld:
+    """The world as a clock, a driver and a link. It gets the answer to a tick when all of it is
+    known."""
+
+    is_stepped = True
+    works = True
+    overruns = recent_overruns = 0
+    jitter = (0,) * (len(JITTER_LIMITS_MS) + 1)
+
+    def __init__(self, line: LockstepLine) -> None:
+        self._line = line
+        self._input: Input | None = None
+        self._sent: list[bytes] = []
+        self.program: Any = None
+        """Of the robot; it greets the others before the carry."""
+
+    def wait(self) -> int:
+        """The world grants the next tick; returns the number of ticks since the last one."""
+        self._input = self._line.next(lambda _: self.program.greet(), self.program.hear)
+        return 1 if self._input is None else self._input.elapsed
+
+    def read(self) -> Reading | None:
+        """What the world shows; None: the carry is over."""
+        seen = self._input
+        return None if seen is None else Reading(seen.sign, seen.palm_at_target, math.nan)
+
+    def receive(self) -> list[bytes]:
+        """The packets of this tick."""
+        assert self._input is not None
+        return self._input.packets
+
+    def write(self, drive: Drive) -> None:
+        """The answer has it, too (`take`)."""
+
+    def send(self, receiver: Role, data: bytes) -> None:
+        """Send a packet, with the answer."""
+        self._sent.append(data)
+
+    def take(self, _: RobotLoop, step: Step) -> None:
+        """Answer a tick."""
+        palm, move, stop, packets, *rest = step.answer
+        sent = [packet for packet in packets if packet[1] in self._sent]
+        self._sent = []
+        self._line.answer(palm, move, stop, *rest, packets=sent, at=3)
+
+    def link(self, link: Link) -> Link:
+        """The same link."""
+        return link
+
+    def run_at(self, rate: float) -> None:
+        """The world knows the rate of each clock."""
+
+    def forget(self) -> None:
+        """Nothing is counted."""
+
+    def stop(self) -> None:
+        """The world has ended the carry."""
+
+    def close(self) -> None:
+        """Close the line."""
+        self._line.close()
+
+
+def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
     """Boot the program of one robot, and run it until the world ends the carry.
-
-    Returns:
-        How often the robot has booted.
 
     Raises:
         PalmbotsError: a file is missing or damaged, or the world is lost.
     """
-    file = pair.state_file(side)
-    with booted(file) as state:
-        return _run(pair, side, state, file)
-
-
-def _run(pair: Pair, side: Side, state: StoredState, file: StateFile) -> int:
+    file, silent = pair.state_file(side), pair.with_logs(None, is_off=True)
     settings = _core.runtime.RuntimeSettings.lockstep()
-    scene = load_scene(pair.scene())
-    robot = robot_program(pair, side, state, scene, settings, carries=True)
-    address = pair.settings.driver.address
-    with connect(address, "world", _WORLD_STARTS_WITHIN_S) as world:
-        world.send([side, state.epoch, scene_number(scene)])
-        while True:
-            frame = world.receive()
-            if frame == "end":
-                return state.epoch
-            if frame == "reboot":
-                os._exit(REBOOTED)  # as after a power failure: nothing is cleaned up
-            if frame[0] == "greet":
-                hello = robot.greet()
-                world.send(None if hello is None else hello.hex())
-                continue
-            if frame[0] == "hear":
-                robot.hear(bytes.fromhex(frame[1]))
-                continue
-            if len(frame) != 4:
-                raise PalmbotsError("world: does not run in lockstep; allowed: one with --lockstep")
-            elapsed, sign, palm_at_target, packets = frame
-            reading = _core.runtime.Reading(sign, palm_at_target)
-            answer = robot.step(elapsed, reading, [*map(bytes.fromhex, packets)])
-            *_, assists = answer
-            if assists != state.assists:  # before the packet that grants is sent
-                state = replace(state, assists=assists)
-                write_state(file, state)
-            world.send(_in_hexadecimal(answer))
+    with booted(file) as state, contextlib.ExitStack() as stack:
+        scene = load_scene(pair.scene())
 
+        def start(state: StoredState) -> LoggedRobot:
+            program = robot_program(pair, side, state, scene, settings, carries=True)
+            return LoggedRobot(program, silent, side, state, scene, {}, print)
 
-def _in_hexadecimal(answer: Any) -> list[Any]:
-    palm, move, stop, packets, *rest = answer
-    sent = [(receiver, data.hex(), word) for receiver, data, word in packets]
-    return [palm, move, stop, sent, *rest]
+        start(state)  # refuses before anything is opened
+        keeper = stack.enter_context(StateKeeper(file, state))
+        line = LockstepLine(pair.settings.driver.address, side, state.epoch, scene_number(scene))
+        world = stack.enter_context(contextlib.closing(LockstepWorld(line)))
+        gauge = ReadingGauge(pair, side, scene, _NOTHING_YET, 0.0)
+        loop = RobotLoop(
+            side, scene, start, world, world, world, keeper, gauge,
+            watchdog=math.inf, watch=world.take,
+        )  # fmt: skip
+        loop.start(state)
+        world.program = loop.robot
+        loop.run(threading.Event())
+        return loop.end({})

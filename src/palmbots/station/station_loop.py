@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
-from palmbots.clocks.control_clock import ControlClock, control_clock
-from palmbots.clocks.stepped_clock import SteppedClock
+from palmbots.clocks.clock import Clock
+from palmbots.clocks.control_clock import control_clock
 from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_link
 from palmbots.pair.pair_file import Pair, station_address
@@ -126,7 +126,7 @@ class _Loop:
         self._quits_at_s: float | None = None
         self._is_alone = False
         self._wishes: list[str] = []
-        self.stepped: ControlClock | SteppedClock | None = None
+        self.stepped: Clock | None = None
         """The clock, if another program steps it."""
         self.done: bool | None = None
         """Whether it ended as wanted; None: it goes on."""

@@ -35,15 +35,15 @@ def robot(
     chosen: Any = side
     pair_of = load_pair(pair).with_logs(log, is_off=no_log)
     if lockstep:
-        from palmbots.robot.lockstep_robot import run_robot
+        from palmbots.robot.lockstep_robot import run_lockstep_robot
 
-        end = {"side": side, "boots": run_robot(pair_of, chosen)}
+        end = run_lockstep_robot(pair_of, chosen)
     else:
         from palmbots.robot.live_robot import run_live_robot
 
-        end = run_live_robot(pair_of, chosen, check_rate(rate), _say).summary()
+        end = run_live_robot(pair_of, chosen, check_rate(rate), _say)
     if as_json:
-        print_json(end)
+        print_json(end.summary())
     return DONE
 
 

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The control loop of a robot: reads its driver, exchanges packets, and writes its driver.
+
+The compiled core makes all decisions (`_core.runtime.Robot`). This loop only moves bytes: in every
+step it passes readings and packets to the core, and carries out the answer. Its clock, driver and
+link decide whether that happens in real time, in lockstep with a world, or inside a test.
+"""
+
+import contextlib
+import gc
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple, Protocol, get_args
+
+from palmbots._types import Side
+from palmbots.clocks.clock import Clock
+from palmbots.clocks.control_clock import jitter_table
+from palmbots.drivers.driver import Drive, Driver, Reading, works
+from palmbots.errors import PalmbotsError
+from palmbots.links.link import Link
+from palmbots.pair.drive_table import drive_table
+from palmbots.pair.stored_state import StoredState
+from palmbots.robot.logged_robot import LoggedRobot
+from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.scene.scene import Scene
+from palmbots.wire import Role, Verdict
+
+_RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
+
+
+@dataclass(frozen=True)
+class RobotEnd:
+    """How the program of a robot has run."""
+
+    side: Side
+    boots: int
+    """How often the robot has booted in its life."""
+    mode: str
+    """Its last mode."""
+    fault: str
+    ticks: int
+    """Steps of the control loop."""
+    overruns: int
+    """Steps that were missed."""
+    jitter: dict[str, int]
+    """How many steps began late by how much."""
+    link: dict[str, Any]
+    """What was exchanged with each other end (`palmbots.links.link_meter`)."""
+    verdicts: dict[str, int]
+    """Received packets by verdict."""
+
+    def summary(self) -> dict[str, Any]:
+        """The same as a table."""
+        return asdict(self)
+
+
+class Keeper(Protocol):
+    """Stores what a robot must remember (`palmbots.robot.state_keeper`)."""
+
+    works: bool
+    """The newest attempt to write has not failed."""
+
+    @property
+    def is_done(self) -> bool:
+        """All that the partner relies on after a boot is stored."""
+        ...
+
+    def keep(self, state: StoredState) -> None:
+        """Store the state, if it has changed; returns at once."""
+        ...
+
+    def boot(self) -> StoredState:
+        """Count a boot, and return the state after it, which is stored."""
+        ...
+
+    def settle(self) -> None:
+        """Wait until everything has been tried once."""
+        ...
+
+
+class Step(NamedTuple):
+    """One step of the loop, for those who watch it."""
+
+    seen: Reading
+    drive: Drive
+    answer: Any
+    """Of `_core.runtime.Robot.step`."""
+
+
+class RobotLoop:
+    """The control loop of one robot.
+
+    Args:
+        side: which robot.
+        scene: of the pair.
+        start: starts the core's program after a boot, with a log of its own.
+        driver: of the robot.
+        link: of the robot.
+        clock: grants the steps.
+        keeper: stores the state.
+        gauge: makes the core's inputs of readings.
+        watchdog: ticks after which a program that was held up in a carry boots again.
+        last_ticks: for which the others hear that the driver is lost.
+        watch: called after every step.
+        on_line: called with a line when the program has been held up and starts again.
+    """
+
+    def __init__(
+        self,
+        side: Side,
+        scene: Scene,
+        start: Callable[[StoredState], LoggedRobot],
+        driver: Driver,
+        link: Link,
+        clock: Clock,
+        keeper: Keeper,
+        gauge: ReadingGauge,
+        *,
+        watchdog: float,
+        last_ticks: int = 1,
+        watch: Callable[["RobotLoop", Step], None] = lambda *_: None,
+        on_line: Callable[[str], None] = print,
+    ) -> None:
+        self._side: Side = side
+        self._start, self._driver, self._link, self.clock = start, driver, link, clock
+        self._keeper, self._gauge, self._watch, self._on_line = keeper, gauge, watch, on_line
+        self._drives = drive_table(scene, side)
+        self._period_s = scene.control.period_s
+        self._watchdog, self._last_ticks = watchdog, last_ticks
+        self._ticks = self._epoch = 0
+        self._may_resume = False
+        self._robot: LoggedRobot | None = None
+
+    def start(self, state: StoredState, *, may_resume: bool = True) -> None:
+        """Start the program, with a log of its own; `may_resume`: a stored carry goes on."""
+        self._epoch, self._may_resume = state.epoch, may_resume
+        self._carries = state.carries and may_resume
+        self.close()
+        self._robot = self._start(state)
+
+    def close(self) -> None:
+        """Write what is left of the log."""
+        if self._robot is not None:
+            self._robot.close()
+
+    @property
+    def robot(self) -> LoggedRobot:
+        """The program."""
+        assert self._robot is not None
+        return self._robot
+
+    def run(self, ended: threading.Event) -> None:
+        """Step until the driver ends it, or the event is set."""
+        with _little_garbage():
+            while not ended.is_set() and self.step(self.clock.wait()):
+                pass
+        self._driver.stop()
+
+    def step(self, elapsed: int) -> bool:
+        """One step, so many ticks after the last one; false: the driver has ended the carry.
+
+        Raises:
+            PalmbotsError: the driver is lost. The others have heard of it.
+        """
+        if self.robot.wheels and elapsed > self._watchdog:
+            elapsed = self._boot(elapsed)
+        seen = self._read()
+        if seen is None:
+            return False
+        values = self._gauge.take(
+            seen,
+            carries=self._carries,
+            driver_ok=works(self._driver),
+            storage_ok=self._keeper.works,
+            overruns=min(self.clock.recent_overruns, 0xFFFF),
+        )
+        reading = self.robot.reading(**values)
+        answer = self.robot.step(min(elapsed, 0xFFFF), reading, self._link.receive())
+        drive = self._obey(answer)
+        self._carries = self.robot.wheels
+        self._ticks += 1
+        self._watch(self, Step(seen, drive, answer))
+        return True
+
+    def end(self, link: dict[str, Any]) -> RobotEnd:
+        """How it has run."""
+        robot, clock = self.robot, self.clock
+        return RobotEnd(
+            self._side,
+            self._epoch,
+            robot.mode,
+            robot.fault,
+            self._ticks,
+            clock.overruns,
+            jitter_table(clock.jitter),
+            link,
+            self.verdicts(),
+        )
+
+    def verdicts(self) -> dict[str, int]:
+        """Received packets by verdict."""
+        return {name: self.robot.count(number) for number, name in enumerate(get_args(Verdict))}
+
+    def _boot(self, elapsed: int) -> int:
+        """Start again: in a carry, a program that was held up for longer than the watchdog's time
+        may not go on with what it knew (docs/theory/protocols.md)."""
+        held_up_s = elapsed * self._period_s
+        self._on_line(
+            f"{self._side}: was held up for {held_up_s:.2f} s, longer than control.watchdog_s; "
+            "starts again"
+        )
+        self.start(self._keeper.boot(), may_resume=self._may_resume)
+        self.clock.forget()
+        return 1
+
+    def _read(self) -> Reading | None:
+        """What the driver reads; None: it has ended the carry.
+
+        Raises:
+            PalmbotsError: the driver is lost. The others have heard of it.
+        """
+        try:
+            return self._driver.read()
+        except PalmbotsError:
+            for _ in range(self._last_ticks):
+                lost = self.robot.reading(0, False, driver_ok=False)
+                for receiver, data, _ in self.robot.step(1, lost, [])[3]:
+                    self._link.send(_RECEIVERS[receiver], data)
+            self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
+            raise
+
+    def _obey(self, answer: Any) -> Drive:
+        """Store, drive and send what the core has decided."""
+        palm, move, stop, packets, *_, assists = answer
+        carries, is_stopped = self.robot.to_store
+        covered_m = self._gauge.to_store_m if carries else 0.0
+        self._keeper.keep(StoredState(self._epoch, assists, carries, is_stopped, covered_m))
+        drive = self._drives[palm, move, stop, self.robot.wheels]
+        self._driver.write(drive)
+        if self.clock.is_stepped:
+            self._keeper.settle()
+        for receiver, data, _ in packets:
+            # What the partner relies on after a boot is stored before it is said. A robot that
+            # does not carry promises nothing, and must pass on a stop at once.
+            if receiver == 2 or self._keeper.is_done or not self.robot.wheels:
+                self._link.send(_RECEIVERS[receiver], data)
+            else:
+                self.robot.withhold(receiver)
+        return drive
+
+
+@contextlib.contextmanager
+def _little_garbage() -> Iterator[None]:
+    """What is there stays: to search it for garbage would hold up the loop."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
