@@ -66,7 +66,7 @@ test-site: build/site/index.html $(VENV)/strict.done  ## the page in a real brow
 serve-site: build/site/index.html  ## a local server for build/site
 	$(BIN)/python scripts/serve_site.py
 
-wheels: $(VENV)/test.done  ## two wheels each for x86-64 and aarch64, and the sources, in dist/; PYTHON312=/path/to/python3.12
+wheels: $(VENV)/test.done $(VENV)/extension.done  ## two wheels each for x86-64 and aarch64, and the sources, in dist/; PYTHON312=/path/to/python3.12
 	$(BIN)/python scripts/build_wheels.py $(if $(PYTHON312),--python $(PYTHON312))
 
 test-wheels: $(VENV)/strict.done  ## the files of make wheels in empty environments, with every Python there is
@@ -81,12 +81,17 @@ mutation: $(VENV)/soak.done $(VENV)/strict.done  ## how many small defects of th
 verify: $(VENV)/test.done  ## let the model checker explore the shipped controllers; a table of what holds and what not
 	$(BIN)/python verify/model_check.py
 
-lint: $(VENV)/test.done
+lint: $(VENV)/test.done $(VENV)/extension.done
 	$(BIN)/ruff check $(PY_FILES)
 	$(BIN)/ruff format --check $(PY_FILES)
 	@echo clang-format --dry-run --Werror '(all C++ files)'
 	@$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
 	$(BIN)/python scripts/check_vocabulary.py
+	@$(MAKE) --no-print-directory types
+
+# Before a commit, too (.pre-commit-config.yaml), where nothing is built.
+types:
+	@test -e src/palmbots/_core/__init__.pyi || { echo "no stubs of palmbots._core; the build writes them: make build"; exit 1; }
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright
 
 format: $(VENV)/test.done  ## put Python and C++ sources into their standard form
@@ -123,14 +128,11 @@ paper: $(VENV)/docs.done  ## the software paper as build/paper.pdf
 sbom: $(VENV)/docs.done  ## the bill of materials as build/sbom.json (CycloneDX)
 	$(BIN)/python scripts/sbom.py build/sbom.json
 
-stubs: $(VENV)/extension.done  ## write src/palmbots/_core/*.pyi anew from the built module
-	$(BIN)/python -m nanobind.stubgen -q -r -m palmbots._core -O src/palmbots
-
 lock: $(VENV)/test.done  ## write requirements/*.txt anew; LOCK=--upgrade moves to newer versions
 	scripts/lock $(LOCK)
 
 clean:  ## forget .venv, build/ and out/
-	rm -rf $(VENV) build dist out .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist out src/palmbots/_core .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/carry.done: requirements/carry.txt scripts/setup
 	@scripts/setup carry
@@ -208,4 +210,4 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 .PHONY: wheels test-wheels coverage mutation docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
-	test-firmware lint format soak fuzz bench stubs lock clean
+	test-firmware lint format types soak fuzz bench lock clean

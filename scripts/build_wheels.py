@@ -6,7 +6,7 @@
 For x86-64 and for aarch64 there are two wheels: one for Python 3.11, and one with the stable ABI
 for Python 3.12 and later. The compiler is Clang in the package ziglang. It holds the headers and
 the symbols of every glibc, so that the wheels run on systems with glibc 2.17 or later, and it links
-its C++ library into the modules.
+its C++ library into the modules. The stubs of the compiled core are those of the native build.
 
 Two builds have the same bytes: times in the files are those of the last commit
 (`SOURCE_DATE_EPOCH`), and no path of this machine is in them.
@@ -25,6 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 LOCK = ROOT / "requirements" / "wheels.txt"
 GLIBC = "2.17"
+STUBS = ROOT / "src" / "palmbots" / "_core" / "__init__.pyi"
 NEWER = ("python3.12", "python3.13", "python3.14")
 TIME = "1704067200"  # without a history of commits: 2024-01-01
 
@@ -63,6 +64,8 @@ def main(words: list[str]) -> int:
         if not targets:
             names = ", ".join(target.name for target in TARGETS)
             raise BuildError(f"--only: value is {options.only}; allowed: a part of {names}")
+        if not STUBS.exists():
+            raise BuildError("needs the stubs that a native build writes; run: make build")
         pythons = {"cp311": sys.executable}
         if sys.version_info[:2] != (3, 11):
             pythons["cp311"] = _found(("python3.11",), None, "3.11", range(11, 12))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package as it is installed: versions agree, stubs match the module, the wheel is complete."""
+"""The package as it is installed: versions agree, the wheel is complete."""
 
 import re
 import subprocess
@@ -47,15 +47,6 @@ def test_no_instruction_names_an_index_without_the_package() -> None:
         if (found := FROM_INDEX.search(path.read_text(encoding="utf-8")))
     ]
     assert named == []
-
-
-def test_stubs_describe_the_built_module(tmp_path: Path) -> None:
-    """When this fails: `make stubs`."""
-    stubgen = [sys.executable, "-m", "nanobind.stubgen", "-q", "-r", "-m", "palmbots._core"]
-    subprocess.run([*stubgen, "-O", tmp_path], check=True)
-    made = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.pyi")}
-    result = (ROOT / "src" / "palmbots" / "_core").glob("*.pyi")
-    assert {path.name: path.read_text(encoding="utf-8") for path in result} == made
 
 
 @pytest.fixture(scope="module")

@@ -47,6 +47,7 @@ DEBIAN_PACKAGES = (
     "libncursesw6", "libtinfo6", "libuuid1", "libcrypt1",
 )  # fmt: skip
 GLIBC = (2, 17)
+STUBS = ("__init__", "runtime", "serial", "wire")
 KEY = Path("/usr/share/keyrings/debian-archive-keyring.gpg")  # package debian-archive-keyring
 
 
@@ -80,6 +81,7 @@ def test_wheel_is_complete_and_needs_only_old_libraries(wheel: Path, tmp_path: P
     }
     assert sources <= held
     assert {"palmbots/boards/data/robot.hex", "palmbots/scene/data/scene-keys.md"} <= held
+    assert {f"palmbots/_core/{name}.pyi" for name in STUBS} <= held
     modules = sorted(tmp_path.rglob("*.so"))
     names = {module.name.partition(".")[0] for module in modules}
     more = {"_batch_v3", "_batch_v4"} if "x86_64" in wheel.name else set()
@@ -98,7 +100,7 @@ def test_source_distribution_holds_what_a_build_needs() -> None:
         names = {name.partition("/")[2] for name in archive.getnames()}
     needed = {"CMakeLists.txt", "pyproject.toml", "docs/reference/scene-keys.md", "LICENSE"}
     headers = {str(p.relative_to(ROOT)) for p in (ROOT / "include").rglob("*.hpp")}
-    assert needed | headers <= names
+    assert needed | headers | {f"src/palmbots/_core/{name}.pyi" for name in STUBS} <= names
     assert not [name for name in names if name.startswith(("build/", ".venv/", "out/"))]
 
 
