@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A command writes the same figure whatever matplotlib is told by the user's environment."""
+"""A command writes the same figure whatever settings of matplotlib it inherits."""
 
 from pathlib import Path
 
