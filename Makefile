@@ -116,6 +116,7 @@ bench: $(VENV)/bench.done $(VENV)/build.done build/site/index.html  ## speed aga
 
 docs: $(VENV)/test.done $(VENV)/build.done  ## write the generated parts of the docs anew
 	$(BIN)/python scripts/generate_docs.py
+	$(BIN)/python tests/package/test_api.py
 
 book: $(VENV)/docs.done $(VENV)/build.done  ## the documentation as a site, with executed notebooks, in build/site/docs
 	$(BIN)/python -m sphinx -q -W --keep-going -E -a -b html -d build/book/doctrees docs build/book/html

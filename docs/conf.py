@@ -18,6 +18,8 @@ author = copyright = "the palmbots authors"
 version = release = _PROJECT["version"]
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+import made_pages  # noqa: E402
+
 extensions = [
     "myst_nb",
     "mermaid_diagrams",
@@ -78,9 +80,14 @@ def _contents(text: str) -> str:
     return "\n".join(tables)
 
 
-def _add_contents(_: object, name: str, source: list[str]) -> None:
+def _complete(_: object, name: str, source: list[str]) -> None:
+    """Append to three pages what the build makes."""
     if name == root_doc:
         source[0] += "\n" + _contents(source[0])
+    elif name == "reference/cli":
+        source[0] += "\n" + made_pages.command_line()
+    elif name == "reference/api":
+        source[0] += "\n" + made_pages.public_names()
 
 
 def _without_defaults(_app: object, kind: str, *rest: Any) -> tuple[str, str] | None:
@@ -117,7 +124,7 @@ def _notebook_times(app: Any, fault: Exception | None) -> None:
 
 def setup(app: Any) -> None:
     """Register what changes pages while they are read."""
-    app.connect("source-read", _add_contents)
+    app.connect("source-read", _complete)
     app.connect("autodoc-process-signature", _without_defaults)
     app.connect("autodoc-process-docstring", _escape_bars)
     app.connect("build-finished", _first_page)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The public interface: names and signatures are those of api.txt, and help() can show them.
 
-After a deliberate change, rewrite the file with: python tests/package/test_api.py
+After a deliberate change, `make docs` writes the file.
 """
 
 import importlib
@@ -77,7 +77,7 @@ def public_functions() -> list[Any]:
 
 
 def test_public_interface_is_that_of_the_file() -> None:
-    """When this fails on purpose: python tests/package/test_api.py"""
+    """When this fails on purpose: `make docs`."""
     assert api_lines() == API.read_text(encoding="utf-8").splitlines()
 
 
