@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "palmbots/base/wilson.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
 #include "scene_stream.hpp"
@@ -76,14 +77,10 @@ PAGE_EXPORT(message_name) const char* message_name(std::uint32_t kind) {
   return name_of(static_cast<MessageKind>(kind % message_kinds));
 }
 
-// Wilson's 95 % interval of the rate of k events in n, as palmbots._util.confidence_intervals.wilson.
-PAGE_EXPORT(wilson) const double* wilson(double k, double n) {
-  constexpr double z = 1.959963984540054;
-  const double rate = k / n;
-  const double spread = z * std::sqrt(rate * (1 - rate) / n + z * z / (4 * n * n));
-  const double centre = rate + z * z / (2 * n);
-  const double scale = 1 + z * z / n;
-  answer = {k == 0 ? 0.0 : (centre - spread) / scale, k == n ? 1.0 : (centre + spread) / scale};
+// Wilson's 95 % interval of the rate of k events in n.
+PAGE_EXPORT(wilson) const double* page_wilson(double k, double n) {
+  const RateInterval ends = wilson(k, n);
+  answer = {ends.low, ends.high};
   return give(answer);
 }
 

@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // palmbots._core: the C++ core as Python sees it. Thin: no logic of its own.
+#include <nanobind/stl/pair.h>
+
 #include "bindings.hpp"
+#include "palmbots/base/wilson.hpp"
 
 NB_MODULE(_core, m) {
   m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
   m.def("tangent", &palmbots::tangent<double>, nanobind::arg("angle"),
         "Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.");
+  m.attr("z95") = palmbots::z95;
+  m.def(
+      "wilson",
+      [](double events, double n, double z) {
+        const auto [low, high] = palmbots::wilson(events, n, z);
+        return std::pair{low, high};
+      },
+      nanobind::arg("events"), nanobind::arg("n"), nanobind::arg("z") = palmbots::z95,
+      "Wilson's score interval of the rate of `events` in `n`; NaN where `n` is 0.");
   m.def(
       "supports_x86_level",
       []([[maybe_unused]] int level) {

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""95 % confidence intervals: Wilson's for a rate, and the quantiles behind the others.
+"""95 % confidence intervals: Wilson's for a rate, from the core, and the quantiles of the others.
 
-SciPy has both, but it is an optional dependency (extra ``study``), and importing `scipy.stats`
-takes longer than most commands. Two formulas and a table of six numbers stand here instead.
+SciPy has a quantile of Student's t, but importing it takes longer than most commands. A table of
+six numbers stands here instead.
 """
 
 from typing import Any
@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Z95 = 1.959963984540054
+import palmbots._core as _core
+
+Z95 = _core.z95
 """97.5 % quantile of the normal distribution."""
 
 # 97.5 % quantiles of Student's t, by degrees of freedom.
@@ -26,24 +28,14 @@ def student_t95(freedom: int) -> float:
     return min(t for n, t in _T95 if n <= freedom)
 
 
-def wilson_bounds(events: Any, n: Any, z: float = Z95) -> tuple[NDArray[Any], NDArray[Any]]:
+def wilson_bounds(events: Any, n: Any) -> tuple[NDArray[Any], NDArray[Any]]:
     """Both ends of Wilson's score interval of the rates events / n, for arrays of counts.
 
     Where n is 0 both ends are NaN.
     """
-    k, total = np.broadcast_arrays(np.asarray(events, float), np.asarray(n, float))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = k / total
-        spread = z * np.sqrt(rate * (1 - rate) / total + z * z / (4 * total * total))
-        centre = rate + z * z / (2 * total)
-        scale = 1 + z * z / total
-        low = np.where(k == 0, 0.0, (centre - spread) / scale)
-        high = np.where(k == total, 1.0, (centre + spread) / scale)
-    unknown = total == 0
-    return np.where(unknown, np.nan, low), np.where(unknown, np.nan, high)
+    return np.vectorize(_core.wilson, otypes=(float, float))(events, n)
 
 
 def wilson(events: int, n: int, z: float = Z95) -> tuple[float, float]:
     """Wilson's score interval of the rate of `events` in `n`; 95 % by default."""
-    low, high = wilson_bounds(events, n, z)
-    return float(low), float(high)
+    return _core.wilson(float(events), float(n), z)

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wilson's score interval of a rate: all rates p that differ from k / n, the observed one, by at most
+// z standard deviations, |k / n − p| ≤ z √(p (1 − p) / n). The command line and the page share it.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace palmbots {
+
+// 97.5 % quantile of the normal distribution: an interval of this many standard deviations contains
+// 95 %.
+inline constexpr double z95 = 1.959963984540054;
+
+struct RateInterval {
+  double low;
+  double high;
+};
+
+// The interval for k events in n trials; NaN where n is 0.
+inline RateInterval wilson(double k, double n, double z = z95) {
+  if (n == 0) {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    return {unknown, unknown};
+  }
+  const double rate = k / n;
+  const double spread = z * std::sqrt(rate * (1 - rate) / n + z * z / (4 * n * n));
+  const double centre = rate + z * z / (2 * n);
+  const double scale = 1 + z * z / n;
+  return {k == 0 ? 0.0 : (centre - spread) / scale, k == n ? 1.0 : (centre + spread) / scale};
+}
+
+}  // namespace palmbots
