@@ -22,13 +22,3 @@ def test_program_of_the_packet_benchmark_compiles_and_has_the_recorded_rows(
     with bench.RESULTS.open() as file:
         recorded = [row["instructions of one"] for row in csv.DictReader(file)]
     assert recorded == [name.replace("_", " ") for name in counted]
-
-
-@pytest.mark.parametrize("path", sorted(BENCHMARKS.glob("bench_*.py")), ids=lambda path: path.stem)
-def test_benchmark_names_itself_in_its_command(path: Path) -> None:
-    """The command in the docstring is the one that runs it; results lie where they are read."""
-    text = path.read_text()
-    commands = re.findall(r"^    \.venv/bin/python (\S+)", text, re.MULTILINE)
-    assert commands == [f"benchmarks/{path.name}"]
-    for name in re.findall(r'"results" / "([\w.]+)"', text):
-        assert (BENCHMARKS / "results" / name).is_file()

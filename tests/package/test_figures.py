@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All figures have one style: the unit stands last on every axis, colours have one home."""
+"""All figures have one style: the unit stands last on every axis."""
 
-import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from matplotlib.colors import get_named_colors_mapping
 from matplotlib.figure import Figure
 
 import palmbots as pb
@@ -20,7 +18,6 @@ from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from study_fixtures import SMALL
 
-ROOT = Path(__file__).parent.parent.parent
 SHORT = {"task.distance_m": 0.2}
 COARSE: dict[str, Any] = {"relative_half_width": 0.1, "overrides": SHORT}
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
@@ -104,48 +101,3 @@ def test_the_unit_stands_last_in_square_brackets(figures: list[tuple[str, Figure
                 assert set(units) <= UNITS, (name, label)
                 seen |= set(units) or {label}
     assert seen >= UNITS  # no unit is listed for nothing
-
-
-# Colours
-
-LITERAL = re.compile(r"#([0-9a-f]{3}|[0-9a-f]{6}|[0-9a-f]{8})|C\d+|(tab|xkcd):.*", re.IGNORECASE)
-NAMED = {name for name in get_named_colors_mapping() if len(name) > 1}
-SHORT_KEYWORDS = {"ec", "fc", "mec", "mfc", "rgb1", "rgb2", "rgba"}
-LONG_KEYWORDS = {"cmap", "color", "colors", "colour", "edgecolor", "facecolor", "fill", "outline"}
-STYLE = ROOT / "src/palmbots/viz/style.py"
-
-
-def literals(source: str) -> list[tuple[int, str]]:
-    """Colours in a source: hex codes, names, and any text that is passed as a colour."""
-    found = []
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            text = node.value
-            if LITERAL.fullmatch(text) or text.lower() in NAMED:
-                found.append((node.lineno, text))
-        pairs: list[tuple[Any, ast.expr]] = []
-        if isinstance(node, ast.Call):
-            pairs = [(keyword.arg, keyword.value) for keyword in node.keywords]
-        elif isinstance(node, ast.Dict):
-            keys = (k.value if isinstance(k, ast.Constant) else None for k in node.keys)
-            pairs = list(zip(keys, node.values, strict=True))
-        for key, value in pairs:
-            text = value.value if isinstance(value, ast.Constant) else None
-            if key in SHORT_KEYWORDS | LONG_KEYWORDS and isinstance(text, str) and text != "none":
-                found.append((value.lineno, text))
-    return sorted(set(found))
-
-
-def test_colours_are_recognized() -> None:
-    source = "draw('#AA00bb', fc='k', look={'ec': 'w', 'lw': 1}, cmap='hot')\nf('Teal', 'C0', 'c')"
-    assert [text for _, text in literals(source)] == ["#AA00bb", "hot", "k", "w", "C0", "Teal"]
-    assert literals("draw(fc='none', color=INK)\nwork('Cases', case='c')") == []
-    assert len(literals(STYLE.read_text())) > 20
-
-
-def test_all_colours_are_in_the_style() -> None:
-    """Reports are exempt: the terminal chooses what its colours look like."""
-    sources = [*(ROOT / "src/palmbots").rglob("*.py"), *(ROOT / "scripts").rglob("*.py")]
-    for path in sources:
-        if path != STYLE and "cli" not in path.parts:
-            assert literals(path.read_text()) == [], path
