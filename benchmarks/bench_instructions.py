@@ -15,6 +15,7 @@ import platform
 import re
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -50,16 +51,19 @@ def instructions(program: Path, *words: str, spec: bytes = b"") -> int:
     return int(found[1])
 
 
-def counts() -> dict[str, int]:
-    """The instructions of each benchmark."""
-    spec = to_spec(pb.load_scene("paper")).to_bytes()
+def counts(kinds: Sequence[str] = ("carry", "packet")) -> dict[str, int]:
+    """The instructions of each benchmark of these kinds."""
     found: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as folder:
-        program = compiled(folder)
-        start = instructions(program)
-        for name in CONTROLLERS:
-            whole = instructions(program, name, "0", "double", spec=spec)
-            found[f"carry, {name}"] = whole - start
+        if "carry" in kinds:
+            spec = to_spec(pb.load_scene("paper")).to_bytes()
+            program = compiled(folder)
+            start = instructions(program)
+            for name in CONTROLLERS:
+                whole = instructions(program, name, "0", "double", spec=spec)
+                found[f"carry, {name}"] = whole - start
+        if "packet" not in kinds:
+            return found
         wire = bench_wire.compiled("-O2", folder)
         source = bench_wire.SOURCE.read_text()
         (calls,) = re.findall(r"calls = (\d+);", source)
