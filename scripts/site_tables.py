@@ -17,7 +17,6 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._version import __version__
-from palmbots.cli.reports.carry_report import REASONS
 from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
@@ -33,6 +32,7 @@ from palmbots.scene.object_section import DEFAULT_DENSITY, LEVEL_M
 from palmbots.scene.scene import MOST_DELAY_TICKS, MOST_LEAN, load_scene
 from palmbots.scene.scene_schema import scene_schema
 from palmbots.scene.support_check import LEAST_WIDTH_M
+from palmbots.simulation.carry_lines import REASONS
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
 from palmbots.viz.style import controller_looks

@@ -48,7 +48,7 @@ def test_schema_is_printed(here: Run) -> None:
     shown, short = here("schema", "scene"), here("schema", "scene", "--json")
     assert json.loads(shown.stdout) == json.loads(short.stdout) == schema_of("scene")
     assert short.stdout.count("\n") == 1
-    assert_refused(here("schema", "scenery"), "NAME: value is", "scene, log, carry")
+    assert_refused(here("schema", "scenery"), "NAME: value is", "scene, log, analyze")
 
 
 @pytest.mark.parametrize("name", built_in_scenes())

@@ -12,7 +12,7 @@ import pytest
 
 from commands import Run
 from palmbots.cli import main as cli
-from palmbots.cli.reports.console import plain_table, report_console
+from palmbots.cli.console import plain_table, report_console
 from shell import palmbots
 
 DONE, BAD_INPUT, CLOSED_PIPE = 0, 2, 141

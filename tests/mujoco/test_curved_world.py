@@ -103,7 +103,8 @@ def test_lateral_coordinate_is_zero_on_a_straight_path(monkeypatch: pytest.Monke
     assert type(world_of(done.scene)) is MujocoWorld
     assert done.trace is not None
     assert float(np.abs(done.trace["lateral"]).max()) < 1e-9
-    assert done.lateral_peak_m == pytest.approx({"left": 0.0, "right": 0.0}, abs=1e-9)
+    assert done.lateral_peak_m is not None
+    assert done.lateral_peak_m.values() == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 def shifted(world: CurvedWorld, aside: float) -> None:

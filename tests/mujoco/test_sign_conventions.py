@@ -13,7 +13,7 @@ import pytest
 
 from palmbots._types import SIDES
 from palmbots.mujoco import film
-from palmbots.mujoco.drift_forecast import Budget
+from palmbots.mujoco.drift_budget import Budget
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.mjcf import mjcf
 from palmbots.mujoco.trace_columns import COLUMNS

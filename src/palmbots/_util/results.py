@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all results have in common: a short text, a table for notebooks, a figure."""
+"""What all results have in common: lines for people, a table for JSON, a figure."""
 
-import html
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from palmbots._util.arguments import one_of
 from palmbots._util.named_registry import Registry
+from palmbots._util.plain_values import keys_of, plain
+from palmbots._util.report import Item, Table, as_html, as_text, label_of, quantity
 from palmbots.errors import PalmbotsError
 
 FIGURES: Registry[Callable[..., Any]] = Registry("figure")
@@ -16,37 +17,53 @@ FIGURES: Registry[Callable[..., Any]] = Registry("figure")
 WRITERS: Registry[Callable[..., None]] = Registry("writer")
 """Functions that write files, by what they write. ``figure``: path, figure → None."""
 
-_MOST_LINES = 10
-
 
 class Result:
-    """Base of all results. A subclass is a dataclass with ``repr=False``."""
+    """Base of all results. A subclass is a frozen dataclass with ``repr=False``.
+
+    JSON has its fields and its `derived` properties (`palmbots._util.plain_values`); people read
+    its `lines`.
+    """
 
     figure: str | None = None
     """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
     more_figures: tuple[str, ...] = ()
     """Names of the other figures in `FIGURES` that `plot` draws on request."""
 
-    def headline(self) -> str:
-        """One line that states the result."""
-        return type(self).__name__
+    def lines(self) -> Iterator[Item]:
+        """What people read, in Python, in notebooks and in a terminal.
 
-    def facts(self) -> dict[str, str]:
-        """The main figures, each with its unit, by name; at most nine."""
-        return {}
+        The first line states the result. Unless a kind of result has lines of its own, a table of
+        its short values follows.
+        """
+        own = type(self).headline is not Result.headline
+        yield self.headline() if own else type(self).__name__
+        facts: Any = getattr(self, "facts", None)
+        yield Table([(f"  {k}", v) for k, v in facts().items()] if facts else self.value_rows())
+
+    def value_rows(self, *names: str) -> list[tuple[str, str]]:
+        """Short values with their labels and units.
+
+        Args:
+            names: of the fields; none: all that JSON has.
+        """
+        shown = names or keys_of(type(self))
+        texts = [(name, quantity(name, getattr(self, name))) for name in shown]
+        return [(f"  {label_of(name)}", text) for name, text in texts if text is not None]
+
+    def headline(self) -> str:
+        """The line that states the result."""
+        return str(next(iter(self.lines())))
 
     def __repr__(self) -> str:
-        facts = list(self.facts().items())[: _MOST_LINES - 1]
-        width = max((len(name) for name, _ in facts), default=0)
-        return "\n".join([self.headline(), *(f"  {n:<{width}}  {text}" for n, text in facts)])
+        return as_text(self.lines())
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
-            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
-            for name, text in self.facts().items()
-        )
-        return f"<table><caption>{html.escape(self.headline())}</caption>{rows}</table>"
+        return as_html(self.lines())
+
+    def summary(self) -> dict[str, Any]:
+        """What the command prints with ``--json``."""
+        return plain(self)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw the result.

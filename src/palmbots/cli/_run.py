@@ -4,7 +4,7 @@
 import json
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots._util.results import Result
     from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
 
@@ -165,6 +166,38 @@ def present(
         print_json(result.summary())
     else:
         report(result, written)
+
+
+def print_result(
+    result: "Result",
+    *,
+    as_json: bool,
+    about: str = "",
+    written: Sequence[Path] = (),
+    out: Path | None = None,
+    file: str = "",
+) -> None:
+    """Print a result: its table as JSON, or its lines and the files that were written.
+
+    Args:
+        result: the result.
+        as_json: print its table.
+        about: of what it is, such as the name of a scene.
+        written: the files.
+        out: the folder for its figure; None: draw none.
+        file: name of the figure in the folder.
+    """
+    if out is not None and file:
+        from palmbots._util.atomic_files import folder
+
+        written = [*written, folder(out) / file]
+        result.save_figure(written[-1])
+    if as_json:
+        print_json(result.summary())
+    else:
+        from palmbots.cli.console import print_report
+
+        print_report(result.lines(), about, written)
 
 
 def print_json(table: Mapping[str, Any]) -> None:

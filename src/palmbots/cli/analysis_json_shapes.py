@@ -29,28 +29,6 @@ _CERTIFICATE = {
     "proof?": {"*": "any"},
     "witness?": {"*": "any"},
 }
-_CONTACT = {"side": "text", "kind": "text", "place_m": "number", "point_m": "pair"}
-_PROPERTY = sides(
-    {
-        "holds": "boolean",
-        "margins": {
-            "travel_m": "number?", "angle_rad": "number?", "friction": "number?",
-            "com_m": "number?",
-        },
-        "binding": "text",
-        "binding_p_m": "pair",
-        "com_x_m": "pair?",
-    }
-)  # fmt: skip
-_BAND = sides(
-    {
-        "k_lower": "number?", "k_upper": "number?", "lower_binding": "text",
-        "upper_binding": "text",
-    }
-)  # fmt: skip
-_CLOSEST = {
-    "margin": "number", "side": "text", "kind": "text", "angles_rad": "pair", "contacts_m": "pair",
-}  # fmt: skip
 _ANGLES = {
     "shallow_deg": "number?", "steep_deg": "number?", "sigma_star_m_s": "number?",
     "interval": "pair?", "tolerance": "number?",
@@ -119,67 +97,6 @@ _POLICY = {
 }  # fmt: skip
 
 ANALYSIS_SHAPES: dict[str, Any] = {
-    "modes": {
-        "feasible": [["text"]],
-        "consistent_closing": [["text"]],
-        "consistent_opening": [["text"]],
-        "closing": (["text"], None),
-        "opening": (["text"], None),
-        "wedged": sides("boolean"),
-        "squeeze": sides(["number?"]),
-        "margin_rad": "number",
-        "object_deg": "number",
-        "p_left_m": "number",
-        "p_right_m": "number",
-        "theta_left_deg": "number",
-        "theta_right_deg": "number",
-        "contacts": [_CONTACT],
-        "held?": "boolean?",
-        "motions_closing?": [["text"]],
-        "motions_opening?": [["text"]],
-        "scene": "scene",
-    },
-    "analyze": {
-        "holds": "boolean",
-        "properties": {"1": _PROPERTY, "2": _PROPERTY, "0": _PROPERTY},
-        "bands": {"1": _BAND, "2": _BAND},
-        "com_x_m": "pair?",
-        "com_y_m": ["pair"],
-        "friction": ["pair"],
-        "half_length_m": "any",
-        "max_slope_deg": "number?",
-        "max_acceleration_m_s2": "number?",
-        "slope_deg": "pair?",
-        "angle_error_deg": "number?",
-        "clearance_deg": "number",
-        "clearance": {
-            "rotation_margin": _CLOSEST,
-            "length_margin": (_CLOSEST, None),
-            "touches": "boolean",
-        },
-        "touch": (
-            {
-                "angles_rad": "pair",
-                "contacts_m": "pair",
-                "contacts": [_CONTACT],
-                "held": "boolean",
-                "closing": [["text"]],
-                "opening": [["text"]],
-                "motion_names": {"*": "text"},
-            },
-            None,
-        ),
-        "wedging": {"friction": "number?", "side": "text", "palm": "text", "happens": "boolean"},
-        "sideways": {
-            "support_m": ["pair"],
-            "margin_m": "number",
-            "tilt_rad": "number",
-            "acceleration_g": "number",
-        },
-        "warnings": ["text"],
-        "region_m": sides("pair"),
-        "scene": "scene",
-    },
     "design": {
         "shallow_deg": "number",
         "steep_deg": "number",

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """JSON Schemas (draft 2020-12) of a scene, of a log, and of what commands print with `--json`."""
 
+import json
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 from palmbots.cli.analysis_json_shapes import ANALYSIS_SHAPES
 from palmbots.cli.json_shapes import JSON_SHAPES
 from palmbots.cli.robot_json_shapes import ROBOT_SHAPES
-from palmbots.errors import PalmbotsError
 
 _SHAPES: dict[str, Any] = JSON_SHAPES | ANALYSIS_SHAPES | ROBOT_SHAPES
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -24,7 +25,9 @@ _WORDS: dict[str, dict[str, Any]] = {
 
 def schema_names() -> list[str]:
     """What there are schemas of: ``scene``, ``log``, and the names of commands."""
-    return ["scene", "log", *_SHAPES]
+    from palmbots.cli.main import command_names
+
+    return ["scene", "log", *command_names()]
 
 
 def schema_of(name: str) -> dict[str, Any]:
@@ -33,6 +36,10 @@ def schema_of(name: str) -> dict[str, Any]:
     Raises:
         PalmbotsError: there is no schema of that name.
     """
+    from palmbots._util.arguments import one_of
+    from palmbots.cli.main import command_module
+
+    one_of("NAME", name, tuple(schema_names()))
     if name == "scene":
         from palmbots.scene.scene_schema import scene_schema
 
@@ -42,13 +49,26 @@ def schema_of(name: str) -> dict[str, Any]:
         from palmbots.mujoco.trace_columns import COLUMNS
 
         return log_schema(COLUMNS)
-    if name not in _SHAPES:
-        from palmbots._util.arguments import show
-
-        allowed = ", ".join(schema_names())
-        raise PalmbotsError(f"NAME: value is {show(name)}; allowed: {allowed}")
     title = {"$schema": _DIALECT, "title": f"What palmbots {name} --json prints"}
-    return title | _schema(_SHAPES[name]) | _definitions(_SHAPES[name])
+    if name in _SHAPES:
+        return title | _schema(_SHAPES[name]) | _definitions(_SHAPES[name])
+    from palmbots._util.result_schema import result_schema
+
+    places = (place.partition(":") for place in command_module(name).RESULTS)
+    kinds = [getattr(import_module(module), kind) for module, _, kind in places]
+    return title | with_scene(result_schema(*kinds))
+
+
+def with_scene(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a result with the definition of a scene, where it refers to one."""
+    if "#/$defs/Scene" not in json.dumps(schema):
+        return schema
+    from palmbots.scene.scene_schema import scene_schema
+
+    scene = scene_schema()
+    tables = scene.pop("$defs")
+    del scene["$schema"]
+    return schema | {"$defs": schema.get("$defs", {}) | {"Scene": scene} | tables}
 
 
 def _schema(shape: Any) -> dict[str, Any]:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs one command: collects the commands, parses the arguments, and refuses bad input.
 
-Each command is a module of `palmbots.cli.commands` with three names: `COMMAND`, the function or the
-group of commands, `ORDER`, its place in ``palmbots --help``, and `EXAMPLE`. The file
-``drop_rate_command.py`` defines ``palmbots drop-rate``.
+Each command is a module of `palmbots.cli.commands` with four names: `COMMAND`, the function or the
+group of commands, `ORDER`, its place in ``palmbots --help``, `EXAMPLE`, and `RESULTS`, the kinds of
+results that ``--json`` prints, as ``module:Class``. The file ``drop_rate_command.py`` defines
+``palmbots drop-rate``.
 
 Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
 command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
@@ -110,6 +111,19 @@ class _Command(TyperCommand):
 
 
 @cache
+def command_names() -> tuple[str, ...]:
+    """The names of all commands."""
+    files = (module.name for module in pkgutil.iter_modules(commands.__path__))
+    names = (name.removesuffix(_SUFFIX) for name in files if name.endswith(_SUFFIX))
+    return tuple(name.replace("_", "-") for name in names)
+
+
+def command_module(name: str) -> Any:
+    """The module that defines a command."""
+    return importlib.import_module(f"{commands.__name__}.{name.replace('-', '_')}{_SUFFIX}")
+
+
+@cache
 def build_app(wanted: str | None = None) -> typer.Typer:
     """The application with all commands.
 
@@ -117,13 +131,8 @@ def build_app(wanted: str | None = None) -> typer.Typer:
         wanted: if there is a command of this name, the application has no other one: it starts
             sooner, because the options of a command take time to collect.
     """
-    modules = {
-        module.name.removesuffix(_SUFFIX).replace("_", "-"): f"{commands.__name__}.{module.name}"
-        for module in pkgutil.iter_modules(commands.__path__)
-        if module.name.endswith(_SUFFIX)
-    }
-    names = [wanted] if wanted in modules else modules
-    found = {name: importlib.import_module(modules[name]) for name in names}
+    modules = command_names()
+    found = {name: command_module(name) for name in ([wanted] if wanted in modules else modules)}
 
     class OrderedGroup(TyperGroup):
         """Lists the commands by their `ORDER`."""

@@ -12,7 +12,7 @@ from palmbots.errors import SceneError
 
 if TYPE_CHECKING:
     from palmbots.control.registry import ControllerEntry
-    from palmbots.mujoco.drift_forecast import Budget
+    from palmbots.mujoco.drift_budget import Budget
     from palmbots.scene.scene import Scene
     from palmbots.simulation.result import Carry
 
@@ -41,7 +41,7 @@ def drift_budget(
     Raises:
         SceneError: lips would jam, or the drift exceeds the budget and that is not accepted.
     """
-    from palmbots.cli.reports.console import report_console
+    from palmbots.cli.console import report_console
     from palmbots.mujoco.drift_forecast import forecast
 
     with progress("forecasting the drift", quiet) as report:

@@ -5,10 +5,12 @@ The core computes them (`control/resilient_timing.hpp` has the derivation). This
 and states in one line what to change in a scene that is refused.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import palmbots._core as _core
+from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres
 from palmbots.errors import SceneError
@@ -70,21 +72,19 @@ class Bounds(Result):
     is_noisy: bool
     """Whether the noise leaves no room for any lease; the shortest one is used then."""
 
-    def headline(self) -> str:
-        """One line with the lease and the leases that are possible."""
+    def lines(self) -> Iterator[Item]:
+        """The lease and the leases that are possible, the other times, and how far a contact can
+        shift."""
         low, high = self.shortest_lease_s, self.longest_lease_s
-        return f"lease {self.lease_s:g} s (possible: {low:g} to {high:g} s)"
-
-    def facts(self) -> dict[str, str]:
-        """The other times, and how far a contact can shift."""
-        return {
-            "beacons": f"every {self.beacon_s:g} s; {self.losses} in a row may be lost",
-            "radio delay": f"at most {self.delay_s:g} s",
-            "palm stays up": f"{self.hold_s:g} s without a beacon",
-            "robot travels alone": f"at most {self.alone_s:g} s",
-            "shift": f"{millimetres(self.skew_m)}, noise {millimetres(self.noise_m)}",
-            "room": f"{millimetres(self.room_m)} to the end of the palm",
-        }
+        yield f"lease {self.lease_s:g} s (possible: {low:g} to {high:g} s)"
+        yield Table([
+            ("  beacons", f"every {self.beacon_s:g} s; {self.losses} in a row may be lost"),
+            ("  radio delay", f"at most {self.delay_s:g} s"),
+            ("  palm stays up", f"{self.hold_s:g} s without a beacon"),
+            ("  robot travels alone", f"at most {self.alone_s:g} s"),
+            ("  shift", f"{millimetres(self.skew_m)}, noise {millimetres(self.noise_m)}"),
+            ("  room", f"{millimetres(self.room_m)} to the end of the palm"),
+        ])  # fmt: skip
 
     @property
     def warnings(self) -> tuple[str, ...]:

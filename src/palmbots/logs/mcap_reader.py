@@ -11,14 +11,15 @@ import math
 import os
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Channel, Metadata
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import CRCValidationError, StreamReader
 
-from palmbots._types import SIDES
+from palmbots._types import SIDES, BySide
+from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.resilient_timing import Bounds
@@ -39,7 +40,7 @@ _FOOTER, _DATA_END = struct.Struct("<BQQQI"), struct.Struct("<BQI")
 class Log(Carry):
     """A carry that was read from a log."""
 
-    trace: "xr.Dataset"  # a log always has one
+    trace: "xr.Dataset" = field(metadata=NOT_IN_JSON)  # a log always has one
     format: str
     """Version of the format of the log."""
 
@@ -134,6 +135,8 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     fields["controller_source"] = None if source is None else ControllerSource(**source)
     fields["forks"] = tuple((at_s, seed) for at_s, seed in fields["forks"])
     fields["warnings"] = tuple(fields["warnings"])
+    for name in ("contact_rms_m", "contact_peak_m", "waiting_s", "lateral_peak_m"):
+        fields[name] = None if fields[name] is None else BySide(**fields[name])
     events = json.loads(facts["contact_events"])
     fields["contact_events"] = tuple(ContactEvent(**event) for event in events)
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]

@@ -8,15 +8,19 @@ only if its hash is still the same.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from palmbots._types import SIDES
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerLike, recover, resolve
 from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
 from palmbots.simulation.result import Carry
 from palmbots.simulation.single import carry
 
@@ -46,34 +50,41 @@ class ReplayResult(Result):
     """The trace hash in the log."""
     difference: str | None
     """The first difference, in one line."""
-    log: Log
+    log: Log = field(metadata=NOT_IN_JSON)
 
-    def headline(self) -> str:
-        """One line that states whether the carries are equal."""
-        verdict = "identical" if self.identical else "different"
-        return f"replay {verdict}: {self.log.controller}, seed {self.log.seed}"
+    @derived
+    def controller(self) -> str:
+        """The controller of the logged carry."""
+        return self.log.controller
 
-    def facts(self) -> dict[str, str]:
-        """The main figures."""
-        facts = {"samples": str(self.samples), "trace": self.trace_hash}
-        if self.difference is not None:
-            facts |= {"logged trace": self.logged_hash, "difference": self.difference}
-        return facts
+    @derived
+    def seed(self) -> int:
+        """The seed of the logged carry."""
+        return self.log.seed
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots replay --json`` prints."""
-        return {
-            "identical": self.identical,
-            "samples": self.samples,
-            "difference": self.difference,
-            "trace_hash": self.trace_hash,
-            "logged_hash": self.logged_hash,
-            "controller": self.log.controller,
-            "seed": self.log.seed,
-            "precision": self.log.precision,
-            "version": self.log.version,
-            "scene": self.log.scene.model_dump(),
-        }
+    @derived
+    def precision(self) -> str:
+        """The precision of the logged carry."""
+        return self.log.precision
+
+    @derived
+    def version(self) -> str:
+        """The version that logged the carry."""
+        return self.log.version
+
+    @derived
+    def scene(self) -> Scene:
+        """The scene of the logged carry."""
+        return self.log.scene
+
+    def lines(self) -> Iterator[Item]:
+        """Whether the carries are equal, and of what."""
+        if self.identical:
+            text = f"  {self.samples} samples agree bit for bit   trace {self.trace_hash}"
+        else:
+            text = f"  {self.difference}"
+        yield Line(verdict(self.identical, "IDENTICAL", "DIFFERS"), text)
+        yield Table(self.value_rows("controller", "seed", "precision", "version"))
 
 
 def replay(

@@ -12,7 +12,7 @@ contact leaves the palm). The core has the mechanics (`mechanics/contact_detecti
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
@@ -49,15 +49,6 @@ class Contact:
     """Coordinate on the palm, from the foot of the pivot, outward."""
     point_m: tuple[float, float]
     """The point in the object's frame."""
-
-    def summary(self) -> dict[str, Any]:
-        """The contact as ``palmbots modes --json`` prints it."""
-        return {
-            "side": self.side,
-            "kind": self.kind,
-            "place_m": self.place_m,
-            "point_m": list(self.point_m),
-        }
 
 
 _Support = tuple[int, float, float, float, float, float]

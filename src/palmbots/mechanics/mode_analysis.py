@@ -10,6 +10,7 @@ than the two contact vertices touch the palms.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -17,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Overrides
+from palmbots._types import SIDES, BySide, MaybeNaN, Overrides
 from palmbots._util.optional_imports import require
+from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
@@ -60,26 +62,12 @@ class ContactModesBatch(Result):
     opening: NDArray[np.int8]
     """The same when they are driven apart."""
 
-    def headline(self) -> str:
-        """One line with the number of states."""
-        return f"contact modes of {plural(self.closing.size, 'state')}, shape {self.closing.shape}"
-
-    def facts(self) -> dict[str, str]:
-        """How many states are held."""
+    def lines(self) -> Iterator[Item]:
+        """How many states there are, and how many are held."""
+        yield f"contact modes of {plural(self.closing.size, 'state')}, shape {self.closing.shape}"
         held = int(np.count_nonzero(self.feasible[..., 0]))
         jammed = int(np.count_nonzero(self.closing == -2))
-        return {"held (ST, ST)": str(held), "jammed when closing": str(jammed)}
-
-    def summary(self) -> dict[str, Any]:
-        """The arrays as nested lists; null where a squeeze is unbounded."""
-        squeeze = self.squeeze.astype(object)
-        squeeze[~np.isfinite(self.squeeze)] = None
-        return {
-            "squeeze": squeeze.tolist(),
-            "feasible": self.feasible.tolist(),
-            "closing": self.closing.tolist(),
-            "opening": self.opening.tolist(),
-        }
+        yield Table([("  held (ST, ST)", str(held)), ("  jammed when closing", str(jammed))])
 
     def to_xarray(self) -> xr.Dataset:
         """The arrays as a dataset; the dimensions of the states are ``dim_0``, ``dim_1``, …"""
@@ -207,9 +195,9 @@ class ContactModes(Result):
     closing: Mode | None
     """The mode that occurs when the palms are driven together; None: not held, or jammed."""
     opening: Mode | None
-    wedged: dict[str, bool]
+    wedged: BySide[bool]
     """Contacts that no squeeze frees: their friction cone contains the line to the other one."""
-    squeeze: dict[str, tuple[float, float]]
+    squeeze: BySide[tuple[MaybeNaN, MaybeNaN]]
     """I_L and I_R in units of the weight; infinite where unbounded."""
     margin_rad: float
     """The angle by which both friction cones may shrink with the object still held; negative: the
@@ -225,52 +213,11 @@ class ContactModes(Result):
     motions_opening: tuple[Motions, ...] | None = None
     """The same when they are driven apart."""
 
-    def headline(self) -> str:
-        """One line with the state."""
-        return (
-            f"contact modes: palms {self.theta_left_deg:g}°, {self.theta_right_deg:g}°, contacts "
-            f"{1e3 * self.p_left_m:g} mm, {1e3 * self.p_right_m:g} mm"
-        )
+    def lines(self) -> Iterator[Item]:
+        """The nine modes as a 3 × 3 table, and those that occur."""
+        from palmbots.mechanics.mode_lines import mode_lines
 
-    def facts(self) -> dict[str, str]:
-        """What balances and what occurs."""
-        facts = {
-            "feasible": " ".join("-".join(mode) for mode in self.feasible) or "none",
-            "closing": "-".join(self.closing) if self.closing else "none",
-            "opening": "-".join(self.opening) if self.opening else "none",
-            "margin": f"{math.degrees(self.margin_rad):.2f}°",
-        }
-        if self.held is not None:
-            facts["contacts"] = f"{len(self.contacts)}, {'held' if self.held else 'not held'}"
-        return facts
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots modes --json`` prints."""
-        table = {
-            "feasible": [list(m) for m in self.feasible],
-            "consistent_closing": [list(m) for m in self.consistent_closing],
-            "consistent_opening": [list(m) for m in self.consistent_opening],
-            "closing": list(self.closing) if self.closing else None,
-            "opening": list(self.opening) if self.opening else None,
-            "wedged": self.wedged,
-            "squeeze": {
-                side: [end if math.isfinite(end) else None for end in ends]
-                for side, ends in self.squeeze.items()
-            },
-            "margin_rad": self.margin_rad,
-            "object_deg": self.object_deg,
-            "p_left_m": self.p_left_m,
-            "p_right_m": self.p_right_m,
-            "theta_left_deg": self.theta_left_deg,
-            "theta_right_deg": self.theta_right_deg,
-            "contacts": [contact.summary() for contact in self.contacts],
-            "scene": self.scene.model_dump(),
-        }
-        if self.motions_closing is not None and self.motions_opening is not None:
-            table["held"] = self.held
-            table["motions_closing"] = [list(m) for m in self.motions_closing]
-            table["motions_opening"] = [list(m) for m in self.motions_opening]
-        return table
+        return mode_lines(self)
 
 
 def modes(
@@ -316,10 +263,9 @@ def modes(
     columns = [np.array([value]) for value in numbers]
     left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, 1)
     friction_angles = [math.atan(palm.friction) for palm in spec.palms]
-    squeeze = {
-        "left": (float(left_low[0]), float(left_high[0])),
-        "right": (float(right_low[0]), float(right_high[0])),
-    }
+    squeeze = BySide(
+        (float(left_low[0]), float(left_high[0])), (float(right_low[0]), float(right_high[0]))
+    )
     return ContactModes(
         scene=state.scene,
         p_left_m=state.p_m[0],
@@ -332,7 +278,7 @@ def modes(
         consistent_opening=_CONSISTENT_OPENING,
         closing=CONTACT_MODES[closing[0]] if closing[0] >= 0 else None,
         opening=CONTACT_MODES[opening[0]] if opening[0] >= 0 else None,
-        wedged={side: math.isinf(ends[1]) for side, ends in squeeze.items()},
+        wedged=squeeze.map(lambda ends: math.isinf(ends[1])),
         squeeze=squeeze,
         margin_rad=_core.margin(numbers, *friction_angles),
         contacts=touched.contacts,

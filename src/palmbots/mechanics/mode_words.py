@@ -7,7 +7,8 @@ the right contact can carry (paper, section 3.1).
 """
 
 import math
-from collections.abc import Mapping
+
+from palmbots._types import BySide
 
 MOTION_MEANINGS = {"ST": "sticks", "SL": "slides left", "SR": "slides right"}
 """What the symbols of a contact mode mean."""
@@ -60,9 +61,7 @@ def mode_sentence(mode: tuple[str, str] | None, *, held: bool) -> str:
     return SENTENCES["mode"].format(left=left, right=right)
 
 
-def decision_sentence(
-    squeeze: Mapping[str, tuple[float, float]], *, closing: bool, held: bool
-) -> str:
+def decision_sentence(squeeze: BySide[tuple[float, float]], *, closing: bool, held: bool) -> str:
     """The comparison of squeezes that decides which contact slides.
 
     Args:

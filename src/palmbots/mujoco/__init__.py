@@ -7,7 +7,7 @@ from palmbots._util.lazy_names import lazy_names
 from palmbots._util.results import FIGURES
 
 if TYPE_CHECKING:
-    from palmbots.mujoco.drift_forecast import Budget as DriftBudget
+    from palmbots.mujoco.drift_budget import Budget as DriftBudget
     from palmbots.mujoco.drift_forecast import forecast as forecast_drift
     from palmbots.mujoco.figures.plan_view import draw as draw_plan_view
     from palmbots.mujoco.film import save_film as save_video
@@ -35,7 +35,7 @@ __all__ = [
 
 # Imported on first use, because most of them need optional packages.
 _PLACES = {
-    "DriftBudget": ".drift_forecast:Budget",
+    "DriftBudget": ".drift_budget:Budget",
     "SpeedLimits": ".validation.speed_limits",
     "Validation": ".validation.validation",
     "Viewer": ".viewer",

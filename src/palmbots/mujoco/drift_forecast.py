@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -26,11 +25,10 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.results import Result
-from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import Line, line_of, world_of
+from palmbots.mujoco.drift_budget import Budget
 from palmbots.mujoco.slip_statics import Pair, slip
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -39,82 +37,8 @@ SEEDS = 16
 _CALIBRATION = (
     1.25  # measured: 1.09, 1.26, 1.26 and 1.20 on circles of 4, 2, 1 and 0.7 m, 12 seeds each
 )
-_NEAR = 0.8  # fraction of the budget above which there is a warning
 _BETAS = np.linspace(0.0, 1.0, 5)  # fractions of the largest misalignment of the path
 _OFFSETS = np.linspace(-1.0, 1.0, 5)  # fractions of half the palm's width
-
-
-@dataclass(frozen=True, repr=False)
-class Budget(Result):
-    """The allowed and the expected lateral drift of an object on a path [m]."""
-
-    budget_m: float
-    """Half of the width of the narrower palm, at which the object tips; with lips, their clearance.
-    """
-    mean_m: float
-    """The largest absolute drift of a carry, averaged over the seeds."""
-    most_m: float
-    """The same for the worst seed."""
-    seeds: int
-    askew_deg: float
-    """The largest β of the path."""
-    lips: bool
-    lip_room_m: float
-    """The smallest clearance at which lips do not jam."""
-
-    @property
-    def verdict(self) -> str:
-        """``kept``, ``near`` the budget for some seeds, or ``beyond`` it."""
-        if self.lips:
-            return "kept"
-        if self.mean_m > self.budget_m:
-            return "beyond"
-        return "near" if self.most_m > _NEAR * self.budget_m else "kept"
-
-    def headline(self) -> str:
-        """One line that states the verdict."""
-        verdicts = {
-            "kept": "is within the budget",
-            "near": "comes near the budget for some seeds",
-            "beyond": "exceeds the budget",
-        }
-        return f"the forecast lateral drift {verdicts[self.verdict]}"
-
-    def facts(self) -> dict[str, str]:
-        """Drift, budget and misalignment."""
-        limit = "allowed by the lips" if self.lips else "at which the object tips"
-        return {
-            "mean": f"{_mm(self.mean_m)} over {self.seeds} seeds",
-            "worst seed": _mm(self.most_m),
-            "budget": f"{_mm(self.budget_m)}, {limit}",
-            "misalignment": f"up to {self.askew_deg:.1f}° between the palms",
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """What ``--json`` prints."""
-        return asdict(self) | {"verdict": self.verdict}
-
-    def text(self) -> str:
-        """The forecast in one line."""
-        limit = "the lips allow" if self.lips else "the object tips at"
-        return (
-            f"lateral drift, forecast over {self.seeds} seeds: mean {_mm(self.mean_m)}, "
-            f"at most {_mm(self.most_m)}; {limit} {_mm(self.budget_m)} (palms misaligned by up to "
-            f"{self.askew_deg:.1f}°)"
-        )
-
-    def refusal(self) -> str:
-        """The error message for a path beyond the budget."""
-        return (
-            f"task.path: the object would drift {_mm(self.mean_m)} sideways and tip at "
-            f"{_mm(self.budget_m)}; allowed: larger radii, a shorter path, wider palms, lips "
-            f"(palm.lip_height_m=0.03 palm.lip_clearance_m={self._clearance():g}), or "
-            "--allow-drift-beyond-budget"
-        )
-
-    def _clearance(self) -> float:
-        """A clearance for lips, with a margin."""
-        return math.ceil(1e3 * (1.25 * self.lip_room_m + 2e-3)) / 1e3
 
 
 def lip_clearance(scene: Scene, line: Line | None = None) -> float:

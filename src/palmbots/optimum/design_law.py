@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
 import palmbots.optimum.drop_bound as drop_bound
+from palmbots._util.report import Item, Table, bold
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 
@@ -50,16 +51,13 @@ class DesignLaw(Result):
 
     figure = "design-law"
 
-    def headline(self) -> str:
-        """The largest error of the law."""
-        return f"σ* ≈ √(uL/11τ), within {100 * self.largest_error:.0f} % over these scenes"
-
-    def facts(self) -> dict[str, str]:
-        """What doubling each quantity does to σ*."""
-        return {
-            KEYS[key]: f"twice as much multiplies σ* by {self.gain(key):.2f}"
-            for key in dict.fromkeys(point.key for point in self.points)
-        }
+    def lines(self) -> Iterator[Item]:
+        """The largest error of the law, and what doubling each quantity does to σ*."""
+        error = 100 * self.largest_error
+        yield bold(f"σ* ≈ √(uL/11τ), within {error:.0f} % over these scenes")
+        keys = dict.fromkeys(point.key for point in self.points)
+        yield Table([(f"  {KEYS[key]}", f"{self.gain(key):.2f}") for key in keys],
+                    ("", "twice as much multiplies σ* by"))  # fmt: skip
 
     @property
     def largest_error(self) -> float:

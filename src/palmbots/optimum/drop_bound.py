@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from statistics import NormalDist
 from typing import Any
 
 from palmbots._types import Overrides
 from palmbots._util.arguments import one_of, show
+from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.optimum.bound_cache import cached, keep, key_of
@@ -85,29 +86,30 @@ class Bound(Result):
 
     figure = "bound"
 
-    def headline(self) -> str:
-        """One line that states the noise."""
-        return (
-            f"σ* ≤ {100 * self.sigma_star_m_s:.3g} cm/s for every controller "
-            f"({_MEANING[self.speeds]})"
+    def lines(self) -> Iterator[Item]:
+        """The noise, what it means, and the least drop rate over the duration."""
+        star = f"{100 * self.sigma_star_m_s:.3g} cm/s"
+        yield Line(
+            bold(f"σ* at most {star}"), f", error of the grids {100 * self.grid_error:.2f} %"
         )
-
-    def facts(self) -> dict[str, str]:
-        """What the number means."""
-        return {
-            "meaning": f"at more noise, every controller drops more than {100 * self.rate:g} %",
-            "error of the grids": f"{100 * self.grid_error:.2g} %",
-            "least drop rate": f"{self.drop_rate:.2g} at {100 * self.noise_m_s:g} cm/s",
-            "duration": f"{self.time_s:.1f} s at σ*",
-            "design law": f"{100 * self.law_m_s:.3g} cm/s",
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots bound --json`` prints."""
-        front = [asdict(point) for point in self.front]
-        numbers = {name: getattr(self, name) for name in _NUMBERS}
-        own = {"noise_m_s": self.noise_m_s, "scene": self.scene.model_dump()}
-        return numbers | {"front": front} | own
+        yield quiet(_MEANING[self.speeds])
+        yield (
+            f"at more noise, every controller drops the object in more than {100 * self.rate:g} % "
+            "of carries"
+        )
+        rate = f"{self.drop_rate:.2g}" if self.drop_rate >= 1e-9 else "below 1e-9"
+        yield f"least drop rate at the scene's noise of {100 * self.noise_m_s:g} cm/s: {rate}"
+        yield quiet(
+            f"u = {100 * self.opening_speed_m_s:.3g} cm/s, L = {100 * self.usable_m:.3g} cm: the "
+            f"law √(uL/11τ) gives {100 * self.law_m_s:.3g} cm/s"
+        )
+        if self.front:
+            heads = ("mean duration (s)", "least drop rate (%)")
+            rows = [(f"{at.time_s:.1f}", f"{100 * at.drop_rate:.3g}") for at in self.front]
+            yield Table(rows, heads, right=heads)
+            yield quiet(f"at the noise of {star}")
+        elif self.speeds == "corrections":
+            yield quiet(f"for carries that take at least their nominal time, {self.time_s:.1f} s")
 
 
 _NUMBERS = (

@@ -13,7 +13,7 @@ pilot run counts: they chose the window, and an estimate that also chooses its d
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,6 +23,7 @@ from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.probit import Counts, Crossing, crossing, information
+from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
@@ -67,6 +68,12 @@ class NoisePoint:
         """Wilson's 95 % interval of the drop rate."""
         return wilson(self.drops, self.carries)
 
+    def row(self) -> tuple[str, str, str]:
+        """The noise, the carries and their drop rate, for people."""
+        ends = "–".join(f"{100 * end:.2f}" for end in self.interval)
+        rate = f"{100 * self.drop_rate:.2f} ({ends})"
+        return f"{100 * self.noise_m_s:.3f}", f"{self.carries:,}", rate
+
 
 @dataclass(frozen=True, repr=False)
 class NoiseLimit(Result):
@@ -90,44 +97,19 @@ class NoiseLimit(Result):
 
     figure = "noise_limit"
 
-    def headline(self) -> str:
-        """One line that states the noise."""
-        low, high = self.interval
-        return (
-            f"σ* = {100 * self.sigma_star_m_s:.3g} cm/s (95 %: {100 * low:.4g} to "
-            f"{100 * high:.4g}), {self.controller}, seed {self.seed}"
+    def lines(self) -> Iterator[Item]:
+        """The noise, its interval, and the drop rates it was fitted to."""
+        low, high = (100 * end for end in self.interval)
+        star = bold(f"σ* = {100 * self.sigma_star_m_s:.3g} cm/s")
+        yield Line(star, f", 95 % {low:.3f} to {high:.3f}")
+        yield quiet(f"{self.controller}, seed {self.seed}")
+        yield f"at robot.noise_m_s = σ*, {100 * self.rate:g} % of carries drop the object"
+        heads = ("noise (cm/s)", "carries", "dropped % (95 %)")
+        yield Table([point.row() for point in self.points if point.counts], heads, right=heads)
+        yield quiet(
+            f"fitted to these {self.carries:,} carries; {self.pilot_carries:,} carries of a pilot "
+            "run found where"
         )
-
-    def facts(self) -> dict[str, str]:
-        """What the number means, and how it was estimated."""
-        return {
-            "meaning": f"robot.noise_m_s at which {100 * self.rate:g} % of carries drop the object",
-            "carries": f"{self.carries:,}",
-            "pilot run": f"{self.pilot_carries:,} carries",
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots noise-limit --json`` prints."""
-        return {
-            "sigma_star_m_s": self.sigma_star_m_s,
-            "interval": list(self.interval),
-            "rate": self.rate,
-            "slope": self.slope,
-            "carries": self.carries,
-            "pilot_carries": self.pilot_carries,
-            "points": [
-                {
-                    "noise_m_s": point.noise_m_s,
-                    "carries": point.carries,
-                    "drops": point.drops,
-                    "counts": point.counts,
-                }
-                for point in self.points
-            ],
-            "controller": self.controller,
-            "seed": self.seed,
-            "scene": self.scene.model_dump(),
-        }
 
 
 def noise_limit(

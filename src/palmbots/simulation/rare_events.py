@@ -13,7 +13,7 @@ that also decides when to stop would be too low on average.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, show, whole_number
 from palmbots._util.confidence_intervals import student_t95
+from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
@@ -71,37 +72,22 @@ class DropRate(Result):
     seed: int
     scene: Scene
 
-    def headline(self) -> str:
-        """One line that states the rate."""
+    def lines(self) -> Iterator[Item]:
+        """The rate, and the levels of the splitting."""
         low, high = self.interval
-        return (
-            f"drop rate {self.drop_rate:.2g} (95 %: {low:.2g} to {high:.2g}), {self.controller}, "
-            f"seed {self.seed}"
+        yield Line(bold(f"drop rate {self.drop_rate:.2g}"), f", 95 % {low:.2g} to {high:.2g}")
+        yield quiet(f"{self.controller}, seed {self.seed}")
+        if 0 < self.drop_rate < 0.1:
+            yield f"one carry in {1 / self.drop_rate:,.0f} drops the object"
+        if self.levels:
+            heads = ("level (% of the palm's half-length)", "reached from the level before")
+            reached = zip(self.levels, self.conditional_probabilities, strict=True)
+            rows = [(f"{100 * level:.0f} %", f"{100 * part:.1f} %") for level, part in reached]
+            yield Table(rows, heads, right=heads)
+        yield quiet(
+            f"{plural(self.replicates, 'replicate')} of {plural(self.effort, 'carry')} per stage; "
+            f"cost: as {self.equivalent_carries:,.0f} whole carries"
         )
-
-    def facts(self) -> dict[str, str]:
-        """How it was estimated."""
-        return {
-            "levels": str(len(self.levels)),
-            "replicates": f"{self.replicates} of {plural(self.effort, 'carry')} per stage",
-            "equivalent carries": f"{self.equivalent_carries:,.0f}",
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots drop-rate --json`` prints."""
-        return {
-            "drop_rate": self.drop_rate,
-            "interval": list(self.interval),
-            "levels": list(self.levels),
-            "conditional_probabilities": list(self.conditional_probabilities),
-            "replicates": self.replicates,
-            "pilot_replicates": self.pilot_replicates,
-            "effort": self.effort,
-            "equivalent_carries": self.equivalent_carries,
-            "controller": self.controller,
-            "seed": self.seed,
-            "scene": self.scene.model_dump(),
-        }
 
 
 def estimate_drop_rate(

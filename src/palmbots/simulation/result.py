@@ -2,10 +2,13 @@
 """The result of a carry: outcome, corrections, messages, warnings, trace."""
 
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from palmbots._types import SIDES
+from palmbots._types import SIDES, BySide
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots._util.text import letter_label
 from palmbots._version import __version__
@@ -13,6 +16,7 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import Bounds
 from palmbots.scene.scene import Scene
+from palmbots.simulation.carry_lines import carry_lines
 from palmbots.simulation.prepare import Prepared
 from palmbots.simulation.trace import trace_dataset
 from palmbots.simulation.warnings import warnings_after
@@ -84,7 +88,7 @@ class LinkStatistics:
 
 @dataclass(frozen=True, repr=False)
 class Carry(Result):
-    """A finished carry. Dictionaries have the keys ``left`` and ``right``."""
+    """A finished carry."""
 
     figure = "carry"
     more_figures = ("message_sequence",)
@@ -100,8 +104,8 @@ class Carry(Result):
     """Why the object was dropped, from a fixed list; None if it was not dropped."""
     time_s: float
     distance_m: float
-    contact_rms_m: dict[str, float]
-    contact_peak_m: dict[str, float]
+    contact_rms_m: BySide[float]
+    contact_peak_m: BySide[float]
     """The largest absolute contact coordinate."""
     corrections: tuple[Correction, ...]
     """The first 512; `correction_count` is the number of all."""
@@ -115,51 +119,37 @@ class Carry(Result):
     """By direction, as in ``left_to_right`` or ``station_to_left``; only links that were used."""
     bounds: Bounds | None
     """The time bounds on which the controller relies; None: it relies on none."""
-    waiting_s: dict[str, float]
+    waiting_s: BySide[float]
     """How long each robot waited for a message, at its nominal speed."""
     bump_count: int
     warnings: tuple[str, ...]
     trace_hash: str
     """Equal hashes mean equal traces, to the last bit."""
-    trace: "xr.Dataset | None"
+    trace: "xr.Dataset | None" = field(metadata=NOT_IN_JSON)
     """Every tick (None with ``record=False``); the last entry is the end."""
-    message_log: tuple[Message, ...]
-    mujoco_record: Any = None
+    message_log: tuple[Message, ...] = field(metadata=NOT_IN_JSON)
+    mujoco_record: Any = field(default=None, metadata=NOT_IN_JSON)
     """What the world ``mujoco`` alone keeps, for videos (None with ``record=False``)."""
-    lateral_peak_m: dict[str, float] | None = None
+    lateral_peak_m: BySide[float] | None = None
     """The largest lateral contact coordinate: how far the middle of each contact edge moved across
     its palm, to the left seen from the left robot to the right one (None in a planar world)."""
     forks: tuple[tuple[float, int], ...] = ()
     """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
     controller_source: ControllerSource | None = None
     """Where a Python controller is defined; None: the controller is a shipped one."""
-    controller_entry: ControllerEntry | None = field(default=None, compare=False)
+    controller_entry: ControllerEntry | None = field(
+        default=None, compare=False, metadata=NOT_IN_JSON
+    )
     """The controller itself; None: this carry was read from a log."""
 
-    def headline(self) -> str:
-        """One line that states the outcome."""
-        way = f"{self.distance_m:.2f} of {self.scene.task.distance_m:.2f} m in {self.time_s:.1f} s"
-        reason = "" if self.reason is None else f" ({self.reason})"
-        place = self.precision if self.world == "quasistatic" else self.world
-        seeds = "".join(f", {seed} from {at_s:g} s" for at_s, seed in self.forks)
-        return f"{self.outcome}{reason}: {way}, {self.controller}, seed {self.seed}{seeds}, {place}"
+    @derived
+    def rest_angle_deg(self) -> float:
+        """The angle by which the outline is turned to rest on its contact vertices."""
+        return self.scene.object.rest_angle_deg
 
-    def facts(self) -> dict[str, str]:
-        """The main figures."""
-        lost = f", {self.messages_lost} lost" if self.messages_lost else ""
-        facts = {
-            "contact rms": _both_mm(self.contact_rms_m),
-            "contact peak": _both_mm(self.contact_peak_m),
-            "corrections": str(self.correction_count),
-            "messages": f"{self.messages}{lost}",
-            "trace": self.trace_hash,
-        }
-        if self.bump_count:
-            facts["bumps"] = str(self.bump_count)
-        if self.warnings:
-            more = len(self.warnings) - 1
-            facts["warning"] = self.warnings[0] + (f" (and {more} more)" if more else "")
-        return facts
+    def lines(self) -> Iterator[Item]:
+        """The outcome, contacts, corrections, time bounds, messages and warnings."""
+        return carry_lines(self, self.warnings)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
@@ -171,46 +161,6 @@ class Carry(Result):
             PalmbotsError: the carry has no trace, or there is no such figure.
         """
         return super().plot(figure, **options)
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots carry --json`` prints."""
-        return {
-            "outcome": self.outcome,
-            "reason": self.reason,
-            "rest_angle_deg": self.scene.object.rest_angle_deg,
-            "time_s": self.time_s,
-            "distance_m": self.distance_m,
-            "contact_rms_m": self.contact_rms_m,
-            "contact_peak_m": self.contact_peak_m,
-            "corrections": [
-                {field: getattr(c, field) for field in Correction.__slots__}
-                for c in self.corrections
-            ],
-            "correction_count": self.correction_count,
-            "contact_events": [
-                {field: getattr(t, field) for field in ContactEvent.__slots__}
-                for t in self.contact_events
-            ],
-            "messages": self.messages,
-            "messages_lost": self.messages_lost,
-            "links": {name: asdict(counts) for name, counts in self.links.items()},
-            "bounds": None if self.bounds is None else asdict(self.bounds),
-            "waiting_s": self.waiting_s,
-            "bump_count": self.bump_count,
-            "warnings": list(self.warnings),
-            "trace_hash": self.trace_hash,
-            "lateral_peak_m": self.lateral_peak_m,
-            "controller": self.controller,
-            "controller_source": None
-            if self.controller_source is None
-            else asdict(self.controller_source),
-            "world": self.world,
-            "precision": self.precision,
-            "seed": self.seed,
-            "forks": [list(fork) for fork in self.forks],
-            "version": self.version,
-            "scene": self.scene.model_dump(),
-        }
 
 
 def make_carry(
@@ -237,8 +187,8 @@ def make_carry(
         reason=measured.reason,
         time_s=measured.time_s,
         distance_m=measured.distance_m,
-        contact_rms_m=_by_side(measured.contact_rms_m),
-        contact_peak_m=_by_side(measured.contact_peak_m),
+        contact_rms_m=BySide.of(measured.contact_rms_m),
+        contact_peak_m=BySide.of(measured.contact_peak_m),
         corrections=_corrections(measured.corrections),
         correction_count=measured.correction_count,
         contact_events=tuple(
@@ -248,7 +198,7 @@ def make_carry(
         messages_lost=measured.messages_lost,
         links=_links(measured.links, entry),
         bounds=prepared.timing,
-        waiting_s=_by_side(measured.waiting_s),
+        waiting_s=BySide.of(measured.waiting_s),
         bump_count=measured.bumps,
         warnings=(
             *prepared.warnings,
@@ -262,18 +212,10 @@ def make_carry(
             for sent, got, sender, receiver, kind in measured.message_log
         ),
         mujoco_record=run.recording,
-        lateral_peak_m=None if run.lateral_peak_m is None else _by_side(run.lateral_peak_m),
+        lateral_peak_m=None if run.lateral_peak_m is None else BySide.of(run.lateral_peak_m),
         controller_source=entry.source,
         controller_entry=entry,
     )
-
-
-def _both_mm(metres: dict[str, float]) -> str:
-    return ", ".join(f"{side} {1e3 * metres[side]:.1f} mm" for side in SIDES)
-
-
-def _by_side(pair: tuple[float, float]) -> dict[str, float]:
-    return dict(zip(SIDES, pair, strict=True))
 
 
 def _corrections(rows: list[Any]) -> tuple[Correction, ...]:

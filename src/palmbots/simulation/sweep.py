@@ -4,19 +4,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._types import Interval, Overrides
+from palmbots._types import Interval, MaybeNaN, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, whole_number
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.optional_imports import require
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Table, quiet
 from palmbots._util.results import Result
-from palmbots._util.text import plural
+from palmbots._util.text import format_number, plural
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -29,6 +33,8 @@ from palmbots.wire import PACKET_SIZE
 if TYPE_CHECKING:
     import xarray as xr
 
+_RADIO_BITS_S = 250_000  # of a small packet radio, for example IEEE 802.15.4
+_LONGEST_HEAD = 17
 DEFAULT_SWEEP = "radio.latency_s"
 DEFAULT_VALUES = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 
@@ -51,14 +57,27 @@ class Row:
     """Wilson's interval of the stall rate."""
     rms_m: float
     """Root mean square of both contact coordinates; of a dropped carry until the drop."""
-    rms_interval_m: Interval
-    messages_per_m: float
+    rms_interval_m: tuple[MaybeNaN, MaybeNaN]
+    messages_per_m: MaybeNaN
     """Messages sent by all robots and the station."""
-    messages_interval_per_m: Interval
-    bytes_per_s: float
+    messages_interval_per_m: tuple[MaybeNaN, MaybeNaN]
+    bytes_per_s: MaybeNaN
     """The same as packets of 32 bytes; the data rate of a radio limits it."""
     corrections: float
     """Mean number of corrections per carry."""
+
+    def cells(self) -> tuple[str, ...]:
+        """Value, drop rate, contacts and messages, for people."""
+        low, high = (100 * end for end in self.interval)
+        half = 0.5 * (self.rms_interval_m[1] - self.rms_interval_m[0])
+        spread = "" if math.isnan(half) else f" ± {1e3 * half:.1f}"
+        return (
+            format_number(self.value),
+            f"{100 * self.drop_rate:.1f} ({low:.1f}–{high:.1f})",
+            f"{1e3 * self.rms_m:.1f}{spread}",
+            f"{self.messages_per_m:.0f}",
+            f"{self.bytes_per_s:.0f}",
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,44 +113,53 @@ class Comparison(Result):
     key: str
     seed: int
     rows: tuple[Row, ...]
-    refusals: tuple[Refusal, ...] = ()
+    refusals: tuple[Refusal, ...] = field(default=(), metadata=NOT_IN_JSON)
     """Controllers have no row where they refuse the scene."""
 
     figure = "sweep"
 
-    @property
+    @derived
     def refused(self) -> tuple[str, ...]:
         """The refusals as lines, ``KEY = VALUE: REASON``."""
         return tuple(f"{self.key} = {r.value:g}: {r.reason}" for r in self.refusals)
 
-    def headline(self) -> str:
-        """One line that states what was compared."""
-        carries = plural(self.rows[0].n, "carry") if self.rows else "no carry"
-        values = plural(len({row.value for row in self.rows}), "value")
-        return f"{self.key}: {values}, {carries} each, seeds from {self.seed}"
+    def lines(self) -> Iterator[Item]:
+        """One row for each controller and value, and what was refused."""
+        rows = self.rows
+        carries = plural(rows[0].n, "carry") if rows else "no carry"
+        yield f"{carries} per value and controller, seeds from {self.seed}; intervals: 95 %"
+        section, _, name = self.key.rpartition(".")
+        is_long = len(self.key) > _LONGEST_HEAD and section  # takes two lines
+        key_head = f"{section}.\n{name}" if is_long else self.key
+        heads = (key_head, "dropped [%]", "contact\nrms [mm]", "messages\nper m", "B/s")
+        cells = [("" if same else row.controller, *row.cells()) for same, row in _marked(rows)]
+        yield Table(cells, ("controller", *heads), right=heads, gap=2)
+        if stalled := sum(round(row.stall_rate * row.n) for row in rows):
+            yield f"{plural(stalled, 'carry')} stalled: neither delivered nor dropped in time"
+        busiest = max((row.bytes_per_s for row in rows), default=0.0)
+        if busiest > 0:
+            yield quiet(
+                f"B/s: bytes on the air in packets of {PACKET_SIZE} bytes; at most "
+                f"{8e2 * busiest / _RADIO_BITS_S:.1f} % of a {_RADIO_BITS_S // 1000} kbit/s radio"
+            )
+        yield from self.refusal_lines()
 
-    def facts(self) -> dict[str, str]:
-        """The range of the drop rate of each controller."""
-        facts = {}
-        for name in dict.fromkeys(row.controller for row in self.rows):
-            rates = [100 * row.drop_rate for row in self.rows if row.controller == name]
-            low, high = f"{min(rates):.1f}", f"{max(rates):.1f}"
-            facts[name] = f"drops {low if low == high else f'{low} to {high}'} % of carries"
-        if self.refusals:
-            facts["refused"] = plural(len(self.refusals), "value")
-        return facts
+    def refusal_lines(self) -> list[str]:
+        """One line for each reason of a refusal, with all values to which it applies.
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots compare --json`` prints."""
-        return {
-            "rows": [
-                {f.name: _plain(getattr(row, f.name)) for f in fields(row)} for row in self.rows
-            ],
-            "refused": list(self.refused),
-            "key": self.key,
-            "seed": self.seed,
-            "scene": self.scene.model_dump(),
-        }
+        Reasons that differ only in their numbers count as one; the line quotes the first.
+        """
+        groups: dict[tuple[str, str], list[tuple[str, str]]] = defaultdict(list)
+        for one in self.refusals:
+            template = re.sub(r"[-+\d.e]+", "", one.reason)
+            groups[one.controller, template].append((format_number(one.value), one.reason))
+        lines = []
+        for (controller, _), found in groups.items():
+            values = ", ".join(value for value, _ in found)
+            first_value, first = found[0]
+            at_first = f"at {first_value}: " if len({reason for _, reason in found}) > 1 else ""
+            lines.append(f"{controller} refuses {self.key} = {values}: {at_first}{first}")
+        return lines
 
     def to_xarray(self) -> xr.Dataset:
         """The rows over the dimensions ``controller`` and ``value``; NaN where one was refused.
@@ -186,11 +214,10 @@ class Comparison(Result):
         return frame(lines)
 
 
-def _plain(entry: Any) -> Any:
-    """An entry of a row as JSON has it; NaN becomes null."""
-    if isinstance(entry, tuple):
-        return [_plain(end) for end in entry]
-    return None if isinstance(entry, float) and math.isnan(entry) else entry
+def _marked(rows: Sequence[Row]) -> list[tuple[bool, Row]]:
+    """Each row, and whether it has the controller of the row before."""
+    before = [None, *(row.controller for row in rows)]
+    return [(row.controller == one, row) for row, one in zip(rows, before, strict=False)]
 
 
 def compare(

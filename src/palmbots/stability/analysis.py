@@ -10,10 +10,13 @@ Source: paper, sections 3.2 to 3.4; docs/theory/stability.md.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
-from palmbots._types import SIDES, Interval, Overrides, Side
+from palmbots._types import SIDES, BySide, Interval, Overrides, Side
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
@@ -35,6 +38,8 @@ from palmbots.stability.margins import (
 from palmbots.stability.problem import Pair, StabilityProblem, permitted, stability_problem
 from palmbots.stability.scene_limits import largest_acceleration, limit_warnings
 
+T = TypeVar("T")
+
 
 @dataclass(frozen=True)
 class Margins:
@@ -55,8 +60,8 @@ class Margins:
 class PropertyReport:
     """One property with one palm as the shallow one (property 0: as the one that turns)."""
 
-    number: int
-    shallow: Side
+    number: int = field(metadata=NOT_IN_JSON)
+    shallow: Side = field(metadata=NOT_IN_JSON)
     holds: bool
     margins: Margins
     binding: str
@@ -77,14 +82,43 @@ class Bands:
     upper_binding: str
 
 
+@dataclass(frozen=True)
+class ByMotion(Generic[T]):
+    """A value for properties 1 and 2, each with either palm as the shallow one."""
+
+    closing: BySide[T]
+    """Property 1: the palms are driven together."""
+    opening: BySide[T]
+    """Property 2: they are driven apart."""
+
+    def __getitem__(self, place: tuple[int, Side]) -> T:
+        """The value of a property and a side."""
+        number, side = place
+        own: dict[int, BySide[T]] = dict(zip((1, 2, 0), vars(self).values(), strict=False))
+        return own[number][side]
+
+    def values(self) -> Iterator[T]:
+        """All values."""
+        for pair in vars(self).values():
+            yield from pair.values()
+
+
+@dataclass(frozen=True)
+class ByProperty(ByMotion[T], Generic[T]):
+    """A value for every property, with either palm as the shallow one."""
+
+    turning: BySide[T]
+    """Property 0: one palm turns."""
+
+
 @dataclass(frozen=True, repr=False)
 class Analysis(Result):
     """The result of `analyze`. Each range varies one quantity; all others are as in the scene."""
 
     scene: Scene
-    problem: StabilityProblem
-    properties: dict[tuple[int, Side], PropertyReport]
-    bands: dict[tuple[int, Side], Bands]
+    problem: StabilityProblem = field(metadata=NOT_IN_JSON)
+    properties: ByProperty[PropertyReport]
+    bands: ByMotion[Bands]
     com_x_m: Interval | None
     """From the left contact vertex along the line of contacts, for both properties."""
     com_y_m: tuple[Interval, ...]
@@ -92,9 +126,9 @@ class Analysis(Result):
     """The same on both palms."""
     half_length_m: Interval | None
     """Of both palms, measured from p = 0."""
-    slope: Interval | None
+    slope: Interval | None = field(metadata=NOT_IN_JSON)
     """Tangents of the floor's slope, uphill in the direction of travel > 0."""
-    angle_error_rad: float | None
+    angle_error_rad: float | None = field(metadata=NOT_IN_JSON)
     clearance: Clearance
     """How far the outline stays from both palms, and where the distance is smallest."""
     touch: FirstTouch | None
@@ -109,51 +143,51 @@ class Analysis(Result):
         "stability-geometry", "friction-cones", "meeting-points", "permitted-com", "tactile-zones",
     )  # fmt: skip
 
-    @property
+    @derived
     def holds(self) -> bool:
         """Whether all properties hold with either palm as the shallow one."""
         return all(report.holds for report in self.properties.values())
 
-    @property
+    @derived
+    def slope_deg(self) -> Interval | None:
+        """Slopes of the floor, uphill in the direction of travel > 0."""
+        if self.slope is None:
+            return None
+        low, high = (math.degrees(math.atan(end)) for end in self.slope)
+        return low, high
+
+    @derived
+    def angle_error_deg(self) -> float | None:
+        """The admissible error of all palm angles."""
+        return None if self.angle_error_rad is None else math.degrees(self.angle_error_rad)
+
+    @derived
+    def clearance_deg(self) -> float:
+        """How far a palm may turn until the outline touches it."""
+        return math.degrees(self.clearance.rotation_margin.margin)
+
+    @derived
+    def region_m(self) -> BySide[Interval]:
+        """The contacts for which the properties have to hold."""
+        return BySide.of(self.problem.contacts)
+
+    @derived
     def max_slope_deg(self) -> float | None:
         """The steepest floor, uphill or downhill, on which both properties hold."""
         if self.slope is None:
             return None
         return math.degrees(math.atan(min(-self.slope[0], self.slope[1])))
 
-    @property
+    @derived
     def max_acceleration_m_s2(self) -> float | None:
         """The largest acceleration, in either direction, at which both properties hold."""
         return None if self.slope is None else largest_acceleration(self.problem, self.slope)
 
-    def headline(self) -> str:
-        """Whether the properties hold and the outline clears the palms."""
-        if not self.holds:
-            return "FAILS: a property fails, with one of the palms shallow"
-        if self.clearance.touches:
-            return "TOUCHES: the properties hold, but the outline touches a palm"
-        return "HOLDS: all properties, with either palm shallow"
+    def lines(self) -> Iterator[Item]:
+        """Whether the properties hold, their margins, and the ranges in which they hold."""
+        from palmbots.stability.analysis_lines import analysis_lines
 
-    def facts(self) -> dict[str, str]:
-        """The ranges in which both properties hold, and the warnings."""
-        region = self.problem.contacts[0]
-        slope = [math.degrees(math.atan(end)) for end in self.slope or ()]
-        limit = self.max_acceleration_m_s2
-        pieces = [f"{low:.3f} to {high:.3f}" for low, high in self.friction]
-        facts = {
-            "contacts": f"{1e3 * region[0]:.1f} to {1e3 * region[1]:.1f} mm",
-            "COM along the object": "none"
-            if self.com_x_m is None
-            else f"{1e3 * self.com_x_m[0]:.1f} to {1e3 * self.com_x_m[1]:.1f} mm",
-            "friction, both palms": ", ".join(pieces) or "none",
-            "angle error": "none"
-            if self.angle_error_rad is None
-            else f"±{math.degrees(self.angle_error_rad):.1f}°",
-            "slope, uphill > 0": f"{slope[0]:.2f} to {slope[1]:.2f}°" if slope else "none",
-            "acceleration": "none" if limit is None else f"up to {limit:.2f} m/s²",
-            "clearance": f"{math.degrees(self.clearance.rotation_margin.margin):.2f}°",
-        }
-        return facts | ({"warnings": "; ".join(self.warnings)} if self.warnings else {})
+        return analysis_lines(self)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw one figure of the analysis.
@@ -171,43 +205,6 @@ class Analysis(Result):
             PalmbotsError: the analysis has no figure of that name.
         """
         return super().plot(figure, **options)
-
-    def summary(self) -> dict[str, Any]:
-        """The object that ``palmbots analyze --json`` prints."""
-        properties: dict[str, Any] = {}
-        for (number, shallow), report in self.properties.items():
-            entry = {k: v for k, v in asdict(report).items() if k not in ("number", "shallow")}
-            properties.setdefault(str(number), {})[shallow] = entry
-        bands: dict[str, Any] = {}
-        for (number, shallow), band in self.bands.items():
-            bands.setdefault(str(number), {})[shallow] = asdict(band)
-        return {
-            "holds": self.holds,
-            "properties": properties,
-            "bands": bands,
-            "com_x_m": self.com_x_m,
-            "com_y_m": self.com_y_m,
-            "friction": self.friction,
-            "half_length_m": self.half_length_m,
-            "max_slope_deg": self.max_slope_deg,
-            "max_acceleration_m_s2": self.max_acceleration_m_s2,
-            "slope_deg": None
-            if self.slope is None
-            else [math.degrees(math.atan(s)) for s in self.slope],
-            "angle_error_deg": None
-            if self.angle_error_rad is None
-            else math.degrees(self.angle_error_rad),
-            "clearance_deg": math.degrees(self.clearance.rotation_margin.margin),
-            "clearance": asdict(self.clearance) | {"touches": self.clearance.touches},
-            "touch": None if self.touch is None else self.touch.summary(),
-            "wedging": asdict(self.wedging),
-            "sideways": asdict(self.sideways),
-            "warnings": list(self.warnings),
-            "region_m": {
-                side: list(ends) for side, ends in zip(SIDES, self.problem.contacts, strict=True)
-            },
-            "scene": self.scene.model_dump(),
-        }
 
 
 def analyze(
@@ -229,20 +226,16 @@ def analyze(
     problem = stability_problem(chosen, region_m)
     clearance = outline_clearance(problem)
     slope, angle = slope_range(problem), angle_error(problem)
-    properties: dict[tuple[int, Side], PropertyReport] = {
-        (number, shallow): _report(problem, number, shallow)
-        for number in (1, 2, 0)
-        for shallow in SIDES
-    }
+    closing, opening, turning = (
+        BySide.of(_report(problem, number, shallow) for shallow in SIDES) for number in (1, 2, 0)
+    )
     return Analysis(
         scene=chosen,
         problem=problem,
-        properties=properties,
-        bands={
-            (number, shallow): _bands(problem, number, shallow)
-            for number in (1, 2)
-            for shallow in SIDES
-        },
+        properties=ByProperty(closing, opening, turning),
+        bands=ByMotion(
+            *(BySide.of(_bands(problem, number, shallow) for shallow in SIDES) for number in (1, 2))
+        ),
         com_x_m=com_x_range(problem),
         com_y_m=com_y_ranges(problem),
         friction=friction_ranges(problem),

@@ -18,7 +18,7 @@ palm gets longer: this gives the bound over a part. Source: docs/theory/stabilit
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -26,7 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._types import SIDES, Side
+from palmbots._util.plain_values import derived
+from palmbots._util.report import Item, Line, bad
 from palmbots._util.results import Result
+from palmbots._util.text import millimetres
 from palmbots.stability.problem import Pair, StabilityProblem
 
 Array = NDArray[np.float64]
@@ -64,29 +67,32 @@ class Clearance(Result):
     """How much longer the palms may be at either end [m]; negative: the outline touches, and how
     much shorter they would have to be. None: palms of any length are clear."""
 
-    @property
+    @derived
     def touches(self) -> bool:
         """Whether the outline touches a palm in some state; False is certain."""
         return not self.rotation_margin.margin > 0
 
-    def headline(self) -> str:
-        """Whether the outline clears both palms."""
-        return (
-            "the outline touches a palm" if self.touches else "the outline is clear of both palms"
+    def lines(self) -> Iterator[Item]:
+        """Whether the outline clears both palms, and where they touch first."""
+        turn = f"{abs(math.degrees(self.rotation_margin.margin)):.2f}°"
+        ends = self.length_margin
+        if ends is None:
+            yield f"clearance {turn}, for palms of any length"
+        elif not self.touches:
+            yield f"clearance {turn}, or {millimetres(ends.margin)} at the ends of the palms"
+        else:
+            over = (
+                "" if ends.kind == "flush" else f", {millimetres(-ends.margin)} from a palm's end"
+            )
+            yield Line(bad("the outline TOUCHES a palm"), f", by {turn}{over}")
+        first = self.rotation_margin
+        angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in first.angles_rad)
+        contacts = ", ".join(map(millimetres, first.contacts_m))
+        kind = "flush with the outline" if first.kind == "flush" else first.kind
+        yield Line(
+            f"first contact: {first.side} palm, {kind}, palms at {angles}, contacts {contacts}",
+            indent=2,
         )
-
-    def facts(self) -> dict[str, str]:
-        """The margins, and the state of the smaller one."""
-        closest, length = self.rotation_margin, self.length_margin
-        angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in closest.angles_rad)
-        contacts = ", ".join(f"{1e3 * p:.1f} mm" for p in closest.contacts_m)
-        return {
-            "rotation margin": f"{math.degrees(closest.margin):.2f}°",
-            "length margin": "palms of any length are clear"
-            if length is None
-            else f"{1e3 * length.margin:.1f} mm",
-            "closest": f"{closest.side} palm, {closest.kind}, palms at {angles}, p {contacts}",
-        }
 
 
 def outline_clearance(problem: StabilityProblem) -> Clearance:

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots._util.plain_values import derived
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_points import Contact, Motions, touching
 from palmbots.mechanics.state import PalmState, placed
@@ -63,12 +63,10 @@ class FirstTouch:
         texts = [motions_text(self.contacts, motions) for motions in outcomes]
         return "; or ".join(texts) or "no motion balances"
 
-    def summary(self) -> dict[str, Any]:
-        """The part of what ``palmbots analyze --json`` prints."""
-        return asdict(self) | {
-            "contacts": [contact.summary() for contact in self.contacts],
-            "motion_names": MOTION_NAMES,
-        }
+    @derived
+    def motion_names(self) -> dict[str, str]:
+        """What the motions mean."""
+        return MOTION_NAMES
 
 
 def first_touch(scene: Scene, closest: ClosestState) -> FirstTouch | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
+from palmbots._types import SIDES, MaybeNaN, Side
 from palmbots.stability.interval_sets import (
     VARIABLE,
     Interval,
@@ -33,7 +33,7 @@ _BOTH: tuple[tuple[int, Side], ...] = tuple((n, shallow) for n in (1, 2) for sha
 class Wedging:
     """The friction from which on a harder squeeze no longer frees a contact."""
 
-    friction: float
+    friction: MaybeNaN
     """The smallest friction, the same on both palms, at which a contact is wedged."""
     side: Side
     palm: str

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
+from palmbots._types import SIDES, BySide, Side
 from palmbots._util.atomic_files import folder
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
@@ -75,7 +75,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
     ends = {side: _last(side, logs, ticks[side]) for side in SIDES}
     is_done = set(ends.values()) == {"done"}
     reason = ", ".join(f"{side} robot {text}" for side, text in ends.items())
-    nothing: dict[str, float] = dict.fromkeys(SIDES, math.nan)
+    nothing = BySide(math.nan, math.nan)
     return Carry(
         scene=scene,
         controller=controller,

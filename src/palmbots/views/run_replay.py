@@ -5,12 +5,15 @@ The program is built from the scene, the controller and the settings in the log.
 and packet is compared, to the last bit.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots._util.plain_values import derived
+from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import recover
@@ -47,33 +50,37 @@ class RunReplay(Result):
     clocks: tuple[ClockFit, ...]
     """For each log but the first how its clock relates to that of the first."""
 
-    @property
+    @derived
     def identical(self) -> bool:
         """All decisions of all robots are equal."""
         return all(log.difference is None for log in self.logs)
 
-    def headline(self) -> str:
-        """One line that states whether the decisions are equal."""
-        return f"replay {'identical' if self.identical else 'different'}: {len(self.logs)} logs"
+    def lines(self) -> Iterator[Item]:
+        """For each log whether the program decides the same, and how its clock relates."""
+        ticks = sum(log.verified for log in self.logs)
+        count = f"  {ticks} decisions agree bit for bit" if self.identical else ""
+        yield Line(verdict(self.identical, "IDENTICAL", "DIFFERS"), count)
+        clocks = ["", *map(_clock, self.clocks)]
+        rows = [
+            (
+                Path(log.file).name + (" (cut off)" if log.is_cut else ""),
+                str(log.ticks) if log.ticks else "",
+                "" if log.end == "station" else str(log.verified),
+                clock,
+            )
+            for log, clock in zip(self.logs, clocks, strict=True)
+        ]
+        yield Table(rows, ("log", "ticks", "equal", "clock against the first log"), ("ticks",))
+        for log in self.logs:
+            if log.difference is not None:
+                yield Line(f"{Path(log.file).name}: {log.difference}", is_whole=True)
 
-    def facts(self) -> dict[str, str]:
-        """The main figures."""
-        return {Path(v.file).name: _outcome(v) for v in self.logs}
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots replay --json`` prints."""
-        return {
-            "identical": self.identical,
-            "logs": [vars(v) for v in self.logs],
-            "clocks": [vars(clock) for clock in self.clocks],
-        }
-
-
-def _outcome(found: Verified) -> str:
-    if found.end == "station":
-        return "station" + (", cut off" if found.is_cut else "")
-    what = f"{found.verified} of {found.ticks} decisions equal"
-    return what + (", cut off" if found.is_cut else "")
+def _clock(clock: ClockFit) -> str:
+    if clock.offset_s is None:
+        return "unknown: no packets connect them"
+    ppm = 1e6 * (clock.rate - 1)
+    return f"{clock.offset_s:+.3f} ± {clock.uncertainty_s:.3f} s, rate {ppm:+.0f} ppm"
 
 
 def replay_run(logs: list[RunLog]) -> RunReplay:

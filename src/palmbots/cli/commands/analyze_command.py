@@ -6,7 +6,7 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from palmbots.cli._run import check_output, load, print_json
+from palmbots.cli._run import check_output, load, print_result
 from palmbots.cli.options import (
     DONE,
     FormatOption,
@@ -19,6 +19,7 @@ from palmbots.errors import PalmbotsError
 
 ORDER = 30
 EXAMPLE = "palmbots analyze --set palm.friction=0.4 --figures out"
+RESULTS = ("palmbots.stability.analysis:Analysis",)
 
 
 def analyze(
@@ -50,7 +51,6 @@ def analyze(
     slope and acceleration in which they hold.
     """
     from palmbots._util.arguments import one_of
-    from palmbots.cli.reports.stability_report import analysis_report
     from palmbots.stability.analysis import analyze as run_analysis
 
     one_of("--format", file_format, ("png", "svg", "pdf"))
@@ -66,10 +66,7 @@ def analyze(
         from palmbots.stability.figures.analysis_figures import save_all
 
         written = save_all(result, figures, kind=cast("Any", file_format), p_m=state)
-    if as_json:
-        print_json(result.summary())
-    else:
-        analysis_report(result, scene, written)
+    print_result(result, as_json=as_json, about=scene, written=written)
     return DONE
 
 

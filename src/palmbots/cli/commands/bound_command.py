@@ -7,12 +7,13 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, present
+from palmbots.cli._run import check_output, load, print_result
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
 
 ORDER = 97
 EXAMPLE = "palmbots bound --speeds stopping"
+RESULTS = ("palmbots.optimum.drop_bound:Bound",)
 
 
 def bound(
@@ -36,7 +37,6 @@ def bound(
     With --speeds corrections the robots keep their nominal speed and add opposite
     corrections. With --speeds stopping they may also stop.
     """
-    from palmbots.cli.reports.bound_report import bound_report
     from palmbots.optimum.drop_bound import bound as find_bound
 
     check_output(out)
@@ -48,14 +48,7 @@ def bound(
         result = find_bound(
             load(scene, changes), speeds, drop_rate=drop_rate_percent / 100, on_progress=report
         )
-    present(
-        result,
-        lambda found, written: bound_report(found, scene, written),
-        as_json=as_json,
-        figure=lambda found, path: found.save_figure(path),
-        out=out,
-        file="bound.png",
-    )
+    print_result(result, as_json=as_json, about=scene, out=out, file="bound.png")
     return DONE
 
 

@@ -8,7 +8,7 @@ import typer
 
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, controller_of, load, print_json
+from palmbots.cli._run import check_output, controller_of, load, print_result
 from palmbots.cli._warnings import warn
 from palmbots.cli.options import (
     DONE,
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 ORDER = 10
 EXAMPLE = "palmbots carry paper --controller centralized --seed 3 --out out"
+RESULTS = ("palmbots.cli.carried:Carried",)
 _ANIMATIONS = ("gif", "mp4")
 
 
@@ -78,7 +79,7 @@ def carry(
     To list what you can set, run palmbots scenes, keys, objects or controllers.
     """
     from palmbots._util.arguments import seed_of
-    from palmbots.cli.reports.carry_report import carry_report
+    from palmbots.cli.carried import Carried
     from palmbots.control.dead_band import warnings_before
     from palmbots.simulation.prepare import prepare
     from palmbots.simulation.single import carry as run_carry
@@ -126,17 +127,15 @@ def carry(
         if video_file is not None:
             written += mujoco_outputs.write_video(result, video_file, quiet=as_json)
         removed = _remove_outdated(out, written)
-    late_warnings = [text for text in result.warnings if text not in early_warnings]
-    if as_json:
-        forecast = None if budget is None else budget.summary()
-        warnings = [*early_warnings, *limits, *late_warnings]
-        print_json(result.summary() | {"warnings": warnings, "drift_forecast": forecast})
-    else:
-        from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
+    from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
 
-        explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
-        hint = explain(chosen, entry.name, scene, changes) if explain else None
-        carry_report(result, scene, late_warnings, written, removed, hint)
+    explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
+    hint = explain(chosen, entry.name, scene, changes) if explain and not as_json else None
+    shown = Carried.of(result, [*early_warnings, *limits], budget, hint)
+    print_result(shown, as_json=as_json, about=scene, written=written)
+    if not as_json:
+        for path in removed:
+            print(f"removed {path} of an earlier carry")
     return DONE if result.outcome == "delivered" else FAILED
 
 

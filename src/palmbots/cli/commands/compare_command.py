@@ -2,12 +2,12 @@
 """The command `palmbots compare`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, controller_of, load, number_list, present
+from palmbots.cli._run import check_output, controller_of, load, number_list, print_result
 from palmbots.cli.options import (
     DONE,
     JsonOption,
@@ -22,6 +22,7 @@ from palmbots.errors import PalmbotsError
 
 ORDER = 70
 EXAMPLE = "palmbots compare --sweep robot.noise_m_s --values 0.01,0.02,0.03"
+RESULTS = ("palmbots.simulation.sweep:Comparison",)
 
 
 def compare(
@@ -53,7 +54,6 @@ def compare(
 
     The default key is the radio latency.
     """
-    from palmbots.cli.reports.sweep_report import compare_report, refusal_lines
     from palmbots.simulation.sweep import DEFAULT_SWEEP, DEFAULT_VALUES
     from palmbots.simulation.sweep import compare as run_comparison
 
@@ -77,15 +77,9 @@ def compare(
             on_progress=report,
         )
     if not result.rows:
-        raise PalmbotsError(refusal_lines(result)[0])
-    present(result, compare_report, as_json=as_json, figure=_save, out=out, file="compare.png")
+        raise PalmbotsError(result.refusal_lines()[0])
+    print_result(result, as_json=as_json, out=out, file="compare.png")
     return DONE
-
-
-def _save(result: Any, path: Path) -> None:
-    from palmbots.viz.sweep_figure import save
-
-    save(result, path)
 
 
 COMMAND = compare

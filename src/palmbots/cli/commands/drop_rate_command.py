@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import controller_of, load, present
+from palmbots.cli._run import controller_of, load, print_result
 from palmbots.cli.options import (
     DONE,
     ControllerOption,
@@ -20,6 +20,7 @@ from palmbots.errors import PalmbotsError
 
 ORDER = 90
 EXAMPLE = "palmbots drop-rate --set robot.noise_m_s=0.012 --relative-error-percent 20"
+RESULTS = ("palmbots.simulation.rare_events:DropRate",)
 
 
 def drop_rate(
@@ -44,7 +45,6 @@ def drop_rate(
 
     The method is multilevel splitting; the estimate has a 95 % interval.
     """
-    from palmbots.cli.reports.sweep_report import drop_rate_report
     from palmbots.simulation.rare_events import estimate_drop_rate
 
     if not 1 <= relative_error_percent <= 100:
@@ -60,7 +60,7 @@ def drop_rate(
             effort=effort,
             on_progress=report,
         )
-    present(result, lambda found, _: drop_rate_report(found, scene), as_json=as_json)
+    print_result(result, as_json=as_json, about=scene)
     return DONE
 
 

@@ -34,7 +34,7 @@ def export(
     """Write the scene as MJCF, or one robot as URDF."""
     from palmbots._util.arguments import one_of
     from palmbots._util.atomic_files import check_file, write_whole
-    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.cli.console import print_written_files, report_console
     from palmbots.mujoco.mjcf import mjcf as scene_mjcf
     from palmbots.mujoco.urdf import robot_urdf
 

@@ -24,7 +24,7 @@ def firmware(
     needed. Each image counts boots of its own: flash it into one board, once.
     """
     from palmbots.boards.images import write_images
-    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.cli.console import print_written_files, report_console
 
     files = write_images(pair, out)
     if as_json:

@@ -30,7 +30,7 @@ def flash(
     booted, and would accept old packets as new.
     """
     from palmbots.boards import flashing
-    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.cli.console import print_written_files, report_console
 
     file = flashing.flash(image, drive, again=again)
     if as_json:

@@ -25,7 +25,7 @@ def init_scene(
     An existing file is never overwritten.
     """
     from palmbots._util.atomic_files import write_whole
-    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.cli.console import print_written_files, report_console
     from palmbots.scene.key_reference import default_scene_toml
     from palmbots.scene.scene import Scene
 
@@ -48,7 +48,7 @@ def init_pair(
 
     Existing files are never overwritten.
     """
-    from palmbots.cli.reports.console import print_written_files, report_console
+    from palmbots.cli.console import print_written_files, report_console
     from palmbots.pair import pair_file
 
     written = pair_file.init_pair(path)

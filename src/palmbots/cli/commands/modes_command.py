@@ -5,11 +5,12 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import load, present
+from palmbots.cli._run import load, print_result
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption
 
 ORDER = 20
 EXAMPLE = "palmbots modes --theta-left-deg 5 --p-left-m -0.02"
+RESULTS = ("palmbots.mechanics.mode_analysis:ContactModes",)
 
 
 def modes(
@@ -30,7 +31,6 @@ def modes(
     The report states which of the nine modes balance, and which occur when the
     palms close or open.
     """
-    from palmbots.cli.reports.modes_report import modes_report
     from palmbots.mechanics.mode_analysis import modes as find_modes
 
     result = find_modes(
@@ -40,7 +40,7 @@ def modes(
         theta_left_deg=theta_left_deg,
         theta_right_deg=theta_right_deg,
     )
-    present(result, lambda found, _: modes_report(found), as_json=as_json)
+    print_result(result, as_json=as_json)
     return DONE
 
 

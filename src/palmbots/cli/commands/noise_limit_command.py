@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, controller_of, load, present
+from palmbots.cli._run import check_output, controller_of, load, print_result
 from palmbots.cli.options import (
     DONE,
     ControllerOption,
@@ -22,6 +22,7 @@ from palmbots.errors import PalmbotsError
 
 ORDER = 95
 EXAMPLE = "palmbots noise-limit -c resilient --set radio.loss=0.2"
+RESULTS = ("palmbots.simulation.noise_limit:NoiseLimit",)
 
 
 def noise_limit(
@@ -48,7 +49,6 @@ def noise_limit(
 
     The noise is the scene key robot.noise_m_s; the estimate has a 95 % interval.
     """
-    from palmbots.cli.reports.sweep_report import noise_limit_report
     from palmbots.simulation.noise_limit import noise_limit as find_limit
 
     check_output(out)
@@ -67,14 +67,7 @@ def noise_limit(
             seed=seed,
             on_progress=report,
         )
-    present(
-        result,
-        lambda found, written: noise_limit_report(found, scene, written),
-        as_json=as_json,
-        figure=lambda found, path: found.save_figure(path),
-        out=out,
-        file="noise_limit.png",
-    )
+    print_result(result, as_json=as_json, about=scene, out=out, file="noise_limit.png")
     return DONE
 
 

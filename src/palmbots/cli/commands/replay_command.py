@@ -4,13 +4,14 @@
 from pathlib import Path
 from typing import Annotated
 
-from palmbots.cli._run import check_output, present
+from palmbots.cli._run import check_output, print_result
 from palmbots.cli._warnings import warn
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
 ORDER = 130
 EXAMPLE = "palmbots replay out/carry.mcap"
+RESULTS = ("palmbots.logs.replaying:ReplayResult", "palmbots.views.run_replay:RunReplay")
 
 
 def replay(
@@ -33,7 +34,6 @@ def replay(
         if out is not None:
             raise PalmbotsError("--out: draws runs of robots; allowed: for logs of robots")
         return _replay_carry(logs[0], as_json=as_json)
-    from palmbots.cli.reports.run_report import run_replay_report
     from palmbots.views.run_replay import read_run, replay_run
 
     check_output(out)
@@ -47,16 +47,15 @@ def replay(
             written = save_figures(run, result, out)
         except PalmbotsError as error:  # what was verified counts all the same
             warn(f"no figures: {error}")
-    present(result, lambda found, _: run_replay_report(found, written), as_json=as_json)
+    print_result(result, as_json=as_json, written=written)
     return DONE if result.identical else FAILED
 
 
 def _replay_carry(log: Path, *, as_json: bool) -> int:
-    from palmbots.cli.reports.carry_report import replay_report
     from palmbots.logs.replaying import replay as run_again
 
     result = run_again(log)
-    present(result, lambda found, _: replay_report(found, log), as_json=as_json)
+    print_result(result, as_json=as_json, about=str(log))
     return DONE if result.identical else FAILED
 
 

@@ -2,16 +2,17 @@
 """The command `palmbots speed-limits`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, load, present
+from palmbots.cli._run import check_output, load, print_result
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 
 ORDER = 100
 EXAMPLE = "palmbots speed-limits --carries 2 --out out"
+RESULTS = ("palmbots.mujoco.validation.speed_limits:SpeedLimits",)
 
 
 def speed_limits(
@@ -26,21 +27,14 @@ def speed_limits(
     The report states the largest acceleration at which the same contact slides
     as at constant speed, and compares both worlds at several speeds.
     """
-    from palmbots.cli.reports.mujoco_report import speed_report
     from palmbots.mujoco.validation.speed_limits import speed_limits as find_limits
 
     chosen = load(scene, changes)
     check_output(out)
     with progress("accelerating", as_json) as report:
         result = find_limits(chosen, carries=carries, on_progress=report)
-    present(result, speed_report, as_json=as_json, figure=_save, out=out, file="speed.png")
+    print_result(result, as_json=as_json, out=out, file="speed.png")
     return DONE
-
-
-def _save(result: Any, path: Path) -> None:
-    from palmbots.mujoco.validation.speed_figure import save
-
-    save(result, path)
 
 
 COMMAND = speed_limits

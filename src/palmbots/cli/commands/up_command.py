@@ -30,6 +30,7 @@ from palmbots.errors import PalmbotsError
 
 ORDER = 200
 EXAMPLE = "palmbots up paper --controller resilient --lockstep"
+RESULTS = ("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry")
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
 _SCREEN = ("--attach", *_WAIT)
 _PLAIN = ("--watch", "--plain", *_WAIT)

@@ -2,12 +2,12 @@
 """The command `palmbots validate`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import check_output, controller_of, load, present
+from palmbots.cli._run import check_output, controller_of, load, print_result
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -21,6 +21,7 @@ from palmbots.cli.options import (
 
 ORDER = 110
 EXAMPLE = "palmbots validate --states 100 --carries 3 --out out"
+RESULTS = ("palmbots.mujoco.validation.validation:Validation",)
 
 
 def validate(
@@ -39,7 +40,6 @@ def validate(
 
     Exit status 1: the worlds disagree.
     """
-    from palmbots.cli.reports.mujoco_report import validation_report
     from palmbots.mujoco.validation.validation import validate as run_validation
 
     chosen = load(scene, changes)
@@ -49,16 +49,8 @@ def validate(
         result = run_validation(
             chosen, controller=entry, states=states, carries=carries, on_progress=report
         )
-    present(
-        result, validation_report, as_json=as_json, figure=_save, out=out, file="validation.png"
-    )
+    print_result(result, as_json=as_json, out=out, file="validation.png")
     return DONE if result.holds else FAILED
-
-
-def _save(result: Any, path: Path) -> None:
-    from palmbots.mujoco.validation.agreement_figure import save
-
-    save(result, path)
 
 
 COMMAND = validate

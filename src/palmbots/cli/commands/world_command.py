@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palmbots.cli._run import check_rate, controller_of, load, print_json, warn
+from palmbots.cli._run import check_rate, controller_of, load, print_json, print_result, warn
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ORDER = 210
 EXAMPLE = "palmbots world paper --serve 127.0.0.1:7400 --lockstep"
+RESULTS = ("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry")
 
 
 def world(
@@ -86,7 +87,7 @@ def _lockstep(
     as_json: bool,
 ) -> int:
     """A world that waits in every tick for the programs of the robots."""
-    from palmbots.cli.reports.carry_report import carry_report
+    from palmbots.cli.carried import Carried
     from palmbots.control.dead_band import warnings_before
     from palmbots.links.greeting import scene_number
     from palmbots.links.local_connection import listen
@@ -108,14 +109,10 @@ def _lockstep(
         finally:
             programs.close()
     before = [*warnings_before(scene, entry), *self_check(scene)]
-    late = [text for text in result.warnings if text not in before]
-    if as_json:
-        forecast = {"drift_forecast": None}
-        print_json(result.summary() | {"warnings": [*before, *late]} | forecast)
-    else:
+    if not as_json:
         for text in before:
             warn(text)
-        carry_report(result, name, late, [], [], None)
+    print_result(Carried.of(result, before), as_json=as_json, about=name)
     return DONE if result.outcome == "delivered" else FAILED
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palmbots.cli.reports.console import plain_table, report_console
+from palmbots.cli.console import plain_table, report_console
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from rich.text import Text
 
 from palmbots._types import SIDES
 from palmbots._util.text import millimetres
-from palmbots.cli.reports.console import (
+from palmbots.cli.console import (
     indented,
     plain_table,
     print_written_files,
     report_console,
 )
-from palmbots.cli.reports.stability_report import PROPERTIES, friction_note
+from palmbots.stability.analysis_lines import PROPERTIES, friction_note
 from palmbots.stability.linear_conditions import text_of
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from palmbots._types import SIDES
 from palmbots._util.text import plural
-from palmbots.cli.reports.console import BAD, GOOD, QUIET, report_console
+from palmbots.cli.console import BAD, GOOD, QUIET, report_console
 from palmbots.derivation.global_policy import signs_text
 from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS

@@ -4,7 +4,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from palmbots.cli.reports.console import definitions, indented, plain_table, report_console
+from palmbots.cli.console import definitions, indented, plain_table, report_console
 
 if TYPE_CHECKING:
     from palmbots._types import Side

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from palmbots.cli.reports.console import GOOD, QUIET, definitions, indented, report_console
+from palmbots.cli.console import GOOD, QUIET, definitions, indented, report_console
 
 if TYPE_CHECKING:
     from palmbots.control.registry import ControllerEntry

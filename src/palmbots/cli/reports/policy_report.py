@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from palmbots._types import SIDES
-from palmbots.cli.reports.console import BAD, GOOD, QUIET, report_console
+from palmbots.cli.console import BAD, GOOD, QUIET, report_console
 from palmbots.cli.reports.derivation_report import report_table, rules_summary, rules_table
 from palmbots.derivation.global_policy import signs_text
 from palmbots.derivation.run_chart import chart

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.text import data_size, duration, format_number, plural
-from palmbots.cli.reports.console import (
+from palmbots.cli.console import (
     QUIET,
     plain_table,
     print_written_files,

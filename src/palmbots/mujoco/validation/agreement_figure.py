@@ -69,7 +69,7 @@ def _agreement(panel: Axes, validation: Validation) -> None:
 def _lines(panel: Axes, validation: Validation) -> None:
     """COM at which the other contact begins to slide."""
     for name, closing, look in (("closing", True, SERIES[0]), ("opening", False, SERIES[1])):
-        rows = [one for one in validation.lines if one.closing == closing]
+        rows = [one for one in validation.switch_lines if one.closing == closing]
         rights = [1e3 * one.right_m for one in rows]
         known: Any = [np.nan if one.known_m is None else 1e3 * one.known_m for one in rows]
         seen: Any = [np.nan if one.seen_m is None else 1e3 * one.seen_m for one in rows]
@@ -99,8 +99,8 @@ def _tilts(panel: Axes, tilts: tuple[Tilt, ...]) -> None:
 
 def _carries(panel: Axes, validation: Validation) -> None:
     """Contact rms of the same seed in both worlds."""
-    alike = [p for p in validation.pairs if p.outcome[0] == p.outcome[1]]
-    unlike = [p for p in validation.pairs if p.outcome[0] != p.outcome[1]]
+    alike = [p for p in validation.carries if p.outcome[0] == p.outcome[1]]
+    unlike = [p for p in validation.carries if p.outcome[0] != p.outcome[1]]
     for rows, mark, colour, label in (
         (alike, "o", ZERO, "same outcome"),
         (unlike, "x", DROP, "another outcome"),
@@ -108,7 +108,7 @@ def _carries(panel: Axes, validation: Validation) -> None:
         if rows:
             x, y = ([1e3 * p.rms_m[k] for p in rows] for k in (0, 1))
             panel.plot(x, y, mark, color=colour, label=f"{label}: {len(rows)}")
-    most = 1.15e3 * max(max(p.rms_m) for p in validation.pairs)
+    most = 1.15e3 * max(max(p.rms_m) for p in validation.carries)
     panel.plot([0, most], [0, most], color=QUIET, lw=0.8, ls="--", label="equal")
     panel.set_xlim(0, most)
     panel.set_ylim(0, most)

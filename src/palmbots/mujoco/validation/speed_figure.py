@@ -48,9 +48,10 @@ def _limits(panel: Axes, result: SpeedLimits) -> None:
         panel.plot(friction, known, color=colour, ls=line)
         panel.plot(friction, seen, mark, color=colour, mfc="none", ms=5)
         panel.plot([], [], color=colour, ls=line, marker=mark, mfc="none", label=name)
-    if result.analyzed is not None:
-        panel.axhline(result.analyzed, color=DROP, lw=0.9, ls=":")
-        note = f"dotted: both properties everywhere on the palms, {result.analyzed:.2f} m/s²"
+    most = result.max_acceleration_m_s2
+    if most is not None:
+        panel.axhline(most, color=DROP, lw=0.9, ls=":")
+        note = f"dotted: both properties everywhere on the palms, {most:.2f} m/s²"
         panel.text(0.99, 0.03, note, color=DROP, ha="right", transform=panel.transAxes)
     panel.set_ylim(0, MOST * 1.02)
     panel.set_xlabel("friction μ")

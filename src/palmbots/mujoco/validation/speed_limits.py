@@ -12,13 +12,14 @@ accelerations. SI units.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
+from palmbots._util.report import Item, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mujoco.carry_runner import WORLD
@@ -69,6 +70,15 @@ class Pace:
     peak_m: tuple[float, float]
     """The largest of all carries."""
 
+    def row(self) -> tuple[str, ...]:
+        """Speed, deliveries and contacts, for people."""
+        return (
+            f"{self.speed_m_s:g} m/s",
+            f"{self.delivered[0]}, {self.delivered[1]} of {self.n}",
+            ", ".join(f"{1e3 * rms:.1f}" for rms in self.rms_m),
+            ", ".join(f"{1e3 * peak:.1f}" for peak in self.peak_m),
+        )
+
 
 @dataclass(frozen=True, repr=False)
 class SpeedLimits(Result):
@@ -79,29 +89,31 @@ class SpeedLimits(Result):
     scene: Scene
     limits: tuple[Limit, ...]
     paces: tuple[Pace, ...]
-    analyzed: float | None
+    max_acceleration_m_s2: float | None
     """Acceleration up to which both properties hold in the whole region (`palmbots analyze`)."""
 
-    def headline(self) -> str:
-        """One line that states the fastest carries."""
-        return f"speed limits: carries at up to {self.paces[-1].speed_m_s:g} m/s"
-
-    def facts(self) -> dict[str, str]:
-        """The main figures."""
-        return {
-            f"{p.speed_m_s:g} m/s": f"{p.delivered[0]} and {p.delivered[1]} of {p.n} delivered "
-            "(quasistatic, MuJoCo)"
-            for p in self.paces
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots speed-limits --json`` prints."""
-        return {
-            "limits": [asdict(limit) for limit in self.limits],
-            "paces": [asdict(pace) for pace in self.paces],
-            "max_acceleration_m_s2": self.analyzed,
-            "scene": self.scene.model_dump(),
-        }
+    def lines(self) -> Iterator[Item]:
+        """The largest acceleration, and carries at several speeds."""
+        yield bold(
+            "Largest acceleration at which the same contact slides as at constant speed, at "
+            "p = 0 [m/s²]"
+        )
+        rows = []
+        for limit in self.limits:
+            motion = "closing" if limit.closing else "opening"
+            phase = "accelerating" if limit.forward else "braking"
+            ends = ("4 or more" if x is None else f"{x:.2f}" for x in (limit.known, limit.seen))
+            rows.append((f"{motion}, {phase}", f"{limit.friction:g}", *ends))
+        heads = ("friction", "closed form", "mujoco")
+        yield Table(rows, ("", *heads), right=heads)
+        if self.max_acceleration_m_s2 is not None:
+            yield (
+                f"both properties hold on the whole palms up to {self.max_acceleration_m_s2:.2f} "
+                "m/s² (palmbots analyze)"
+            )
+        heads = ("delivered", "contact rms [mm]", "contact peak [mm]")
+        yield Table([pace.row() for pace in self.paces], ("speed", *heads), right=heads)
+        yield quiet("pairs of numbers: quasistatic, mujoco")
 
 
 def speed_limits(

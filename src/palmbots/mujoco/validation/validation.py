@@ -16,12 +16,13 @@ from __future__ import annotations
 import importlib.util
 import math
 import random
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 from palmbots._util.arguments import show
 from palmbots._util.confidence_intervals import wilson
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
@@ -124,17 +125,17 @@ class Validation(Result):
 
     scene: Scene
     controller: str
-    trials: tuple[Trial, ...]
+    trials: tuple[Trial, ...] = field(metadata=NOT_IN_JSON)
     agreement: tuple[Agreement, ...]
-    lines: tuple[SwitchLine, ...]
+    switch_lines: tuple[SwitchLine, ...]
     tilts: tuple[Tilt, ...]
-    pairs: tuple[Pairing, ...]
+    carries: tuple[Pairing, ...]
     delivery: Delivery
     creep_m: tuple[float, float]
     missing: tuple[str, ...]
     """Further engines that are not installed."""
 
-    @property
+    @derived
     def holds(self) -> bool:
         """99 % of decisive states agree, sticking contacts creep at most 0.25 mm, and all paired
         carries have equal outcomes."""
@@ -142,39 +143,19 @@ class Validation(Result):
         return (
             own.decisive_rate >= MIN_AGREEMENT
             and max(map(abs, self.creep_m)) <= MAX_CREEP_M
-            and all(p.outcome[0] == p.outcome[1] for p in self.pairs)
+            and all(p.outcome[0] == p.outcome[1] for p in self.carries)
         )
 
-    def headline(self) -> str:
-        """One line that states whether the worlds agree."""
-        return f"validation {'holds' if self.holds else 'fails'}: {self.controller}"
+    @derived
+    def differences(self) -> tuple[Trial, ...]:
+        """The states in which another contact slides."""
+        return tuple(trial for trial in self.trials if trial.cause is not None)
 
-    def facts(self) -> dict[str, str]:
-        """The main figures."""
-        facts = {
-            f"{a.engine} agrees": f"{100 * a.decisive_rate:.1f} % of {a.decisive_n} decisive states"
-            for a in self.agreement
-        }
-        equal = sum(p.outcome[0] == p.outcome[1] for p in self.pairs)
-        facts["paired carries"] = f"{equal} of {len(self.pairs)} end alike"
-        facts["creep"] = f"{1e3 * max(map(abs, self.creep_m)):.3f} mm"
-        return facts
+    def lines(self) -> Iterator[Item]:
+        """How well the MuJoCo world agrees with the quasistatic one."""
+        from palmbots.mujoco.validation.validation_lines import validation_lines
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots validate --json`` prints."""
-        return {
-            "holds": self.holds,
-            "agreement": [asdict(a) for a in self.agreement],
-            "differences": [asdict(t) for t in self.trials if t.cause is not None],
-            "switch_lines": [asdict(line) for line in self.lines],
-            "tilts": [asdict(t) for t in self.tilts],
-            "carries": [asdict(p) for p in self.pairs],
-            "delivery": asdict(self.delivery),
-            "creep_m": self.creep_m,
-            "controller": self.controller,
-            "missing": list(self.missing),
-            "scene": self.scene.model_dump(),
-        }
+        return validation_lines(self)
 
 
 def validate(
@@ -247,9 +228,9 @@ def validate(
         controller=entry.name,
         trials=tuple(results),
         agreement=tuple(_agreement(name, results) for name in ("MuJoCo", *engines)),
-        lines=tuple(lines),
+        switch_lines=tuple(lines),
         tilts=tuple(tilts),
-        pairs=tuple(pairs),
+        carries=tuple(pairs),
         delivery=_delivery(base, entry, pairs),
         creep_m=trials.creep(),
         missing=tuple(name for name in ENGINES if name not in engines),

@@ -3,7 +3,7 @@
 
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any, TextIO, cast
 
@@ -12,10 +12,16 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from palmbots._util.report import Item, Line, Mark, Marked
+from palmbots._util.report import Table as TableOfTexts
 from palmbots._util.text import data_size
 from palmbots.cli._warnings import print_held_warnings
 
 GOOD, BAD, QUIET = "bold green", "bold red", "dim"
+_STYLES: dict[Mark, str] = {
+    "": "default", "bold": "bold", "good": GOOD, "bad": BAD, "warning": "bold yellow",
+    "quiet": QUIET,
+}  # fmt: skip
 _WIDTH = 80  # columns, in a pipe or a file; also the least in a terminal
 _TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)
 
@@ -48,7 +54,44 @@ def report_console() -> Console:
     return console
 
 
-def plain_table(*heads: str, right: Sequence[str] = (), gap: int = 3) -> Table:
+def print_report(items: Iterable[Item], about: str = "", written: Sequence[Path] = ()) -> None:
+    """Print the lines of a result, and the files that were written.
+
+    Args:
+        items: the lines.
+        about: of what the result is, such as the name of a scene; it follows the first line.
+        written: the files.
+    """
+    console = report_console()
+    is_first = True
+    for item in items:
+        if isinstance(item, TableOfTexts):
+            console.print(_table(item))
+            continue
+        line = item if isinstance(item, Line) else Line(item)
+        text = Text().join(map(_text, line.parts))
+        if is_first and about:
+            text.append(f"   {about}", style=QUIET)
+        is_first = False
+        console.print(indented(text, line.indent), soft_wrap=line.is_whole)
+    print_written_files(console, written)
+
+
+def _text(part: str) -> Text:
+    mark = part.mark if isinstance(part, Marked) else ""
+    return Text(part, style=_STYLES[mark])
+
+
+def _table(table: TableOfTexts) -> Table:
+    shown = plain_table(*table.heads, right=table.right, gap=table.gap)
+    if table.title:
+        shown.title, shown.title_style, shown.title_justify = table.title, "bold", "left"
+    for row in table.rows:
+        shown.add_row(*map(_text, row))
+    return shown
+
+
+def plain_table(*heads: str, right: Collection[str] = (), gap: int = 3) -> Table:
     """A table without lines; columns in `right` are aligned to the right."""
     table = Table(
         box=None,

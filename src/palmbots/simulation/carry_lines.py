@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What people read of a carry."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from palmbots._types import SIDES
+from palmbots._util.report import Item, Line, Table, bold, quiet, verdict, warning
+from palmbots._util.text import millimetres, plural
+from palmbots.control.registry import describe
+from palmbots.control.tolerated_noise import RECOMMENDED, gain_of_recommended
+
+if TYPE_CHECKING:
+    from palmbots.control.resilient_timing import Bounds
+    from palmbots.simulation.result import Carry
+
+NEARLY = 0.8
+"""The part of the half palm beyond which a contact nearly left it."""
+
+REASONS = {
+    "off-palm": "a contact left its palm at an end or a side",
+    "sliding": "no squeeze force balances the object: it slides on both palms",
+    "flush": "a palm and an edge of the object coincide",
+    "tip": "the end of a palm is inside the object",
+    "tipping": "the centre of mass passed a contact",
+    "jammed": "no motion that the palms allow is in balance",
+    "lifting": "the object lifted off a palm",
+}
+
+
+def carry_lines(carry: "Carry", warnings: Sequence[str], hint: str | None = None) -> Iterator[Item]:
+    """The outcome, its reason, contacts, corrections, messages.
+
+    Args:
+        carry: the carry.
+        warnings: those of its warnings that are not printed yet.
+        hint: a sentence on the reason of the outcome, and after "; run: " a command.
+    """
+    yield _head(carry)
+    if carry.reason is not None:
+        yield Line(f"{carry.reason}: {REASONS.get(carry.reason, '')}".rstrip(": "), indent=2)
+    elif carry.outcome == "stalled":
+        is_default = carry.scene.task.timeout_s is None
+        usual = ", the default: twice the time at nominal speed" if is_default else ""
+        limit = f"time limit reached: task.timeout_s is {carry.scene.timeout_s:g} s{usual}"
+        yield Line(limit, indent=2)
+    if hint is not None:
+        sentence, _, command = hint.partition("; run: ")
+        yield Line(sentence, indent=2)
+        if command:  # whole, so that it can be copied
+            yield Line(f"run: {command}", indent=2, is_whole=True)
+    if abs(carry.rest_angle_deg) >= 0.05:
+        yield f"object: outline turned by {carry.rest_angle_deg:.1f}° to rest on its contacts"
+    yield _contacts(carry)
+    yield from _corrections(carry)
+    if carry.bounds is not None:
+        yield from _bounds(carry.bounds)
+    yield from _further_contacts(carry)
+    yield _messages(carry)
+    yield from map(warning, warnings)
+    yield from _recommendation(carry)
+
+
+def _head(carry: "Carry") -> Line:
+    kind = carry.precision if carry.world == "quasistatic" else carry.world
+    forks = "".join(f", {seed} from {at_s:g} s" for at_s, seed in carry.forks)
+    way = f"{carry.distance_m:.2f} of {carry.scene.task.distance_m:.2f} m in {carry.time_s:.1f} s"
+    word = carry.outcome.upper()
+    return Line(
+        verdict(carry.outcome == "delivered", word, word),
+        bold(f"  {way}"),
+        quiet(f"   {carry.controller}, seed {carry.seed}{forks}, {kind}"),
+    )
+
+
+def _recommendation(carry: "Carry") -> Iterator[Item]:
+    """Names a controller that tolerates more noise, if the object was or nearly was dropped."""
+    if carry.controller == RECOMMENDED:
+        return
+    if carry.outcome != "dropped" and not any(
+        carry.contact_peak_m[side] > NEARLY * 0.5 * carry.scene.palm_of(side).length_m
+        for side in SIDES
+    ):
+        return
+    gain = gain_of_recommended(carry.controller)
+    than = f" tolerates {gain:.1f} times as much noise in the default scene" if gain else ""
+    yield quiet(f"recommended: --controller {RECOMMENDED}{than}")
+
+
+def _contacts(carry: "Carry") -> Table:
+    rows = [
+        ("", bold("left"), bold("right")),
+        ("contact rms", *map(millimetres, carry.contact_rms_m.values())),
+        ("contact peak", *map(millimetres, carry.contact_peak_m.values())),
+    ]
+    if carry.lateral_peak_m is not None and carry.scene.task.path.is_curved:
+        rows.append(("lateral peak", *map(millimetres, carry.lateral_peak_m.values())))
+    if carry.messages and describe(carry.controller).team == "robots":
+        rows.append(("waiting time", *(f"{waited:.1f} s" for waited in carry.waiting_s.values())))
+    return Table(rows)
+
+
+def _corrections(carry: "Carry") -> Iterator[Item]:
+    """The number of corrections, by case and robot."""
+    if not carry.corrections:
+        return
+    controller = carry.controller_entry or describe(carry.controller)
+    listed = len(carry.corrections)
+    part = f"; the first {listed}:" if listed < carry.correction_count else ""
+    yield Line(
+        f"{plural(carry.correction_count, 'correction')}{part}",
+        quiet("   p: distance of a contact from its pivot, outward > 0"),
+    )
+    counts = Counter((c.case, c.robot) for c in carry.corrections)
+    alone = Counter(c.case for c in carry.corrections if c.assistant is None)
+    rows = []
+    for case in sorted({case for case, _ in counts}):
+        by_robot = "   ".join(
+            f"{robot} {counts[case, robot]}" for robot in (*SIDES, "both") if counts[case, robot]
+        )
+        if case in controller.assisted_cases and alone[case]:
+            by_robot += f"   ({alone[case]} unanswered)"
+        rows.append((f"  ({case})", quiet(controller.cases.get(case, "")), by_robot))
+    yield Table(rows)
+
+
+def _bounds(b: "Bounds") -> Iterator[Item]:
+    """The time bounds of the resilient algorithm."""
+    yield quiet(
+        f"lease {b.lease_s:g} s (at least {b.shortest_lease_s:g} s): tolerates "
+        f"{plural(b.losses, 'lost beacon')} in a row; a palm stays up for {b.hold_s:g} s of "
+        "silence"
+    )
+    yield quiet(
+        f"a robot travels alone for at most {b.alone_s:g} s: a contact shifts by at most "
+        f"{millimetres(b.skew_m)}, plus {millimetres(b.noise_m)} by noise, of the "
+        f"{millimetres(b.room_m)} available"
+    )
+
+
+def _further_contacts(carry: "Carry") -> Iterator[Item]:
+    if not carry.contact_events:
+        return
+    first = carry.contact_events[0]
+    total_s = sum(event.end_s - event.start_s for event in carry.contact_events)
+    yield (
+        f"{plural(len(carry.contact_events), 'period')} with more than two contacts, "
+        f"{total_s:.2f} s in total; first: {first.kind}, {first.robot} palm, at "
+        f"{first.start_s:.2f} s"
+    )
+
+
+def _messages(carry: "Carry") -> Item:
+    line = plural(carry.messages, "message")
+    if carry.messages_lost:
+        line += f", {carry.messages_lost} lost"
+    if carry.scene.radio.corruption > 0:
+        line += f", {sum(link.rejected for link in carry.links.values())} rejected"
+    if carry.bump_count:
+        line += f"   {plural(carry.bump_count, 'bump')}"
+    return quiet(f"{line}   trace {carry.trace_hash}")
