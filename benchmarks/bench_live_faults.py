@@ -24,9 +24,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-sys.path.append(str(Path(__file__).parent.parent / "tests" / "support"))
-
-from live_pair import Air, LivePair
+from palmbots.station.simulated_pair import Air, SimulatedPair
 
 RESULTS = Path(__file__).parent / "results"
 CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
@@ -38,25 +36,23 @@ WATCH_TICKS = 1000
 E_STOPS = 200
 
 
-def reboot(pair: LivePair, tick: int) -> None:
+def reboot(pair: SimulatedPair, tick: int) -> None:
     """The left robot is off for half a second."""
     if tick == BEGIN_TICKS:
-        del pair.robots["left"]
-        pair.commands["left"] = (pair.commands["left"][0], 0, True)
+        pair.power_off("left")
     if tick == BEGIN_TICKS + 50:
         pair.boot("left")
 
 
-def freeze(pair: LivePair, tick: int) -> None:
+def freeze(pair: SimulatedPair, tick: int) -> None:
     """The right robot's program is held up for five seconds."""
     if tick == BEGIN_TICKS:
-        pair.frozen["right"] = 0
+        pair.frozen = {"right"}
     if tick == BEGIN_TICKS + 500:
-        del pair.frozen["right"]
-        pair.boot("right")  # held up for longer than the watchdog's time, it starts again
+        pair.frozen = set()  # held up for longer than the watchdog's time, it starts again
 
 
-def blackout(pair: LivePair, tick: int) -> None:
+def blackout(pair: SimulatedPair, tick: int) -> None:
     """The right robot hears nothing from the left one for three seconds."""
     if tick == BEGIN_TICKS:
         pair.air.cut = {("left", "right")}
@@ -64,7 +60,7 @@ def blackout(pair: LivePair, tick: int) -> None:
         pair.air.cut = set()
 
 
-def station_off(pair: LivePair, tick: int) -> None:
+def station_off(pair: SimulatedPair, tick: int) -> None:
     """The station is gone for three seconds, and starts again."""
     if tick == BEGIN_TICKS:
         pair.air.cut = {("station", "left"), ("station", "right")}
@@ -73,16 +69,16 @@ def station_off(pair: LivePair, tick: int) -> None:
         pair.restart_station()
 
 
-def drift(pair: LivePair, tick: int) -> None:
+def drift(pair: SimulatedPair, tick: int) -> None:
     """The left robot's clock runs 2 % fast."""
     pair.clock_rate["left"] = 1.02
 
 
-def nothing(pair: LivePair, tick: int) -> None:
+def nothing(pair: SimulatedPair, tick: int) -> None:
     """The radio alone is bad."""
 
 
-FAULTS: dict[str, tuple[dict[str, float], Callable[[LivePair, int], None]]] = {
+FAULTS: dict[str, tuple[dict[str, float], Callable[[SimulatedPair, int], None]]] = {
     "none": ({}, nothing),
     "loss 20 %": ({"loss": 0.2}, nothing),
     "delay 50 ± 30 ms": ({"delay": 5, "jitter": 3}, nothing),
@@ -100,7 +96,7 @@ def outcome(controller: str, fault: str, seed: int) -> str:
     radio, act = FAULTS[fault]
     with tempfile.TemporaryDirectory() as folder:
         air = Air(**({"delay": 2} | radio), seed=seed)  # type: ignore[arg-type]
-        pair = LivePair(Path(folder), controller, air, UP, SCENE)
+        pair = SimulatedPair(Path(folder), controller, air, UP, SCENE)
         pair.run(50)
         pair.station.wish("arm")
         pair.run_until(("armed",))
@@ -111,7 +107,7 @@ def outcome(controller: str, fault: str, seed: int) -> str:
                 tick += 1
                 act(pair, tick)
             pair.tick()
-            if pair.world.outcome == "dropped":
+            if pair.stage.outcome == "dropped":
                 return "dropped" if tick > 0 else "dropped at the start"
             modes = {robot.mode for robot in pair.robots.values()}
             if len(pair.robots) == 2 and modes == {"done"}:
@@ -125,7 +121,7 @@ def outcome(controller: str, fault: str, seed: int) -> str:
 def e_stop_ticks(loss: float, seed: int) -> int:
     """Ticks from the operator's e-stop until both drivers get the command to stop."""
     with tempfile.TemporaryDirectory() as folder:
-        pair = LivePair(Path(folder), "resilient", Air(1, loss, seed=seed), UP, SCENE)
+        pair = SimulatedPair(Path(folder), "resilient", Air(1, loss, seed=seed), UP, SCENE)
         pair.run(50)
         pair.start()
         pair.run(50 + seed % 5)  # the key may be pressed anywhere in the station's period

@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from imperfect_pair import ImperfectPair
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.pair.calibration import STEPS, Finding, calibrate, values_of
 from palmbots.simulation.imperfections import Imperfections
+from palmbots.station.simulated_pair import Air, SimulatedPair
 from simulated_person import TASK, Bench, SimulatedPerson
 
 SIDES: tuple[Any, ...] = ("left", "right")
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 def hidden(seed: int) -> dict[str, Any]:
@@ -172,9 +173,9 @@ def test_robots_that_do_not_drive_straight_deliver_in_mujoco_after_calibration(
         machine = bench.machine()
         calibrate(machine, SimulatedPerson(bench, seed), TASK)
         hardware[side] = machine.hardware
-    pair = ImperfectPair(
-        tmp_path, Imperfections.model_validate(CROOKED), hardware, world="mujoco",
-        overrides={"task.distance_m": 1.5},
+    pair = SimulatedPair(
+        tmp_path, "resilient", Air(), UP, {"task.distance_m": 1.5}, world="mujoco",
+        imperfections=Imperfections.model_validate(CROOKED), hardware=hardware,
     )  # fmt: skip
     assert pair.carry_until_the_end() == "delivered"
     assert pair.stage.midpoint == pytest.approx(1.5, rel=0.02)

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from live_pair import Air, AirLink, LivePair
 from palmbots.drivers.driver import Drive, Reading
 from palmbots.drivers.hardware import Hardware, HardwareParameters
 from palmbots.pair.checkup import (
@@ -20,15 +19,16 @@ from palmbots.pair.checkup import (
     clock_rate,
 )
 from palmbots.pair.link_check import PERIOD_S, LinkFigures, measure
+from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Status
 
 
-def checks(pair: LivePair, seconds: float = 30.0) -> list[Check]:
+def checks(pair: SimulatedPair, seconds: float = 30.0) -> list[Check]:
     pair.station.step = lambda: None  # type: ignore[method-assign]  # the measurement takes its place
     verdicts: dict[Any, int] = {}
     figures = measure(
         pair.pair,
-        AirLink(pair.air, "station"),  # type: ignore[arg-type]
+        pair.air.link("station"),  # type: ignore[arg-type]
         epoch=2,
         seconds=seconds,
         clock=lambda: 0.01 * pair.air.now,
@@ -44,14 +44,14 @@ def wrong(found: list[Check]) -> list[str]:
 
 
 def test_a_pair_that_is_well_has_no_complaint(tmp_path: Path) -> None:
-    found = checks(LivePair(tmp_path, "resilient", Air(delay=2)))
+    found = checks(SimulatedPair(tmp_path, "resilient", Air(delay=2)))
     assert wrong(found) == []
     assert {check.about for check in found} == {"key", "driver", "clock", "battery"}
 
 
 @pytest.mark.parametrize("rate", [0.98, 0.99])
 def test_a_clock_that_runs_wrong_is_measured(rate: float, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(delay=3, jitter=2, seed=1))
+    pair = SimulatedPair(tmp_path, "resilient", Air(delay=3, jitter=2, seed=1))
     pair.clock_rate["left"] = rate
     found = checks(pair, 60)
     lines = wrong(found)
@@ -98,14 +98,14 @@ def figures(**values: Any) -> dict[Any, LinkFigures]:
      "overrun", "storage", "settings", "stopping", "partner", "stop"],
 )  # fmt: skip
 def test_every_fault_has_a_line_and_a_remedy(fault: Any, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air())
+    pair = SimulatedPair(tmp_path, "resilient", Air())
     found = checks_of_status(pair.pair, pair.scene, figures(mode="fault", fault=fault), {})
     assert len(wrong(found)) == 1
     assert wrong(found)[0].startswith("left ")
 
 
 def test_a_stop_in_force_is_wrong(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air())
+    pair = SimulatedPair(tmp_path, "resilient", Air())
     found = checks_of_status(pair.pair, pair.scene, figures(mode="stopped"), {})
     assert wrong(found) == ["left mode: a stop is in force"]
 
@@ -121,7 +121,7 @@ def test_a_stop_in_force_is_wrong(tmp_path: Path) -> None:
     ],
 )
 def test_battery(value: int, low: float, line: str | None, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air())
+    pair = SimulatedPair(tmp_path, "resilient", Air())
     hardware = Hardware(battery_low_v=low)
     settings = pair.pair.settings.model_copy(update={"hardware": hardware})
     found = checks_of_status(
@@ -132,13 +132,11 @@ def test_battery(value: int, low: float, line: str | None, tmp_path: Path) -> No
 
 
 def test_another_key_is_named(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air())
+    pair = SimulatedPair(tmp_path, "resilient", Air())
     other = replace(pair.pair, key=bytes(16))
-    right = pair.robots["right"]
     pair.pair = other
     pair.boot("left")  # the left robot has another key than the station
     pair.pair = replace(other, key=bytes.fromhex("00" * 15 + "01"))
-    pair.robots["right"] = right
     found = checks(pair, 5)
     assert any("packets have a wrong tag" in line for line in wrong(found))
     assert any("key: " in line for line in wrong(found))

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
-from live_pair import Air, AirLink, LivePair
 from palmbots.pair.link_check import PERIOD_S, LinkFigures, measure, needs_of
+from palmbots.station.simulated_pair import Air, SimulatedPair
 
 
 def measured(folder: Path, air: Air, seconds: float = 60.0) -> dict[str, LinkFigures]:
-    pair = LivePair(folder, "resilient", air)
+    pair = SimulatedPair(folder, "resilient", air)
     pair.station.step = lambda: None  # type: ignore[method-assign]  # the measurement takes its place
-    link = AirLink(air, "station")
+    link = air.link("station")
     return measure(  # type: ignore[return-value]
         pair.pair,
         link,  # type: ignore[arg-type]

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from imperfect_pair import ImperfectPair
 from palmbots.drivers.driver import Drive, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
@@ -21,9 +20,11 @@ from palmbots.simulation.imperfections import Imperfections, load_imperfections
 from palmbots.simulation.live_world import LiveCarry, run_live_world
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage
 from palmbots.simulation.worlds import world_entry
+from palmbots.station.simulated_pair import Air, SimulatedPair
 
 QUIET = {"robot.noise_m_s": 0.0, "task.inertia": True}
 RIM = 0.04
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 def robot(**values: Any) -> ImperfectRobot:
@@ -159,10 +160,10 @@ CROOKED = {
 
 def test_robots_that_do_not_drive_straight_drop_the_object_in_mujoco(tmp_path: Path) -> None:
     imperfections = Imperfections.model_validate(CROOKED)
-    default = {side: HardwareParameters() for side in ("left", "right")}
-    pair = ImperfectPair(
-        tmp_path, imperfections, default, world="mujoco", overrides={"task.distance_m": 1.5}
-    )
+    pair = SimulatedPair(
+        tmp_path, "resilient", Air(), UP, {"task.distance_m": 1.5},
+        world="mujoco", imperfections=imperfections,
+    )  # fmt: skip
     assert pair.carry_until_the_end() == "dropped"
     assert 0.3 < pair.stage.midpoint < 1.4
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from live_pair import Air, AirLink, LivePair
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
 from palmbots.station.correction_watch import CorrectionWatch
 from palmbots.station.link_quality import LinkQuality
+from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.wire import Endpoint, Operate, Packet, encode
 
@@ -22,7 +22,7 @@ STEP = round(PERIOD_S / 0.01)
 @pytest.mark.parametrize("wish", ["arm", "start"])
 def test_a_wish_does_not_arm_or_start_again_after_a_fault(wish: Any, tmp_path: Path) -> None:
     """The robots have a fault while the wish is the operator's newest."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.wish("arm", "armed")
     if wish == "start":
         pair.wish("start", *CARRYING)
@@ -36,7 +36,7 @@ def test_a_wish_does_not_arm_or_start_again_after_a_fault(wish: Any, tmp_path: P
 
 def test_a_refused_wish_lapses(tmp_path: Path) -> None:
     """What prevented it may end at any later time, when nobody expects a robot to arm."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.air.cut = {("left", "right"), ("right", "left")}
     pair.station.wish("arm")
     pair.run(600)
@@ -51,7 +51,7 @@ def test_a_refused_wish_lapses(tmp_path: Path) -> None:
 
 
 def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     script = carry_once(pair.station, 600)
     done = None
     while done is None and set(pair.modes()) != {"armed"}:
@@ -71,7 +71,7 @@ def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
 
 def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) -> None:
     """The robots hear the station, and never each other."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.air.cut = {("left", "right"), ("right", "left")}
     assert pair.carry() is False
     assert pair.station.time_s() < 30
@@ -83,7 +83,7 @@ def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) ->
 def test_a_station_that_was_killed_at_the_end_does_not_carry_again(
     end: str, tmp_path: Path
 ) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     script = carry_once(pair.station, 600)
     while not all(mode in CARRYING for mode in pair.modes()):
         assert next(script) is None
@@ -100,12 +100,12 @@ def test_a_station_that_was_killed_at_the_end_does_not_carry_again(
         pair.air.cut = set()
     for _ in range(30):  # until the wheels rest
         pair.air.now += 1
-        pair.world.step((*pair.commands["left"][:2], 0), (*pair.commands["right"][:2], 0), 1)
-    before = pair.world.midpoint
+        pair.move()
+    before = pair.stage.midpoint
     pair.restart_station()
     assert pair.station.was_carrying
     assert pair.carry() is (end == "done")
-    assert pair.world.midpoint == before
+    assert pair.stage.midpoint == before
     # The next one begins anew.
     pair.station.close()
     pair.restart_station()
@@ -113,7 +113,7 @@ def test_a_station_that_was_killed_at_the_end_does_not_carry_again(
 
 
 def test_a_station_that_was_killed_in_the_carry_goes_on(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     script = carry_once(pair.station, 600)
     while not all(mode in CARRYING for mode in pair.modes()):
         assert next(script) is None
@@ -151,7 +151,7 @@ class Tap:
         pass
 
 
-def second_laptop(pair: LivePair, folder: Path, boots: int) -> tuple[Station, Tap, list[str]]:
+def second_laptop(pair: SimulatedPair, folder: Path, boots: int) -> tuple[Station, Tap, list[str]]:
     """A station with the key of the pair and a boot counter of its own."""
     folder.mkdir()
     (folder / "scene.toml").write_text(pair.scene.to_toml())
@@ -171,7 +171,7 @@ def second_laptop(pair: LivePair, folder: Path, boots: int) -> tuple[Station, Ta
 @pytest.mark.parametrize("boots", [1, 5, 9])
 def test_a_second_station_on_another_laptop_is_refused(boots: int, tmp_path: Path) -> None:
     """Whatever the count of its boots, it is refused before it has sent anything."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     for _ in range(4):
         pair.restart_station()  # epoch 5
     pair.start()
@@ -186,7 +186,7 @@ def test_a_second_station_on_another_laptop_is_refused(boots: int, tmp_path: Pat
 
 def test_a_station_that_was_taken_over_says_so(tmp_path: Path) -> None:
     """Its radio had failed meanwhile, and another laptop has taken its place."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
     pair.start()
     first = pair.station
     pair.station = Station.__new__(Station)
@@ -206,16 +206,16 @@ def test_a_station_that_was_taken_over_says_so(tmp_path: Path) -> None:
 
 
 def test_an_e_stop_does_not_wait_until_other_stations_are_ruled_out(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
     pair.start()
     for _ in range(3):  # the newest packets that the robots know are older than one boot
-        Station(pair.pair, AirLink(pair.air, "nobody"), pair.lines.append).close()  # type: ignore[arg-type]
+        Station(pair.pair, pair.air.link("nobody"), pair.lines.append).close()  # type: ignore[arg-type]
     pair.restart_station()
     pair.station.wish("e_stop")
     pair.run_until(("stopped",), within=30)
 
 
-def sent_by_a_stranger(pair: LivePair, key: bytes, body: Any, sequence: int) -> None:
+def sent_by_a_stranger(pair: SimulatedPair, key: bytes, body: Any, sequence: int) -> None:
     """Packets to both robots as a station would send them, also with right acknowledgements."""
     for side in ("left", "right"):
         for ahead in (0, 5):
@@ -227,7 +227,7 @@ def sent_by_a_stranger(pair: LivePair, key: bytes, body: Any, sequence: int) -> 
 
 
 def test_a_wrong_key_moves_nothing(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.run(50)
     wrong = bytes(16)
     assert wrong != pair.pair.key
@@ -240,7 +240,7 @@ def test_a_wrong_key_moves_nothing(tmp_path: Path) -> None:
 
 def test_with_the_right_key_the_same_packets_do_stop(tmp_path: Path) -> None:
     """Otherwise the test above could not fail."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.run(50)
     sent_by_a_stranger(pair, pair.pair.key, Operate("e_stop", stop=True), 1)
     pair.run(5)
@@ -250,7 +250,7 @@ def test_with_the_right_key_the_same_packets_do_stop(tmp_path: Path) -> None:
 def test_replayed_orders_do_nothing(tmp_path: Path) -> None:
     """Everything that the station has sent is recorded and sent again: after the carry, after a
     stop, and after a reboot of both robots. No robot arms, starts or is released by it."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
     recorded: list[tuple[str, bytes]] = []
     before = pair.air.send
 
@@ -286,7 +286,7 @@ def test_replayed_orders_do_nothing(tmp_path: Path) -> None:
 
 def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
     """Bits of a release are changed in every byte, and its tag is that of other packets."""
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.start()
     pair.wish("e_stop", "stopped")
     number = pair.pair.settings.pair.number

@@ -12,13 +12,11 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from live_pair import Air, LivePair
 from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log
 from palmbots.logs.run_log_writer import RunLogWriter
-from palmbots.robot.live_robot import logged_program
-from palmbots.station.station_log import StationLog
+from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.views.log_alignment import Traffic, align, fit
 from palmbots.views.run_figures import carry_of
 from palmbots.views.run_replay import read_run, replay_run, verify
@@ -28,40 +26,16 @@ UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost":
 CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
 
 
-class LoggedPair(LivePair):
+class LoggedPair(SimulatedPair):
     """Everything logs, each on a clock of its own."""
 
-    def boot(self, side: str) -> None:
-        super().boot(side)
-        before = self.robots.get(side)
-        state = self.stored[side]
-        assert self.pair.log_folder() is not None
-        self.robots[side] = logged_program(
-            self.pair,
-            side,  # type: ignore[arg-type]
-            state,
-            self.scene,
-            1.0,
-            self.warnings.append,
-        )
-        self.opened.append(self.robots[side])
-        assert before is None or before is not self.robots[side]
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments, logs=True)
 
-    def restart_station(self) -> None:
-        super().restart_station()
-        log = StationLog(self.pair, self.station.epoch, self.scene, self.warnings.append)
-        self.station.on_note(log)
-        self.opened.append(log)
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.warnings: list[str] = []
-        self.opened: list[Any] = []
-        super().__init__(*arguments, **options)
-
-    def close(self) -> Path:
-        for one in self.opened:
-            one.close()
-        assert self.warnings == []
+    def written(self) -> Path:
+        """The folder with the whole logs."""
+        self.close()
+        assert not any(line.startswith("log: ") for line in self.lines)
         folder = self.pair.log_folder()
         assert folder is not None
         return folder
@@ -84,7 +58,7 @@ def test_the_logs_of_a_carry_are_verified(controller: str, tmp_path: Path, clock
     clock["air"] = air
     pair = LoggedPair(tmp_path, controller, air, UP, {"task.distance_m": 0.15})
     pair.carry()
-    folder = pair.close()
+    folder = pair.written()
     names = sorted(file.name for file in folder.iterdir())
     assert names == ["left-000001.mcap", "right-000001.mcap", "station-000001.mcap"]
     run = read_run([folder])
@@ -108,7 +82,7 @@ def test_no_packet_of_a_log_has_the_tag_of_the_pair(tmp_path: Path) -> None:
     pair = LoggedPair(tmp_path, "resilient", Air(), UP)
     pair.start()
     pair.run(100)
-    folder = pair.close()
+    folder = pair.written()
     number = pair.pair.settings.pair.number
     packets = 0
     for file in folder.iterdir():
@@ -131,7 +105,7 @@ def test_every_boot_has_a_log_of_its_own(tmp_path: Path) -> None:
     pair.run(100)
     pair.restart_station()
     pair.run(50)
-    folder = pair.close()
+    folder = pair.written()
     assert sorted(file.name for file in folder.iterdir()) == [
         "left-000001.mcap", "left-000002.mcap", "right-000001.mcap", "station-000001.mcap",
         "station-000002.mcap",
@@ -156,7 +130,7 @@ def test_a_changed_decision_or_input_is_found(field: str, change: Any, tmp_path:
     pair = LoggedPair(tmp_path, "resilient", Air(), UP)
     pair.start()
     pair.run(60)
-    log = read_run_log(pair.close() / "left-000001.mcap")
+    log = read_run_log(pair.written() / "left-000001.mcap")
     place = next(k for k, (_, tick) in enumerate(log.messages["ticks"]) if tick.wheels) + 5
     tick = log.messages["ticks"][place][1]
     setattr(tick, field, change(tick))
@@ -169,7 +143,7 @@ def test_a_changed_packet_or_a_gap_is_found(tmp_path: Path) -> None:
     pair = LoggedPair(tmp_path, "distributed", Air(), UP)
     pair.start()
     pair.run(60)
-    path = pair.close() / "right-000001.mcap"
+    path = pair.written() / "right-000001.mcap"
     log = read_run_log(path)
     ticks = log.messages["ticks"]
     place = next(k for k, (_, tick) in enumerate(ticks) if k > 50 and tick.sent)
@@ -187,7 +161,7 @@ def test_a_log_without_an_end_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     pair = LoggedPair(tmp_path, "resilient", Air(), UP)
     pair.start()
     pair.run(1500)
-    file = pair.close() / "left-000001.mcap"
+    file = pair.written() / "left-000001.mcap"
     whole = file.read_bytes()
     count = len(read_run_log(file).messages["ticks"])
     chance = random.Random(3)
@@ -225,7 +199,7 @@ def test_logs_of_two_pairs_are_not_one_run(tmp_path: Path) -> None:
         (tmp_path / str(k)).mkdir()
         pair = LoggedPair(tmp_path / str(k), "silent", Air(), UP | {"pair.number": k})
         pair.run(20)
-        files.append(pair.close() / "left-000001.mcap")
+        files.append(pair.written() / "left-000001.mcap")
     with pytest.raises(pb.PalmbotsError, match="are of the pairs 1, 2; allowed: logs of one pair"):
         replay_run(read_run(files))
 
@@ -274,7 +248,7 @@ def test_alignment_holds_with_delays_in_one_direction_only() -> None:
 def test_logs_without_common_packets_are_not_aligned(tmp_path: Path) -> None:
     pair = LoggedPair(tmp_path, "silent", Air(loss=1.0), UP)
     pair.run(50)
-    clocks = align(read_run([pair.close()]))
+    clocks = align(read_run([pair.written()]))
     assert [one.offset_s for one in clocks] == [None, None]
 
 

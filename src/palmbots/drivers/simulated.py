@@ -6,6 +6,7 @@ the watchdog.
 """
 
 import contextlib
+from collections.abc import Callable
 from typing import Any
 
 from palmbots._types import Side
@@ -14,7 +15,7 @@ from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReadin
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
-from palmbots.links.local_connection import ConnectionLost, connect
+from palmbots.links.local_connection import Connection, ConnectionLost, connect
 
 _WORLD_STARTS_WITHIN_S = 20.0
 _PARTNER_STARTS_WITHIN_S = 40.0  # the world gives up earlier
@@ -25,7 +26,7 @@ class SimulatedDriver:
     """Talks to the process of a world (`palmbots.simulation.live_world`).
 
     Args:
-        address: of the world.
+        address: of the world, or a connection to it.
         side: of the robot.
         epoch: number of the robot's boots.
         period_s: time between two readings.
@@ -34,6 +35,7 @@ class SimulatedDriver:
             have any; the others obey the words of a controller.
         leads: the robot travels away from its partner.
         within_s: how long to wait for a world that is still starting.
+        time: a clock that only goes forward [s].
 
     Raises:
         ConnectionLost: there is no world.
@@ -41,7 +43,7 @@ class SimulatedDriver:
 
     def __init__(
         self,
-        address: str,
+        address: Any,
         side: Side,
         epoch: int,
         period_s: float = 0.01,
@@ -50,11 +52,15 @@ class SimulatedDriver:
         hardware: HardwareParameters | None = None,
         leads: bool = False,
         within_s: float = _WORLD_STARTS_WITHIN_S,
+        time: Callable[[], float] = process_clock.monotonic,
     ) -> None:
         self._side = side
         self._silence_s = max(_SILENCE_S, 20 * period_s)
         self._heard_s = 0.0
-        self._world = connect(address, "world", within_s, "driver.address")
+        self._time = time
+        if isinstance(address, str):
+            address = connect(address, "world", within_s, "driver.address")
+        self._world: Connection = address
         self._world.send([side, epoch, scene])
         self._newest: Reading | RawReading | None = None
         self._palm = 0
@@ -91,7 +97,7 @@ class SimulatedDriver:
         return reading
 
     def _now_s(self) -> float:
-        return process_clock.monotonic() * self._rate
+        return self._time() * self._rate
 
     def _read(self) -> Reading | RawReading | None:
         while (frame := self._world.poll()) is not None or self._newest is None:
@@ -103,13 +109,13 @@ class SimulatedDriver:
                 self.clock_rate, self._rate = float(frame[1]), float(frame[2])
                 continue
             self._newest = self._reading_in(frame)
-            self._heard_s = process_clock.monotonic()
+            self._heard_s = self._time()
         return self._newest
 
     @property
     def works(self) -> bool:
         """Readings still come."""
-        return process_clock.monotonic() - self._heard_s <= self._silence_s
+        return self._time() - self._heard_s <= self._silence_s
 
     def _reading_in(self, frame: Any) -> Reading | RawReading:
         if frame == "taken":

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from live_pair import Air, LivePair
 from palmbots.drivers.driver import Reading
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState, write_state
 from palmbots.robot import live_robot, state_keeper
 from palmbots.station.carry_script import carry_once
+from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
@@ -22,47 +22,46 @@ UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost":
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_station_arms_starts_and_sees_the_end(controller: str, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, controller, Air(delay=2), UP)
+    pair = SimulatedPair(tmp_path, controller, Air(delay=2), UP)
     assert pair.carry()
     assert pair.modes() == ("done", "done")
-    assert pair.world.outcome == "running"
-    assert pair.world.midpoint == pytest.approx(0.3, abs=0.02)
+    assert pair.stage.outcome == "running"
+    assert pair.stage.midpoint == pytest.approx(0.3, abs=0.02)
     # Both rest, with their palms where they were.
     pair.run(50)
-    before = pair.world.midpoint
+    before = pair.stage.midpoint
     pair.run(100)
-    assert pair.world.midpoint == before
+    assert pair.stage.midpoint == before
 
 
 @pytest.mark.parametrize("controller", ["resilient", "shared-sign"])
 def test_the_same_over_a_lossy_radio(controller: str, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, controller, Air(delay=4, loss=0.2, seed=5), UP)
+    pair = SimulatedPair(tmp_path, controller, Air(delay=4, loss=0.2, seed=5), UP)
     assert pair.carry()
-    assert pair.world.outcome == "running"
-    assert pair.world.midpoint == pytest.approx(0.3, abs=0.02)
+    assert pair.stage.outcome == "running"
+    assert pair.stage.midpoint == pytest.approx(0.3, abs=0.02)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_wheels_turn_only_in_a_carry(controller: str, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, controller, Air(), UP)
+    pair = SimulatedPair(tmp_path, controller, Air(), UP)
     pair.run(100)
     assert pair.modes() == ("disarmed", "disarmed")
     pair.wish("arm", "armed")
     pair.run(100)
     assert pair.modes() == ("armed", "armed")
-    assert pair.world.midpoint == 0.0
+    assert pair.stage.midpoint == 0.0
 
 
 @pytest.mark.parametrize("by", ["stop", "e_stop", "left", "right"])
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, controller, Air(delay=2), UP)
+    pair = SimulatedPair(tmp_path, controller, Air(delay=2), UP)
     pair.start()
     pair.run(100)
     if by in ("left", "right"):
-        pair.by_hand = {by}
+        pair.press(by, "stop")
         pair.run(1)
-        pair.by_hand = set()
     else:
         pair.station.wish(by)
     # Silent robots hear the station, but not each other.
@@ -82,7 +81,7 @@ def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Pa
 @pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed"])
 def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path: Path) -> None:
     """Also one whose controller seldom says anything: its partner may wait for it."""
-    pair = LivePair(tmp_path, controller, Air(), UP)
+    pair = SimulatedPair(tmp_path, controller, Air(), UP)
     pair.start()
     for _ in range(20):
         before = [robot.count(0) for robot in pair.robots.values()]  # accepted packets
@@ -95,7 +94,9 @@ def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path
 
 def test_an_e_stop_is_obeyed_without_a_session(tmp_path: Path) -> None:
     """A station that has just started, and hears nobody, stops the robots; nothing else works."""
-    pair = LivePair(tmp_path, "resilient", Air(delay=2), UP | {"limits.station_lost": "carry-on"})
+    pair = SimulatedPair(
+        tmp_path, "resilient", Air(delay=2), UP | {"limits.station_lost": "carry-on"}
+    )
     pair.start()
     pair.restart_station()
     pair.air.cut = {("left", "station"), ("right", "station")}
@@ -112,7 +113,7 @@ def test_an_e_stop_is_obeyed_without_a_session(tmp_path: Path) -> None:
 
 
 def test_a_lost_station_ends_the_carry(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.start()
     pair.air.cut = {("station", "left"), ("station", "right")}
     pair.run_until(("fault",), within=150)
@@ -120,10 +121,10 @@ def test_a_lost_station_ends_the_carry(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("lost", ["left", "right"])
-def test_a_lost_partner_ends_the_carry_if_the_pair_says_so(lost: str, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "distributed", Air())
+def test_a_lost_partner_ends_the_carry_if_the_pair_says_so(lost: Any, tmp_path: Path) -> None:
+    pair = SimulatedPair(tmp_path, "distributed", Air())
     pair.start()
-    other = "right" if lost == "left" else "left"
+    other: Any = "right" if lost == "left" else "left"
     pair.air.cut = {(lost, other)}
     pair.run(80)
     assert pair.robots[other].fault == "partner_lost"
@@ -131,17 +132,8 @@ def test_a_lost_partner_ends_the_carry_if_the_pair_says_so(lost: str, tmp_path: 
 
 
 def test_robots_with_other_settings_are_not_armed(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    pair = LivePair(tmp_path / "a", "resilient", Air(), UP)
-    other = LivePair(tmp_path / "b", "resilient", Air(), UP, {"robot.speed_m_s": 0.05})
-    other.pair = type(pair.pair)(other.pair.file, other.pair.settings, pair.pair.key)
-    number = pair.pair.settings.pair.number
-    table = other.pair.settings.pair.model_copy(update={"number": number})
-    settings = other.pair.settings.model_copy(update={"pair": table})
-    other.pair = type(pair.pair)(other.pair.file, settings, pair.pair.key)
-    other.boot("right")
-    pair.robots["right"] = other.robots["right"]
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.boot("right", pb.load_scene(pair.scene, {"task.distance_m": 0.4}))
     pair.station.wish("arm")
     pair.run(200)
     assert pair.modes() == ("disarmed", "disarmed")
@@ -149,29 +141,28 @@ def test_robots_with_other_settings_are_not_armed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_rebooted_robot_rejoins_or_ends_the_carry(side: str, tmp_path: Path) -> None:
+def test_a_rebooted_robot_rejoins_or_ends_the_carry(side: Any, tmp_path: Path) -> None:
     for rejoins in (True, False):
         folder = tmp_path / str(rejoins)
         folder.mkdir()
         values = UP | {"limits.after_reboot": "rejoin" if rejoins else "disarm"}
-        pair = LivePair(folder, "resilient", Air(delay=2), values)
+        pair = SimulatedPair(folder, "resilient", Air(delay=2), values)
         pair.start()
         pair.run(150)
-        del pair.robots[side]
-        pair.commands[side] = (pair.commands[side][0], 0, True)
+        pair.power_off(side)
         pair.run(50)
         pair.boot(side)
         pair.run(60)
         if rejoins:
             assert all(mode in CARRYING for mode in pair.modes())
             pair.run_until(("done",), within=3000)
-            assert pair.world.outcome == "running"
+            assert pair.stage.outcome == "running"
         else:
             assert set(pair.modes()) == {"disarmed", "fault"}
 
 
 def test_a_station_with_a_lower_count_takes_the_next_epoch(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     for _ in range(5):
         pair.restart_station()
     pair.wish("arm", "armed")
@@ -182,14 +173,13 @@ def test_a_station_with_a_lower_count_takes_the_next_epoch(tmp_path: Path) -> No
 
 
 def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(delay=2), UP)
+    pair = SimulatedPair(tmp_path, "resilient", Air(delay=2), UP)
     pair.start()
     pair.wish("stop", "stopped")
     pair.wish("release", "disarmed")
     pair.run(100)
-    pair.by_hand = {"left"}
+    pair.press("left", "stop")
     pair.run(1)
-    pair.by_hand = set()
     pair.run(300)
     assert pair.robots["left"].mode == "stopped"
     pair.station.wish("release")
@@ -199,7 +189,7 @@ def test_a_release_does_not_end_a_later_stop(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("end", ["silence", "reboots"])
 def test_the_station_ends_when_nobody_carries_any_more(end: str, tmp_path: Path) -> None:
-    pair = LivePair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
     steps = 0
     done = None
     for done in carry_once(pair.station, 600):
@@ -208,7 +198,8 @@ def test_the_station_ends_when_nobody_carries_any_more(end: str, tmp_path: Path)
             break
         pair.run(5)
         if steps == 60 and end == "silence":
-            pair.robots.clear()
+            pair.power_off("left")
+            pair.power_off("right")
         elif steps == 60:
             pair.boot("left")
             pair.boot("right")

@@ -1,0 +1,356 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two robots, a station and a world in one process, on a clock of their own, without sockets.
+
+What runs is what the processes of `palmbots up` run: the loop and the driver of each robot, its
+motor board, and the station. Only radio, clocks, sockets and disks are replaced.
+"""
+
+import random
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, get_args
+
+from palmbots._types import SIDES, Side
+from palmbots.clocks.control_clock import JITTER_LIMITS_MS
+from palmbots.drivers.hardware import HardwareParameters
+from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.links.link import Link
+from palmbots.links.local_connection import ConnectionLost
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.stored_state import StoredState
+from palmbots.robot.live_robot import logged_program, ticks_in
+from palmbots.robot.logged_robot import LoggedRobot
+from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_loop import RobotLoop
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.live_world import Board
+from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
+from palmbots.station.carry_script import carry_once
+from palmbots.station.station import PERIOD_S, Station
+from palmbots.station.station_log import StationLog
+from palmbots.wire import Operation, RobotMode, Role
+
+_MOST_TICKS = 20_000
+
+
+@dataclass
+class Air:
+    """A radio between the three ends: delay and jitter [ticks], loss and copies."""
+
+    delay: int = 1
+    loss: float = 0.0
+    jitter: int = 0
+    duplicate: float = 0.0
+    seed: int = 0
+    now: int = 0
+    """Ticks since the start."""
+    under_way: list[tuple[int, str, str, bytes]] = field(default_factory=list)
+    cut: set[tuple[str, str]] = field(default_factory=set)
+    """Senders and receivers between which nothing arrives."""
+
+    def __post_init__(self) -> None:
+        self._chance = random.Random(self.seed)
+
+    def send(self, sender: str, receiver: str, data: bytes) -> None:
+        """Send a packet, which may be lost, late or repeated."""
+        if self._chance.random() < self.loss or (sender, receiver) in self.cut:
+            return
+        for _ in range(2 if self._chance.random() < self.duplicate else 1):
+            due = self.now + self.delay + self._chance.randint(-self.jitter, self.jitter)
+            self.under_way.append((max(due, self.now + 1), sender, receiver, data))
+
+    def receive(self, receiver: str) -> list[bytes]:
+        """The packets that have arrived."""
+        arrived = [p for p in self.under_way if p[2] == receiver and p[0] <= self.now]
+        arrived.sort(key=lambda packet: packet[0])
+        self.under_way = [p for p in self.under_way if p not in arrived]
+        return [data for *_, data in arrived]
+
+    def link(self, end: str) -> Link:
+        """The link of one end."""
+        return _AirLink(self, end)
+
+
+@dataclass
+class _AirLink:
+    air: Air
+    end: str
+
+    def send(self, receiver: Role, data: bytes) -> None:
+        self.air.send(self.end, receiver, data)
+
+    def receive(self) -> list[bytes]:
+        return self.air.receive(self.end)
+
+    def close(self) -> None:
+        pass
+
+
+class _Line:
+    """One end of a connection inside this process (`palmbots.links.local_connection`)."""
+
+    def __init__(self, peer: "_Line | None" = None) -> None:
+        self.peer = peer or _Line(self)
+        self.frames: deque[Any] = deque()
+        self.is_open = True
+
+    def offer(self, frame: Any) -> bool:
+        if not self.peer.is_open:
+            raise ConnectionLost("the other end is gone")
+        self.peer.frames.append(frame)
+        return True
+
+    send = offer
+
+    def poll(self) -> Any:
+        if not self.frames and not self.peer.is_open:
+            raise ConnectionLost("the other end is gone")
+        return self.frames.popleft() if self.frames else None
+
+    def close(self) -> None:
+        self.is_open = False
+
+
+class _Memory:
+    """What a robot stores; it survives the robot's boots."""
+
+    works = is_done = True
+
+    def __init__(self) -> None:
+        self.state = StoredState()
+
+    def keep(self, state: StoredState) -> None:
+        self.state = state
+
+    def boot(self) -> StoredState:
+        self.state = self.state.booted()
+        return self.state
+
+    def settle(self) -> None:
+        pass
+
+
+class SimulatedPair:
+    """Everything that `palmbots up` starts, stepped tick by tick.
+
+    Args:
+        folder: for the files of the pair.
+        controller: of the robots.
+        air: the radio.
+        values: for ``pair.toml``.
+        overrides: of the scene.
+        world: its name.
+        seed: of the noise.
+        imperfections: what the robots really are; None: they are as in the scene.
+        hardware: what each robot's program takes its hardware for, if it is imperfect.
+        logs: whether robots and station log.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        controller: str,
+        air: Air,
+        values: Mapping[str, object] | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        *,
+        world: str = "quasistatic",
+        seed: int = 0,
+        imperfections: Imperfections | None = None,
+        hardware: Mapping[Side, HardwareParameters] | None = None,
+        logs: bool = False,
+    ) -> None:
+        self.scene = load_scene("paper", {"task.distance_m": 0.3, **(overrides or {})})
+        (folder / "scene.toml").write_text(self.scene.to_toml())
+        file = folder / "pair.toml"
+        init_pair(file, scene="scene.toml", controller=controller, values=dict(values or {}))
+        self.pair, self.air = load_pair(file).with_logs(None, is_off=not logs), air
+        self.period_s = self.scene.control.period_s
+        watchdog = round(self.scene.control.watchdog_s / self.period_s)
+        self.stage: Stage
+        if imperfections is None:
+            self.stage = PerfectStage(self.scene, world, seed)
+        else:
+            self.stage = ImperfectStage(self.scene, world, seed, imperfections)
+        self._boards: dict[Side, Board] = {
+            side: Board(self.stage, k, watchdog, 1.0) for k, side in enumerate(SIDES)
+        }
+        self._hardware = hardware or {}
+        self._memories: dict[Side, _Memory] = {side: _Memory() for side in SIDES}
+        self._loops: dict[Side, RobotLoop] = {}
+        self.frozen: set[Side] = set()
+        """The robots whose programs are held up."""
+        self.clock_rate: dict[Side, float] = dict.fromkeys(SIDES, 1.0)
+        self._clock: dict[Side, float] = dict.fromkeys(SIDES, 0.0)
+        self.lines: list[str] = []
+        """What the station and the robots say."""
+        self._station_log: StationLog | None = None
+        for side in SIDES:
+            self.boot(side)
+        self.restart_station()
+
+    @property
+    def robots(self) -> dict[Side, LoggedRobot]:
+        """The core's programs of the robots that have power."""
+        return {side: loop.robot for side, loop in self._loops.items()}
+
+    @property
+    def stored(self) -> dict[Side, StoredState]:
+        """What the robots remember over a boot."""
+        return {side: memory.state for side, memory in self._memories.items()}
+
+    @property
+    def commands(self) -> dict[Side, Any]:
+        """The newest command to each motor board; palm, move and stop for perfect robots."""
+        return {side: board.command for side, board in self._boards.items()}
+
+    def modes(self) -> tuple[RobotMode, ...]:
+        """The modes of the robots that have power."""
+        return tuple(loop.robot.mode for loop in self._loops.values())
+
+    def now_s(self) -> float:
+        """The time since the start."""
+        return self.period_s * self.air.now
+
+    def power_off(self, side: Side) -> None:
+        """A robot without power: it hears nothing, and its wheels rest."""
+        if (loop := self._loops.pop(side, None)) is not None:
+            loop.close()
+        board = self._boards[side]
+        board.unplug()
+        board.command = self.stage.rest(board.command)
+
+    def boot(self, side: Side, scene: Scene | None = None) -> None:
+        """Start the program of a robot; `scene`: another one than the pair's."""
+        self.power_off(side)
+        pair, chosen, board = self.pair, scene or self.scene, self._boards[side]
+        line = _Line()
+        leads = (side == "right") == (chosen.task.direction == "forward")
+        driver = SimulatedDriver(
+            line, side, 1, self.period_s,
+            hardware=self._hardware.get(side), leads=leads, time=self.now_s,
+        )  # fmt: skip
+        line.peer.poll()  # the greeting, which an entrance takes
+        board.plug(line.peer)  # type: ignore[arg-type]
+        board.send(self.stage.frames()[SIDES.index(side)])
+        memory = self._memories[side]
+        state = memory.boot()
+        gauge = ReadingGauge(pair, side, chosen, driver.read(), state.covered_m)
+
+        def start(state: StoredState) -> LoggedRobot:
+            return logged_program(
+                pair, side, state, chosen, 1.0, self.lines.append, has_encoders=gauge.has_encoders
+            )
+
+        loop = RobotLoop(
+            side, chosen, start, driver, self.air.link(side), _clock(), memory, gauge,
+            watchdog=ticks_in(chosen.control.watchdog_s, self.period_s),
+            on_line=self.lines.append,
+        )  # fmt: skip
+        loop.start(state, may_resume=pair.settings.limits.after_reboot == "rejoin")
+        self._loops[side] = loop
+        self._loops = {one: self._loops[one] for one in SIDES if one in self._loops}
+
+    def press(self, side: Side, operation: Operation) -> None:
+        """The operator presses a button of a robot."""
+        self._loops[side].robot.operate(get_args(Operation).index(operation))
+
+    def restart_station(self) -> None:
+        """Start the station anew."""
+        if self._station_log is not None:
+            self._station_log.close()
+        link = self.air.link("station")
+        self.station = Station(self.pair, link, self.lines.append, self.now_s)
+        if self.pair.log_folder() is not None:
+            epoch = self.station.epoch
+            self._station_log = StationLog(self.pair, epoch, self.scene, self.lines.append)
+            self.station.on_note(self._station_log)
+
+    def tick(self) -> None:
+        """One control period of everything."""
+        self.air.now += 1
+        for (side, board), frame in zip(self._boards.items(), self.stage.frames(), strict=True):
+            board.send(frame)
+            if side not in self._loops:
+                continue
+            self._clock[side] += self.clock_rate[side]
+            elapsed = int(self._clock[side])
+            if elapsed > 0 and side not in self.frozen:
+                self._clock[side] -= elapsed
+                self._loops[side].step(elapsed)
+        if self.air.now % round(PERIOD_S / self.period_s) == 0:
+            self.station.step()
+        self.move()
+
+    def move(self) -> None:
+        """The world alone: one control period with the newest commands."""
+        for board in self._boards.values():
+            board.take()
+        self.stage.step(*self.commands.values())
+
+    def run(self, ticks: int) -> None:
+        """Let so many control periods pass."""
+        for _ in range(ticks):
+            self.tick()
+
+    def run_until(self, modes: tuple[str, ...], within: int = 2000) -> None:
+        """Tick until both robots are in one of these modes.
+
+        Raises:
+            AssertionError: they are not in time.
+        """
+        for _ in range(within):
+            if all(mode in modes for mode in self.modes()):
+                return
+            self.tick()
+        raise AssertionError((self.modes(), self.lines))
+
+    def wish(self, operation: Operation, *modes: str) -> None:
+        """The operator wants something, until both robots are in one of these modes."""
+        self.station.wish(operation)
+        self.run_until(modes)
+
+    def start(self) -> None:
+        """Arm and start both robots."""
+        self.wish("arm", "armed")
+        self.wish("start", "carrying", "holding")
+
+    def carry(self) -> bool:
+        """What `palmbots station --auto` does; whether both robots are done."""
+        for done in carry_once(self.station, 600):
+            if done is not None:
+                return done
+            self.run(round(PERIOD_S / self.period_s))
+        raise AssertionError
+
+    def carry_until_the_end(self) -> str:
+        """Arm, start and carry; ``delivered``, ``dropped``, or why the robots stopped."""
+        self.start()
+        for _ in range(_MOST_TICKS):
+            if self.stage.outcome != "running":
+                return "dropped"
+            if self.modes() == ("done", "done"):
+                return "delivered"
+            if "fault" in self.modes():
+                return "/".join(robot.fault for robot in self.robots.values())
+            self.tick()
+        return "timeout"
+
+    def close(self) -> None:
+        """Write what is left of the logs."""
+        for loop in self._loops.values():
+            loop.close()
+        if self._station_log is not None:
+            self._station_log.close()
+
+
+def _clock() -> Any:
+    """A `palmbots.clocks.clock.Clock` that is never late; the pair grants the ticks."""
+    jitter = (0,) * (len(JITTER_LIMITS_MS) + 1)
+    return SimpleNamespace(
+        is_stepped=True, overruns=0, recent_overruns=0, jitter=jitter, forget=lambda: None
+    )
