@@ -32,7 +32,7 @@ bool are_right(const SettingsPage& page) {
   const Settings& s = page.settings;
   if (s.magic != Settings::right_magic || s.format != Settings::newest_format) return false;
   if (s.check != crc32(&s, offsetof(Settings, check))) return false;
-  return static_cast<ControllerKind>(s.controller) != ControllerKind::policy ||
+  return s.controller != policy_board_number ||
          page.table_check == crc32(&page.table, sizeof page.table);
 }
 
@@ -79,10 +79,8 @@ class Program {
     while (board::take_packet(packet)) robot_.receive({packet.bytes.data(), packet.size});
     tick_record.rejected = robot_.received().rejected;
     const unsigned round = 4U - greetings_--;
-    const bool with_station =
-        static_cast<ControllerKind>(settings_.controller) == ControllerKind::centralized;
-    const bool is_turn =
-        with_station ? round == 2U * settings_.role : round < 3 && round % 2 == settings_.role;
+    const bool is_turn = robot_.greets_station() ? round == 2U * settings_.role
+                                                 : round < 3 && round % 2 == settings_.role;
     wire::Bytes bytes;
     if (!is_turn || !robot_.greet(bytes)) return;
     outbox_.clear();
@@ -235,7 +233,7 @@ class Program {
 
   const Settings& settings_;
   Storage& storage_;
-  Robot& robot_;
+  runtime::Robot& robot_;
   PalmSwitches switches_;
   MissedTicks missed_;
   Outbox outbox_;

@@ -11,15 +11,6 @@
 
 namespace palmbots::app {
 
-enum class ControllerKind : std::uint8_t {
-  resilient,
-  silent,
-  shared_sign,
-  distributed,
-  policy,
-  centralized,
-};
-
 enum class WheelKind : std::uint8_t { servos, motor_board };
 
 // What a closed switch of the palm means.
@@ -51,8 +42,8 @@ struct Settings {
   std::uint16_t state_period;
   std::uint16_t status_period;
   std::uint16_t least_battery_mv;
-  std::uint8_t role;  // 0 left, 1 right, 2 the station's radio
-  std::uint8_t controller;
+  std::uint8_t role;        // 0 left, 1 right, 2 the station's radio
+  std::uint8_t controller;  // its number (palmbots/runtime/controller_registry.hpp)
   std::uint8_t channel;
   std::int8_t power_dbm;
   std::uint8_t rejoins;

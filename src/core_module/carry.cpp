@@ -8,12 +8,9 @@
 
 #include <limits>
 
-#include "carry.hpp"
-#include "machines.hpp"
+#include "given_team.hpp"
 #include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
-#include "palmbots/sim/team_registry.hpp"
-#include "remote.hpp"
 
 namespace palmbots::bindings {
 
@@ -33,17 +30,6 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   return run;
 }
 
-// A built-in controller by its name.
-template <class Real>
-Run run_named(const Spec& spec, const std::string& name, std::uint64_t seed, bool record,
-              const Forks& forks) {
-  if (!is_controller(name)) {
-    throw std::invalid_argument("controller: one of " + controller_list());
-  }
-  return visit_team(
-      name, [&](auto make) { return run_team<Real>(spec, seed, record, make(spec, seed), forks); });
-}
-
 bool is_single(const std::string& precision) {
   if (precision == "float") return true;
   if (precision == "double") return false;
@@ -58,52 +44,28 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     at_ticks.push_back({static_cast<std::uint32_t>(seconds / spec.period + 0.5), fork_seed});
   }
   const bool single = is_single(precision);
-  if (nb::isinstance<nb::str>(controller)) {
-    const auto name = nb::cast<std::string>(controller);
+  const auto run_with = [&]<class Team>(Team team) {
+    const auto carried = [&] {
+      return single ? run_team<float>(spec, seed, record, std::move(team), at_ticks)
+                    : run_team<double>(spec, seed, record, std::move(team), at_ticks);
+    };
+    if constexpr (calls_python<Team>) return carried();
     const nb::gil_scoped_release release;
-    return single ? run_named<float>(spec, name, seed, record, at_ticks)
-                  : run_named<double>(spec, name, seed, record, at_ticks);
-  }
-  if (nb::isinstance<Machines>(controller)) {
-    const Machines& machines = nb::cast<const Machines&>(controller);  // the caller holds them
-    const nb::gil_scoped_release release;
-    return single
-               ? run_team<float>(spec, seed, record, machine_team(machines, spec, seed), at_ticks)
-               : run_team<double>(spec, seed, record, machine_team(machines, spec, seed), at_ticks);
-  }
+    return carried();
+  };
   if (nb::isinstance<RowPolicy>(controller)) {
     const RowPolicy& policy = nb::cast<const RowPolicy&>(controller);
-    const nb::gil_scoped_release release;
-    const RowPolicyTeam team(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed),
-                             policy);
-    return single ? run_team<float>(spec, seed, record, team, at_ticks)
-                  : run_team<double>(spec, seed, record, team, at_ticks);
+    return run_with(
+        RowPolicyTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed), policy));
   }
   if (nb::isinstance<OptimalController>(controller)) {
     const auto& optimal = nb::cast<const OptimalController&>(controller);
-    const nb::gil_scoped_release release;
-    OptimalTeam team(optimal.policy, spec, optimal.may_stop);
-    return single ? run_team<float>(spec, seed, record, team, at_ticks)
-                  : run_team<double>(spec, seed, record, team, at_ticks);
+    return run_with(OptimalTeam(optimal.policy, spec, optimal.may_stop));
   }
   if (nb::isinstance<LinearFeedback>(controller)) {
-    const LinearFeedback feedback = nb::cast<const LinearFeedback&>(controller);
-    const nb::gil_scoped_release release;
-    LinearTeam team(feedback, spec);
-    return single ? run_team<float>(spec, seed, record, team, at_ticks)
-                  : run_team<double>(spec, seed, record, team, at_ticks);
+    return run_with(LinearTeam(nb::cast<const LinearFeedback&>(controller), spec));
   }
-  if (nb::isinstance<RemoteControllers>(controller)) {
-    return with_remote_team(
-        nb::cast<const RemoteControllers&>(controller), spec, seed, [&](auto team) {
-          return single ? run_team<float>(spec, seed, record, std::move(team), at_ticks)
-                        : run_team<double>(spec, seed, record, std::move(team), at_ticks);
-        });
-  }
-  DistributedTeam<PythonController> team(python_controllers(controller, spec), channel_of(spec),
-                                         seed, leader_of(spec), Faults::of(spec, seed));
-  return single ? run_team<float>(spec, seed, true, std::move(team), at_ticks)
-                : run_team<double>(spec, seed, true, std::move(team), at_ticks);
+  return with_given_team(controller, spec, seed, run_with);
 }
 
 // Columns of the trace: one entry a row, or one for each side.

@@ -47,24 +47,24 @@ void bind_enum(nb::module_& m, const char* name, Enum first, Enum last, const ch
   }
 }
 
-nb::tuple texts(std::span<const std::string_view> from) {
+nb::tuple texts(std::span<const char* const> from) {
   nb::list list;
-  for (const std::string_view text : from) list.append(nb::str(text.data(), text.size()));
+  for (const char* text : from) list.append(text);
   return nb::tuple(list);
 }
 
-nb::dict facts(const ControllerInfo& info) {
-  constexpr const char* deciders[] = {"none", "station", "robots"};
+nb::dict facts(const ControllerInfo& info, bool uses_clock) {
   nb::dict cases;
-  for (const CaseMeaning& one : info.cases) {
-    cases[nb::str(one.code.data(), one.code.size())] =
-        nb::str(one.meaning.data(), one.meaning.size());
-  }
+  for (const CaseMeaning& one : info.cases) cases[one.code] = one.meaning;
+  nb::dict states;
+  for (const StateWords& one : info.states) states[one.name] = one.meaning;
   nb::dict d;
-  d["name"] = nb::str(info.name.data(), info.name.size());
-  d["description"] = nb::str(info.description.data(), info.description.size());
-  d["team"] = deciders[static_cast<int>(info.decider)];
+  d["name"] = info.name;
+  d["description"] = info.description;
+  d["board_number"] = info.board_number < 0 ? nb::object(nb::none()) : nb::cast(info.board_number);
+  d["team"] = name_of(info.decider);
   d["uses_radio"] = info.uses_radio;
+  d["uses_clock"] = uses_clock;
   d["is_periodic"] = info.is_periodic;
   d["stops_in_silence"] = info.stops_in_silence;
   d["drives_by_both_signs"] = info.drives_by_both_signs;
@@ -72,6 +72,7 @@ nb::dict facts(const ControllerInfo& info) {
   d["messages"] = texts(info.messages);
   d["cases"] = cases;
   d["assisted_cases"] = texts(info.assisted_cases);
+  d["states"] = states;
   return d;
 }
 
@@ -88,10 +89,12 @@ void bind_controllers(nb::module_& m) {
       "controllers",
       [] {
         nb::list list;
-        for (const ControllerInfo& info : controller_infos) list.append(facts(info));
+        std::apply(
+            [&](const auto&... row) { (list.append(facts(row.info, row.program.times > 0)), ...); },
+            controller_rows);
         return list;
       },
-      "The controllers of the core, in order: the rows of sim/team_registry.hpp.");
+      "The controllers of the core, in order: the rows of runtime/controller_registry.hpp.");
 
   m.def(
       "table1",

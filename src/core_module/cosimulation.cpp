@@ -9,10 +9,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "carry.hpp"
-#include "machines.hpp"
-#include "palmbots/sim/team_registry.hpp"
-#include "remote.hpp"
+#include "given_team.hpp"
 
 namespace palmbots::bindings {
 
@@ -54,26 +51,10 @@ class CoSimulationOf : public AnyCoSimulation {
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
-  const auto make = [&](auto team) -> std::unique_ptr<AnyCoSimulation> {
-    using Team = decltype(team);
-    return std::make_unique<CoSimulationOf<Team>>(spec, seed, std::move(team), slack, first);
-  };
-  if (nb::isinstance<nb::str>(controller)) {
-    const auto name = nb::cast<std::string>(controller);
-    if (!is_controller(name)) {
-      throw std::invalid_argument("controller: one of " + controller_list());
-    }
-    return visit_team(name, [&](auto team) { return make(team(spec, seed)); });
-  }
-  if (nb::isinstance<Machines>(controller)) {
-    return make(machine_team(nb::cast<const Machines&>(controller), spec, seed));
-  }
-  if (nb::isinstance<RemoteControllers>(controller)) {
-    return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, make);
-  }
-  return make(DistributedTeam<PythonController>(python_controllers(controller, spec),
-                                                channel_of(spec), seed, leader_of(spec),
-                                                Faults::of(spec, seed)));
+  return with_given_team(
+      controller, spec, seed, [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
+        return std::make_unique<CoSimulationOf<Team>>(spec, seed, std::move(team), slack, first);
+      });
 }
 
 template <class T>

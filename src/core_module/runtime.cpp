@@ -6,35 +6,21 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
+#include <memory>
 #include <optional>
-#include <variant>
+#include <vector>
 
 #include "carry.hpp"
 #include "machines.hpp"
-#include "palmbots/control/shared_sign.hpp"
-#include "palmbots/control/silent.hpp"
-#include "palmbots/runtime/robot_runtime.hpp"
-#include "palmbots/sim/table_team.hpp"
+#include "palmbots/runtime/robot_with.hpp"
+#include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"
 
 namespace palmbots::bindings {
 
 namespace {
 
-using runtime::BeaconProgram;
-using runtime::MessageProgram;
-using runtime::RobotRuntime;
-
-template <class Table>
-using TableProgram = BeaconProgram<TableRobot<Table>>;
-
-using AnyRuntime =
-    std::variant<RobotRuntime<BeaconProgram<Resilient>>, RobotRuntime<TableProgram<Silent>>,
-                 RobotRuntime<TableProgram<SharedSign>>, RobotRuntime<MessageProgram<Distributed>>,
-                 RobotRuntime<MessageProgram<MachineRobot>>,
-                 RobotRuntime<MessageProgram<PythonController>>,
-                 RobotRuntime<runtime::ReportProgram>>;
+using AnyRobot = std::shared_ptr<runtime::Robot>;
 
 // What a robot knows when its program starts.
 struct Start {
@@ -48,117 +34,82 @@ struct Start {
 };
 
 template <class Program>
-AnyRuntime runtime_with(const Start& s, Program fresh, Program rebooted) {
-  return RobotRuntime<Program>(s.identity, s.epoch, std::move(fresh), std::move(rebooted),
-                               s.settings, s.stored, s.carries);
-}
-
-template <class Table>
-AnyRuntime table_runtime(const Spec& spec, const Start& start, wire::Language language) {
-  using Robot = TableRobot<Table>;
-  const auto times = table_times_of<Table>(spec);
-  const auto program = [&](bool by_touch) {
-    const typename Robot::Role role{leader_of(spec) == start.side, spec.brake != 0, by_touch};
-    return BeaconProgram(Robot(times, role), language, times.lease, start.epoch);
-  };
-  return runtime_with(start, program(spec.start_by_touch != 0), program(false));
+AnyRobot robot_with(const Start& s, const Program& fresh, const Program& rebooted) {
+  return std::make_shared<runtime::RobotWith<Program>>(s.identity, s.epoch, fresh, rebooted,
+                                                       s.settings, s.stored, s.carries);
 }
 
 template <class Controller>
-AnyRuntime message_runtime(const Start& start, const Controller& controller) {
-  return runtime_with(start, MessageProgram(controller), MessageProgram(controller));
+AnyRobot message_robot(const Start& start, const Controller& controller) {
+  const runtime::MessageProgram<Controller> program(controller);
+  return robot_with(start, program, program);
 }
 
-AnyRuntime resilient_runtime(const Spec& spec, const Start& start) {
-  const Resilient::Times times = resilient_timing_of(spec).times;
-  const bool yields = leader_of(spec) != start.side;
-  const auto program = [&](bool assists) {
-    return BeaconProgram(Resilient(times, yields, assists), wire::Language::beacons, times.lease,
-                         start.epoch);
-  };
-  return runtime_with(start, program(false), program(start.assists));
-}
-
-AnyRuntime runtime_of(const Spec& spec, const nb::object& controller, const Start& start) {
+AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& start) {
   if (nb::isinstance<Machines>(controller)) {
-    return message_runtime(start,
-                           MachineRobot(&nb::cast<const Machines&>(controller).tables[start.side]));
+    return message_robot(start,
+                         MachineRobot(&nb::cast<const Machines&>(controller).tables[start.side]));
   }
   if (!nb::isinstance<nb::str>(controller)) {
-    return message_runtime(start, python_controllers(controller, spec)[start.side]);
+    return message_robot(start, python_controllers(controller, spec)[start.side]);
   }
-  const auto name = nb::cast<std::string>(controller);
-  if (name == "resilient") return resilient_runtime(spec, start);
-  if (name == "silent") return table_runtime<Silent>(spec, start, wire::Language::none);
-  if (name == "shared-sign") return table_runtime<SharedSign>(spec, start, wire::Language::signs);
-  if (name == "distributed") return message_runtime(start, Distributed());
-  if (name == "centralized") {
-    return runtime_with(start, runtime::ReportProgram(), runtime::ReportProgram(start.assists));
-  }
-  throw std::invalid_argument("controller: does not run on robots");
-}
-
-// The times of a controller in ticks, in the order of its struct Times; empty if it has none.
-std::vector<std::uint16_t> times_of(const Spec& spec, const std::string& name) {
-  const auto table = [](const auto& times) {
-    std::vector<std::uint16_t> list{times.beacon, times.lease};
-    list.insert(list.end(), times.limits.begin(), times.limits.end());
-    return list;
-  };
-  if (name == "silent") return table(table_times_of<Silent>(spec));
-  if (name == "shared-sign") return table(table_times_of<SharedSign>(spec));
-  if (name != "resilient") return {};
-  const Resilient::Times times = resilient_timing_of(spec).times;
-  return {times.beacon, times.lease, times.hold, times.braking, times.join};
+  AnyRobot robot;
+  visit_program(nb::cast<std::string>(controller), [&](auto maker) {
+    if constexpr (requires { typename decltype(maker)::Program; }) {
+      const std::vector<std::uint16_t> times = program_times(maker, spec);
+      const runtime::ProgramStart program{times,
+                                          start.epoch,
+                                          leader_of(spec) == start.side,
+                                          spec.brake != 0,
+                                          spec.start_by_touch != 0,
+                                          start.assists};
+      robot = robot_with(start, maker.fresh(program), maker.rebooted(program));
+    }
+  });
+  if (!robot) throw std::invalid_argument("controller: does not run on robots");
+  return robot;
 }
 
 // The program of one robot.
 class RobotHandle {
  public:
   RobotHandle(const Spec& spec, nb::object controller, const Start& start)
-      : controller_(std::move(controller)), runtime_(runtime_of(spec, controller_, start)) {}
+      : controller_(std::move(controller)), robot_(robot_of(spec, controller_, start)) {}
 
   Answer step(std::uint16_t elapsed, const runtime::Reading& reading,
               const std::vector<nb::bytes>& packets) {
-    return std::visit(
-        [&](auto& robot) -> Answer {
-          const runtime::ReceivedCounts before = robot.received();
-          robot.begin(elapsed);
-          for (const nb::bytes& bytes : packets) {
-            robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-          }
-          if (wish_) robot.operate(*wish_);
-          wish_.reset();
-          const runtime::Outputs out = robot.step(reading);
-          mode_ = out.mode;
-          std::vector<PacketTuple> sent;
-          for (std::size_t i = 0; i < out.packet_count; ++i) {
-            const runtime::Outgoing& p = out.packets[i];
-            sent.emplace_back(static_cast<int>(p.receiver),
-                              nb::bytes(p.bytes.data(), p.bytes.size()),
-                              static_cast<int>(i == 0 ? out.decision.word : MessageKind::none));
-          }
-          const auto& program = robot.program();
-          const Command& command = out.decision.command;
-          return {static_cast<int>(command.palm),
-                  static_cast<int>(command.move),
-                  command.stop,
-                  sent,
-                  program.name(),
-                  program.waits(),
-                  static_cast<int>(program.awaits()),
-                  robot.received().rejected - before.rejected,
-                  robot.received().late - before.late,
-                  out.decision.assists};
-        },
-        runtime_);
+    const runtime::ReceivedCounts before = robot_->received();
+    robot_->begin(elapsed);
+    for (const nb::bytes& bytes : packets) hear(bytes);
+    if (wish_) robot_->operate(*wish_);
+    wish_.reset();
+    runtime::Outputs out;
+    robot_->step(reading, out);
+    mode_ = out.mode;
+    std::vector<PacketTuple> sent;
+    for (std::size_t i = 0; i < out.packet_count; ++i) {
+      const runtime::Outgoing& p = out.packets[i];
+      sent.emplace_back(static_cast<int>(p.receiver), nb::bytes(p.bytes.data(), p.bytes.size()),
+                        static_cast<int>(i == 0 ? out.decision.word : MessageKind::none));
+    }
+    const Command& command = out.decision.command;
+    return {static_cast<int>(command.palm),
+            static_cast<int>(command.move),
+            command.stop,
+            sent,
+            robot_->name(),
+            robot_->waits(),
+            static_cast<int>(robot_->awaits()),
+            robot_->received().rejected - before.rejected,
+            robot_->received().late - before.late,
+            out.decision.assists};
   }
 
   const runtime::ModeOutputs& mode() const { return mode_; }
 
   std::optional<nb::bytes> greet() {
     wire::Bytes bytes{};
-    const bool written = std::visit([&](auto& robot) { return robot.greet(bytes); }, runtime_);
+    const bool written = robot_->greet(bytes);
     if (!written) return std::nullopt;
     return nb::bytes(bytes.data(), bytes.size());
   }
@@ -171,26 +122,18 @@ class RobotHandle {
   }
 
   void hear(const nb::bytes& bytes) {
-    std::visit(
-        [&](auto& robot) {
-          robot.receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-        },
-        runtime_);
+    robot_->receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
   }
 
   std::uint32_t count(std::size_t verdict) const {
-    return std::visit(
-        [&](const auto& robot) {
-          return robot.endpoint().count(static_cast<wire::Verdict>(verdict));
-        },
-        runtime_);
+    return robot_->endpoint().count(static_cast<wire::Verdict>(verdict));
   }
 
  private:
   runtime::ModeOutputs mode_{};
   std::optional<wire::Operation> wish_;  // given at the robot, for the next step
-  nb::object controller_;                // outlives the runtime, which may point into it
-  AnyRuntime runtime_;
+  nb::object controller_;                // outlives the robot, which may point into it
+  AnyRobot robot_;
 };
 
 void bind_settings(nb::module_& m) {
@@ -298,18 +241,17 @@ void bind_runtime(nb::module_& core) {
       .def("hear", &RobotHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.")
       .def("count", &RobotHandle::count, nb::arg("verdict"),
            "How many received packets had this verdict.");
-  m.def("times", &times_of, nb::arg("spec"), nb::arg("controller"),
-        "The times of a shipped controller [ticks], in the order of its struct Times; [] if it has "
-        "none.");
   m.def(
-      "uses_clock",
-      [](const nb::object& controller) {
-        return nb::isinstance<nb::str>(controller) &&
-               nb::cast<std::string>(controller) != "distributed" &&
-               nb::cast<std::string>(controller) != "centralized";
+      "times",
+      [](const Spec& spec, const std::string& controller) {
+        std::vector<std::uint16_t> times;
+        visit_program(controller, [&](auto maker) { times = program_times(maker, spec); });
+        return times;
       },
-      nb::arg("controller"),
-      "True if it counts time and starts at rest. The others act on messages and contacts alone.");
+      nb::arg("spec"), nb::arg("controller"),
+      "The times of a shipped controller [ticks], in the order of its struct Times; [] if it has "
+      "none.");
+  m.attr("policy_board_number") = policy_board_number;
   bind_remote(m);
 }
 

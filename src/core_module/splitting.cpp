@@ -10,10 +10,9 @@
 #include <thread>
 
 #include "bindings.hpp"
-#include "machines.hpp"
+#include "given_team.hpp"
 #include "palmbots/sim/multilevel_splitting.hpp"
 #include "palmbots/sim/recorder.hpp"
-#include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::bindings {
 
@@ -92,9 +91,7 @@ struct Controller {
       machines = &nb::cast<const Machines&>(given);
     } else {
       name = nb::cast<std::string>(given);
-      if (!is_controller(name)) {
-        throw std::invalid_argument("controller: one of " + controller_list());
-      }
+      check_name(name);
     }
   }
   std::string name;

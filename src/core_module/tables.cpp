@@ -102,17 +102,11 @@ nb::dict described(const Spec& spec) {
   return d;
 }
 
-// Calls visit(maker) with the TableTeamMaker of this controller; false if it is no table.
+// Calls visit(maker) with the TableProgramMaker of this controller if it is a table.
 template <class Visit>
-bool visit_table(const std::string& name, Visit&& visit) {
-  if (!is_controller(name)) return false;
-  return visit_team(name, [&](auto make) {
-    if constexpr (requires { typename decltype(make)::Table; }) {
-      visit(make);
-      return true;
-    } else {
-      return false;
-    }
+void visit_table(const std::string& name, Visit&& visit) {
+  visit_program(name, [&](auto maker) {
+    if constexpr (requires { typename decltype(maker)::Table; }) visit(maker);
   });
 }
 
@@ -124,7 +118,7 @@ void bind_tables(nb::module_& m) {
       [](const std::string& name, const Spec& spec) {
         std::optional<nb::dict> found;
         visit_table(name,
-                    [&](auto make) { found = described<typename decltype(make)::Table>(spec); });
+                    [&](auto maker) { found = described<typename decltype(maker)::Table>(spec); });
         return found;
       },
       nb::arg("controller"), nb::arg("spec"),
@@ -149,8 +143,8 @@ void bind_tables(nb::module_& m) {
       "table_robot",
       [](const std::string& name, const Spec& spec, bool leads) {
         std::unique_ptr<AnyTableRobot> robot;
-        visit_table(name, [&](auto make) {
-          robot = std::make_unique<OneTableRobot<typename decltype(make)::Table>>(spec, leads);
+        visit_table(name, [&](auto maker) {
+          robot = std::make_unique<OneTableRobot<typename decltype(maker)::Table>>(spec, leads);
         });
         if (!robot) throw std::invalid_argument("controller: not made of a table");
         return robot;

@@ -59,6 +59,12 @@ constexpr const char* name_of(Move move) {
   return names[static_cast<int>(move)];
 }
 
+// The name of a controller's state, and what a robot does in it, in words for people.
+struct StateWords {
+  const char* name;
+  const char* meaning;
+};
+
 // What a controller commands: the palm's angle, the wheels' move, and whether to stop travelling.
 struct Command {
   Palm palm;

@@ -14,14 +14,8 @@
 //
 // INTERFACE. step(Input) → Output once per control tick. The object itself (30 bytes) is the only
 // memory; there is no I/O and no clock. The caller keeps a BeaconReceiver (control/beacon.hpp) and,
-// across a reboot, the epoch and the last Output::assists. Times are in ticks:
-//   beacon    the beacon period
-//   lease     the greatest age at which a message counts
-//   hold      how long a palm stays up for a partner that fell silent
-//   braking   how long wheels take from a correction back to the nominal speed
-//   join      for how long a robot that was ready may still start after its partner
-// They are computed in control/resilient_timing.hpp. Safety requires hold ≥ lease + braking +
-// skipped ticks, and nothing else.
+// across a reboot, the epoch and the last Output::assists. control/resilient_timing.hpp computes
+// its times. Safety requires hold ≥ lease + braking + skipped ticks, and nothing else.
 //
 // These rules keep the object on the palms. "Newest" is the newest beacon received.
 //   * (a) moves away only while the newest message is a fresh Ack. The sender keeps its palm up
@@ -66,11 +60,11 @@ class Resilient {
  public:
   // In ticks. Lease and hold must be below 65535.
   struct Times {
-    std::uint16_t beacon;
-    std::uint16_t lease;
-    std::uint16_t hold;
-    std::uint16_t braking;
-    std::uint16_t join;
+    std::uint16_t beacon;   // the beacon period
+    std::uint16_t lease;    // the greatest age at which a message counts
+    std::uint16_t hold;     // how long a palm stays up for a partner that fell silent
+    std::uint16_t braking;  // how long wheels take from a correction back to the nominal speed
+    std::uint16_t join;     // for how long a robot that was ready may still start after its partner
   };
 
   using Input = RobotInput;
@@ -99,6 +93,22 @@ class Resilient {
   };
   static constexpr int states = 12;
   static constexpr bool talks = true;  // it sends beacons
+
+  // The name of each state, and its meaning for people.
+  static constexpr StateWords words[states] = {
+      {"idle", "no correction"},
+      {"a_request", "asks the partner to tilt its palm up"},
+      {"a_move", "moves away, its partner assists"},
+      {"a_stop", "stops moving away"},
+      {"b_tilt_up", "tilts its palm up; both contacts are outward, and its partner goes first"},
+      {"c_tilt_up", "tilts its palm up to assist"},
+      {"c_grant", "permits its partner to move away"},
+      {"c_withdraw", "no longer permits it, and waits until its partner has stopped"},
+      {"c_tilt_down", "tilts its palm down after assisting"},
+      {"d_tilt_up", "tilts its palm up to correct alone"},
+      {"d_move", "moves closer"},
+      {"d_tilt_down", "tilts its palm down after moving closer"},
+  };
 
   // What a robot commands and broadcasts as long as it is in a state.
   struct StateOutput {
@@ -373,10 +383,7 @@ class Resilient {
 inline constexpr SpreadTable<Resilient> Resilient::lookup = spread<Resilient>();
 
 constexpr const char* name_of(Resilient::State state) {
-  constexpr const char* names[] = {"idle",        "a_request", "a_move",  "a_stop",
-                                   "b_tilt_up",   "c_tilt_up", "c_grant", "c_withdraw",
-                                   "c_tilt_down", "d_tilt_up", "d_move",  "d_tilt_down"};
-  return names[static_cast<int>(state)];
+  return Resilient::words[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(Resilient::Heard condition) {

@@ -74,6 +74,40 @@ struct SharedSign {
     return is_leader ? State::alone_wait : State::alone_watch;
   }
 
+  // The name of each state, and its meaning for people.
+  static constexpr StateWords words[states] = {
+      {"rest_steep", "both contacts are centred"},
+      {"rest_shallow", "both contacts are centred"},
+      {"own_out", "its contact is outward, its partner's is not"},
+      {"help_out", "its partner's contact is outward"},
+      {"help_in", "its partner's contact is inward"},
+      {"own_in", "its contact is inward, its partner's is centred"},
+      {"apart_in", "its contact is inward, its partner's outward"},
+      {"lead_out_steep", "both are outward; it leads"},
+      {"lead_out_shallow", "both are outward; it leads"},
+      {"lead_out_steep_ends", "both are outward; it leads and announces its next palm"},
+      {"lead_out_shallow_ends", "both are outward; it leads and announces its next palm"},
+      {"lead_in_steep", "both are inward; it leads"},
+      {"lead_in_shallow", "both are inward; it leads"},
+      {"lead_in_steep_ends", "both are inward; it leads and announces its next palm"},
+      {"lead_in_shallow_ends", "both are inward; it leads and announces its next palm"},
+      {"follow_out_steep", "both are outward; it follows"},
+      {"follow_out_shallow", "both are outward; it follows"},
+      {"follow_in_steep", "both are inward; it follows"},
+      {"follow_in_shallow", "both are inward; it follows"},
+      {"alone_centred", "hears nothing; its contact is centred"},
+      {"alone_watch", "hears nothing; watches whether its partner stands"},
+      {"alone_outward", "hears nothing; its contact is outward"},
+      {"alone_inward", "hears nothing; its contact is inward"},
+      {"alone_pause", "hears nothing; pauses, so that its partner alone moves"},
+      {"alone_outward_follower", "hears nothing; its contact is outward, and it follows"},
+      {"alone_outward_stop", "hears nothing; stands, because its contact stays outward"},
+      {"alone_inward_leader", "hears nothing; its contact is inward, and it leads"},
+      {"alone_inward_stop", "hears nothing; stands, because its contact stays inward"},
+      {"alone_inward_back", "hears nothing; backs towards its partner"},
+      {"alone_wait", "hears nothing; waits before it tries again"},
+  };
+
   enum class Limit : std::uint8_t {
     turn,    // how long the leader keeps its palm before it announces the other one
     notice,  // how long before it turns the leader announces its next palm
@@ -221,37 +255,7 @@ struct SharedSign {
 };
 
 constexpr const char* name_of(SharedSign::State state) {
-  constexpr const char* names[] = {"rest_steep",
-                                   "rest_shallow",
-                                   "own_out",
-                                   "help_out",
-                                   "help_in",
-                                   "own_in",
-                                   "apart_in",
-                                   "lead_out_steep",
-                                   "lead_out_shallow",
-                                   "lead_out_steep_ends",
-                                   "lead_out_shallow_ends",
-                                   "lead_in_steep",
-                                   "lead_in_shallow",
-                                   "lead_in_steep_ends",
-                                   "lead_in_shallow_ends",
-                                   "follow_out_steep",
-                                   "follow_out_shallow",
-                                   "follow_in_steep",
-                                   "follow_in_shallow",
-                                   "alone_centred",
-                                   "alone_watch",
-                                   "alone_outward",
-                                   "alone_inward",
-                                   "alone_pause",
-                                   "alone_outward_follower",
-                                   "alone_outward_stop",
-                                   "alone_inward_leader",
-                                   "alone_inward_stop",
-                                   "alone_inward_back",
-                                   "alone_wait"};
-  return names[static_cast<int>(state)];
+  return SharedSign::words[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(SharedSign::Limit limit) {

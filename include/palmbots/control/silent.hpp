@@ -60,6 +60,21 @@ struct Silent {
     return is_leader ? State::start_wait : State::start_push;
   }
 
+  // The name of each state, and its meaning for people.
+  static constexpr StateWords words[states] = {
+      {"centred", "its contact is centred"},
+      {"outward", "its contact is outward"},
+      {"inward", "its contact is inward"},
+      {"pause", "pauses, so that its partner alone moves"},
+      {"outward_follower", "its contact is outward, and it follows"},
+      {"outward_stop", "stands, because its contact stays outward"},
+      {"inward_leader", "its contact is inward, and it leads"},
+      {"inward_stop", "stands, because its contact stays inward"},
+      {"inward_back", "backs towards its partner"},
+      {"start_wait", "waits until it feels that the follower has started"},
+      {"start_push", "pushes, so that the leader feels it"},
+  };
+
   enum class Limit : std::uint8_t {
     push,      // how long a robot moves closer before it pauses
     rest,      // how long a pause is
@@ -136,11 +151,7 @@ struct Silent {
 };
 
 constexpr const char* name_of(Silent::State state) {
-  constexpr const char* names[] = {"centred",       "outward",          "inward",
-                                   "pause",         "outward_follower", "outward_stop",
-                                   "inward_leader", "inward_stop",      "inward_back",
-                                   "start_wait",    "start_push"};
-  return names[static_cast<int>(state)];
+  return Silent::words[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(Silent::Limit limit) {

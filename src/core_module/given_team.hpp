@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The team of a controller that Python passes: a name, Machines, RemoteControllers, or a pair of
+// Python step functions.
+#pragma once
+
+#include <nanobind/stl/string.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "carry.hpp"
+#include "machines.hpp"
+#include "palmbots/sim/team_registry.hpp"
+#include "remote.hpp"
+
+namespace palmbots::bindings {
+
+// True if the robots of a team call Python, so that a carry needs the interpreter's lock.
+template <class Team>
+inline constexpr bool calls_python = false;
+template <>
+inline constexpr bool calls_python<DistributedTeam<PythonController>> = true;
+template <bool has_station>
+inline constexpr bool calls_python<RemoteTeam<PythonExchange, has_station>> = true;
+
+// Throws std::invalid_argument unless there is a controller of this name.
+inline void check_name(const std::string& name) {
+  if (is_controller(name)) return;
+  throw std::invalid_argument("controller: one of " + controller_list());
+}
+
+// Calls use(team) with the team of a carry, which the controller must outlive.
+template <class Use>
+auto with_given_team(const nb::object& controller, const Spec& spec, std::uint64_t seed,
+                     Use&& use) {
+  if (nb::isinstance<nb::str>(controller)) {
+    const auto name = nb::cast<std::string>(controller);
+    check_name(name);
+    return visit_team(name, [&](auto make) { return use(make(spec, seed)); });
+  }
+  if (nb::isinstance<Machines>(controller)) {
+    return use(machine_team(nb::cast<const Machines&>(controller), spec, seed));
+  }
+  if (nb::isinstance<RemoteControllers>(controller)) {
+    return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, use);
+  }
+  return use(DistributedTeam<PythonController>(python_controllers(controller, spec),
+                                               channel_of(spec), seed, leader_of(spec),
+                                               Faults::of(spec, seed)));
+}
+
+}  // namespace palmbots::bindings
