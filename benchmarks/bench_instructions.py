@@ -24,12 +24,12 @@ from rich.table import Table
 import bench_wire
 import palmbots as pb
 from _machine import compiler
+from palmbots.control.registry import shipped_names
 from palmbots.scene.spec import to_spec
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "instructions.csv"
 SOURCE = HERE.parent / "tests" / "cpp" / "sim" / "trace_hash.cpp"
-CONTROLLERS = ("none", "centralized", "distributed", "resilient", "shared-sign", "silent")
 FIELDS: tuple[str, ...] = ("benchmark", "version", "instructions", "processor", "compiler")
 
 
@@ -59,7 +59,7 @@ def counts(kinds: Sequence[str] = ("carry", "packet")) -> dict[str, int]:
             spec = to_spec(pb.load_scene("paper")).to_bytes()
             program = compiled(folder)
             start = instructions(program)
-            for name in CONTROLLERS:
+            for name in shipped_names():
                 whole = instructions(program, name, "0", "double", spec=spec)
                 found[f"carry, {name}"] = whole - start
         if "packet" not in kinds:

@@ -24,10 +24,11 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from palmbots.control.registry import shipped_names
 from palmbots.station.simulated_pair import Air, SimulatedPair
 
 RESULTS = Path(__file__).parent / "results"
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+CONTROLLERS = shipped_names("robots")
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 SCENE = {"task.distance_m": 1.0}
 BEGIN_TICKS = 200

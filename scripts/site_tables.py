@@ -20,7 +20,6 @@ from palmbots._version import __version__
 from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
-from palmbots.control.state_words import STATE_MEANINGS
 from palmbots.derivation.global_policy import table_1
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
 from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
@@ -175,7 +174,7 @@ def _robot(text: str, controller: str) -> dict[str, Any]:
     part = said.groupdict()
     state, letter = part.get("state"), (part.get("case") or "").strip()
     if state is not None:
-        words = "switched off" if state == "off" else STATE_MEANINGS[controller][state]
+        words = "switched off" if state == "off" else describe(controller).states[state]
         letter = state[0] if re.match("[a-d]_", state) else ""
     else:
         words = describe(controller).cases[letter] if letter else "no correction"

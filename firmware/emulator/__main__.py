@@ -15,14 +15,11 @@ from typing import Any
 import palmbots as pb
 from emulator.board import Image, load_image
 from emulator.lockstep import carry_on_boards
-from palmbots.control.registry import resolve
+from palmbots.control.registry import resolve, shipped_names
 
 ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "build" / "firmware"
-CONTROLLERS = (
-    "resilient", "shared-sign", "silent", "distributed", "centralized",
-    "examples/policies/table-1.toml",
-)  # fmt: skip
+CONTROLLERS = (*shipped_names("robots", "station"), "examples/policies/table-1.toml")
 _ROBOTS_FAIL = [
     {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
     {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.08},

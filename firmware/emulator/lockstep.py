@@ -16,7 +16,6 @@ from emulator.board import Board, Image
 from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
 from palmbots.boards.settings_page import (
-    CONTROLLERS,
     PAGE_ADDRESS,
     SWITCHES,
     BoardSettings,
@@ -44,16 +43,11 @@ LAYOUT = tuple(
 )  # fmt: skip
 
 
-def controller_number(entry: ControllerEntry) -> int:
-    """The number of a controller in the settings of a board."""
-    name = "policy" if entry.machines is not None else entry.name
-    return CONTROLLERS.index(name)
-
-
 def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardSettings:
     """The settings of a board whose carry is under way from the boot, and whose controller alone
     decides, as `_core.runtime.RuntimeSettings.lockstep` has them."""
     spec = to_spec(scene)
+    assert entry.board_number is not None
     leader = 1 if scene.task.direction == "forward" else 0
     return BoardSettings(
         role=side, key=KEY, pair=PAIR, first_epoch=1, last_epoch=1000, number=0,
@@ -61,7 +55,7 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
         watchdog_us=round(1e6 * scene.control.watchdog_s),
         lease=NEVER, station_limit=NEVER, time_limit=NEVER, travel=0, stopping_limit=0, stopping=0,
         turn_limit=NEVER, most_overruns=0xFFFF, state_period=0, status_period=0,
-        least_battery_mv=0, controller=controller_number(entry), channel=60, power_dbm=0,
+        least_battery_mv=0, controller=entry.board_number, channel=60, power_dbm=0,
         rejoins=False, stops_without_station=False, stops_without_partner=False, has_radio=True,
         leads=side == leader, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
         is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, wheel_slew=2000,

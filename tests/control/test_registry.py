@@ -74,14 +74,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_shipped_controllers_are_those_of_the_core() -> None:
-    assert shipped_names() == (
-        "none",
-        "centralized",
-        "distributed",
-        "resilient",
-        "silent",
-        "shared-sign",
-    )
+    assert shipped_names() == tuple(row["name"] for row in _core.controllers())
     for name in shipped_names():
         entry = resolve(name)
         assert entry.name == name
@@ -284,3 +277,13 @@ def test_names_of_palms_moves_and_messages_are_those_of_the_core() -> None:
     assert get_args(Move) == MOVES == ("hold", "away", "closer")
     assert (None, *get_args(MessageKind)) == MESSAGE_KINDS
     assert [_core.MessageKind[name] for name in get_args(MessageKind)] == [1, 2, 3]
+
+
+def test_numbers_on_boards_never_change() -> None:
+    numbers = {name: resolve(name).board_number for name in shipped_names()}
+    assert numbers.items() >= {
+        "none": None, "resilient": 0, "silent": 1, "shared-sign": 2, "distributed": 3,
+        "centralized": 5,
+    }.items()  # fmt: skip
+    assert resolve("examples/policies/table-1.toml").board_number == 4
+    assert resolve(Still).board_number is None

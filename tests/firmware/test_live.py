@@ -12,6 +12,7 @@ from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
 from flash_records import flash_record
 from palmbots.boards.pair_settings import BoardPair, board_pair
+from palmbots.control.registry import shipped_names
 from palmbots.pair.pair_file import init_pair, load_pair
 
 MakeBoards = Callable[..., BoardPair]
@@ -40,7 +41,7 @@ def test_two_boards_carry_by_their_buttons(
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "silent", "distributed"])
+@pytest.mark.parametrize("controller", shipped_names("robots"))
 def test_the_pair_of_the_guide_carries(image: Image, tmp_path: Path, controller: str) -> None:
     """With the one change of docs/guide/firmware.md, all the way of the paper's box."""
     values = {"limits.station_lost": "carry-on"}

@@ -19,6 +19,7 @@ import palmbots as pb
 import palmbots._core as _core
 from cxx import program
 from palmbots.cli import main as cli
+from palmbots.control.registry import shipped_names
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, load_scene
@@ -27,7 +28,7 @@ from palmbots.simulation import batch
 from palmbots.simulation.batch import Columns, batch_modules, run_batch, run_seeds
 from strategies import scenes
 
-CONTROLLERS = ("none", "centralized", "distributed", "resilient", "silent", "shared-sign")
+CONTROLLERS = shipped_names()
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
 

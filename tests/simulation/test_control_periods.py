@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots.control.registry import shipped_names
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_batch
 
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "centralized", "silent")
+CONTROLLERS = shipped_names("robots", "station")
 LONGER = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
 
 

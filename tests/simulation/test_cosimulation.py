@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import palmbots._core as _core
+from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
@@ -35,7 +36,7 @@ BUSY = load_scene(
     }
 )
 FALLS = load_scene({"robot": {"noise_m_s": 0.03}})
-CONTROLLERS = ("none", "centralized", "distributed", "resilient", "silent", "shared-sign")
+CONTROLLERS = shipped_names()
 RESULTS = (
     "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "corrections",
     "messages", "messages_lost", "links", "waiting_s", "hanging", "limit_cycle", "stopped",

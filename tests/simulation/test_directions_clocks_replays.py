@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots.control.registry import resolve, shipped_names
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_batch
 
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "centralized", "silent")
-TALKING = ("resilient", "shared-sign", "distributed")
+CONTROLLERS = shipped_names("robots", "station")
+TALKING = tuple(name for name in shipped_names("robots") if resolve(name).uses_radio)
 
 
 def trace_of(carry: pb.simulation.Carry) -> Any:

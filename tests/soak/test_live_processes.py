@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from palmbots.control.registry import shipped_names
 from waiting import wait_until
 
 pytestmark = pytest.mark.soak
@@ -35,7 +36,7 @@ def child(parent: int, text: str) -> int | None:
     return None
 
 
-@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "silent", "distributed"])
+@pytest.mark.parametrize("controller", shipped_names("robots"))
 def test_robots_carry_in_real_time(controller: str) -> None:
     up = started("--controller", controller)
     printed, errors = up.communicate(timeout=120)

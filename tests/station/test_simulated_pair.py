@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots.control.registry import shipped_names
 from palmbots.drivers.driver import Reading
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState, write_state
@@ -16,7 +17,7 @@ from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+CONTROLLERS = shipped_names("robots")
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 

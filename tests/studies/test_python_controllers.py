@@ -12,6 +12,7 @@ import xarray as xr
 
 import palmbots as pb
 from palmbots import control
+from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
 from palmbots.studies.cost_estimate import estimate_cost
 from palmbots.studies.points import design_points
@@ -64,7 +65,7 @@ def test_controller_in_python_has_the_results_of_the_compiled_one(tmp_path: Path
 
 def test_any_number_of_controllers_is_allowed(tmp_path: Path) -> None:
     """All shipped ones and two classes."""
-    shipped = ["none", "centralized", "distributed", "resilient", "silent", "shared-sign"]
+    shipped = shipped_names()
     result = run_study(
         load_plan({**TABLE, "controllers": [*shipped, Table2, Still]}), tmp_path / "s"
     )

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import palmbots as pb
+from palmbots.control.registry import shipped_names
 from palmbots.links.impairment import Impairment
 from palmbots.pair.launcher import LiveCarryProcesses
 
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+CONTROLLERS = shipped_names("robots")
 HELD_S = 0.02
 ENDS_WITHIN_S = 10.0
 """Of the robots' time, after the fault."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots.control.registry import shipped_names
 from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log
@@ -23,7 +24,7 @@ from palmbots.views.run_replay import read_run, replay_run, verify
 from palmbots.wire import decode
 
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
+CONTROLLERS = shipped_names("robots")
 
 
 class LoggedPair(SimulatedPair):

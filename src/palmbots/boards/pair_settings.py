@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.boards.settings_page import (
-    CONTROLLERS,
     SWITCHES,
     BoardSettings,
     radio_settings,
@@ -73,6 +72,7 @@ class BoardPair:
             first_epoch: epoch of the first boot with the image.
         """
         pair, scene, entry = self.pair, self.scene, self.entry
+        assert entry.board_number is not None  # `board_pair` has refused the others
         board, hardware = pair.settings.board, pair.settings.hardware.of(side)
         spec = to_spec(scene)
         period_s = scene.control.period_s
@@ -101,7 +101,7 @@ class BoardPair:
             most_overruns=core["most_overruns"], state_period=core["state_period"],
             status_period=core["status_period"],
             least_battery_mv=round(1000 * hardware.battery_low_v),
-            controller=CONTROLLERS.index("policy" if entry.machines is not None else entry.name),
+            controller=entry.board_number,
             channel=board.channel, power_dbm=board.power_dbm, rejoins=core["rejoins"],
             stops_without_station=core["stops_without_station"],
             stops_without_partner=core["stops_without_partner"], has_radio=core["has_radio"],
@@ -153,7 +153,7 @@ def board_pair(pair: Pair) -> BoardPair:
             f"pair.controller: {entry.name} needs a station that decides; allowed: a controller "
             "that runs on the robots"
         )
-    if entry.machines is None and entry.name not in CONTROLLERS:
+    if entry.board_number is None:
         raise PalmbotsError(
             f"pair.controller: {entry.name} is a class in Python; allowed: a shipped controller, "
             "or a policy FILE.toml"

@@ -13,8 +13,6 @@ PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
 """Bytes of the table of a policy."""
-CONTROLLERS = ("resilient", "silent", "shared-sign", "distributed", "policy", "centralized")
-"""The controllers in the order of their numbers; `policy` is a table of its own."""
 SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 """What a closed switch of the palm means, in the order of the numbers."""
 _MAGIC = 0x42504D42
@@ -55,6 +53,7 @@ class BoardSettings:
     status_period: int
     least_battery_mv: int
     controller: int
+    """The number of its program (`ControllerEntry.board_number`)."""
     channel: int
     power_dbm: int
     rejoins: bool

@@ -39,7 +39,11 @@ class ControllerEntry:
     """One line for people."""
     team: Literal["none", "station", "robots"] = "robots"
     """Who decides: no program, one station for both robots, or each robot."""
+    board_number: int | None = None
+    """Of its program in the settings of boards; None: no board runs it."""
     uses_radio: bool = True
+    uses_clock: bool = False
+    """Its robots measure time and start at rest. The others act on messages and contacts alone."""
     messages: tuple[str, ...] = ()
     """The kinds of message that it sends."""
     is_periodic: bool = False
@@ -53,6 +57,8 @@ class ControllerEntry:
     """Computes the time bounds in a scene; raises `SceneError` where they cannot be kept."""
     cases: Mapping[str, str] = field(default_factory=dict)
     """What each case in the trace means."""
+    states: Mapping[str, str] = field(default_factory=dict)
+    """What a robot does in each state of its program, if the states have names."""
     assisted_cases: tuple[str, ...] = ()
     """Cases in which a robot asks its partner for assistance and may get no answer."""
     maker: Callable[[], Controller] | None = None
@@ -125,6 +131,9 @@ ControllerLike: TypeAlias = str | type[Controller] | Callable[[], Controller] | 
 """A name, ``module:Class``, ``FILE.py:Class``, ``FILE.toml``, ``FILE.toml@station``, or a class (or
 another callable) that makes one."""
 
+POLICY_BOARD_NUMBER: int = _core.runtime.policy_board_number
+"""The `board_number` of algorithms derived from a policy; their tables are in the settings, too."""
+
 _CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
 
 _rows: list[dict[str, Any]] = _core.controllers()
@@ -141,9 +150,9 @@ _REFERENCES: Registry[ControllerEntry] = Registry("reference controller")
 _FILES = (".toml", ".toml@station")
 
 
-def shipped_names() -> tuple[str, ...]:
-    """The names of the controllers that the compiled core has."""
-    return _SHIPPED
+def shipped_names(*teams: str) -> tuple[str, ...]:
+    """The names of the controllers that the compiled core has; of these `teams` only, if given."""
+    return tuple(name for name in _SHIPPED if not teams or _CONTROLLERS.get(name).team in teams)
 
 
 def controller_names() -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from palmbots.control.python_source import ControllerSource, refuse_pipe
-from palmbots.control.registry import ControllerEntry
+from palmbots.control.registry import POLICY_BOARD_NUMBER, ControllerEntry
 from palmbots.derivation.distributed_algorithm import Machine, machines_of
 from palmbots.derivation.global_policy import Angles, signs_text
 from palmbots.derivation.policy_file import read_policy
@@ -73,6 +73,7 @@ def load_policy(
     return ControllerEntry(
         Path(path).name,
         table.description or f"derived from the policy {Path(path).name}",
+        board_number=POLICY_BOARD_NUMBER,
         uses_radio=asks,
         messages=("TiltUp", "TiltDown", "Ack") if asks else (),
         drives_by_both_signs=any(s.case == "c" and s.move != "hold" for s in states),

@@ -13,8 +13,7 @@ from typing import Any
 
 from palmbots._types import SIDES, Side
 from palmbots.control.dead_band import warnings_before
-from palmbots.control.registry import refusal, resolve
-from palmbots.control.resilient_timing import bounds_of
+from palmbots.control.registry import refusal, resolve, shipped_names
 from palmbots.errors import SceneError
 from palmbots.links.link import Link
 from palmbots.links.round_trips import RoundTrips, quantile
@@ -26,7 +25,6 @@ PERIOD_S = 0.05
 _ANSWER_S = 0.05
 _FALSE_SILENCE_S = 3600.0
 """The lease should run out without need at most once in this time."""
-CONTROLLERS = ("resilient", "shared-sign", "distributed", "silent")
 
 
 @dataclass
@@ -156,22 +154,23 @@ def needs_of(scene: Scene, delay_s: float, loss: float) -> Needs:
     in_a_row = math.ceil(math.log(beacon_s / _FALSE_SILENCE_S) / math.log(loss)) if loss > 0 else 0
     lease_s = shortest_s + in_a_row * beacon_s
     measured = load_scene(scene, {"radio.latency_s": delay_s, "radio.jitter_s": 0.0})
-    verdicts = {name: _verdict(name, measured, loss, lease_s) for name in CONTROLLERS}
+    verdicts = {name: _verdict(name, measured, loss, lease_s) for name in shipped_names("robots")}
     return Needs(delay_s, loss, lease_s, verdicts)
 
 
-def _verdict(controller: str, scene: Scene, loss: float, lease_s: float) -> str:
-    why = refusal(controller, scene)
+def _verdict(name: str, scene: Scene, loss: float, lease_s: float) -> str:
+    entry = resolve(name)
+    why = refusal(entry, scene)
     if why is not None:
         return why
-    if controller == "resilient":
+    if entry.timing_check is not None:
         try:
-            own_s = bounds_of(scene).lease_s
+            own_s = entry.timing_check(scene).lease_s
         except SceneError as error:
             return str(error)
         if own_s < lease_s:
             return f"its lease of {own_s:.2f} s is shorter than {lease_s:.2f} s: it will stop often"
-    if controller == "distributed" and loss > 0:
+    if entry.assisted_cases and loss > 0:
         return "a lost message can make it hang"
-    warnings = warnings_before(scene, resolve(controller))
+    warnings = warnings_before(scene, entry)
     return warnings[0] if warnings else "suffices"

@@ -149,8 +149,9 @@ class RemoteEntry(ControllerEntry):
 
     def for_core(self, spec: _core.Spec) -> Any:
         """The argument that the compiled core takes."""
-        uses_clock = _core.runtime.uses_clock(super().for_core(spec))
-        return _core.runtime.RemoteControllers(self.exchange, uses_clock, self.team == "station")
+        return _core.runtime.RemoteControllers(
+            self.exchange, self.uses_clock, self.team == "station"
+        )
 
 
 def remote(entry: ControllerEntry, exchange: Callable[..., list[Any]]) -> ControllerEntry:

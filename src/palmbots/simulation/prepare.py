@@ -63,8 +63,7 @@ def prepare(
         refuse_reference(entry, f"the {place.name} world")
     timing = check(entry, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
-    is_own = entry.source is not None or entry.maker is not None
-    if is_own or not _core.runtime.uses_clock(entry.name):
+    if not entry.uses_clock:
         # Its robots measure no time: their clocks run like that of the carry, also in programs.
         spec.faults = [
             (kind, side, at, lasts, reads, 0.0 if kind in _CLOCK_FAULTS else value, marks)
