@@ -45,13 +45,14 @@ from rich.table import Table
 
 import bench_instructions
 from _machine import compiler, load, processor
+from palmbots.control.registry import shipped_names
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 BASELINES = HERE / "baselines"
 FIRST = BASELINES / "05d8b30"
-CONTROLLERS = bench_instructions.CONTROLLERS
-ON_BOARDS = CONTROLLERS[1:]
+CONTROLLERS = shipped_names()
+ON_BOARDS = shipped_names("robots", "station")
 LIMITS = {"carry": 1.03, "packet": 1.03, "lockstep": 1.03, "tick": 1.05, "flash": 1.05,
           "ram": 1.05, "page": 1.05}  # fmt: skip
 """Greatest allowed ratio of a later count to the earlier one."""
