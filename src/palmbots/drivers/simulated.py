@@ -15,6 +15,7 @@ from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReadin
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
+from palmbots.links.greeting import check_admitted
 from palmbots.links.local_connection import Connection, ConnectionLost, connect
 
 _WORLD_STARTS_WITHIN_S = 20.0
@@ -118,10 +119,7 @@ class SimulatedDriver:
         return self._time() - self._heard_s <= self._silence_s
 
     def _reading_in(self, frame: Any) -> Reading | RawReading:
-        if frame == "taken":
-            raise PalmbotsError(f"world: another program is the {self._side} robot")
-        if frame == "scene":
-            raise PalmbotsError(f"world: runs another scene than the {self._side} robot")
+        check_admitted(frame, self._side)
         if isinstance(frame, list) and len(frame) == 5 and frame[0] == "raw":
             _, counts, closed, servo_rad, battery_v = frame
             return RawReading(

@@ -3,14 +3,15 @@
 
 import json
 import zlib
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.links.local_connection import Connection
 from palmbots.scene.scene import Scene
 
-_WITHIN_S = 30.0
+TAKEN, OTHER_SCENE = "taken", "scene"
+"""The frames by which a world refuses a program (`check_admitted`)."""
 
 
 class Greeting(NamedTuple):
@@ -30,20 +31,7 @@ def scene_number(scene: Scene) -> int:
     return max(1, zlib.crc32(text.encode()))
 
 
-def greeted(program: Connection, ends: tuple[str, ...] = SIDES) -> Greeting:
-    """Wait for the greeting of a program that has connected; closes what is none.
-
-    Raises:
-        PalmbotsError: it is not the program of a robot.
-    """
-    try:
-        return greeting_in(program.receive(_WITHIN_S), ends)
-    except PalmbotsError:
-        program.close()
-        raise
-
-
-def greeting_in(frame: Any, ends: tuple[str, ...] = SIDES) -> Greeting:
+def greeting_in(frame: Any, ends: Collection[str] = SIDES) -> Greeting:
     """The greeting in the first frame of a program.
 
     Raises:
@@ -59,3 +47,12 @@ def greeting_in(frame: Any, ends: tuple[str, ...] = SIDES) -> Greeting:
 def is_other_scene(greeting: Greeting, number: int) -> bool:
     """Whether the program runs with another scene than the one with this number."""
     return 0 not in (greeting.scene, number) and greeting.scene != number
+
+
+def check_admitted(frame: Any, end: str) -> None:
+    """Raise `PalmbotsError` if the world refuses the program of this end by this frame."""
+    name = end if end == "station" else f"{end} robot"
+    if frame == TAKEN:
+        raise PalmbotsError(f"world: another program is the {name}")
+    if frame == OTHER_SCENE:
+        raise PalmbotsError(f"world: runs another scene than the {name}")

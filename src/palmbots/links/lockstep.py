@@ -18,6 +18,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from palmbots.errors import PalmbotsError
+from palmbots.links.greeting import check_admitted
 from palmbots.links.local_connection import connect
 from palmbots.wire import Role
 
@@ -51,6 +52,7 @@ class LockstepLine:
 
     def __init__(self, address: str, end: Role, epoch: int, scene: int = 0) -> None:
         self._world = connect(address, "world", _WORLD_STARTS_WITHIN_S)
+        self._end = end
         self._world.send([end, epoch, scene])
 
     def next(
@@ -66,6 +68,7 @@ class LockstepLine:
             PalmbotsError: the world is lost, or does not run in lockstep.
         """
         while (frame := self._world.receive()) != "end":
+            check_admitted(frame, self._end)
             if frame == "reboot":
                 os._exit(REBOOTED)  # as after a power failure: nothing is cleaned up
             if frame[0] == "greet":

@@ -15,11 +15,10 @@ from palmbots._types import SIDES, Side
 from palmbots._util.arguments import show
 from palmbots.clocks.control_clock import ControlClock
 from palmbots.errors import PalmbotsError
-from palmbots.links.greeting import scene_number
 from palmbots.scene.scene import Scene
 from palmbots.simulation.bench_stage import BenchStage
 from palmbots.simulation.imperfections import Imperfections
-from palmbots.simulation.live_world import Board, Entrance
+from palmbots.simulation.live_world import LiveRobots
 
 _RESTS_S = 0.5
 _FORM = "SIDE rod MM, SIDE rod off, SIDE home, or quit"
@@ -48,9 +47,7 @@ def run_bench(
     """
     stage = BenchStage(scene, seed, imperfections)
     period_s = scene.control.period_s
-    watchdog_ticks = round(scene.control.watchdog_s / period_s)
-    boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
-    entrance = Entrance(door, boards, scene_number(scene))
+    robots = LiveRobots(scene, stage, door, rate)
     clock = ControlClock(period_s / rate)
     resting = dict.fromkeys(SIDES, 0)
     has_moved = dict.fromkeys(SIDES, False)
@@ -61,20 +58,14 @@ def run_bench(
             break
         if line is not None and line.strip():
             on_line(obey(stage, line))
-        entrance.admit()
-        for board, frame in zip(boards.values(), stage.frames(), strict=True):
-            board.take()
-            board.send(frame)
-        stage.step(boards["left"].command, boards["right"].command)
+        robots.tick()
         for side in SIDES:
             has_moved[side] = has_moved[side] or stage.moves[side]
             resting[side] = 0 if stage.moves[side] else resting[side] + 1
             if has_moved[side] and resting[side] * period_s >= _RESTS_S:
                 on_line(stage.measured(side))
                 has_moved[side] = False
-    for board in boards.values():
-        board.send("end")
-        board.unplug()
+    robots.end()
 
 
 def obey(stage: BenchStage, line: str) -> str:

@@ -6,8 +6,6 @@ world sends a reading to each, takes the newest command of each, and moves the r
 has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
 """
 
-import contextlib
-import time
 from collections import deque
 from dataclasses import asdict, dataclass
 from socket import socket
@@ -18,19 +16,16 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util import process_clock
 from palmbots.clocks.control_clock import control_clock
-from palmbots.errors import PalmbotsError
-from palmbots.links.greeting import Greeting, greeting_in, is_other_scene, scene_number
+from palmbots.links.greeting import scene_number
 from palmbots.links.local_connection import Connection, ConnectionLost
 from palmbots.scene.scene import Scene
+from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
 
-_START_WITHIN_S = 30.0
 _ALONE_S = 3.0
 _REMEMBERED_S = 60.0
-_POLL_S = 0.01
-_MOST_AT_ONCE = 10  # programs that connect in one tick
 _DELIVERED_SHARE = 0.95
 
 
@@ -101,6 +96,60 @@ class Board:
         self.driver = None
 
 
+class LiveRobots:
+    """The robots of a world in real time: a motor board for each, and the entrance for programs.
+
+    Args:
+        scene: the scene.
+        stage: to which the motor boards are connected.
+        door: where the programs connect.
+        rate: multiple of real time.
+    """
+
+    def __init__(self, scene: Scene, stage: Stage, door: socket, rate: float) -> None:
+        self._stage = stage
+        watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
+        self._boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
+        self._entrance = Entrance(door, SIDES, scene_number(scene))
+
+    def missing(self) -> list[str]:
+        """The robots without a program."""
+        return [side for side, board in self._boards.items() if board.driver is None]
+
+    def wait(self) -> None:
+        """Wait until both programs have connected.
+
+        Raises:
+            PalmbotsError: one does not come.
+        """
+
+        def missing() -> list[str]:
+            for board in self._boards.values():
+                board.take()  # notices a program that is gone
+            return self.missing()
+
+        self._entrance.wait(missing, self._plug)
+
+    def tick(self) -> None:
+        """One control period."""
+        for side, program in self._entrance.admit([*{*SIDES} - {*self.missing()}]):
+            self._plug(side, program)
+        for board, frame in zip(self._boards.values(), self._stage.frames(), strict=True):
+            board.take()
+            board.send(frame)
+        left, right = (board.command for board in self._boards.values())
+        self._stage.step(left, right)
+
+    def end(self) -> None:
+        """End the programs."""
+        for board in self._boards.values():
+            board.send("end")
+            board.unplug()
+
+    def _plug(self, side: str, program: Connection) -> None:
+        self._boards[side].plug(program)
+
+
 def run_live_world(
     scene: Scene,
     door: socket,
@@ -129,34 +178,25 @@ def run_live_world(
     else:
         stage = ImperfectStage(scene, world, seed, imperfections)
     period_s = scene.control.period_s
-    watchdog_ticks = round(scene.control.watchdog_s / period_s)
-    boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
-    entrance = Entrance(door, boards, scene_number(scene))
-    entrance.wait()
+    robots = LiveRobots(scene, stage, door, rate)
+    robots.wait()
     clock = control_clock("world", period_s / rate)
     ticks = 0
     contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))
     alone_since = None
     while stage.outcome == "running":
         clock.wait()
-        entrance.admit()
-        for board, frame in zip(boards.values(), stage.frames(), strict=True):
-            board.take()
-            board.send(frame)
-        left, right = (board.command for board in boards.values())
-        stage.step(left, right)
+        robots.tick()
         contacts.append(stage.contacts)
         ticks += 1
-        if all(board.driver is None for board in boards.values()):
+        if len(robots.missing()) == len(SIDES):
             now = process_clock.monotonic()
             alone_since = alone_since or now
             if now - alone_since > _ALONE_S / rate:
                 break
         else:
             alone_since = None
-    for board in boards.values():
-        board.send("end")
-        board.unplug()
+    robots.end()
     distance_m = abs(stage.midpoint)
     outcome = "dropped" if stage.outcome == "dropped" else "stopped"
     if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
@@ -174,65 +214,3 @@ def _was_unavoidable(scene: Scene, stage: Stage, contacts: np.ndarray) -> bool:
         return False
     times = scene.control.period_s * np.arange(len(contacts))
     return left_palm_unavoidably(scene, times, contacts)
-
-
-class Entrance:
-    """Lets programs connect. It never waits, and strangers do not disturb the world."""
-
-    def __init__(self, door: socket, boards: dict[str, Board], scene: int) -> None:
-        self._door, self._boards, self._scene = door, boards, scene
-        self._unknown: list[tuple[float, Connection]] = []
-        door.settimeout(0)
-
-    def wait(self) -> None:
-        """Wait until both programs have connected.
-
-        Raises:
-            PalmbotsError: one does not come.
-        """
-        give_up = time.monotonic() + _START_WITHIN_S
-        here: set[str] = set()
-        while len(here) < len(self._boards):
-            self.admit()
-            for board in self._boards.values():
-                board.take()  # notices a program that is gone
-            now = {side for side, board in self._boards.items() if board.driver is not None}
-            if now - here:
-                give_up = time.monotonic() + _START_WITHIN_S
-            here = now
-            if time.monotonic() > give_up:
-                missing = " and ".join(side for side in self._boards if side not in here)
-                raise PalmbotsError(
-                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
-                )
-            time.sleep(_POLL_S)
-
-    def admit(self) -> None:
-        """Let the programs in that have connected and said who they are."""
-        with contextlib.suppress(BlockingIOError, ConnectionAbortedError):
-            for _ in range(_MOST_AT_ONCE):
-                stream, _ = self._door.accept()
-                self._unknown.append((time.monotonic(), Connection(stream, "a program")))
-        for entry in [*self._unknown]:
-            since, program = entry
-            try:
-                frame = program.poll()
-                if frame is None and time.monotonic() - since < _START_WITHIN_S:
-                    continue
-                greeting = greeting_in(frame)
-            except PalmbotsError:
-                program.close()
-            else:
-                self._plug(greeting, program)
-            self._unknown.remove(entry)
-
-    def _plug(self, greeting: Greeting, program: Connection) -> None:
-        side = greeting.end
-        is_taken = self._boards[side].driver is not None
-        if is_taken or is_other_scene(greeting, self._scene):
-            with contextlib.suppress(ConnectionLost):
-                program.send("taken" if is_taken else "scene")
-            program.close()
-            return
-        program.name = f"{side} robot"
-        self._boards[side].plug(program)

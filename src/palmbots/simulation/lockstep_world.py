@@ -13,11 +13,9 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry, check_on_robots
-from palmbots.errors import PalmbotsError
-from palmbots.links.greeting import greeted, is_other_scene
 from palmbots.links.local_connection import Connection, ConnectionLost
+from palmbots.simulation.entrance import Entrance
 
-_START_WITHIN_S = 30.0
 _ANSWER_WITHIN_S = 30.0
 ENDS = (*SIDES, "station")
 
@@ -32,16 +30,16 @@ class Programs:
     """
 
     def __init__(self, door: socket, ends: tuple[str, ...], scene: int = 0) -> None:
-        self._door, self._ends, self._scene = door, ends, scene
+        self._ends, self._entrance = ends, Entrance(door, ends, scene)
         self._programs: dict[str, Connection] = {}
 
     def wait(self) -> None:
         """Wait until all programs have connected, and let them greet each other.
 
         Raises:
-            PalmbotsError: a program does not connect in time, or two claim one side.
+            PalmbotsError: a program does not connect in time.
         """
-        self._wait_for(set(self._ends))
+        self._enter()
         establish_sessions(self._ends, self._greet, self._hear)
 
     def exchange(self, tick: int, *inputs: Any) -> list[Any]:
@@ -67,30 +65,10 @@ class Programs:
                 program.close()
         self._programs = {}
 
-    def _wait_for(self, ends: set[str]) -> None:
-        while ends - set(self._programs):
-            missing = " and ".join(sorted(ends - set(self._programs)))
-            self._door.settimeout(_START_WITHIN_S)
-            try:
-                stream, _ = self._door.accept()
-            except TimeoutError:
-                raise PalmbotsError(
-                    f"robots: {missing} did not connect within {_START_WITHIN_S:g} s"
-                ) from None
-            program = Connection(stream, "a program")
-            try:
-                greeting = greeted(program, self._ends)
-            except PalmbotsError:  # a stranger
-                continue
-            end = greeting.end
-            if is_other_scene(greeting, self._scene):
-                program.close()
-                raise PalmbotsError(f"robots: the {end} robot runs another scene than the world")
-            if end in self._programs:
-                program.close()
-                raise PalmbotsError(f"robots: two programs claim to be the {end} robot")
-            program.name = end if end == "station" else f"{end} robot"
-            self._programs[end] = program
+    def _enter(self) -> None:
+        self._entrance.wait(
+            lambda: set(self._ends) - set(self._programs), self._programs.__setitem__
+        )
 
     def _greet(self, end: str, other: str) -> bytes | None:
         self._programs[end].send(["greet", other])
@@ -104,7 +82,7 @@ class Programs:
         program = self._programs.pop(end)
         program.send("reboot")
         program.close()
-        self._wait_for({end})
+        self._enter()
 
     def _answer(self, end: str) -> Any:
         answer = self._programs[end].receive(_ANSWER_WITHIN_S)
