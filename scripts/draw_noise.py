@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palmbots._util.confidence_intervals import wilson_bounds
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     INK,
     PAPER,
@@ -30,7 +30,7 @@ LEAST_PERCENT = 0.01
 
 def draw(path: Path) -> None:
     """Write the picture."""
-    save_figure(path, figure())
+    write_figure(path, figure())
 
 
 def figure() -> Figure:

@@ -34,7 +34,7 @@ def _sections(command: Any, name: str, parent: Any) -> list[str]:
 
 def public_names() -> str:
     """A section for the package, and one for each public room of it."""
-    rooms = [n for n in sorted(palmbots.__all__) if inspect.ismodule(getattr(palmbots, n))]
+    rooms = [n for n in dir(palmbots) if inspect.ismodule(getattr(palmbots, n))]
     modules = ["palmbots", *(f"palmbots.{room}" for room in rooms)]
     options = "   :members:\n   :imported-members:"
     return "\n".join(

@@ -6,14 +6,11 @@
 'delivered'
 """
 
-from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from palmbots._util.lazy_names import lazy_names as _lazy_names
-from palmbots._util.offers import offer_entry as _offer_entry
-from palmbots._util.offers import offer_module as _offer_module
-from palmbots._version import __version__ as __version__
+from palmbots._util.lazy_names import lazy_names
 
-if _TYPE_CHECKING:
+if TYPE_CHECKING:
     from palmbots import control as control
     from palmbots import learn as learn
     from palmbots import logs as logs
@@ -25,6 +22,7 @@ if _TYPE_CHECKING:
     from palmbots import studies as studies
     from palmbots import viz as viz
     from palmbots import wire as wire
+    from palmbots._version import __version__ as __version__
     from palmbots.errors import PalmbotsError as PalmbotsError
     from palmbots.errors import SceneError as SceneError
     from palmbots.logs.mcap_reader import read_log as read_log
@@ -49,102 +47,25 @@ if _TYPE_CHECKING:
     from palmbots.stability.palm_angles import design as design
     from palmbots.studies.study_reader import open_study as open_study
     from palmbots.studies.study_runner import study as study
+else:
+    __getattr__, __dir__ = lazy_names(__name__)
 
-__all__ = [
-    "PalmbotsError",
-    "Scene",
-    "SceneError",
-    "__version__",
-    "analyze",
-    "bound",
-    "carry",
-    "certify",
-    "check",
-    "compare",
-    "contacts",
-    "control",
-    "design",
-    "estimate_drop_rate",
-    "feasible_modes",
-    "learn",
-    "load_scene",
-    "logs",
-    "mechanics",
-    "modes",
-    "modes_batch",
-    "mujoco",
-    "noise_limit",
-    "object_names",
-    "open_study",
-    "optimum",
-    "read_log",
-    "replay",
-    "simulation",
-    "stability",
-    "studies",
-    "study",
-    "validate",
-    "viz",
-    "wire",
-    "write_log",
-]
-
-# Where each name is defined. All are loaded on first use: most modules import numpy and pydantic,
-# which take a quarter of a second, and `palmbots --help` and Ctrl-C must not wait for them.
-_PLACES = {
-    "analyze": ".stability.analysis",
-    "bound": ".optimum.drop_bound",
-    "carry": ".simulation.single",
-    "certify": ".stability.certificates.prover",
-    "check": ".stability.certificates.checker.verify",
-    "compare": ".simulation.sweep",
-    "contacts": ".mechanics.contact_points",
-    "control": ".control",
-    "design": ".stability.palm_angles",
-    "estimate_drop_rate": ".simulation.rare_events",
-    "feasible_modes": ".mechanics.mode_analysis",
-    "learn": ".learn",
-    "load_scene": ".scene.scene",
-    "logs": ".logs",
-    "mechanics": ".mechanics",
-    "modes": ".mechanics.mode_analysis",
-    "modes_batch": ".mechanics.mode_analysis",
-    "mujoco": ".mujoco",
-    "noise_limit": ".simulation.noise_limit",
-    "object_names": ".scene.object_library",
-    "open_study": ".studies.study_reader",
-    "optimum": ".optimum",
-    "PalmbotsError": ".errors",
-    "read_log": ".logs.mcap_reader",
-    "replay": ".logs.replaying",
-    "Scene": ".scene.scene",
-    "SceneError": ".errors",
-    "simulation": ".simulation",
-    "stability": ".stability",
-    "studies": ".studies",
-    "study": ".studies.study_runner",
-    "validate": ".mujoco.validation.validation",
-    "viz": ".viz",
-    "wire": ".wire",
-    "write_log": ".logs.mcap_writer",
+# What higher rooms add to the registries of lower ones (`palmbots._util.named_registry`), by kind.
+_OFFERS = {
+    "world": {"mujoco": "palmbots.mujoco.carry_runner:WORLD"},
+    "driver.kind": {"ros2": "palmbots.ros2.ros2_driver:open_ros2"},
+    "controller file": {
+        ".toml": "palmbots.derivation.policy_controller:load_policy",
+        ".toml@station": "palmbots.derivation.policy_controller:load_station_policy",
+    },
+    "reference controller": {
+        "optimal": "palmbots.optimum.optimal_controllers:OPTIMAL",
+        "optimal-stopping": "palmbots.optimum.optimal_controllers:OPTIMAL_STOPPING",
+        "exact-p": "palmbots.optimum.linear_controllers:EXACT_P",
+        "exact-p-stopping": "palmbots.optimum.linear_controllers:EXACT_P_STOPPING",
+        "kalman": "palmbots.optimum.linear_controllers:KALMAN",
+        "kalman-stopping": "palmbots.optimum.linear_controllers:KALMAN_STOPPING",
+    },
+    "figure": {"those of viz": "palmbots.viz"},
+    "writer": {"figure": "palmbots.viz:write_figure"},
 }
-
-# What higher rooms add to the registries of lower ones; imported on first use.
-_OPTIMAL = "palmbots.optimum.optimal_controllers"
-_offer_entry("world", "mujoco", "palmbots.mujoco.carry_runner:WORLD")
-_offer_entry("driver", "ros2", "palmbots.ros2.ros2_driver:open_ros2")
-_offer_entry("controller file", ".toml", "palmbots.derivation.policy_controller:load_policy")
-_offer_entry(
-    "controller file", ".toml@station", "palmbots.derivation.policy_controller:load_station_policy"
-)
-_offer_entry("reference controller", "optimal", f"{_OPTIMAL}:OPTIMAL")
-_offer_entry("reference controller", "optimal-stopping", f"{_OPTIMAL}:OPTIMAL_STOPPING")
-_LINEAR = "palmbots.optimum.linear_controllers"
-_offer_entry("reference controller", "exact-p", f"{_LINEAR}:EXACT_P")
-_offer_entry("reference controller", "exact-p-stopping", f"{_LINEAR}:EXACT_P_STOPPING")
-_offer_entry("reference controller", "kalman", f"{_LINEAR}:KALMAN")
-_offer_entry("reference controller", "kalman-stopping", f"{_LINEAR}:KALMAN_STOPPING")
-_offer_module("figure", "palmbots.viz")
-_offer_module("writer", "palmbots.viz")
-
-__getattr__, __dir__ = _lazy_names(__name__, _PLACES)

@@ -16,7 +16,7 @@ import pytest
 import palmbots as pb
 from distributions import installed
 from palmbots.drivers.driver import Drive, DriverSettings, RawAccess, RawCommand, works
-from palmbots.drivers.driver_registry import DRIVER_GROUP, open_driver
+from palmbots.drivers.driver_registry import open_driver
 from waiting import wait_until
 
 W_S = 0.2
@@ -29,7 +29,7 @@ def note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The file in which the driver notes what it does; the drivers are installed."""
     module = "scripted_drivers:"
     environment = installed(
-        tmp_path / "site", DRIVER_GROUP, noted=module + "Noted",
+        tmp_path / "site", "palmbots.drivers", noted=module + "Noted",
         hardware=module + "NotedHardware", own=module + "WithWatchdog", broken="no_such:Class",
     )  # fmt: skip
     monkeypatch.setenv("PYTHONPATH", environment["PYTHONPATH"])

@@ -12,7 +12,7 @@ import pytest
 import palmbots as pb
 from cxx import ROOT
 from palmbots.cli import main as cli
-from palmbots.mujoco.drift_forecast import Forecast, forecast, lip_clearance
+from palmbots.mujoco.drift_forecast import Forecast, forecast_drift, lip_clearance
 from palmbots.scene.scene import Scene, load_scene
 
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 1.0, "task.distance_m": 1.0}
@@ -43,7 +43,7 @@ def test_mean_forecast_agrees_with_recorded_mujoco_carries(radius: float) -> Non
         rows = [r for r in csv.DictReader(stream) if r["case"] == f"25 s on R = {radius:g} m"]
     assert [row["outcome"] for row in rows] == ["delivered"] * 12
     seen = 1e-3 * float(np.mean([float(row["seen_mm"]) for row in rows]))
-    predicted = forecast(
+    predicted = forecast_drift(
         scene_with({"task.path.radius_m": radius, "task.distance_m": 1.75}), seeds=12
     )
     assert predicted.mean_m == pytest.approx(seen, rel=0.1)
@@ -67,7 +67,7 @@ def test_the_mirror_image_drifts_alike() -> None:
 
 def test_tighter_and_longer_paths_use_up_more() -> None:
     budgets = [
-        forecast(scene_with({"task.path.radius_m": r, "task.distance_m": d}), seeds=4)
+        forecast_drift(scene_with({"task.path.radius_m": r, "task.distance_m": d}), seeds=4)
         for r, d in ((4.0, 1.0), (1.0, 1.0), (1.0, 2.0))
     ]
     assert budgets[0].mean_m < 0.5 * budgets[1].mean_m < 0.4 * budgets[2].mean_m
@@ -90,7 +90,7 @@ def test_narrow_palms_are_warned_of_and_refused(
     width: float, verdict: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     changes = {"palm.width_m": width, "robot.noise_m_s": 0.01}
-    budget = forecast(scene_with(changes))
+    budget = forecast_drift(scene_with(changes))
     assert budget.verdict == verdict
     assert budget.summary()["verdict"] == verdict and "at most" in budget.text()
     if verdict != "beyond":
@@ -120,7 +120,7 @@ def test_lips_that_jam_are_refused_and_others_keep_the_budget() -> None:
         Forecast(scene_with(lips))
     allowed = float(str(no.value).split("at least ")[1].split()[0])
     assert least <= allowed <= least + 1e-4
-    kept = forecast(scene_with(lips | {"palm.lip_clearance_m": 0.01}), seeds=2)
+    kept = forecast_drift(scene_with(lips | {"palm.lip_clearance_m": 0.01}), seeds=2)
     assert (kept.verdict, kept.lips, kept.budget_m) == ("kept", True, 0.01)
 
 

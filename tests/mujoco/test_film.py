@@ -21,8 +21,8 @@ from palmbots.mujoco.film import (
     VideoRenderer,
     check_film,
     most_informative_row,
-    save_film,
     save_still,
+    save_video,
 )
 from palmbots.mujoco.overlay import METRES_PER_NEWTON, Overlay
 from palmbots.simulation.result import Carry
@@ -98,7 +98,7 @@ def test_forces_drawn_are_the_weight(done: Carry, monkeypatch: pytest.MonkeyPatc
 
 def test_video_lasts_as_long_as_the_carry(done: Carry, tmp_path: Path) -> None:
     seen: list[float] = []
-    save_film(done, tmp_path / "c.mp4", size=TINY, on_progress=seen.append)
+    save_video(done, tmp_path / "c.mp4", size=TINY, on_progress=seen.append)
     asked = "stream=width,height:format=duration"
     probe = subprocess.run(
         ["ffprobe", "-v", "error", "-show_entries", asked, "-of", "json", tmp_path / "c.mp4"],
@@ -138,7 +138,7 @@ def test_gif_is_written_without_ffmpeg(
     check_film(tmp_path / "c.gif")
     with pytest.raises(pb.PalmbotsError, match="MP4 needs the program ffmpeg"):
         check_film(tmp_path / "c.mp4")
-    save_film(done, tmp_path / "c.gif", size=TINY)
+    save_video(done, tmp_path / "c.gif", size=TINY)
     with Image.open(tmp_path / "c.gif") as image:
         assert image.size == TINY
         durations = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
@@ -152,7 +152,7 @@ def test_gif_is_written_without_ffmpeg(
 
 def test_carry_without_states_has_no_video(tmp_path: Path) -> None:
     with pytest.raises(pb.PalmbotsError, match='run it with world="mujoco" and record=True'):
-        save_film(pb.carry("paper"), tmp_path / "c.mp4")
+        save_video(pb.carry("paper"), tmp_path / "c.mp4")
     assert list(tmp_path.iterdir()) == []
 
 

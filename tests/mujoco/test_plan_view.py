@@ -26,7 +26,7 @@ def done() -> Carry:
 
 
 def test_the_plan_shows_tracks_and_object_where_they_were(done: Carry) -> None:
-    figure = plan_view.draw(done)
+    figure = plan_view.draw_plan_view(done)
     (panel,) = figure.axes
     tracks = {line.get_linestyle(): line for line in panel.lines if np.size(line.get_xdata()) > 500}
     assert done.trace is not None
@@ -53,14 +53,14 @@ def test_plan_view_is_written_as_an_image(done: Carry, tmp_path: Path) -> None:
 
 
 def test_lateral_panel_exists_on_curved_paths_only(done: Carry) -> None:
-    panels = {axes.get_ylabel(): axes for axes in figure8.draw(done).axes}
+    panels = {axes.get_ylabel(): axes for axes in figure8.draw_carry(done).axes}
     across = panels["across\npalm [mm]"]
     drawn = np.concatenate([line.get_ydata() for line in across.lines[:2]])
     assert done.lateral_peak_m is not None
     peak = 1e3 * max(map(abs, done.lateral_peak_m.values()))
     assert np.abs(drawn).max() == pytest.approx(peak, rel=0.01)
     straight = pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.05})
-    assert "across\npalm [mm]" not in {a.get_ylabel() for a in figure8.draw(straight).axes}
+    assert "across\npalm [mm]" not in {a.get_ylabel() for a in figure8.draw_carry(straight).axes}
 
 
 def count(image: Image.Image, near: tuple[int, int, int], within: int) -> int:
@@ -87,10 +87,10 @@ def test_the_film_turns_with_the_pair_and_shows_the_path(
 
 def test_plan_view_of_a_straight_path_is_refused() -> None:
     with pytest.raises(pb.PalmbotsError, match="world mujoco, record=True"):
-        plan_view.draw(pb.carry("paper"))
+        plan_view.draw_plan_view(pb.carry("paper"))
     straight = pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.02})
     with pytest.raises(pb.PalmbotsError, match="the path is straight"):
-        plan_view.draw(straight)
+        plan_view.draw_plan_view(straight)
 
 
 def test_command_writes_the_plan_and_removes_an_old_one(

@@ -13,7 +13,7 @@ import pytest
 
 from palmbots._types import SIDES
 from palmbots.mujoco import film
-from palmbots.mujoco.drift_budget import Budget
+from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.mjcf import mjcf
 from palmbots.mujoco.trace_columns import COLUMNS
@@ -234,7 +234,7 @@ def test_log_fields_are_named_after_variable_and_unit() -> None:
 )
 def test_verdicts_change_at_the_budget(mean: float, most: float, lips: bool, verdict: str) -> None:
     """Beyond it in the mean; near it from 80 % for the worst seed; lips stop the drift."""
-    budget = Budget(0.035, 1e-3 * mean, 1e-3 * most, 16, 7.2, lips, 0.0)
+    budget = DriftBudget(0.035, 1e-3 * mean, 1e-3 * most, 16, 7.2, lips, 0.0)
     assert budget.verdict == verdict
 
 

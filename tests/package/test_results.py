@@ -23,7 +23,7 @@ from palmbots._util.results import Result
 from palmbots.cli.json_schemas import with_scene
 from palmbots.control import bounds_of
 from palmbots.learn import EpisodeResult
-from palmbots.mujoco.drift_budget import Budget
+from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
@@ -50,7 +50,7 @@ NO_RESULTS = {
 
 
 def public_modules() -> list[Any]:
-    rooms = [name for name in pb.__all__ if inspect.ismodule(getattr(pb, name))]
+    rooms = [name for name in dir(pb) if inspect.ismodule(getattr(pb, name))]
     return [pb, *(importlib.import_module(f"palmbots.{room}") for room in rooms)]
 
 
@@ -58,7 +58,7 @@ def returned_classes() -> dict[str, type]:
     """The classes of the package that a public function returns, by name; lists excepted."""
     classes = {}
     for module in public_modules():
-        for name in module.__all__:
+        for name in dir(module):
             function = getattr(module, name)
             if not isinstance(function, FunctionType):
                 continue
@@ -127,7 +127,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Analysis": lambda folder: analysis(),
     "Bound": lambda folder: pb.bound("paper", overrides=SHORT),
     "Bounds": lambda folder: bounds_of(Scene()),
-    "Budget": lambda folder: Budget(0.035, 0.01, 0.02, 16, 7.2, False, 0.0),
+    "DriftBudget": lambda folder: DriftBudget(0.035, 0.01, 0.02, 16, 7.2, False, 0.0),
     "Carry": lambda folder: pb.carry("paper", overrides=SHORT),
     "Certificate": lambda folder: certificate(),
     "CheckResult": checked,

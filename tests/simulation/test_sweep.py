@@ -13,7 +13,7 @@ from palmbots._util.confidence_intervals import wilson
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
-from palmbots.viz.sweep_figure import draw
+from palmbots.viz.sweep_figure import draw_sweep
 
 
 def test_rows_are_ordered_by_controller_and_value() -> None:
@@ -222,7 +222,7 @@ def test_figure_sorts_values_and_cuts_nothing_off() -> None:
         key="robot.noise_m_s", values=values, controllers=["none", "distributed"], carries=10,
         overrides={"task.distance_m": 0.2},
     )  # fmt: skip
-    figure: Any = draw(given)
+    figure: Any = draw_sweep(given)
     labels = ["dropped [%]", "stalled [%]", "contact rms [mm]", "messages per metre"]
     assert [axes.get_ylabel() for axes in figure.axes] == labels
     scales = {"drop_rate": 100, "stall_rate": 100, "rms_m": 1e3, "messages_per_m": 1}

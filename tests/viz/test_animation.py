@@ -15,7 +15,7 @@ from PIL import Image, ImageSequence
 import palmbots as pb
 from palmbots import viz
 from palmbots.errors import PalmbotsError
-from palmbots.viz import animation
+from palmbots.viz.animation import save_animation
 from palmbots.viz.gif import GifWriter, palette
 
 
@@ -39,7 +39,7 @@ def test_gif_runs_in_real_time(tmp_path, controller):
     done = pb.carry("paper", controller, seed=0, overrides={"task.distance_m": 0.2})
     assert done.trace is not None
     reports: list[tuple[int, int]] = []
-    animation.save(done, tmp_path / "c.gif", on_progress=lambda *report: reports.append(report))
+    save_animation(done, tmp_path / "c.gif", on_progress=lambda *report: reports.append(report))
     frames = frames_of(tmp_path / "c.gif")
     last = float(done.trace["time"][-1])
     assert len(frames) == int(last * 10) + 2  # one every 0.1 s, and the end
@@ -52,13 +52,13 @@ def test_gif_runs_in_real_time(tmp_path, controller):
 
 @pytest.mark.soak
 def test_animation_of_the_paper_carry_is_small(tmp_path):
-    animation.save(pb.carry("paper", seed=1), tmp_path / "c.gif")
+    save_animation(pb.carry("paper", seed=1), tmp_path / "c.gif")
     assert (tmp_path / "c.gif").stat().st_size < 4e6
 
 
 def test_the_same_carry_gives_the_same_file(tmp_path, short):
     for name in ("a.gif", "b.gif"):
-        animation.save(short, tmp_path / name)
+        save_animation(short, tmp_path / name)
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
@@ -75,14 +75,14 @@ def test_the_same_carry_gives_the_same_file(tmp_path, short):
 )
 def test_unusual_scenes(tmp_path, overrides):
     done = pb.carry("paper", "none", overrides={"task.distance_m": 0.1, **overrides})
-    animation.save(done, tmp_path / "c.gif", fps=5)
+    save_animation(done, tmp_path / "c.gif", fps=5)
     assert frames_of(tmp_path / "c.gif")
 
 
 def test_long_carry_is_shown_faster(tmp_path):
     slow = {"task.distance_m": 1.5, "robot.speed_m_s": 0.01}  # 150 s, shown in 50
     done = pb.carry("paper", "distributed", overrides=slow)
-    animation.save(done, tmp_path / "c.gif", fps=1)
+    save_animation(done, tmp_path / "c.gif", fps=1)
     assert len(frames_of(tmp_path / "c.gif")) == pytest.approx(done.time_s / 3, abs=3)
 
 
@@ -116,7 +116,7 @@ def test_too_large_palette_is_refused(tmp_path):
 
 
 def test_mp4_has_every_frame(tmp_path, short):
-    animation.save(short, tmp_path / "c.mp4")
+    save_animation(short, tmp_path / "c.mp4")
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json"]
     probe = subprocess.run([*command, tmp_path / "c.mp4"], capture_output=True, check=True)
     stream = json.loads(probe.stdout)["streams"][0]
@@ -130,7 +130,7 @@ def test_formats_without_ffmpeg(tmp_path, short, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     assert viz.video_formats() == (".gif",)
-    animation.save(short, tmp_path / f"c{viz.video_formats()[0]}")
+    save_animation(short, tmp_path / f"c{viz.video_formats()[0]}")
     shown = int(float(short.trace["time"][-1]) * 10) + 2  # the last frame is held, not repeated
     assert len(frames_of(tmp_path / "c.gif")) == pytest.approx(shown, abs=1)
 
@@ -141,7 +141,7 @@ def test_ffmpeg_of_the_package_imageio_ffmpeg_is_used(tmp_path, short, monkeypat
     package = SimpleNamespace(get_ffmpeg_exe=lambda: program)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", package)
     assert viz.video_formats() == (".mp4", ".gif")
-    animation.save(short, tmp_path / "c.mp4")
+    save_animation(short, tmp_path / "c.mp4")
     assert (tmp_path / "c.mp4").read_bytes()[4:8] == b"ftyp"
 
 
@@ -149,7 +149,7 @@ def test_mp4_without_ffmpeg_is_refused(tmp_path, short, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(PalmbotsError, match=r"needs the program ffmpeg.*or write \.gif"):
-        animation.save(short, tmp_path / "c.mp4")
+        save_animation(short, tmp_path / "c.mp4")
 
 
 def test_error_of_ffmpeg_is_reported(tmp_path, short, monkeypatch):
@@ -158,17 +158,17 @@ def test_error_of_ffmpeg_is_reported(tmp_path, short, monkeypatch):
     broken.chmod(0o755)
     monkeypatch.setattr(shutil, "which", lambda _: str(broken))
     with pytest.raises(PalmbotsError, match="could not write the video: no such encoder"):
-        animation.save(short, tmp_path / "c.mp4")
+        save_animation(short, tmp_path / "c.mp4")
     assert list(tmp_path.iterdir()) == [broken]
 
 
 def test_refusals_are_one_line(tmp_path, short):
     bare = pb.carry("paper", record=False)
     for wrong in (
-        lambda: animation.save(short, tmp_path / "c.webm"),
-        lambda: animation.save(short, tmp_path / "c.gif", fps=0),
-        lambda: animation.save(short, tmp_path / "none" / "c.gif"),
-        lambda: animation.save(bare, tmp_path / "c.gif"),
+        lambda: save_animation(short, tmp_path / "c.webm"),
+        lambda: save_animation(short, tmp_path / "c.gif", fps=0),
+        lambda: save_animation(short, tmp_path / "none" / "c.gif"),
+        lambda: save_animation(bare, tmp_path / "c.gif"),
     ):
         with pytest.raises(PalmbotsError) as error:
             wrong()
@@ -182,5 +182,5 @@ def test_interrupted_animation_leaves_no_file(tmp_path, short):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        animation.save(short, tmp_path / "c.gif", on_progress=interrupt)
+        save_animation(short, tmp_path / "c.gif", on_progress=interrupt)
     assert list(tmp_path.iterdir()) == []

@@ -38,7 +38,7 @@ def overlaps(figure):
 
 
 def test_every_correction_is_labelled(delivered):
-    figure = figure8.draw(delivered)
+    figure = figure8.draw_carry(delivered)
     labels = [f"{c.label} ({c.case})" for c in delivered.corrections]
     assert len(labels) > 20
     assert set(labels) <= set(texts(figure))
@@ -52,11 +52,11 @@ def test_assistance_is_marked_from_the_trace(delivered):
     for bar in assists:
         during = case.sel(side=bar.row, time=slice(bar.start, bar.end - 1e-9))
         assert set(during.to_numpy()) == {"c"}
-    assert "(c)" in texts(figure8.draw(delivered))
+    assert "(c)" in texts(figure8.draw_carry(delivered))
 
 
 def test_time_window_shows_its_corrections_only(delivered):
-    figure = figure8.draw(delivered, window=(0.0, 6.5))
+    figure = figure8.draw_carry(delivered, window=(0.0, 6.5))
     shown = {text.split(" ")[0] for text in texts(figure)}
     for c in delivered.corrections:
         assert (c.label in shown) == (c.start_s <= 6.5)
@@ -67,11 +67,11 @@ def test_time_window_shows_its_corrections_only(delivered):
 @pytest.mark.parametrize("window", [(2.0, 1.0), (0.0, float("nan")), (100.0, 200.0)])
 def test_empty_time_window_is_refused(delivered, window):
     with pytest.raises(PalmbotsError, match="window"):
-        figure8.draw(delivered, window=window)
+        figure8.draw_carry(delivered, window=window)
 
 
 def test_axes_carry_units_and_share_time(delivered):
-    figure = figure8.draw(delivered)
+    figure = figure8.draw_carry(delivered)
     labels = " ".join(axes.get_ylabel() for axes in figure.axes).replace("\n", " ")
     contacts = "left contact [mm]", "right contact [mm]"
     for wanted in (*contacts, "angle [°]", "[mm]", "speed (thick: commanded) [cm/s]"):
@@ -81,7 +81,7 @@ def test_axes_carry_units_and_share_time(delivered):
 
 
 def test_drop_is_stated_in_the_figure(dropped):
-    figure = figure8.draw(dropped)
+    figure = figure8.draw_carry(dropped)
     assert f"dropped: {dropped.reason}" in texts(figure)
     assert "no corrections" in texts(figure)
     assert any("ends of the palm" in text for text in texts(figure))
@@ -89,7 +89,7 @@ def test_drop_is_stated_in_the_figure(dropped):
 
 
 def test_figure_of_a_centralized_carry_shows_its_cases():
-    figure = figure8.draw(pb.carry("paper", "centralized", seed=0))
+    figure = figure8.draw_carry(pb.carry("paper", "centralized", seed=0))
     assert any(text.endswith("(1)") for text in texts(figure))
     assert overlaps(figure) == []
 
@@ -99,7 +99,7 @@ def test_carry_that_ends_in_the_first_tick_is_handled(overrides):
     done = pb.carry("paper", "none", overrides=overrides)
     assert done.outcome == "dropped"
     assert done.time_s < 1e-9
-    figure = figure8.draw(done)
+    figure = figure8.draw_carry(done)
     assert f"dropped: {done.reason}" in texts(figure)
     assert overlaps(figure) == []
 
@@ -114,7 +114,7 @@ def test_every_controller_is_drawn(controller):
         "resilient": {"TiltUp", "Ack", "TiltDown", "Closing", "Raised"},
         "silent": set(), "shared-sign": {"Zero", "Plus", "MinusShallow"},
     }[controller]  # fmt: skip
-    figure = figure8.draw(done)
+    figure = figure8.draw_carry(done)
     keys = [axes.get_legend() for axes in figure.axes] + figure.legends
     assert letters <= {t.get_text() for key in keys if key for t in key.get_texts()}
     figure.canvas.draw()
@@ -135,7 +135,7 @@ def test_too_many_corrections_are_not_labelled(delivered):
         for c in delivered.corrections
     ]
     crowded = dataclasses.replace(delivered, corrections=tuple(many))
-    assert not any("(" in text for text in texts(figure8.draw(crowded)))
+    assert not any("(" in text for text in texts(figure8.draw_carry(crowded)))
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_refusals_are_one_line(tmp_path, delivered):
         lambda: figure8.save(delivered, tmp_path / "figure.bmp"),
         lambda: figure8.save(delivered, tmp_path / "figure"),
         lambda: figure8.save(delivered, tmp_path / "none" / "figure.png"),
-        lambda: figure8.draw(bare),
+        lambda: figure8.draw_carry(bare),
     ):
         with pytest.raises(PalmbotsError) as error:
             wrong()
@@ -166,7 +166,7 @@ def test_refusals_are_one_line(tmp_path, delivered):
 
 def test_the_callers_settings_stay(delivered):
     before = dict(matplotlib.rcParams)
-    figure8.draw(delivered)
+    figure8.draw_carry(delivered)
     assert dict(matplotlib.rcParams) == before
 
 

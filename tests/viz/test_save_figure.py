@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from palmbots.errors import PalmbotsError
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF", ".PNG": b"\x89PNG"}
 
@@ -24,7 +24,7 @@ def test_the_same_figure_is_the_same_file(
 ) -> None:
     for k, second in enumerate(("1000000000", "1700000000")):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", second)  # the time, as far as matplotlib knows
-        save_figure(tmp_path / f"{k}{suffix}", figure())
+        write_figure(tmp_path / f"{k}{suffix}", figure())
     one, two = ((tmp_path / f"{k}{suffix}").read_bytes() for k in (0, 1))
     assert one == two
     assert one.startswith(BEGINS[suffix])
@@ -33,5 +33,5 @@ def test_the_same_figure_is_the_same_file(
 @pytest.mark.parametrize("name", ["figure.bmp", "figure", "figure.png.txt"])
 def test_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(PalmbotsError, match=r"suffix is .*; allowed: \.png, \.svg, \.pdf$"):
-        save_figure(tmp_path / name, figure())
+        write_figure(tmp_path / name, figure())
     assert not list(tmp_path.iterdir())

@@ -14,7 +14,7 @@ from matplotlib.text import Annotation
 import palmbots as pb
 from palmbots.errors import PalmbotsError
 from palmbots.simulation.result import Carry
-from palmbots.viz import sequence_chart
+from palmbots.viz.sequence_chart import draw_message_sequence, save
 
 LOST_ACK = {
     "robot.noise_m_s": 0.0,
@@ -45,7 +45,7 @@ def names(figure: Figure) -> list[str]:
 def test_every_message_is_an_arrow(lost_ack: Carry) -> None:
     """From its sender's line when it was sent to its receiver's when it comes; a lost one ends
     between them."""
-    (panel,) = sequence_chart.draw(lost_ack).axes
+    (panel,) = draw_message_sequence(lost_ack).axes
     assert [(m.sender, m.kind) for m in lost_ack.message_log] == [
         ("right", "TiltUp"),
         ("left", "Ack"),
@@ -59,7 +59,7 @@ def test_every_message_is_an_arrow(lost_ack: Carry) -> None:
 
 
 def test_cases_are_shaded_where_they_last(lost_ack: Carry) -> None:
-    (panel,) = sequence_chart.draw(lost_ack).axes
+    (panel,) = draw_message_sequence(lost_ack).axes
     assert sum(name in ("(a)", "(c)") for name in names(panel.get_figure())) == 2  # type: ignore[arg-type]
     bars = [patch for patch in panel.patches if isinstance(patch, Rectangle)]
     starts = {round(bar.get_x() + bar.get_width() / 2): bar.get_y() for bar in bars}
@@ -70,7 +70,7 @@ def test_names_of_cases_that_follow_at_once_do_not_overlap() -> None:
     """Where requests cross, (a) becomes (b) after a twentieth of a second."""
     crossing = pb.carry(overrides={"task.direction": "backward"})
     assert any(c.case == "b" for c in crossing.corrections)
-    figure = sequence_chart.draw(crossing)
+    figure = draw_message_sequence(crossing)
     figure.canvas.draw()
     for panel in figure.axes:
         boxes = [t.get_window_extent() for t in panel.texts if t.get_text().startswith("(")]
@@ -88,7 +88,7 @@ def test_no_arrow_crosses_the_name_of_a_message() -> None:
             for before, after in pairwise(done.message_log)
             if (before.kind, after.kind) == ("Ack", "TiltDown")
         )
-        figure = sequence_chart.draw(done)
+        figure = draw_message_sequence(done)
         figure.canvas.draw()
         for panel in figure.axes:
             lines = [panel.transData.transform(ends) for ends in arrows(panel)]
@@ -107,7 +107,7 @@ def test_no_arrow_crosses_the_name_of_a_message() -> None:
 
 def test_time_runs_on_from_column_to_column() -> None:
     done = pb.carry("paper", "distributed", seed=1)
-    figure = sequence_chart.draw(done)
+    figure = draw_message_sequence(done)
     limits = [panel.get_ylim() for panel in figure.axes]
     assert len(limits) > 2
     for (end, _), (_, start) in pairwise(limits):
@@ -117,7 +117,7 @@ def test_time_runs_on_from_column_to_column() -> None:
 
 def test_repeated_beacon_message_has_no_label() -> None:
     done = pb.carry("paper", "resilient", overrides={"task.distance_m": 0.3})
-    figure = sequence_chart.draw(done)
+    figure = draw_message_sequence(done)
     assert sum(len(arrows(panel)) for panel in figure.axes) == len(done.message_log)
     last = {"left": "", "right": ""}
     news = 0
@@ -131,14 +131,14 @@ def test_repeated_beacon_message_has_no_label() -> None:
 def test_reboot_is_marked() -> None:
     broken = [{"kind": "reboot", "robot": "left", "at_s": 0.5, "duration_s": 0.2}]
     changes = LOST_ACK | {"faults.script": broken}
-    figure = sequence_chart.draw(pb.carry("paper", "distributed", overrides=changes))
+    figure = draw_message_sequence(pb.carry("paper", "distributed", overrides=changes))
     assert "reboot" in names(figure)
 
 
 def test_scripted_duplicate_is_drawn() -> None:
     copied = [{"sender": "left", "message": 1, "effect": "duplicated", "delay_s": 0.3}]
     done = pb.carry("paper", "distributed", overrides=LOST_ACK | {"radio.script": copied})
-    (panel,) = sequence_chart.draw(done).axes
+    (panel,) = draw_message_sequence(done).axes
     ack = next(m for m in done.message_log if m.kind == "Ack")
     assert ack.received_s is not None
     assert arrows(panel)[-1] == ((0.0, ack.sent_s), (1.0, pytest.approx(ack.received_s + 0.3)))
@@ -149,14 +149,14 @@ def test_scripted_duplicate_is_drawn() -> None:
 def test_the_same_carry_gives_the_same_file(lost_ack: Carry, tmp_path: Path, suffix: str) -> None:
     files = [tmp_path / f"{name}{suffix}" for name in ("a", "b")]
     for path in files:
-        sequence_chart.save(lost_ack, path)
+        save(lost_ack, path)
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_bad_input_is_one_line(lost_ack: Carry, tmp_path: Path) -> None:
     with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
-        sequence_chart.save(lost_ack, tmp_path / "chart.gif")
+        save(lost_ack, tmp_path / "chart.gif")
     with pytest.raises(PalmbotsError, match="window is"):
-        sequence_chart.draw(lost_ack, (2.0, 1.0))
+        draw_message_sequence(lost_ack, (2.0, 1.0))
     with pytest.raises(PalmbotsError, match="record=True"):
-        sequence_chart.draw(pb.carry("paper", record=False))
+        draw_message_sequence(pb.carry("paper", record=False))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields
 
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item
-from palmbots.mujoco.drift_budget import Budget
+from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.simulation.carry_lines import carry_lines
 from palmbots.simulation.result import Carry
 
@@ -15,7 +15,7 @@ from palmbots.simulation.result import Carry
 class Carried(Carry):
     """A carry, the forecast of its lateral drift, and why it failed."""
 
-    drift_forecast: Budget | None = None
+    drift_forecast: DriftBudget | None = None
     """The forecast for a curved path in MuJoCo; None: there is none."""
     hint: str | None = field(default=None, metadata=NOT_IN_JSON)
     """On the reason of the outcome, with a command."""
@@ -27,7 +27,7 @@ class Carried(Carry):
         cls,
         carry: Carry,
         printed: Sequence[str],
-        forecast: Budget | None = None,
+        forecast: DriftBudget | None = None,
         hint: str | None = None,
     ) -> "Carried":
         """The carry with these warnings, which are printed already, in front of its own."""

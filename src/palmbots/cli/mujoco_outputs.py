@@ -12,7 +12,7 @@ from palmbots.errors import SceneError
 
 if TYPE_CHECKING:
     from palmbots.control.registry import ControllerEntry
-    from palmbots.mujoco.drift_budget import Budget
+    from palmbots.mujoco.drift_budget import DriftBudget
     from palmbots.scene.scene import Scene
     from palmbots.simulation.result import Carry
 
@@ -35,17 +35,17 @@ def viewer(wanted: bool) -> Iterator[Callable[[Any], None] | None]:
 
 def drift_budget(
     scene: "Scene", controller: "ControllerEntry", *, quiet: bool, accept_excess: bool
-) -> "Budget":
+) -> "DriftBudget":
     """Forecast the lateral drift on a curved path, print it, and warn near the limit.
 
     Raises:
         SceneError: lips would jam, or the drift exceeds the budget and that is not accepted.
     """
     from palmbots.cli.console import report_console
-    from palmbots.mujoco.drift_forecast import forecast
+    from palmbots.mujoco.drift_forecast import forecast_drift
 
     with progress("forecasting the drift", quiet) as report:
-        budget = forecast(scene, controller, on_progress=report)
+        budget = forecast_drift(scene, controller, on_progress=report)
     if budget.verdict == "beyond" and not accept_excess:
         raise SceneError(budget.refusal())
     if not quiet:
@@ -88,10 +88,10 @@ def video_file(out: Path) -> Path:
 def write_video(carry: "Carry", video: Path, *, quiet: bool) -> list[Path]:
     """Write the video and a still of a carry in the MuJoCo world; returns the files."""
     from palmbots._util.atomic_files import folder
-    from palmbots.mujoco.film import save_film, save_still
+    from palmbots.mujoco.film import save_still, save_video
 
     still = folder(video.parent) / STILL
     with progress("video", quiet) as report:
         save_still(carry, still)
-        save_film(carry, video, on_progress=report)
+        save_video(carry, video, on_progress=report)
     return [still, video]

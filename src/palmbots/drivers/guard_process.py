@@ -26,7 +26,7 @@ from palmbots.drivers.driver import (
     RawCommand,
     works,
 )
-from palmbots.drivers.driver_registry import driver_maker
+from palmbots.drivers.driver_registry import DRIVERS
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import Connection, ConnectionLost
 
@@ -40,7 +40,7 @@ def main() -> None:
     program = Connection(stream, "robot")
     with contextlib.closing(program):
         try:
-            driver = driver_maker(kind)(settings)
+            driver = DRIVERS.get(kind)(settings)
         except PalmbotsError as error:
             _report(program, "failed", str(error))
             return

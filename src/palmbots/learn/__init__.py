@@ -1,47 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """The carrying task as a PettingZoo environment, `carry_v0`, with a baseline policy and rewards."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from palmbots.learn.baseline import Baseline as Baseline
-from palmbots.learn.baseline import EpisodeResult as EpisodeResult
-from palmbots.learn.baseline import Policy as Policy
-from palmbots.learn.baseline import SilentBaseline as SilentBaseline
-from palmbots.learn.baseline import run_episode as run_episode
-from palmbots.learn.reward import RewardWeights as RewardWeights
-from palmbots.learn.spaces import ACTION as ACTION
-from palmbots.learn.spaces import MESSAGES as MESSAGES
-from palmbots.learn.spaces import MOVES as MOVES
-from palmbots.learn.spaces import OBSERVATION as OBSERVATION
-from palmbots.learn.spaces import PALMS as PALMS
-from palmbots.learn.spaces import action as action
+from palmbots._util.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from palmbots.learn import carry_v0 as carry_v0
-
-__all__ = [
-    "ACTION",
-    "MESSAGES",
-    "MOVES",
-    "OBSERVATION",
-    "PALMS",
-    "Baseline",
-    "EpisodeResult",
-    "Policy",
-    "RewardWeights",
-    "SilentBaseline",
-    "action",
-    "carry_v0",
-    "run_episode",
-]
-
-
-def __getattr__(name: str) -> Any:
-    if name != "carry_v0":
-        raise AttributeError(f"module 'palmbots.learn' has no attribute {name!r}")
-    return importlib.import_module("palmbots.learn.carry_v0")  # here: it needs pettingzoo
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    from palmbots.learn.baseline import Baseline as Baseline
+    from palmbots.learn.baseline import EpisodeResult as EpisodeResult
+    from palmbots.learn.baseline import Policy as Policy
+    from palmbots.learn.baseline import SilentBaseline as SilentBaseline
+    from palmbots.learn.baseline import run_episode as run_episode
+    from palmbots.learn.reward import RewardWeights as RewardWeights
+    from palmbots.learn.spaces import ACTION as ACTION
+    from palmbots.learn.spaces import MESSAGES as MESSAGES
+    from palmbots.learn.spaces import MOVES as MOVES
+    from palmbots.learn.spaces import OBSERVATION as OBSERVATION
+    from palmbots.learn.spaces import PALMS as PALMS
+    from palmbots.learn.spaces import action as action
+else:
+    __getattr__, __dir__ = lazy_names(__name__)

@@ -4,18 +4,14 @@
 `palmbots` exports the functions; this room exports the types of their results.
 """
 
-from palmbots.mechanics.contact_points import Contact as Contact
-from palmbots.mechanics.mode_analysis import CONTACT_MODES as CONTACT_MODES
-from palmbots.mechanics.mode_analysis import ContactModes as ContactModes
-from palmbots.mechanics.mode_analysis import ContactModesBatch as ContactModesBatch
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "CONTACT_MODES",
-    "Contact",
-    "ContactModes",
-    "ContactModesBatch",
-]
+from palmbots._util.lazy_names import lazy_names
 
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+if TYPE_CHECKING:
+    from palmbots.mechanics.contact_points import Contact as Contact
+    from palmbots.mechanics.mode_analysis import CONTACT_MODES as CONTACT_MODES
+    from palmbots.mechanics.mode_analysis import ContactModes as ContactModes
+    from palmbots.mechanics.mode_analysis import ContactModesBatch as ContactModesBatch
+else:
+    __getattr__, __dir__ = lazy_names(__name__)

@@ -14,7 +14,7 @@ _NEAR = 0.8  # fraction of the budget above which there is a warning
 
 
 @dataclass(frozen=True, repr=False)
-class Budget(Result):
+class DriftBudget(Result):
     """The allowed and the expected lateral drift of an object on a path [m]."""
 
     budget_m: float

@@ -28,7 +28,7 @@ from palmbots._types import SIDES
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import Line, line_of, world_of
-from palmbots.mujoco.drift_budget import Budget
+from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.slip_statics import Pair, slip
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -171,13 +171,13 @@ class _Rates:
         return float(rate)
 
 
-def forecast(
+def forecast_drift(
     scene: Scene,
     controller: ControllerLike = "distributed",
     *,
     seeds: int = SEEDS,
     on_progress: Callable[[float], None] | None = None,
-) -> Budget:
+) -> DriftBudget:
     """Forecast the drift on the path of a scene, over the seeds 0, 1, …
 
     Raises:
@@ -189,7 +189,7 @@ def forecast(
         most.append(float(np.abs(known.seed(seed)).max()))
         if on_progress is not None:
             on_progress((seed + 1) / seeds)
-    return Budget(
+    return DriftBudget(
         budget_m=known.budget,
         mean_m=float(np.mean(most)),
         most_m=max(most),

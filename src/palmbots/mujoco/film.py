@@ -143,7 +143,7 @@ def check_film(path: str | os.PathLike[str]) -> None:
     check_offscreen()
 
 
-def save_film(
+def save_video(
     carry: Carry,
     path: str | os.PathLike[str],
     *,

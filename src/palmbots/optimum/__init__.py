@@ -4,18 +4,19 @@
 `palmbots.bound` computes the bound; this room exports the types of its result.
 """
 
-from palmbots._util.results import FIGURES
-from palmbots.optimum.design_law import DesignLaw as DesignLaw
-from palmbots.optimum.design_law import LawPoint as LawPoint
-from palmbots.optimum.design_law import compare_with_law as compare_with_law
-from palmbots.optimum.drop_bound import Bound as Bound
-from palmbots.optimum.drop_bound import FrontPoint as FrontPoint
+from typing import TYPE_CHECKING
 
-__all__ = ["Bound", "DesignLaw", "FrontPoint", "LawPoint", "compare_with_law"]
+from palmbots._util.lazy_names import lazy_names
+from palmbots._util.results import FIGURES
+
+if TYPE_CHECKING:
+    from palmbots.optimum.design_law import DesignLaw as DesignLaw
+    from palmbots.optimum.design_law import LawPoint as LawPoint
+    from palmbots.optimum.design_law import compare_with_law as compare_with_law
+    from palmbots.optimum.drop_bound import Bound as Bound
+    from palmbots.optimum.drop_bound import FrontPoint as FrontPoint
+else:
+    __getattr__, __dir__ = lazy_names(__name__)
 
 FIGURES.register("bound", "palmbots.optimum.bound_figure:draw")
 FIGURES.register("design-law", "palmbots.optimum.design_law_figure:draw")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)

@@ -30,52 +30,5 @@ if TYPE_CHECKING:
     from palmbots.simulation.worlds import register_world as register_world
     from palmbots.simulation.worlds import unregister_world as unregister_world
     from palmbots.simulation.worlds import world_names as world_names
-
-__all__ = [
-    "Carry",
-    "Comparison",
-    "ContactEvent",
-    "Correction",
-    "DropRate",
-    "LinkStatistics",
-    "Message",
-    "NoiseLimit",
-    "NoisePoint",
-    "Prepared",
-    "Refusal",
-    "Row",
-    "WorldEntry",
-    "WorldRun",
-    "is_unavoidable",
-    "register_world",
-    "run_batch",
-    "run_seeds",
-    "unregister_world",
-    "world_names",
-]
-
-# Imported on first use: the programs of robots need little of this room, and no NumPy.
-_PLACES = {
-    "Carry": ".result",
-    "Comparison": ".sweep",
-    "ContactEvent": ".result",
-    "Correction": ".result",
-    "DropRate": ".rare_events",
-    "LinkStatistics": ".result",
-    "Message": ".result",
-    "NoiseLimit": ".noise_limit",
-    "NoisePoint": ".noise_limit",
-    "Prepared": ".prepare",
-    "Refusal": ".sweep",
-    "Row": ".sweep",
-    "WorldEntry": ".worlds",
-    "WorldRun": ".worlds",
-    "is_unavoidable": ".unavoidable_drops",
-    "register_world": ".worlds",
-    "run_batch": ".batch",
-    "run_seeds": ".batch",
-    "unregister_world": ".worlds",
-    "world_names": ".worlds",
-}
-
-__getattr__, __dir__ = lazy_names(__name__, _PLACES)
+else:
+    __getattr__, __dir__ = lazy_names(__name__)

@@ -69,7 +69,7 @@ class WorldEntry:
 
 
 _WORLDS: Registry[WorldEntry] = Registry(
-    "world", quasistatic="palmbots.simulation.quasistatic:WORLD"
+    "world", {"quasistatic": "palmbots.simulation.quasistatic:WORLD"}
 )
 
 

@@ -28,36 +28,5 @@ if TYPE_CHECKING:
     from palmbots.studies.study_file import load_plan as load_plan
     from palmbots.studies.study_runner import StudyResult as StudyResult
     from palmbots.studies.study_runner import run_study as run_study
-
-__all__ = [
-    "Cost",
-    "Plan",
-    "Points",
-    "SobolIndex",
-    "StudyLike",
-    "StudyResult",
-    "built_in_studies",
-    "design_points",
-    "estimate_cost",
-    "load_plan",
-    "run_study",
-    "sobol_indices",
-]
-
-# Loaded on first use: `import palmbots` must not import the modules behind these names.
-_PLACES = {
-    "Cost": ".cost_estimate",
-    "Plan": ".study_file",
-    "Points": ".points",
-    "SobolIndex": ".sobol",
-    "StudyLike": ".study_file",
-    "StudyResult": ".study_runner",
-    "built_in_studies": ".study_file",
-    "design_points": ".points",
-    "estimate_cost": ".cost_estimate",
-    "load_plan": ".study_file",
-    "run_study": ".study_runner",
-    "sobol_indices": ".sobol",
-}
-
-__getattr__, __dir__ = lazy_names(__name__, _PLACES)
+else:
+    __getattr__, __dir__ = lazy_names(__name__)

@@ -28,7 +28,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.studies.axes import Axis, Span
 from palmbots.studies.sobol import METRICS, SobolIndex, sobol_indices
 from palmbots.studies.study_runner import StudyResult
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     COLOUR_MAP,
     ON_MAP,
@@ -67,7 +67,7 @@ def draw(result: StudyResult) -> Figure:
 
 def save(result: StudyResult, path: str | os.PathLike[str]) -> None:
     """Write the figure (PNG, SVG or PDF by suffix), completely or not at all."""
-    save_figure(path, draw(result))
+    write_figure(path, draw(result))
 
 
 def _metric_label(metric: str) -> str:

@@ -35,7 +35,7 @@ _LONGEST_S = 60.0  # a longer carry is shown faster
 Progress = Callable[[int, int], None]
 
 
-def save(
+def save_animation(
     carry: Carry,
     path: str | os.PathLike[str],
     *,

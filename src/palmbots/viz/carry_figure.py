@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from palmbots._types import SIDES, Side
 from palmbots.errors import PalmbotsError
 from palmbots.scene.spec import to_spec
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     DROP,
     HATCH,
@@ -35,7 +35,7 @@ from palmbots.viz.style import (
     controller_title,
     styled,
 )
-from palmbots.viz.timeline import draw_timeline, message_key
+from palmbots.viz.timeline import add_timeline, message_key
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -108,7 +108,7 @@ def time_window(carry: "Carry", window: tuple[float, float] | None) -> TimeWindo
     return TimeWindow(start, end, rows, width)
 
 
-def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+def draw_carry(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     """Draw a carry, or the part of it between two times in seconds.
 
     Raises:
@@ -144,7 +144,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
             level -= panel_height + gap
         panels["timeline"].set_xlim(view.start, view.end)
 
-        draw_timeline(panels["timeline"], carry, view.start, view.end, view.width_in)
+        add_timeline(panels["timeline"], carry, view.start, view.end, view.width_in)
         reach = _contact_reach(view)
         for side in SIDES:
             _draw_contact(panels[side], view, side, reach)
@@ -176,7 +176,7 @@ def save(
     Raises:
         PalmbotsError: the suffix is not allowed, the path cannot be written, or as `draw`.
     """
-    save_figure(path, draw(carry, window))
+    write_figure(path, draw_carry(carry, window))
 
 
 def figure_title(carry: "Carry") -> str:

@@ -27,7 +27,7 @@ _FURTHEST = 2.0  # times σ*, in both directions
 _LOWEST = 0.02  # of the rate
 
 
-def draw(result: "NoiseLimit") -> Figure:
+def draw_noise_limit(result: "NoiseLimit") -> Figure:
     """Draw the drop rate over the noise, both with 95 % intervals; the axis of the rate is
     logarithmic.
 

@@ -23,7 +23,7 @@ _SAVING: dict[str, dict[str, Any]] = {
 }
 
 
-def save_figure(path: str | os.PathLike[str], figure: "Figure") -> None:
+def write_figure(path: str | os.PathLike[str], figure: "Figure") -> None:
     """Write a figure to `path`; its suffix selects the format.
 
     The file appears only when it is complete.

@@ -21,7 +21,7 @@ from matplotlib.patches import Rectangle
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     DROP,
     HATCH,
@@ -47,7 +47,7 @@ _NAME = 0.13  # inches, height of the name of a message
 _NAME_WIDE = 13  # points, width of the name of a case, such as (a)
 
 
-def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+def draw_message_sequence(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     """Draw the chart of a carry, or of the part between two times in seconds.
 
     Raises:
@@ -90,7 +90,7 @@ def save(
     Raises:
         PalmbotsError: the suffix is not allowed, the path cannot be written, or as `draw`.
     """
-    save_figure(path, draw(carry, window))
+    write_figure(path, draw_message_sequence(carry, window))
 
 
 def _copies(carry: "Carry") -> Iterator["Message"]:

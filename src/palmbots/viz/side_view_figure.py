@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _DPI = 200
 
 
-def draw(carry: "Carry", time_s: float | None = None) -> Figure:
+def draw_side_view(carry: "Carry", time_s: float | None = None) -> Figure:
     """Draw the carry at a time; by default in the middle of its first correction.
 
     Raises:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from palmbots._util.text import plural
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import axis_label, controller_looks, key_label, styled
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def few_ticks() -> MaxNLocator:
     return MaxNLocator(6, steps=[1, 2, 2.5, 5, 10])
 
 
-def draw(comparison: "Comparison") -> Figure:
+def draw_sweep(comparison: "Comparison") -> Figure:
     """Draw four panels over the swept key, with 95 % intervals."""
     with styled():
         figure = Figure(figsize=(7.2, 5.6), layout="constrained")
@@ -79,4 +79,4 @@ def save(comparison: "Comparison", path: str | os.PathLike[str]) -> None:
     Raises:
         PalmbotsError: the suffix is not allowed, or the path cannot be written.
     """
-    save_figure(path, draw(comparison))
+    write_figure(path, draw_sweep(comparison))

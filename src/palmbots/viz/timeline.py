@@ -87,7 +87,7 @@ def message_key(carry: "Carry") -> list[Line2D]:
     return entries
 
 
-def draw_timeline(panel: Axes, carry: "Carry", start: float, end: float, width_in: float) -> None:
+def add_timeline(panel: Axes, carry: "Carry", start: float, end: float, width_in: float) -> None:
     """Draw bars, labels and messages between two times; `width_in` is the width in inches."""
     shown = [c for c in carry.corrections if c.end_s >= start and c.start_s <= end]
     second_per_inch = (end - start) / width_in

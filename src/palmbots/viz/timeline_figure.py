@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from palmbots.viz.carry_figure import figure_title, time_window
 from palmbots.viz.style import axis_label, styled
-from palmbots.viz.timeline import draw_timeline, message_key
+from palmbots.viz.timeline import add_timeline, message_key
 
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _HEIGHT_IN = 2.4
 
 
-def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
+def draw_timeline(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
     """Draw corrections and messages, or those between two times in seconds.
 
     Raises:
@@ -27,7 +27,7 @@ def draw(carry: "Carry", window: tuple[float, float] | None = None) -> Figure:
         figure = Figure(figsize=(shown.width_in + 1.1, _HEIGHT_IN), layout="constrained")
         axes = figure.subplots()
         axes.set_xlim(start, end)
-        draw_timeline(axes, carry, start, end, shown.width_in)
+        add_timeline(axes, carry, start, end, shown.width_in)
         axes.set_xlabel(axis_label("time", "s"))
         axes.set_title(figure_title(carry), loc="left", weight="bold")
         handles = message_key(carry)

@@ -15,64 +15,35 @@ packets, and distinguishes new packets from old ones.
 'TiltUp'
 """
 
-from palmbots.wire.bodies import (
-    Body,
-    Command,
-    FaultCode,
-    Hello,
-    Language,
-    Operate,
-    Operation,
-    Report,
-    RobotMode,
-    State,
-    Status,
-    StatusItem,
-    Verdict,
-    Word,
-)
-from palmbots.wire.packets import (
-    KEY_SIZE,
-    MAX_EPOCH,
-    MAX_SEQUENCE,
-    PACKET_SIZE,
-    Decoded,
-    Endpoint,
-    Kind,
-    Packet,
-    Role,
-    decode,
-    encode,
-)
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "KEY_SIZE",
-    "MAX_EPOCH",
-    "MAX_SEQUENCE",
-    "PACKET_SIZE",
-    "Body",
-    "Command",
-    "Decoded",
-    "Endpoint",
-    "FaultCode",
-    "Hello",
-    "Kind",
-    "Language",
-    "Operate",
-    "Operation",
-    "Packet",
-    "Report",
-    "RobotMode",
-    "Role",
-    "State",
-    "Status",
-    "StatusItem",
-    "Verdict",
-    "Word",
-    "decode",
-    "encode",
-]
+from palmbots._util.lazy_names import lazy_names
 
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+if TYPE_CHECKING:
+    from palmbots.wire.bodies import Body as Body
+    from palmbots.wire.bodies import Command as Command
+    from palmbots.wire.bodies import FaultCode as FaultCode
+    from palmbots.wire.bodies import Hello as Hello
+    from palmbots.wire.bodies import Language as Language
+    from palmbots.wire.bodies import Operate as Operate
+    from palmbots.wire.bodies import Operation as Operation
+    from palmbots.wire.bodies import Report as Report
+    from palmbots.wire.bodies import RobotMode as RobotMode
+    from palmbots.wire.bodies import State as State
+    from palmbots.wire.bodies import Status as Status
+    from palmbots.wire.bodies import StatusItem as StatusItem
+    from palmbots.wire.bodies import Verdict as Verdict
+    from palmbots.wire.bodies import Word as Word
+    from palmbots.wire.packets import KEY_SIZE as KEY_SIZE
+    from palmbots.wire.packets import MAX_EPOCH as MAX_EPOCH
+    from palmbots.wire.packets import MAX_SEQUENCE as MAX_SEQUENCE
+    from palmbots.wire.packets import PACKET_SIZE as PACKET_SIZE
+    from palmbots.wire.packets import Decoded as Decoded
+    from palmbots.wire.packets import Endpoint as Endpoint
+    from palmbots.wire.packets import Kind as Kind
+    from palmbots.wire.packets import Packet as Packet
+    from palmbots.wire.packets import Role as Role
+    from palmbots.wire.packets import decode as decode
+    from palmbots.wire.packets import encode as encode
+else:
+    __getattr__, __dir__ = lazy_names(__name__)

@@ -184,7 +184,7 @@ def _write(result: "Carry", out: Path, animation_kind: str, *, quiet: bool) -> l
         report(0.3)
         if animation_kind != "none":
             written.append(target / f"carry.{animation_kind}")
-            animation.save(
+            animation.save_animation(
                 result,
                 written[-1],
                 on_progress=lambda done, total: report(0.3 + 0.7 * done / total),

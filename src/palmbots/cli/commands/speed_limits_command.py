@@ -27,7 +27,7 @@ def speed_limits(
     The report states the largest acceleration at which the same contact slides
     as at constant speed, and compares both worlds at several speeds.
     """
-    from palmbots.mujoco.validation.speed_limits import speed_limits as find_limits
+    from palmbots.mujoco.validation.speed_limits import find_speed_limits as find_limits
 
     chosen = load(scene, changes)
     check_output(out)

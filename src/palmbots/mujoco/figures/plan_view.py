@@ -19,7 +19,7 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import Line, line_of
 from palmbots.viz.carry_figure import figure_title
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import DROP, HUE, INK, LINE, OBJECT, QUIET, axis_label, styled
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _MAGNIFICATION = 10.0  # of the arrows of the slip
 _WIDE_IN, _LEAST_IN, _MOST_IN = 6.5, 2.0, 8.0
 
 
-def draw(carry: "Carry") -> Figure:
+def draw_plan_view(carry: "Carry") -> Figure:
     """Draw the plan view.
 
     Raises:
@@ -79,7 +79,7 @@ def draw(carry: "Carry") -> Figure:
 
 def save(carry: "Carry", path: str | os.PathLike[str]) -> None:
     """Write the plan view to `path` as PNG, SVG or PDF, by its suffix."""
-    save_figure(path, draw(carry))
+    write_figure(path, draw_plan_view(carry))
 
 
 def _rows(ways: np.ndarray) -> list[int]:

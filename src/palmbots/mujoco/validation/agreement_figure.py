@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
 from palmbots.mujoco.validation.validation import Tilt, Validation
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import DROP, HUE, INK, LINE, QUIET, SERIES, ZERO, axis_label, styled
 
 _ENGINES = {
@@ -25,10 +25,10 @@ _ENGINES = {
 
 def save(validation: Validation, path: str | os.PathLike[str]) -> None:
     """Write the figure to `path` as PNG, SVG or PDF, by its suffix."""
-    save_figure(path, draw(validation))
+    write_figure(path, draw_validation(validation))
 
 
-def draw(validation: Validation) -> Figure:
+def draw_validation(validation: Validation) -> Figure:
     """Draw four panels: agreement over friction, switch lines, tilts, carries."""
     with styled():
         figure = Figure(figsize=(9.0, 6.4), layout="constrained")

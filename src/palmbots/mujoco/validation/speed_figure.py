@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
 from palmbots.mujoco.validation.speed_limits import MOST, SpeedLimits
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import DROP, SERIES, axis_label, styled
 
 _KINDS = (
@@ -25,10 +25,10 @@ _KINDS = (
 
 def save(result: SpeedLimits, path: str | os.PathLike[str]) -> None:
     """Write the figure to `path` as PNG, SVG or PDF, by its suffix."""
-    save_figure(path, draw(result))
+    write_figure(path, draw_speed_limits(result))
 
 
-def draw(result: SpeedLimits) -> Figure:
+def draw_speed_limits(result: SpeedLimits) -> Figure:
     """Draw two panels: the limit of the acceleration, and carries over speed."""
     with styled():
         figure = Figure(figsize=(9.0, 3.8), layout="constrained")

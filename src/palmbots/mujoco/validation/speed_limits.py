@@ -116,7 +116,7 @@ class SpeedLimits(Result):
         yield quiet("pairs of numbers: quasistatic, mujoco")
 
 
-def speed_limits(
+def find_speed_limits(
     scene: SceneLike = "paper",
     *,
     carries: int = 4,

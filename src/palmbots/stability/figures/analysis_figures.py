@@ -23,7 +23,7 @@ from palmbots.stability.figures.geometry_figure import figure2
 from palmbots.stability.figures.region_figures import figure5, figure6
 from palmbots.stability.figures.sensor_figure import figure7
 from palmbots.stability.problem import Pair
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 
 Kind = Literal["png", "svg", "pdf"]
 
@@ -129,6 +129,6 @@ def _save(figures: _Figures, folder: Path, kind: Kind) -> list[Path]:
     written: list[Path] = []
     for name, figure in figures:
         path = folder / f"{name}.{kind}"
-        save_figure(path, figure)
+        write_figure(path, figure)
         written.append(path)
     return written

@@ -20,7 +20,7 @@ from palmbots.stability.angle_grid import NOISE, QUANTITIES
 from palmbots.stability.design_result import Design
 from palmbots.stability.figures.delivery_figure import delivery
 from palmbots.stability.palm_angles import PAPER_DEG
-from palmbots.viz.save_figure import save_figure
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     BACKGROUND,
     COLOUR_MAP,
@@ -123,4 +123,4 @@ def _draw_legend(figure: Figure, result: Design) -> None:
 
 def save(result: Design, path: str | os.PathLike[str]) -> None:
     """Write the figure as PNG, SVG or PDF, by the suffix of the path."""
-    save_figure(path, palm_angles(result))
+    write_figure(path, palm_angles(result))

@@ -6,21 +6,23 @@ import sys
 
 import pytest
 
+import palmbots as pb
 from palmbots._util.named_registry import Registry
-from palmbots._util.offers import offer_entry, offer_module
 
 
-def test_offered_entries_follow_those_of_the_registry() -> None:
-    offer_entry("shape of this test", "later", "math:pi")
-    registry: Registry[object] = Registry("shape of this test", first="math:e")
+def test_offered_entries_follow_those_of_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(pb._OFFERS, "shape", {"later": "math:pi"})
+    registry: Registry[object] = Registry("shape", {"first": "math:e"})
     assert registry.names() == ("first", "later")
     assert registry.get("later") == 3.141592653589793
-    assert Registry("other shape of this test").names() == ()
+    assert Registry("other shape").names() == ()
 
 
-def test_offered_module_is_imported_when_the_registry_is_read() -> None:
-    offer_module("sound of this test", "this_module_does_not_exist")
-    registry: Registry[object] = Registry("sound of this test")
+def test_offered_module_is_imported_when_the_registry_is_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(pb._OFFERS, "sound", {"many": "this_module_does_not_exist"})
+    registry: Registry[object] = Registry("sound")
     registry.register("mine", 5)
     with pytest.raises(ModuleNotFoundError, match="this_module_does_not_exist"):
         registry.names()
