@@ -12,6 +12,6 @@
 #include "palmbots/mechanics/friction_cone.hpp"
 #include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/mechanics/model.hpp"
-#include "palmbots/mechanics/slip_onset.hpp"
+#include "palmbots/mechanics/sliding.hpp"
 #include "palmbots/mechanics/twist_feasibility.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"

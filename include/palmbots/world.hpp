@@ -3,10 +3,10 @@
 #pragma once
 
 #include "palmbots/world/contact_constraints.hpp"
-#include "palmbots/world/event_step.hpp"
+#include "palmbots/world/fast_step.hpp"
+#include "palmbots/world/fast_step_tie.hpp"
+#include "palmbots/world/general_step.hpp"
 #include "palmbots/world/instant_motions.hpp"
 #include "palmbots/world/multi_contact_step.hpp"
 #include "palmbots/world/quasistatic_world.hpp"
-#include "palmbots/world/single_slip_step.hpp"
-#include "palmbots/world/slip_switch_step.hpp"
 #include "palmbots/world/state.hpp"

@@ -9,7 +9,7 @@
 
 #include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
-#include "palmbots/mechanics/slip_onset.hpp"
+#include "palmbots/mechanics/sliding.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/stability/operating_envelope.hpp"
 #include "placement.hpp"

@@ -26,7 +26,7 @@ MANY = {
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "1",
     "sim/carry_test": "20",
-    "world/slip_switch_test": "600000",
+    "world/fast_step_test": "600000",
 }
 
 

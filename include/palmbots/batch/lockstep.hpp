@@ -90,7 +90,7 @@ class Lockstep {
     std::uint32_t busy = 0;
     // About the step in progress: the result of its first half, the midpoint before it, the lanes
     // that have reached their goal or their time limit, and the lanes in which work is left.
-    SingleSlipStep<V> went;
+    FastStep<V> went;
     V midpoint;
     std::uint32_t over = 0;
     std::uint32_t unfinished = 0;
@@ -203,7 +203,7 @@ class Lockstep {
   }
 
   // The part of a tick that all carries execute. The rest follows when all packs have come this far
-  // (world/single_slip_step.hpp).
+  // (world/fast_step.hpp).
   [[gnu::noinline, gnu::flatten]] void step(Pack& pack, std::uint64_t tick) {
     const std::size_t k = tick % block_ticks;
     const Kinematics<V>& from = kinematics(pack, tick);
@@ -213,8 +213,8 @@ class Lockstep {
     pack.robots.midpoint = pack.midpoint + act.travel;
     const V gone = pack.robots.midpoint * pack.robots.travel_sense;
     pack.over = ((gone >= pack.goal) | (V(k) >= pack.timeout)).bits() & pack.busy;
-    step_single_slip<V>(pack.params, from, pack.slip_state, kinematics(pack, tick + 1), act.change,
-                        act.angles, act.push, pack.went);
+    step_fast<V>(pack.params, from, pack.slip_state, kinematics(pack, tick + 1), act.change,
+                 act.angles, act.push, pack.went);
     pack.unfinished = (~pack.went.done.bits() & pack.busy) | pack.over | pack.shaken;
   }
 
@@ -224,7 +224,7 @@ class Lockstep {
     Kinematics<V>& to = kinematics(pack, tick + 1);
     const V change = pack.robots.change();
     if ((~pack.went.done.bits() & pack.busy) != 0) {
-      finish_single_slip<V>(pack.params, from, pack.slip_state, to, change, pack.went);
+      finish_fast<V>(pack.params, from, pack.slip_state, to, change, pack.went);
     }
     const std::uint32_t undone = ~pack.went.done.bits() & pack.busy;
     pack.unfinished = 0;

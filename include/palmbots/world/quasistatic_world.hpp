@@ -4,8 +4,8 @@
 // A step changes the separation and the palm angles linearly. Nothing is integrated. In every
 // regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
 // constraint at any instant. A contact that sticks is never written, so it cannot drift. If one
-// contact slides through a whole step, world/single_slip_step.hpp computes it; if the regime
-// changes, world/event_step.hpp does. If a further contact closes, world/multi_contact_step.hpp
+// contact slides through a whole step, world/fast_step.hpp computes it; if the regime
+// changes, world/general_step.hpp does. If a further contact closes, world/multi_contact_step.hpp
 // takes over until it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
@@ -17,7 +17,7 @@
 // Source: docs/theory/mechanics.md.
 #pragma once
 
-#include "palmbots/world/event_step.hpp"
+#include "palmbots/world/general_step.hpp"
 
 namespace palmbots {
 
@@ -84,7 +84,7 @@ class World {
   // Returns the events of the step; the reference is valid until the next step.
   const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
     const ModelParams<Real>& params = model_;
-    const SingleSlipStep<Real> step = step_single_slip(params, state_, change, angles, push);
+    const FastStep<Real> step = step_fast(params, state_, change, angles, push);
     if (step.done) {
       const std::size_t side = step.on_left ? left : right;
       last_.reason = DropReason::none;
@@ -98,7 +98,7 @@ class World {
     return last_;
   }
 
-  // The same, for a step that the common step (world/single_slip_step.hpp) has tried and left
+  // The same, for a step that the common step (world/fast_step.hpp) has tried and left
   // undone.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     last_ = go(change, angles);
@@ -125,7 +125,7 @@ class World {
       const Advance<Real> part =
           rests ? MultiContactStep<Real>{model_, drive, angles, state_.push}.run(
                       configuration, constraints_, by_force)
-                : EventStep<Real>{model_, state_, drive.change, angles}.run();
+                : GeneralStep<Real>{model_, state_, drive.change, angles}.run();
       total = {part.reason, total.fraction + (Real(1) - total.fraction) * part.fraction,
                part.motion, total.segments + part.segments};
       if (rests) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "palmbots/mechanics/slip_onset.hpp"
+#include "palmbots/mechanics/sliding.hpp"
 #include "support/check.hpp"
 
 namespace {

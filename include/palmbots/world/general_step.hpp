@@ -22,14 +22,14 @@
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
+#include "palmbots/world/fast_step.hpp"
 #include "palmbots/world/multi_contact_step.hpp"
-#include "palmbots/world/single_slip_step.hpp"
 
 namespace palmbots {
 
 // One step, cut into pieces.
 template <class Real>
-struct EventStep {
+struct GeneralStep {
   const Model<Real>& model;
   WorldState<Real>& world;
   Real change;

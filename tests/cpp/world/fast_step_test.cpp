@@ -2,8 +2,8 @@
 // The common step of the world, ties on its way included, against the world taking the same step
 // apart, and in lanes against itself alone.
 //
-// slip_switch_test [STEPS]   STEPS: random steps of each kind and precision; 30000 if not given
-#include "palmbots/world/slip_switch_step.hpp"
+// fast_step_test [STEPS]   STEPS: random steps of each kind and precision; 30000 if not given
+#include "palmbots/world/fast_step_tie.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -94,7 +94,7 @@ class SideBySide {
   // A step, and what came of it by itself.
   void add(const ModelParams<Real>& params, const WorldState<Real>& before, Real change,
            const PerSide<Real>& angles, Real push, const WorldState<Real>& after,
-           const SingleSlipStep<Real>& step) {
+           const FastStep<Real>& step) {
     put_lane(params_, lane_, params);
     put_lane(from_, lane_, static_cast<const Kinematics<Real>&>(before));
     put_lane(slip_, lane_, static_cast<const SlipState<Real>&>(before));
@@ -115,11 +115,11 @@ class SideBySide {
   void compare() {
     Kinematics<V> to{};
     to.configuration.lift = from_.configuration.lift;
-    SingleSlipStep<V> step{};
-    step_single_slip<V>(params_, from_, slip_, to, change_, angles_, push_, step);
-    finish_single_slip<V>(params_, from_, slip_, to, change_, step);
+    FastStep<V> step{};
+    step_fast<V>(params_, from_, slip_, to, change_, angles_, push_, step);
+    finish_fast<V>(params_, from_, slip_, to, change_, step);
     for (int l = 0; l < n; ++l) {
-      const SingleSlipStep<Real>& alone = steps_[static_cast<std::size_t>(l)];
+      const FastStep<Real>& alone = steps_[static_cast<std::size_t>(l)];
       const WorldState<Real> after{take_lane(to, l), take_lane(slip_, l)};
       CHECK(same_bits(after, after_[static_cast<std::size_t>(l)]));
       const auto is = [&](const MaskOf<V>& mask) { return (mask.bits() >> l & 1) != 0; };
@@ -138,7 +138,7 @@ class SideBySide {
   PerSide<V> angles_{};
   V push_;
   std::array<WorldState<Real>, static_cast<std::size_t>(n)> after_{};
-  std::array<SingleSlipStep<Real>, static_cast<std::size_t>(n)> steps_{};
+  std::array<FastStep<Real>, static_cast<std::size_t>(n)> steps_{};
 };
 
 template <class Real>
@@ -179,13 +179,13 @@ void test_a_step(Near near, Seen& seen, SideBySide<Real>& side_by_side) {
                                 {chance(0.5) ? push : Real(0), tied, Real(0)}};
 
   WorldState<Real> state = before;
-  const SingleSlipStep<Real> step = step_single_slip(params, state, change, angles, push);
+  const FastStep<Real> step = step_fast(params, state, change, angles, push);
   side_by_side.add(params, before, change, angles, push, state, step);
   WorldState<Real> apart = before;
   if (apart.push != push) apart.tied = Real(0);
   apart.push = push;
   const WorldState<Real> begun = apart;
-  const Advance<Real> advance = EventStep<Real>{model, apart, change, angles}.run();
+  const Advance<Real> advance = GeneralStep<Real>{model, apart, change, angles}.run();
   if (!step.done) {
     CHECK(same_bits(state, begun));
     const SlipDirection way = step.closing ? SlipDirection::up : SlipDirection::down;

@@ -11,7 +11,7 @@
 // Source: docs/theory/mechanics.md.
 #pragma once
 
-#include "palmbots/world/slip_switch_step.hpp"
+#include "palmbots/world/fast_step_tie.hpp"
 #include "palmbots/world/state.hpp"
 
 namespace palmbots {
@@ -22,7 +22,7 @@ inline constexpr Real longest_turn = radians_per_degree<Real>;
 
 // The result of a step, in the lanes where it is done.
 template <class V>
-struct SingleSlipStep {
+struct FastStep {
   MaskOf<V> done;
   MaskOf<V> closing;   // the contact slid up, otherwise down
   MaskOf<V> on_left;   // it was the left contact, otherwise the right one
@@ -53,11 +53,10 @@ constexpr PerSide<FrictionCone<V>> cones_at(const ModelParams<V>& params,
 // The first half: changes the separation by `change` [m] and turns the palms to `angles` [rad],
 // both linearly, under a push. It fills in `step` except `switched`.
 template <class V>
-[[gnu::always_inline]] inline void step_single_slip(const ModelParams<V>& params,
-                                                    const Kinematics<V>& from,
-                                                    SlipState<V>& slip_state, Kinematics<V>& to,
-                                                    V change, const PerSide<V>& angles, V push,
-                                                    SingleSlipStep<V>& step) {
+[[gnu::always_inline]] inline void step_fast(const ModelParams<V>& params,
+                                             const Kinematics<V>& from, SlipState<V>& slip_state,
+                                             Kinematics<V>& to, V change, const PerSide<V>& angles,
+                                             V push, FastStep<V>& step) {
   using Mask = MaskOf<V>;
   const PerSide<PalmAngle<V>>& palms = from.configuration.palms;
   const PerSide<V>& contacts = from.configuration.contacts;
@@ -142,10 +141,9 @@ template <class V>
 // The second half of a step that is not done in all lanes. In lanes where it is still not done
 // afterwards, nothing has changed.
 template <class V>
-[[gnu::noinline, gnu::flatten]] void finish_single_slip(const ModelParams<V>& params,
-                                                        const Kinematics<V>& from,
-                                                        SlipState<V>& slip, Kinematics<V>& to,
-                                                        V change, SingleSlipStep<V>& step) {
+[[gnu::noinline, gnu::flatten]] void finish_fast(const ModelParams<V>& params,
+                                                 const Kinematics<V>& from, SlipState<V>& slip,
+                                                 Kinematics<V>& to, V change, FastStep<V>& step) {
   using Mask = MaskOf<V>;
   const PerSide<PalmAngle<V>>& turned = to.configuration.palms;
   PerSide<V>& after = to.configuration.contacts;
@@ -163,7 +161,7 @@ template <class V>
     // The step is mostly done at all ties. A predicted branch lets the following work start early.
     if (all(wanted | !step.ties)) [[likely]]
       wanted = step.ties;
-    const SlipSwitch<V> over = switch_slip<V>(
+    const TieStep<V> over = pass_tie<V>(
         params, from.configuration,
         {step.on_left, way, change, turned, slip.push, step.lead_before, step.lead}, wanted);
     step.switched = over.done;
@@ -200,13 +198,13 @@ template <class V>
 
 // Both halves, in place.
 template <class V>
-[[gnu::always_inline]] inline SingleSlipStep<V> step_single_slip(const ModelParams<V>& params,
-                                                                 WorldState<V>& state, V change,
-                                                                 const PerSide<V>& angles, V push) {
+[[gnu::always_inline]] inline FastStep<V> step_fast(const ModelParams<V>& params,
+                                                    WorldState<V>& state, V change,
+                                                    const PerSide<V>& angles, V push) {
   Kinematics<V> to = state;
-  SingleSlipStep<V> step{};
-  step_single_slip<V>(params, state, state, to, change, angles, push, step);
-  if (!all(step.done)) finish_single_slip<V>(params, state, state, to, change, step);
+  FastStep<V> step{};
+  step_fast<V>(params, state, state, to, change, angles, push, step);
+  if (!all(step.done)) finish_fast<V>(params, state, state, to, change, step);
   static_cast<Kinematics<V>&>(state) = to;
   return step;
 }

@@ -2,21 +2,21 @@
 // A step in which the sliding contact reaches a tie, and the other contact slides on from there.
 //
 // While palms turn this is the most frequent event inside a step. It is therefore written like the
-// common step (world/single_slip_step.hpp), for one carry or for several side by side. It gives the
-// same result as world/event_step.hpp, which handles all other events.
+// common step (world/fast_step.hpp), for one carry or for several side by side. It gives the
+// same result as world/general_step.hpp, which handles all other events.
 //
 // Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
-#include "palmbots/mechanics/slip_onset.hpp"
+#include "palmbots/mechanics/sliding.hpp"
 
 namespace palmbots {
 
 // The input: a step in which the contact that slips first slides, the left one or the right one.
 template <class V>
-struct SlipSwitchInput {
+struct TieInput {
   MaskOf<V> on_left;
   V way;  // +1: contacts slide up, −1: down
   V change;
@@ -28,7 +28,7 @@ struct SlipSwitchInput {
 
 // The result: where the step is done, and the contacts at its end.
 template <class V>
-struct SlipSwitch {
+struct TieStep {
   MaskOf<V> done;
   Slipped<V> end;
 };
@@ -37,10 +37,9 @@ struct SlipSwitch {
 // lane may be wanted if the object would still be held, with neither edge wedged, if the sliding
 // contact continued to the end.
 template <class V>
-[[gnu::noinline, gnu::flatten]] SlipSwitch<V> switch_slip(const ModelParams<V>& params,
-                                                          const Configuration<V>& from,
-                                                          const SlipSwitchInput<V>& step,
-                                                          MaskOf<V> wanted) {
+[[gnu::noinline, gnu::flatten]] TieStep<V> pass_tie(const ModelParams<V>& params,
+                                                    const Configuration<V>& from,
+                                                    const TieInput<V>& step, MaskOf<V> wanted) {
   using Mask = MaskOf<V>;
   const Moments<V> pushed = moments_under(params.object, step.push);
   const PerSide<PalmAngle<V>>& turned = step.turned;
