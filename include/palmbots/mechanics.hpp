@@ -13,5 +13,6 @@
 #include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/mechanics/model.hpp"
 #include "palmbots/mechanics/sliding.hpp"
+#include "palmbots/mechanics/slip_rule.hpp"
 #include "palmbots/mechanics/twist_feasibility.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"

@@ -1,30 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slip onset: which contact slips and in which direction. The world evaluates both at every
-// instant.
+// Kinematics of sliding: the rate at which the robots drive the contact points together or apart,
+// and where one contact slides. mechanics/slip_rule.hpp states which one.
 //
 // Source: docs/theory/mechanics.md.
 #pragma once
 
-#include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/mechanics/loop_closure.hpp"
 
 namespace palmbots {
-
-// The moments that decide which contact slips first. They include the push, a further sideways
-// specific force (acceleration / g).
-template <class V>
-constexpr Moments<V> moments_under(const ObjectParams<V>& object, V push) {
-  return Moments<V>::of(object, object.slope + push);
-}
-
-// > 0: the left contact slips first; < 0: the right one; 0: tie. `let_go` compares the two cone
-// ends that matter in this direction.
-template <class Real>
-constexpr Real left_first(const SlipOrder<Real>& let_go, SlipDirection direction,
-                          ContactVector<Real> contact_vector) {
-  const Real left_higher = let_go.at(contact_vector);
-  return direction == SlipDirection::up ? -left_higher : left_higher;
-}
 
 // Half the rate of change of |C_R − C_L|² with both contacts sticking: < 0 closes, > 0 opens.
 // `change` and `turn` are the rates of the separation and of the palm angles.
@@ -43,24 +26,6 @@ constexpr Real drive_rate(const PerSide<PalmAngle<Real>>& palms, const PerSide<R
   });
   return contact_vector.dx * (change - (along[left] + along[right])) +
          contact_vector.dy * (lift[right] - lift[left]);
-}
-
-// The direction in which contacts slide at that rate: up while closing, down while opening.
-template <class Real>
-constexpr SlipDirection direction_of(Real rate) {
-  return rate < Real(0) ? SlipDirection::up
-                        : (rate > Real(0) ? SlipDirection::down : SlipDirection::stick);
-}
-
-// The cone edges of contacts that slide in one direction. `way` is +1 for up and −1 for down.
-template <class V>
-constexpr PerSide<ConeEdge<V>> edges_at(const PerSide<V>& friction,
-                                        const PerSide<PalmAngle<V>>& palms, V way) {
-  PerSide<ConeEdge<V>> edges{};
-  on_both_sides([&](std::size_t side) {
-    edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * friction[side]);
-  });
-  return edges;
 }
 
 // The contact coordinates after one contact has slid, and the resulting contact vector.

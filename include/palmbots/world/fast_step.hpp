@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The common step of the world: one contact slides through the whole step.
+// The fast step of the world: one contact slides through the whole step, or first one and, from a
+// tie on, the other one (world/fast_step_tie.hpp).
 //
 // It is written for one carry or for several side by side (base/simd_lanes.hpp), without branches
 // that lanes could not share. Few steps need the second half, which evaluates all conditions that
 // hold the object and ties inside the step. Several packs of lanes execute the first half in turn,
 // so that a branch misprediction in the second half does not discard work of the first. If anything
-// else happens (a reversal, an end, both edges wedged), nothing is changed, and the world takes the
-// step apart (world/quasistatic_world.hpp).
+// else happens (a reversal, an end, an edge that wedges), nothing is changed, and the general step
+// (world/general_step.hpp) takes over. Both follow the slip rule (mechanics/slip_rule.hpp).
 //
 // Source: docs/theory/mechanics.md.
 #pragma once
@@ -81,9 +82,9 @@ template <class V>
   const V way = select(closing, V(1), V(-1));
   const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, way);
   const SlipOrder<V> before = slip_order(pushed, edges[left], edges[right]);
-  const V left_behind = before.at(from.contact_vector) * way;  // < 0: the left contact slips first
-  const Mask on_left = left_behind < V(0);
-  Mask good = (closing | (rate > V(0))) & (on_left | (left_behind > V(0)));
+  const V lead_of_left = left_lead(before, from.contact_vector, way);
+  const Mask on_left = lead_of_left > V(0);
+  Mask good = (closing | (rate > V(0))) & (on_left | (lead_of_left < V(0)));
   good = good & (slip_state.multi_contact == V(0));
   if (some_tied) good = good & (slip_state.tied * way <= V(0));
   on_both_sides([&](std::size_t side) {
@@ -110,8 +111,7 @@ template <class V>
     const PerSide<ConeEdge<V>> edges_after = edges_at(params.friction, turned, way);
     tie_after = slip_order(pushed, edges_after[left], edges_after[right]);
   }
-  const V still_behind = tie_after.at(alone.contact_vector) * way;
-  const V lead = select(on_left, -still_behind, still_behind);
+  const V lead = lead_of<V>(on_left, left_lead(tie_after, alone.contact_vector, way));
   const Mask ties = good & (lead < V(0));
   good = good & (lead > V(0));
   Mask held(good);
@@ -134,7 +134,7 @@ template <class V>
   step.on_left = on_left;
   step.unsure = unsure;
   step.ties = ties;
-  step.lead_before = select(on_left, -left_behind, left_behind);
+  step.lead_before = lead_of<V>(on_left, lead_of_left);
   step.lead = lead;
 }
 

@@ -11,6 +11,7 @@
 #include "palmbots/base/root_finding.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/sliding.hpp"
+#include "palmbots/mechanics/slip_rule.hpp"
 
 namespace palmbots {
 
@@ -45,17 +46,11 @@ template <class V>
   const PerSide<PalmAngle<V>>& turned = step.turned;
   const PerSide<V> turn{turned[left].angle - from.palms[left].angle,
                         turned[right].angle - from.palms[right].angle};
-  // The lead of the contact that slid first over the other, that is by how much it slips first; 0
-  // where an edge is wedged.
+  // The lead of the contact that slid first over the other.
   const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms,
                            const ContactVector<V>& contact_vector) {
     const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, step.way);
-    const V behind = slip_order(pushed, edges[left], edges[right]).at(contact_vector) * step.way;
-    V lead = select(step.on_left, -behind, behind);
-    on_both_sides([&](std::size_t side) {
-      lead = select(wedged(side, edges[side], contact_vector.dx, contact_vector.dy), V(0), lead);
-    });
-    return lead;
+    return SlipOnset<V>::at(pushed, edges, contact_vector, step.way).own_lead(step.on_left);
   };
   // For a palm that does not turn these are the sine and cosine that it already has.
   const auto palms_at = [&](V t) {

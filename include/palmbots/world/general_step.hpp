@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Event step: a step of the world in which more happens than one contact sliding. It is cut into
+// General step: a step of the world in which more happens than one contact sliding. It is cut into
 // pieces of one regime each.
 //
 // In a regime the sliding coordinates are closed-form functions of the time within the step. The
@@ -7,10 +7,8 @@
 //
 //   reversal   the palms stop driving the contact points together and start driving them apart
 //              (this can happen inside a step only while a palm turns);
-//   tie        the squeezes at which the two contacts slip become equal. If each contact, sliding
-//              alone, moves towards the other's region, both slide from there on and keep the
-//              squeezes equal. If one moves on into its own region, it slides alone. If either would
-//              (a symmetric object closed on by equal palms), both slide and stay equal, by rule;
+//   tie        the squeezes at which the two contacts slip become equal. The slip rule
+//              (mechanics/slip_rule.hpp) states which of them slide from there on;
 //   end        the object is no longer held by its two vertices alone: the carry is over, or a
 //              further contact closes, which the world then handles.
 //
@@ -41,18 +39,9 @@ struct GeneralStep {
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
   Moments<Real> pushed = moments_under(model.object, world.push);
 
-  // Which contacts slide in a piece.
-  enum class SlidingContact : std::uint8_t { on_left = 0, on_right = 1, both = 2, none = 3 };
-
   struct State {
     Configuration<Real> configuration;
     ContactVector<Real> contact_vector;
-  };
-
-  // The quantities that decide, in one direction, which contact slips first.
-  struct SlipOnset {
-    PerSide<bool> wedged;  // that contact does not slip in this direction
-    Real left_first;       // > 0: the left one slips first; < 0: the right one; of unwedged ones
   };
 
   static constexpr int max_reversals = 16;  // per step: limits the work
@@ -75,8 +64,8 @@ struct GeneralStep {
       const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
       if (!known) direction = direction_at(now, goal);
       known = false;
-      const SlipOnset first = slip_onset(now, direction);
-      if (direction != SlipDirection::stick && first.wedged[left] && first.wedged[right]) {
+      const SlidingContact first = first_at(now, direction);
+      if (direction != SlipDirection::stick && first == SlidingContact::none) {
         result.reason = DropReason::jammed;
         return finish(result, now, done, SlidingContact::none, direction);
       }
@@ -156,7 +145,7 @@ struct GeneralStep {
       }
     }
     if (slider == SlidingContact::on_left || slider == SlidingContact::on_right) {
-      const auto ahead = [&](const State& s) { return own_choice(s, slider, direction); };
+      const auto ahead = [&](const State& s) { return own_lead(s, slider, direction); };
       const Real last = ahead(then);
       if (last < Real(0)) {
         note(Event::tie, bracketed_root(true, done, ahead(now), goal, last,
@@ -191,9 +180,8 @@ struct GeneralStep {
     const Real width = model.object.width;
     if (slider == SlidingContact::both) {
       const auto edges = edges_at(model.friction, then.configuration.palms, sense_of(direction));
-      const SlipOrder<Real> equal = slip_order(pushed, edges[left], edges[right]);
-      const Real slope = equal.tilt != Real(0) ? -equal.level / equal.tilt
-                                               : now.contact_vector.dy / now.contact_vector.dx;
+      const Real slope =
+          tied_slope(slip_order(pushed, edges[left], edges[right]), now.contact_vector);
       then.configuration.contacts = solve_slide_along(then.configuration, slope, offset, width);
     } else if (slider != SlidingContact::none) {
       const auto side = static_cast<std::size_t>(slider);
@@ -236,20 +224,21 @@ struct GeneralStep {
     return direction_of(rate);
   }
 
-  SlipOnset slip_onset(const State& s, SlipDirection direction) const {
-    const auto edges = edges_at(model.friction, s.configuration.palms, sense_of(direction));
-    const auto is_wedged = [&](std::size_t side) {
-      return wedged(side, edges[side], s.contact_vector.dx, s.contact_vector.dy);
-    };
-    return {{is_wedged(left), is_wedged(right)},
-            left_first(slip_order(pushed, edges[left], edges[right]), direction, s.contact_vector)};
+  SlipOnset<Real> slip_onset(const State& s, SlipDirection direction) const {
+    const Real way = sense_of(direction);
+    const auto edges = edges_at(model.friction, s.configuration.palms, way);
+    return SlipOnset<Real>::at(pushed, edges, s.contact_vector, way);
+  }
+
+  // Which contact slides now.
+  SlidingContact first_at(const State& now, SlipDirection direction) const {
+    if (direction == SlipDirection::stick) return SlidingContact::none;
+    return first_to_slip(slip_onset(now, direction), world.tied == sense_of(direction));
   }
 
   // ≥ 0 while the sliding contact is still the one that slips first.
-  Real own_choice(const State& s, SlidingContact slider, SlipDirection direction) const {
-    const SlipOnset first = slip_onset(s, direction);
-    if (first.wedged[left] || first.wedged[right]) return Real(0);
-    return slider == SlidingContact::on_left ? first.left_first : -first.left_first;
+  Real own_lead(const State& s, SlidingContact slider, SlipDirection direction) const {
+    return slip_onset(s, direction).own_lead(slider == SlidingContact::on_left);
   }
 
   // A choice of sliding contacts, and the state at `goal` that results.
@@ -258,23 +247,17 @@ struct GeneralStep {
     State then;
   };
 
-  Choice choose(const State& now, const SlipOnset& first, SlipDirection direction,
-                Real goal) const {
+  Choice choose(const State& now, SlidingContact first, SlipDirection direction, Real goal) const {
     const auto with = [&](SlidingContact slider) {
       return Choice{slider, state(goal, slider, direction, now)};
     };
-    if (direction == SlipDirection::stick) return with(SlidingContact::none);
-    if (first.wedged[left]) return with(SlidingContact::on_right);
-    if (first.wedged[right]) return with(SlidingContact::on_left);
-    if (world.tied != sense_of(direction) && first.left_first != Real(0)) {
-      return with(first.left_first > Real(0) ? SlidingContact::on_left : SlidingContact::on_right);
-    }
-    // On a tie: checks whether one contact, sliding alone, moves on into its own region.
+    if (first != SlidingContact::tie) return with(first);
     const Choice one = with(SlidingContact::on_left);
     const Choice another = with(SlidingContact::on_right);
-    const bool one_goes_on = own_choice(one.then, one.slider, direction) > Real(0);
-    const bool another_goes_on = own_choice(another.then, another.slider, direction) > Real(0);
-    if (one_goes_on != another_goes_on) return one_goes_on ? one : another;
+    const SlidingContact on =
+        slides_at_tie(own_lead(one.then, one.slider, direction) > Real(0),
+                      own_lead(another.then, another.slider, direction) > Real(0));
+    if (on != SlidingContact::both) return on == SlidingContact::on_left ? one : another;
     world.tied = sense_of(direction);
     return with(SlidingContact::both);
   }

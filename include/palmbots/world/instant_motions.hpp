@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 
 #include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/world/contact_constraints.hpp"
@@ -177,7 +178,7 @@ class InstantMotions {
   Decision decision() const {
     Decision decision{check(), {}, {}};
     if (decision.reason != DropReason::none) return decision;
-    std::size_t best = 0;
+    Rank best{};
     each([&](const Motions& m) {
       std::size_t staying = 0;
       std::size_t vertices = 0;
@@ -191,15 +192,14 @@ class InstantMotions {
         ++vertices;
         slide += m[i] != Motion::stick ? 1 : 0;
       }
-      const std::size_t both = touched[left] && touched[right] ? 1 : 0;
-      const std::size_t rank = 1 + 1000 * both + 100 * (vertices / 2) + 10 * staying + slide / 2;
+      const Rank rank{true, touched[left] && touched[right], vertices == 2, staying, slide == 2};
       if (rank <= best) return;
       best = rank;
-      decision.reason = both == 1 ? DropReason::none : DropReason::lifting;
+      decision.reason = rank.on_both_palms ? DropReason::none : DropReason::lifting;
       decision.motion = motion_in(m);
       decision.constraints = staying == vertices ? ContactConstraints<Real>{} : constraints_at(m);
     });
-    if (best == 0) decision.reason = DropReason::jammed;
+    if (!best.is_possible) decision.reason = DropReason::jammed;
     return decision;
   }
 
@@ -222,6 +222,17 @@ class InstantMotions {
   }
 
  private:
+  // Motions in the order of the rules above, from the first criterion to the last.
+  struct Rank {
+    bool is_possible = false;
+    bool on_both_palms = false;
+    bool keeps_both_vertices = false;
+    std::size_t staying = 0;  // contacts that persist
+    bool slides_along_both = false;
+
+    constexpr auto operator<=>(const Rank&) const = default;
+  };
+
   // For each contact that counts: its constraint, or null.
   using HeldAs = std::array<const ActiveContact<Real>*, max_supports>;
 

@@ -18,7 +18,7 @@ struct Kinematics {
 template <class V>
 struct SlipState {
   V push;  // sideways specific force of the pair's acceleration
-  V tied;  // ±1: the direction in which both contacts slide along their tie; 0: they do not
+  V tied;  // ±1: the way in which both contacts slide along their tie (slip_rule.hpp); 0: not
   V multi_contact;  // 1: the object rests on more than its two vertices, or on other contacts
 };
 
