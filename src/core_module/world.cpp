@@ -17,6 +17,15 @@ std::pair<double, double> pair_of(const PerSide<double>& p) { return {p[left], p
 }  // namespace
 
 void bind_world(nb::module_& m) {
+  m.attr("standard_gravity") = standard_gravity;
+  using Inertia = InertiaFilter<double>;
+  nb::class_<Inertia>(m, "InertiaFilter", "The push of the inertia of a pair that was at rest.")
+      .def(
+          "__init__",
+          [](Inertia* self, const Spec& spec) { new (self) Inertia(inertia_of<double>(spec)); },
+          nb::arg("spec"))
+      .def("step", &Inertia::step, nb::arg("speeds"),
+           "The push [1] over a tick in which both robots' speeds towards +x have this sum [m/s].");
   using W = World<double>;
   nb::class_<W>(m, "World", "Two palms and an object: exact motion under given robot motions.")
       .def(

@@ -8,7 +8,6 @@ import pytest
 
 import palmbots as pb
 from palmbots.stability import self_check
-from palmbots.stability.scene_limits import G
 
 CRATE: dict[str, Any] = {
     "object": {
@@ -41,7 +40,7 @@ def test_acceleration_limit_is_that_of_an_inclined_floor() -> None:
     limit = pb.analyze(CRATE).max_acceleration_m_s2
     assert limit is not None
     for share, holds in ((0.999, True), (1.001, False)):
-        slope = -math.degrees(math.atan(share * limit / G))
+        slope = -math.degrees(math.atan(share * limit / 9.80665))
         analysis = pb.analyze(CRATE, overrides={"task.slope_deg": slope})
         assert all(analysis.properties[n, "left"].holds for n in (1, 2)) == holds
     for share, count in ((0.999, 0), (1.001, 1)):

@@ -278,7 +278,7 @@ class Lockstep {
       for (const std::size_t side : {left, right})
         pack.robots.wheels[side].bias.raw[l] = one.pushed_bias(one.tick_, side);
       const double midpoint = pack.robots.midpoint.raw[l];
-      const double together = pack.robots.together.raw[l];
+      const double together = pack.robots.inertia.together.raw[l];
       if (!one.bumps_.due(one.spec_, one.tick_, midpoint, together)) return;
       take(pack, kinematics(pack, tick), l, tick);
       if (!one.open()) return finish_lane(pack, l, done);

@@ -52,8 +52,28 @@ struct Wrist {
   }
 };
 
-// A push that has decayed to this value counts as zero [1].
-inline constexpr double least_push = 1e-6;
+// The push of the object's inertia: the sideways specific force of the pair's acceleration, which a
+// first-order lag smooths (docs/theory/mechanics.md).
+template <class Real>
+struct InertiaFilter {
+  static constexpr double least_push = 1e-6;  // a push that has decayed to this counts as zero [1]
+
+  Real gain;      // push per change of the sum of the speeds [s/m]; 0: no inertia
+  Real memory;    // e^(−T/τ)
+  Real share;     // 1 − memory
+  Real together;  // sum of both robots' speeds towards +x in the last tick [m/s]
+  Real push;      // [1]
+
+  // The push over the next tick, in which the sum of the speeds is this [m/s].
+  [[gnu::always_inline]] constexpr Real step(Real speeds) {
+    const Real jerked = gain * (speeds - together);
+    push = memory * push + share * jerked;
+    const MaskOf<Real> steady = jerked == Real(0);
+    if (any(steady)) push = select(steady & within(push, Real(least_push)), Real(0), push);
+    together = speeds;
+    return push;
+  }
+};
 
 // Both robots: their actuators, their set points and the motion of the pair.
 template <class Real>
@@ -65,17 +85,13 @@ struct Robots {
   PerSide<Real> brakes;      // 1: commanded to stop; wheels at zero speed are held
   Real travel_sense;         // ±1: the direction of travel along x
   Real period;               // of control [s]
-  Real inertia;              // push per change of the sum of the speeds [s/m]
-  Real push_memory;          // e^(−T/τ) of the lag that smooths accelerations
-  Real push_share;           // 1 − push_memory
   PerSide<Real> speeds;      // over the last tick, towards +x [m/s]
-  Real together;             // sum of the speeds [m/s]
-  Real push;                 // sideways specific force of their acceleration, lagged [1]
-  Real midpoint;             // of the pivots, from where it started, along +x [m]
+  InertiaFilter<Real> inertia;
+  Real midpoint;  // of the pivots, from where it started, along +x [m]
 
   // Displacement in the last tick [m]: change of the separation, and travel of the midpoint.
   constexpr Real change() const { return (speeds[right] - speeds[left]) * period; }
-  constexpr Real travel() const { return Real(0.5) * together * period; }
+  constexpr Real travel() const { return Real(0.5) * inertia.together * period; }
 };
 
 // The effect of both robots on the world in one tick.
@@ -110,16 +126,8 @@ template <class Real>
     robots.speeds[left] = select(left_held, Real(0), robots.speeds[left]);
     robots.speeds[right] = select(right_held, Real(0), robots.speeds[right]);
   }
-  const Real together = robots.speeds[left] + robots.speeds[right];
   done.change = robots.change();
-  const Real jerked = robots.inertia * (together - robots.together);
-  robots.push = robots.push_memory * robots.push + robots.push_share * jerked;
-  const MaskOf<Real> steady = jerked == Real(0);
-  if (any(steady)) {
-    robots.push = select(steady & within(robots.push, Real(least_push)), Real(0), robots.push);
-  }
-  done.push = robots.push;
-  robots.together = together;
+  done.push = robots.inertia.step(robots.speeds[left] + robots.speeds[right]);
   done.travel = robots.travel();
   return done;
 }

@@ -85,6 +85,17 @@ Wrist<Real> wrist_of(const PalmSpec& palm, double period) {
   return {Real(palm.steep), Real(palm.shallow), Real(palm.rate * period)};
 }
 
+// The inertia of a pair at rest. The object moves with the mean of the two robots, and a push is an
+// acceleration in units of g.
+template <class Real>
+InertiaFilter<Real> inertia_of(const Spec& spec) {
+  InertiaFilter<Real> inertia{};
+  if (spec.inertia != 0) inertia.gain = Real(0.5 / (spec.period * standard_gravity));
+  inertia.memory = memory_of<Real>(spec.period, spec.inertia_lag);
+  inertia.share = Real(1) - inertia.memory;
+  return inertia;
+}
+
 // The side of the robot that leads, that is the front one in the direction of travel.
 inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
 
@@ -94,10 +105,7 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   Robots<Real> robots{};
   robots.travel_sense = Real(spec.direction);
   robots.period = Real(spec.period);
-  // The object moves with the mean of the two robots. A push is an acceleration in units of g.
-  if (spec.inertia != 0) robots.inertia = Real(0.5 / (spec.period * standard_gravity));
-  robots.push_memory = memory_of<Real>(spec.period, spec.inertia_lag);
-  robots.push_share = Real(1) - robots.push_memory;
+  robots.inertia = inertia_of<Real>(spec);
   // The noise is stationary: its first value already has its long-term spread.
   const Words words = draw(seed, ~0U, Stream::noise);
   for (const std::size_t side : {left, right}) {

@@ -150,8 +150,8 @@ class Carry : public RobotPair<Real, Team> {
 
   void bump() {
     if (tick_ % block_ticks == 0) bumps_.draw_block(spec_, seed_, tick_);
-    if (!bumps_.due(spec_, tick_, robots_.midpoint, robots_.together)) return;
-    const auto shift = bumps_.take(spec_, seed_, tick_, robots_.midpoint, robots_.together);
+    if (!bumps_.due(spec_, tick_, robots_.midpoint, robots_.inertia.together)) return;
+    const auto shift = bumps_.take(spec_, seed_, tick_, robots_.midpoint, robots_.inertia.together);
     metrics_.bumps += shift.bumps;
     const PerSide<Real> by{Real(shift.by[left]), Real(shift.by[right])};
     if (by[left] != Real(0) || by[right] != Real(0)) metrics_.reason = world_.shift(by);

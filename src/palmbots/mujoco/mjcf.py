@@ -30,7 +30,6 @@ from palmbots.scene.unequal_pivots import raise_right_pivot
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 
 _SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
-_G = 9.80665  # m/s²
 
 
 @dataclass(frozen=True)
@@ -82,11 +81,12 @@ def mjcf(
     root = ET.Element("mujoco", model="palmbots")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     slope = math.atan(at.spec.slope)
+    gravity = _core.standard_gravity
     ET.SubElement(
         root,
         "option",
         timestep=numbers(scene.control.period_s / steps_per_tick(scene)),
-        gravity=numbers(-_G * math.sin(slope), 0.0, -_G * math.cos(slope)),
+        gravity=numbers(-gravity * math.sin(slope), 0.0, -gravity * math.cos(slope)),
         cone=engine.cone,
         impratio=numbers(engine.impratio),
         integrator=engine.integrator,

@@ -18,8 +18,6 @@ Pair = tuple[float, float]
 """Left robot, right robot."""
 Wheels = tuple[Pair, Pair]
 """The left and right wheel of the left robot, and those of the right one."""
-_STANDARD_GRAVITY = 9.80665  # m/s²
-_LEAST_PUSH = 1e-6
 
 
 class DrivenWorld(Protocol):
@@ -57,10 +55,7 @@ class DrivenQuasistatic:
         self._tilt = raise_right_pivot(spec, pivot_heights_m[1] - pivot_heights_m[0])
         self._world = _core.World(spec)
         self._period_s = scene.control.period_s
-        self._inertia = spec.inertia * 0.5 / (self._period_s * _STANDARD_GRAVITY)
-        lag_s = spec.inertia_lag
-        self._memory = math.exp(-self._period_s / lag_s) if lag_s > 0 else 0.0
-        self._push = self._together = 0.0
+        self._inertia = _core.InertiaFilter(spec)
         self.rolled_m: Wheels = ((0.0, 0.0), (0.0, 0.0))
         self.palms: Pair = self._as_seen(self._world.palms)
         self.midpoint = 0.0
@@ -77,14 +72,9 @@ class DrivenQuasistatic:
             raise PalmbotsError("world: the object is no longer held")
         left, right = (0.5 * sum(wheels) for wheels in rims_m_s)
         together = left - right  # forward is towards the partner
-        jerked = self._inertia * (together - self._together)
-        self._push = self._memory * self._push + (1 - self._memory) * jerked
-        if jerked == 0 and abs(self._push) <= _LEAST_PUSH:
-            self._push = 0.0
-        self._together = together
         change = -(left + right) * self._period_s * math.cos(self._tilt)
         palms = palms_rad[0] + self._tilt, palms_rad[1] - self._tilt
-        self.end = self._world.advance(change, palms, self._push)[0]
+        self.end = self._world.advance(change, palms, self._inertia.step(together))[0]
         self.palms = self._as_seen(self._world.palms)
         self.midpoint += 0.5 * together * self._period_s
         (a, b), (c, d) = self.rolled_m

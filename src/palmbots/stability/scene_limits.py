@@ -11,14 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import palmbots._core as _core
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.margins import angle_error, slope_range
 from palmbots.stability.problem import StabilityProblem, stability_problem
-
-G = 9.80665
-"""Standard gravity [m/s²]."""
 
 
 def self_check(
@@ -56,7 +54,7 @@ def limit_warnings(
 def largest_acceleration(problem: StabilityProblem, slope: Interval) -> float:
     """The largest acceleration, in either direction, at which both properties hold [m/s²]."""
     here = problem.slope * problem.spec.direction
-    return G * min(here - slope[0], slope[1] - here)
+    return _core.standard_gravity * min(here - slope[0], slope[1] - here)
 
 
 def _warnings(

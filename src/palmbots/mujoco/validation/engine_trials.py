@@ -18,7 +18,7 @@ from palmbots.scene.extrusion import gyration
 from palmbots.scene.polygon import Point, hull
 from palmbots.scene.scene import Scene
 
-_STEP, _THICK, _G = 0.005, 0.01, 9.80665
+_STEP, _THICK = 0.005, 0.01
 _SETTLE_S = 0.3
 _SCALE = 20.0  # of Box2D's world
 
@@ -59,7 +59,7 @@ class _Pymunk:
     def __init__(self, body: _Body) -> None:
         pymunk: Any = importlib.import_module("pymunk")
         self.space = pymunk.Space()
-        self.space.gravity = (0, -_G)
+        self.space.gravity = (0, -_core.standard_gravity)
         self.space.collision_slop = 1e-5
         self.space.iterations = 30
         self.palms = []
@@ -104,7 +104,7 @@ class _Box2d:
         def large(points: list[Point]) -> list[Point]:
             return [(x * _SCALE, y * _SCALE) for x, y in points]
 
-        self.world = box2d.b2World(gravity=(0, -_G * _SCALE))
+        self.world = box2d.b2World(gravity=(0, -_core.standard_gravity * _SCALE))
         self.palms = []
         for k in (0, 1):
             place = large([(body.pivots[k], body.height)])[0]

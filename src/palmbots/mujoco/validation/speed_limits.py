@@ -35,7 +35,6 @@ from palmbots.stability.analysis import analyze
 FRICTIONS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65)
 FACTORS = (1.0, 2.0, 4.0, 8.0)
 MOST = 4.0  # m/s², end of the search
-_G = 9.80665
 _RAMP_S, _EASE_S, _LOOK_S, _RATE = 0.2, 0.05, 0.15, 0.02
 _GRIP = 5.0  # friction of the floor in these trials, so that wheels do not slip
 
@@ -195,7 +194,7 @@ def _edge(same: Callable[[float], bool], step: float, halvings: int) -> float | 
 def slides_under(spec: _core.Spec, closing: bool, acceleration: float) -> Slides | None:
     """The contact that slides while the pair accelerates [m/s², towards +x]; None: not held."""
     before = spec.slope
-    spec.slope = before + acceleration / _G
+    spec.slope = before + acceleration / _core.standard_gravity
     slides = trials.expected(spec, closing)
     spec.slope = before
     return slides
