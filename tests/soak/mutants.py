@@ -84,10 +84,17 @@ class Mutant:
     parts: tuple[tuple[int, int], ...]
     """Bytes of the operands."""
 
-    @property
-    def name(self) -> str:
-        """The place and the change."""
-        return f"{self.header}:{self.line} {self.operator} @{self.start}"
+    def row(self, include: Path) -> dict[str, str]:
+        """How a list describes it: header, line and its text, place and length of the expression
+        in the line, change."""
+        source = (include / self.header).read_bytes()
+        begin = source.rfind(b"\n", 0, self.start) + 1
+        line = source[begin : source.find(b"\n", self.start)]
+        column = self.start - begin - (len(line) - len(line.lstrip()))
+        return {
+            "header": self.header, "line": str(self.line), "text": line.decode().strip(),
+            "column": str(column), "length": str(self.end - self.start), "operator": self.operator,
+        }  # fmt: skip
 
 
 def mutants_of(include: Path, header: str) -> list[Mutant]:
@@ -145,6 +152,34 @@ def sample(mutants: list[Mutant], size: int, seed: int) -> list[Mutant]:
     """Some of the mutants, each as likely as another, in their order."""
     chosen = random.Random(seed).sample(range(len(mutants)), min(size, len(mutants)))
     return [mutants[k] for k in sorted(chosen)]
+
+
+def found_again(include: Path, listed: dict[int, dict[str, str]]) -> dict[int, Mutant]:
+    """The mutants of a list, by their numbers, in headers that may have changed since.
+
+    A mutant is where its line is, character by character: the nearest such line of its header or,
+    if there is none, the only one of all headers.
+    """
+
+    def key(row: dict[str, str]) -> tuple[str, ...]:
+        return row["text"], row["column"], row["length"], row["operator"]
+
+    places: dict[tuple[str, ...], list[Mutant]] = {}
+    texts = {row["text"] for row in listed.values()}
+    for path in sorted((include / "palmbots").glob("*/*.hpp")):
+        if texts.isdisjoint(line.strip() for line in path.read_text().splitlines()):
+            continue
+        for mutant in mutants_of(include, str(path.relative_to(include))):
+            places.setdefault(key(mutant.row(include)), []).append(mutant)
+    found: dict[int, Mutant] = {}
+    for number, row in listed.items():
+        there = places.get(key(row), [])
+        own = [mutant for mutant in there if mutant.header == row["header"]]
+        if own:
+            found[number] = min(own, key=lambda mutant: abs(mutant.line - int(row["line"])))
+        elif len(there) == 1:
+            found[number] = there[0]
+    return found
 
 
 def changed(source: bytes, chosen: dict[int, Mutant]) -> bytes:

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """How many small defects of the core the tests find: the mutation score, with its interval.
 
-    .venv/bin/python tests/soak/mutation_score.py [--size 200] [--seed 2] [--seconds 3000]
+    .venv/bin/python tests/soak/mutation_score.py [--rooms world,sim] [--seconds 3000]
+    .venv/bin/python tests/soak/mutation_score.py --draw TREE
 
-A sample of the changes of `mutants` in the rooms mechanics, control and wire is compiled into
-copies of the headers, once. Tests then run once per mutant, until the first of them fails: the C++
+The sample of mutants is mutants.csv, drawn with seed 2 from the headers of commit 05d8b30: 200 of
+the rooms mechanics, control and wire together, and 50 of each of world, sim, stability and runtime.
+A mutant is found again by the text of its line, in its header or another one; a mutant whose line
+no longer exists is "gone". Those of the chosen rooms are compiled into copies of the headers, once.
+Tests then run once per mutant, until the first of them fails: the C++
 programs, with sanitizers as in `make test`, and the files of Python tests of the mutant's own room
 and of those that use it. A first run without a mutant records which tests reach which mutants, so
-that only those run. A test that takes ten times its usual time counts as failed.
+that only those run. If a test takes ten times its usual time, the mutant has "timed out". It then
+counts neither as killed nor as survived, because a busy machine has the same effect.
 
 Results are kept in build/mutation/results.csv, and a further run goes on from there. When all are
-there, they are copied to benchmarks/results/mutation.csv. A mutant that does not compile is left
-out, and the report says how many these are. "not reached" survived, too: no test runs the code, or
-only the compiler does.
-
-Tests were added for what the sample of seed 1 found missing, so its score says too much now.
+there, they are copied to benchmarks/results/mutation.csv. A mutant that is gone or does not compile
+is left out, and the report says how many these are. "not reached" survived, too: no test runs the
+code, or only the compiler does.
 """
 
 import argparse
@@ -39,19 +42,30 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 WORK = ROOT / "build" / "mutation"
 RESULTS = WORK / "results.csv"
 PUBLISHED = ROOT / "benchmarks" / "results" / "mutation.csv"
-ROOMS = ("mechanics", "control", "wire")
+LIST = Path(__file__).with_name("mutants.csv")
+SEED = 2
+SAMPLES: dict[tuple[str, ...], int] = {
+    ("mechanics", "control", "wire"): 200,
+    ("world",): 50, ("sim",): 50, ("stability",): 50, ("runtime",): 50,
+}  # fmt: skip
+"""Rooms, and how many mutants are drawn from them together."""
+ROOMS = tuple(room for rooms in SAMPLES for room in rooms)
 # Where the Python tests of a room's code are.
 PYTHON_ROOMS = {
     "mechanics": ("mechanics", "stability", "world"),
     "control": ("control", "derivation", "simulation"),
     "wire": ("wire", "drivers", "links"),
+    "world": ("world", "simulation"),
+    "sim": ("simulation",),
+    "stability": ("stability",),
+    "runtime": ("runtime", "robot", "simulation"),
 }
 SANITIZERS = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
 LONGEST_S = 20.0  # a program or file that takes longer is left out
 FIELDS = ("number", "mutant", "result", "by")
 BUILD_TRIES = 8
 PATIENCE, LEAST_S = 10.0, 20.0
-_PLACE = re.compile(r"include/(palmbots/(?:mechanics|control|wire)/\w+\.hpp):(\d+):\d+: error:")
+_PLACE = re.compile(r"include/(palmbots/\w+/\w+\.hpp):(\d+):\d+: error:")
 
 
 @dataclass(frozen=True)
@@ -69,21 +83,25 @@ class Unit:
 def main(words: list[str]) -> int:
     """Measure; exit status 0 when all mutants of the sample were tried."""
     parser = argparse.ArgumentParser(description="Measure the mutation score.")
-    parser.add_argument("--size", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=2)
+    parser.add_argument("--rooms", default="mechanics,control,wire", help=f"of {', '.join(ROOMS)}")
     parser.add_argument("--seconds", type=float, default=1e9, help="stop after this time")
+    parser.add_argument("--draw", type=Path, metavar="TREE", help="only write mutants.csv anew")
     options = parser.parse_args(words)
+    if options.draw:
+        return _draw(options.draw / "include")
     until = time.monotonic() + options.seconds
-    include = ROOT / "include"
-    every = [
-        mutant
-        for room in ROOMS
-        for path in sorted((include / "palmbots" / room).glob("*.hpp"))
-        for mutant in mutants.mutants_of(include, str(path.relative_to(include)))
-    ]
-    chosen = dict(enumerate(mutants.sample(every, options.size, options.seed), start=1))
-    names = {number: mutant.name for number, mutant in chosen.items()}
+    rooms = options.rooms.split(",")
+    with LIST.open(newline="") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["header"].split("/")[1] in rooms]
+    listed = {int(row["number"]): row for row in rows}
+    chosen = mutants.found_again(ROOT / "include", listed)
+    names = {
+        number: f"{row['header']}:{row['line']} {row['operator']} @{row['column']}"
+        for number, row in listed.items()
+    }
     done = _done(names)
+    for number in sorted(listed.keys() - chosen.keys() - done.keys()):
+        done[number] = _note(number, names[number], "gone", "")
     compiled = {n: m for n, m in chosen.items() if done.get(n) != "does not compile"}
     reached: set[int] = set()
     for build, units_of in ((_programs, _program_units), (_extension, _python_units)):
@@ -94,26 +112,45 @@ def main(words: list[str]) -> int:
         units = _recorded(units_of())
         reached |= {number for unit in units for number in unit.reaches}
         rest = {n: _room(compiled[n]) for n in sorted(compiled.keys() - done.keys())}
-        for number, by in _tried(rest, units, until):
-            if by:
-                done[number] = _note(number, names[number], "killed", by)
+        for number, result, by in _tried(rest, units, until):
+            if result:
+                done[number] = _note(number, names[number], result, by)
             elif units_of is _python_units:
                 kind = "survived" if number in reached else "not reached"
                 done[number] = _note(number, names[number], kind, "")
-    return _report(done, len(chosen), len(every))
+    return _report(done, len(listed))
+
+
+def _draw(include: Path) -> int:
+    """Write the list of mutants."""
+    drawn: list[dict[str, str]] = []
+    for rooms, size in SAMPLES.items():
+        every = [
+            mutant
+            for room in rooms
+            for path in sorted((include / "palmbots" / room).glob("*.hpp"))
+            for mutant in mutants.mutants_of(include, str(path.relative_to(include)))
+        ]
+        drawn += [mutant.row(include) for mutant in mutants.sample(every, size, SEED)]
+        print(f"{', '.join(rooms)}: {min(size, len(every))} of {len(every)}")
+    with LIST.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, ("number", *drawn[0]))
+        writer.writeheader()
+        writer.writerows({"number": str(n)} | row for n, row in enumerate(drawn, start=1))
+    return 0
 
 
 def _room(mutant: mutants.Mutant) -> str:
     return Path(mutant.header).parent.name
 
 
-def _tried(rest: dict[int, str], units: list[Unit], until: float) -> Iterator[tuple[int, str]]:
-    """What found each of the mutants (of these rooms), as it becomes known; "": nothing did."""
+def _tried(rest: dict[int, str], units: list[Unit], until: float) -> Iterator[tuple[int, str, str]]:
+    """Result of each of the mutants (of these rooms), as it becomes known, and what found it."""
 
-    def one(number: int) -> tuple[int, str] | None:
+    def one(number: int) -> tuple[int, str, str] | None:
         if time.monotonic() > until:
             return None
-        return number, _killed(number, [u for u in units if rest[number] in u.rooms])
+        return number, *_killed(number, [u for u in units if rest[number] in u.rooms])
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         yield from (found for found in pool.map(one, rest) if found is not None)
@@ -237,27 +274,28 @@ def _run(unit: Unit, limit_s: float, environment: dict[str, str]) -> int | None:
         return None
 
 
-def _killed(number: int, units: list[Unit]) -> str:
-    """What found the mutant; empty: nothing."""
+def _killed(number: int, units: list[Unit]) -> tuple[str, str]:
+    """Whether the mutant was killed or timed out, and by what; both empty: nothing found it."""
     for unit in units:
         if number not in unit.reaches:
             continue
         limit_s = max(LEAST_S, PATIENCE * unit.seconds)
-        if _run(unit, limit_s, {"PALMBOTS_MUTANT": str(number)}) != 0:
-            return unit.name
-    return ""
+        status = _run(unit, limit_s, {"PALMBOTS_MUTANT": str(number)})
+        if status != 0:
+            return "timed out" if status is None else "killed", unit.name
+    return "", ""
 
 
-def _report(done: dict[int, str], size: int, population: int) -> int:
+def _report(done: dict[int, str], size: int) -> int:
     results = list(done.values())
     killed, unreached = results.count("killed"), results.count("not reached")
     tried = killed + results.count("survived") + unreached
     low, high = wilson(killed, tried) if tried else (0.0, 1.0)
     print(
         f"mutation score {100 * killed / max(1, tried):.0f} % (95 % interval {100 * low:.0f} to "
-        f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {size} from "
-        f"{population}; {unreached} are reached by no test, and "
-        f"{results.count('does not compile')} do not compile"
+        f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {size}; "
+        f"{unreached} are reached by no test, {results.count('timed out')} timed out, "
+        f"{results.count('gone')} are gone, and {results.count('does not compile')} do not compile"
     )
     if len(done) < size:
         return 1
