@@ -388,7 +388,8 @@ int main(int argc, char** argv) {
       test_rare_decisions<double>(make);
       test_rare_decisions<float>(make);
       // The world is the same with every controller; these two leave it most alone, and least.
-      if (controller.name == "none" || controller.name == "distributed") {
+      const std::string_view name = controller.name;
+      if (name == "none" || name == "distributed") {
         test_rare_motions<double>(make);
         test_rare_motions<float>(make);
       }
