@@ -6,9 +6,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from palmbots.cli.reports.derivation_report import derivation_report
-from palmbots.cli.reports.policy_report import policy_report
+from palmbots._types import BySide
+from palmbots._util.results import Result
+from palmbots.cli.console import print_report
 from palmbots.derivation.abstract_world import CONTROLLERS, system_of
+from palmbots.derivation.derived_policy import DerivedPolicy
+from palmbots.derivation.derived_rules import DerivedRules
 from palmbots.derivation.distributed_algorithm import machines_of
 from palmbots.derivation.global_policy import as_printed, table_1
 from palmbots.derivation.local_rules import derive
@@ -19,25 +22,27 @@ from palmbots.derivation.verification import verify
 ROOT = Path(__file__).parents[2]
 
 
+def text_of(result: Result) -> str:
+    """What a command prints of a result, 100 columns wide."""
+    out = io.StringIO()
+    print_report(result.lines(), console=Console(file=out, width=100, highlight=False))
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+
+
 def printed(policy: str, controllers: tuple[str, ...], runs: bool) -> str:
-    """The output of `palmbots derive`, 100 columns wide."""
+    """The output of `palmbots derive`."""
     rules = derive(table_1() if policy == "table-1" else as_printed())
     checked = {name: check_refinement(system_of(name), rules) for name in controllers}
-    out = io.StringIO()
-    console = Console(file=out, width=100, highlight=False)
-    derivation_report(rules, checked, policy, runs, console)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+    return text_of(DerivedRules(policy, rules, checked, runs))
 
 
 def policy_printed(name: str) -> str:
-    """The output of `palmbots derive --policy` for an example, 100 columns wide."""
+    """The output of `palmbots derive --policy` for an example."""
     file = f"examples/policies/{name}.toml"
     table = read_policy(ROOT / file)
-    rules = derive(table.cases, rest=table.rest)
-    out = io.StringIO()
-    console = Console(file=out, width=100, highlight=False)
-    policy_report(file, table, rules, [], verify(machines_of(table), table.rest), console)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+    machines = machines_of(table)
+    rules, found = derive(table.cases, rest=table.rest), verify(machines, table.rest)
+    return text_of(DerivedPolicy(file, table, rules, (), BySide.of(machines), found))
 
 
 def blocks() -> dict[str, str]:

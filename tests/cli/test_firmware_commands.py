@@ -124,7 +124,7 @@ def test_an_image_is_flashed_once(image: Path, tmp_path: Path, here: Run) -> Non
     target = drive(tmp_path / "MICROBIT")
     done = here("flash", str(image), "--drive", str(target), "--json")
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["file"] == str(target / "left.hex")
+    assert json.loads(done.stdout)["files"] == [str(target / "left.hex")]
     assert (target / "left.hex").read_text() == image.read_text()
     done = here("flash", str(image), "--drive", str(target))
     assert_refused(done, "has been flashed already")

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from palmbots.cli.reports.station_text import plain_status
+from palmbots.cli.station_text import plain_status
 
 pytest.importorskip("textual")
 

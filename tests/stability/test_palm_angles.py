@@ -327,7 +327,7 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     found = json.loads(capsys.readouterr().out)
     keys = "properties bands com_x_m friction max_slope_deg max_acceleration_m_s2 scene"
     assert set(keys.split()) <= set(found)
-    assert set(found["properties"]) == {"0", "1", "2"}
+    assert set(found["properties"]) == {"closing", "opening", "turning"}
     assert run(["analyze", "--set", "palm.friction=0.02"]) == 0
     assert "FAILS" in capsys.readouterr().out
     assert run(["analyze", "--region-m", "0.5", "0.6"]) == 2

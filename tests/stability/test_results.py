@@ -33,9 +33,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     [
         ("analysis", ("HOLDS", "108.5 to 141.5 mm", "0.094 to 1.046")),
         ("clearance", ("clear", "0.55°")),
-        ("certificate", ("holds", "property 1")),
+        ("certificate", ("CERTIFIED TO HOLD", "property 1")),
         ("check", ("VALID", "250 × 160 mm")),
-        ("design", ("9° and 30°", "±2", "certificate")),
+        ("design", ("9° and 30°", "±2", "certified")),
     ],
 )
 def test_text_is_short_and_states_the_result(

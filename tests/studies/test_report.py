@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from palmbots._util.confidence_intervals import wilson
-from palmbots.cli.reports.study_report import cost_report, study_report
+from palmbots.cli.console import print_report
 from palmbots.studies.cost_estimate import Cost
 from palmbots.studies.points import design_points
 from palmbots.studies.sobol import sobol_indices
@@ -30,7 +30,7 @@ def rounded(text: str, exact: float) -> None:
 
 def shown(result: StudyResult, capsys: pytest.CaptureFixture[str]) -> str:
     capsys.readouterr()
-    study_report(result, [])
+    print_report(result.lines())
     return capsys.readouterr().out
 
 
@@ -110,13 +110,14 @@ def test_cost_is_printed_with_units(
     points = design_points(load_plan({**MIXED, "stop": {"block": 10, "drop_rate": 0.1}}))
     cost = Cost(
         points=2, cells=4, carries=160, chunks=3, carries_a_chunk=60, seconds=seconds, threads=2,
-        by_controller={"centralized": 0.21, "distributed": 0.34}, disk_bytes=5_600_000,
+        ms_a_carry={"centralized": 0.21, "distributed": 0.34}, disk_bytes=5_600_000,
         memory_bytes=7000,
+        design=points,
     )  # fmt: skip
-    cost_report(points, cost)
+    print_report(cost.lines())
     lines = dict(
         re.split(r" {2,}", line.strip(), maxsplit=1)
-        for line in capsys.readouterr().out.splitlines()
+        for line in capsys.readouterr().out.splitlines()[1:]
         if "ms per carry" not in line
     )
     assert lines == {

@@ -229,7 +229,7 @@ def test_cells_that_resilient_refuses_are_left_out(tmp_path: Path) -> None:
     summary = result.summary()
     assert "radio.lease_s" in summary["refused"][0]["why"]
     assert summary["refused"][0]["at"] == {"radio.latency_s": 0.5}
-    assert summary["cells"][3]["drop_rate"] is None
+    assert summary["cells"][3]["statistics"]["drop_rate"]["value"] is None
 
 
 def test_keys_may_be_names_booleans_and_entries_of_lists(tmp_path: Path) -> None:
@@ -320,9 +320,10 @@ def test_summary_is_the_sum_of_the_cells(tmp_path: Path) -> None:
     assert summary["interval"] == pytest.approx(wilson(drops, 360))
     for i, row in enumerate(summary["cells"]):
         cell = outcome.reshape(12, 30)[i]
-        assert row["drop_rate"] == np.mean(cell == 2)
-        assert row["drop_rate_interval"] == pytest.approx(wilson(int((cell == 2).sum()), 30))
-        assert row["stall_rate"] == np.mean(cell == 3)
+        drop_rate, stall_rate = (row["statistics"][f"{end}_rate"] for end in ("drop", "stall"))
+        assert drop_rate["value"] == np.mean(cell == 2)
+        assert drop_rate["interval"] == pytest.approx(wilson(int((cell == 2).sum()), 30))
+        assert stall_rate["value"] == np.mean(cell == 3)
         point = list(itertools.product(*SMALL["vary"].values()))[i // 2]
         at = dict(zip(SMALL["vary"], point, strict=True))
         assert (row["at"], row["controller"]) == (at, SMALL["controllers"][i % 2])

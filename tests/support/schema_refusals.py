@@ -26,10 +26,12 @@ def _changes(schema: Mapping[str, Any], node: Any, value: Any) -> Iterator[tuple
     if node.get("$ref") == "#/$defs/Scene":  # tests/cli/test_json_schemas.py tests these
         return
     if isinstance(value, Mapping) and "properties" in node:
-        assert node["additionalProperties"] is False and set(node["required"]) == set(value), node
+        required = set(node["required"]) if "required" in node else set()
+        assert node["additionalProperties"] is False and required <= set(value), node
         yield "a further key", {**value, "odd": 0}
         for key, inner in value.items():
-            yield f"without {key}", {k: v for k, v in value.items() if k != key}
+            if key in required:
+                yield f"without {key}", {k: v for k, v in value.items() if k != key}
             yield from _within(schema, node["properties"][key], value, key, inner)
     elif isinstance(value, Mapping) and value:
         key = next(iter(value))
@@ -44,7 +46,9 @@ def _within(
 ) -> Iterator[tuple[str, Any]]:
     if node in ({}, True):  # anything
         return
-    for what, changed in [("of another type", ODD), *_changes(schema, node, inner)]:
+    accepts = Draft202012Validator(node | {"$defs": schema.get("$defs", {})}).is_valid
+    odd = next(one for one in (ODD, [ODD]) if not accepts(one))
+    for what, changed in [("of another type", odd), *_changes(schema, node, inner)]:
         whole = copy.copy(value)
         whole[key] = changed
         yield f"{key}: {what}", whole

@@ -73,9 +73,14 @@ class Line:
         return " " * self.indent + "".join(self.parts)
 
 
+def warn_word(text: str) -> Marked:
+    """A text that says that something is open, or may be wrong."""
+    return _marked(text, "warning")
+
+
 def warning(text: str) -> Line:
     """The line of a warning."""
-    return Line(_marked("warning: ", "warning"), text)
+    return Line(warn_word("warning: "), text)
 
 
 @dataclass(frozen=True)
@@ -89,6 +94,8 @@ class Table:
     gap: int = 3
     """Columns between two columns of the table."""
     title: str = ""
+    widths: Sequence[int] = ()
+    """Of the columns, all but the first to the right; cells continue below. Empty: what fits."""
 
 
 Item: TypeAlias = str | Line | Table
@@ -107,8 +114,13 @@ def _text_rows(table: Table, most_rows: int) -> list[str]:
     if table.heads:
         rows.insert(0, [head.replace("\n", " ") for head in table.heads])
     count = max(map(len, rows), default=0)
-    widths = [max(len(row[k]) for row in rows if k < len(row)) for k in range(count)]
-    to_right = [k < len(table.heads) and table.heads[k] in table.right for k in range(count)]
+    widths = table.widths or [
+        max(len(row[k]) for row in rows if k < len(row)) for k in range(count)
+    ]
+    to_right = [
+        k > 0 if table.widths else k < len(table.heads) and table.heads[k] in table.right
+        for k in range(count)
+    ]
     lines = [table.title] if table.title else []
     for row in rows:
         cells = (

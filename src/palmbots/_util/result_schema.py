@@ -11,7 +11,17 @@ from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace, UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    NotRequired,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+    is_typeddict,
+)
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter, WithJsonSchema
@@ -61,6 +71,11 @@ def _json_type(hint: Any) -> Any:
     kind: Any = origin or hint
     if is_dataclass(kind) or hasattr(kind, "_fields"):
         return _table(kind, inner)
+    if is_typeddict(kind):
+        types = {key: _json_type(one) for key, one in get_type_hints(kind).items()}
+        required = kind.__required_keys__
+        types |= {key: NotRequired[types[key]] for key in types if key not in required}
+        return _closed(kind.__name__, types)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return Annotated[Any, WithJsonSchema({"$ref": _OF_SCENE + kind.__name__})]
     if isinstance(kind, type) and issubclass(kind, Path):
@@ -79,7 +94,12 @@ def _table(kind: Any, arguments: tuple[Any, ...]) -> Any:
     """A typed dictionary with the keys that JSON has of a dataclass or named tuple."""
     of = dict(zip(getattr(kind, "__parameters__", ()), arguments, strict=True))
     types = {key: _json_type(_substituted(_hint(kind, key), of)) for key in keys_of(kind)}
-    table: Any = TypedDict(kind.__name__, types)  # type: ignore[operator,misc]
+    return _closed(kind.__name__, types)
+
+
+def _closed(name: str, types: Mapping[str, Any]) -> Any:
+    """A typed dictionary without further keys."""
+    table: Any = TypedDict(name, types)  # type: ignore[operator,misc]
     table.__pydantic_config__ = ConfigDict(extra="forbid")
     return table
 

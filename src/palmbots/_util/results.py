@@ -36,10 +36,8 @@ class Result:
         The first line states the result. Unless a kind of result has lines of its own, a table of
         its short values follows.
         """
-        own = type(self).headline is not Result.headline
-        yield self.headline() if own else type(self).__name__
-        facts: Any = getattr(self, "facts", None)
-        yield Table([(f"  {k}", v) for k, v in facts().items()] if facts else self.value_rows())
+        yield type(self).__name__
+        yield Table(self.value_rows())
 
     def value_rows(self, *names: str) -> list[tuple[str, str]]:
         """Short values with their labels and units.

@@ -4,18 +4,20 @@
 import json
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.arguments import show
+from palmbots._util.plain_values import plain
 from palmbots.cli._streams import say
 from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots._util.report import Item
     from palmbots._util.results import Result
     from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
@@ -93,7 +95,7 @@ def controller_of(
         entry = resolve(name, called=called)
         return entry if quiet or not entry.preparation else _announced(entry)
     from palmbots.cli._progress import progress
-    from palmbots.cli.reports.policy_report import failure_lines
+    from palmbots.derivation.derived_policy import failure_lines
     from palmbots.derivation.policy_controller import PolicyNotProved, load_policy
 
     try:
@@ -137,43 +139,13 @@ def check_output(out: Path | None) -> None:
         check_folder(out)
 
 
-def present(
-    result: Any,
-    report: Callable[[Any, list[Path]], None],
-    *,
-    as_json: bool,
-    figure: Callable[[Any, Path], None] | None = None,
-    out: Path | None = None,
-    file: str = "",
-) -> None:
-    """Save the figure of a result to `file` in the folder `out`, then print JSON or a report.
-
-    Args:
-        result: has a ``summary()``.
-        report: prints the result and the files that were written, for people.
-        as_json: print ``result.summary()`` instead.
-        figure: saves the figure to a path.
-        out: the folder; None: save nothing.
-        file: name of the figure in the folder.
-    """
-    written: list[Path] = []
-    if out is not None and figure is not None:
-        from palmbots._util.atomic_files import folder
-
-        written = [folder(out) / file]
-        figure(result, written[0])
-    if as_json:
-        print_json(result.summary())
-    else:
-        report(result, written)
-
-
 def print_result(
     result: "Result",
     *,
     as_json: bool,
     about: str = "",
     written: Sequence[Path] = (),
+    after: Sequence["Item"] = (),
     out: Path | None = None,
     file: str = "",
 ) -> None:
@@ -184,6 +156,7 @@ def print_result(
         as_json: print its table.
         about: of what it is, such as the name of a scene.
         written: the files.
+        after: further lines for people.
         out: the folder for its figure; None: draw none.
         file: name of the figure in the folder.
     """
@@ -193,28 +166,17 @@ def print_result(
         written = [*written, folder(out) / file]
         result.save_figure(written[-1])
     if as_json:
-        print_json(result.summary())
+        print_json(result)
     else:
         from palmbots.cli.console import print_report
 
-        print_report(result.lines(), about, written)
+        print_report([*result.lines(), *after], about, written)
 
 
-def print_json(table: Mapping[str, Any]) -> None:
-    """Print one JSON object on stdout."""
+def print_json(result: Any) -> None:
+    """Print one JSON object on stdout: a table, or what JSON has of a dataclass."""
     print_held_warnings()
-    print(json.dumps(table, allow_nan=False))
-
-
-def print_list(kind: str, meanings: Mapping[str, str], *, as_json: bool) -> None:
-    """Print names with their meanings; as JSON ``{kind: [{name, meaning}, …]}``."""
-    if as_json:
-        rows = [{"name": name, "meaning": meaning} for name, meaning in meanings.items()]
-        print_json({kind: rows})
-    else:
-        from palmbots.cli.reports.lists_report import names_report
-
-        names_report(meanings)
+    print(json.dumps(plain(result), allow_nan=False))
 
 
 def number_list(option: str, text: str) -> list[float]:

@@ -54,15 +54,21 @@ def report_console() -> Console:
     return console
 
 
-def print_report(items: Iterable[Item], about: str = "", written: Sequence[Path] = ()) -> None:
+def print_report(
+    items: Iterable[Item],
+    about: str = "",
+    written: Sequence[Path] = (),
+    console: Console | None = None,
+) -> None:
     """Print the lines of a result, and the files that were written.
 
     Args:
         items: the lines.
         about: of what the result is, such as the name of a scene; it follows the first line.
         written: the files.
+        console: where to print; None: on stdout.
     """
-    console = report_console()
+    console = console or report_console()
     is_first = True
     for item in items:
         if isinstance(item, TableOfTexts):
@@ -72,8 +78,11 @@ def print_report(items: Iterable[Item], about: str = "", written: Sequence[Path]
         text = Text().join(map(_text, line.parts))
         if is_first and about:
             text.append(f"   {about}", style=QUIET)
+        if line.is_whole or (is_first and about):
+            console.print(Text(" " * line.indent).append_text(text), soft_wrap=True)
+        else:
+            console.print(indented(text, line.indent))
         is_first = False
-        console.print(indented(text, line.indent), soft_wrap=line.is_whole)
     print_written_files(console, written)
 
 
@@ -86,6 +95,15 @@ def _table(table: TableOfTexts) -> Table:
     shown = plain_table(*table.heads, right=table.right, gap=table.gap)
     if table.title:
         shown.title, shown.title_style, shown.title_justify = table.title, "bold", "left"
+    if not table.heads:
+        for k in range(max(map(len, table.rows), default=0)):
+            width = table.widths[k] if table.widths else None
+            shown.add_column(
+                justify="right" if k and width else "left",
+                width=width,
+                no_wrap=k == 0 and not width,
+                overflow="fold",
+            )
     for row in table.rows:
         shown.add_row(*map(_text, row))
     return shown

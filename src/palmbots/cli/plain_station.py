@@ -10,7 +10,7 @@ from typing import Any, Literal, cast, get_args
 
 from palmbots._util.arguments import show
 from palmbots.cli._streams import say
-from palmbots.cli.reports.station_text import plain_status
+from palmbots.cli.station_text import plain_status
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.station.station_client import StationClient

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from palmbots._types import SIDES, Side
 from palmbots._util.optional_imports import require
 from palmbots.cli.plain_station import ended
-from palmbots.cli.reports.station_text import (
+from palmbots.cli.station_text import (
     battery_text,
     case_text,
     link_text,

@@ -11,12 +11,13 @@ needs no messages and never stops.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
 from palmbots.control.silent_controller import SilentController
@@ -91,13 +92,10 @@ class EpisodeResult(Result):
     returned: float
     """Sum of the rewards, without discount."""
 
-    def headline(self) -> str:
-        """One line that states the outcome."""
-        return f"{self.outcome} after {self.steps} steps"
-
-    def facts(self) -> dict[str, str]:
-        """The sum of the rewards."""
-        return {"return": f"{self.returned:.4g}"}
+    def lines(self) -> Iterator[Item]:
+        """The outcome, and the sum of the rewards."""
+        yield f"{self.outcome} after {self.steps} steps"
+        yield Table(self.value_rows("returned"))
 
 
 PolicyLike: TypeAlias = "Callable[[], Policy] | Mapping[str, Policy]"

@@ -13,7 +13,7 @@ time until the other end sends its next packet.
 import math
 from collections import deque
 from time import monotonic
-from typing import Any
+from typing import Any, TypedDict
 
 from palmbots.links.link import Link
 from palmbots.links.round_trips import RoundTrips, Stamp, quantile
@@ -21,6 +21,28 @@ from palmbots.wire import Role, decode
 
 _RECENT = 1000  # round trips
 _WINDOW = 64  # numbers below the newest one, in which an overtaken packet is recognized
+
+
+class EndTable(TypedDict):
+    """What was exchanged with one other end, as JSON has it; None: unknown."""
+
+    sent: int
+    received: int
+    lost: int | None
+    copies: int
+    overtaken: int
+    round_trip_median_s: float | None
+    round_trip_p99_s: float | None
+    round_trip_longest_s: float | None
+
+
+class MeterTable(TypedDict, total=False):
+    """What was exchanged with each other end, and what the link says about itself."""
+
+    left: EndTable
+    right: EndTable
+    station: EndTable
+    details: dict[str, Any]
 
 
 class EndCounts:
@@ -84,20 +106,22 @@ class EndCounts:
         """A quantile of the newest round trips [s]; NaN: there was none."""
         return quantile(self.round_trips_s, fraction)
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> EndTable:
         """The same as a table; what is not known is None."""
-        trips = {
-            "round_trip_median_s": self.round_trip_s(0.5),
-            "round_trip_p99_s": self.round_trip_s(0.99),
-            "round_trip_longest_s": self.longest_s,
-        }
+
+        def known(trip_s: float) -> float | None:
+            return None if math.isnan(trip_s) else trip_s
+
         return {
             "sent": self.sent,
             "received": self.received,
             "lost": self.lost,
             "copies": self.copies,
             "overtaken": self.overtaken,
-        } | {name: None if math.isnan(trip) else trip for name, trip in trips.items()}
+            "round_trip_median_s": known(self.round_trip_s(0.5)),
+            "round_trip_p99_s": known(self.round_trip_s(0.99)),
+            "round_trip_longest_s": known(self.longest_s),
+        }
 
 
 class LinkMeter:
@@ -141,10 +165,12 @@ class LinkMeter:
         """What the link says about itself."""
         return getattr(self._link, "details", {})
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> MeterTable:
         """All counts as a table."""
-        found: dict[str, Any] = {end: counts.summary() for end, counts in self.ends.items()}
-        return found | ({"details": self.details} if self.details else {})
+        found: MeterTable = {end: counts.summary() for end, counts in self.ends.items()}  # type: ignore[assignment,misc]
+        if self.details:
+            found["details"] = self.details
+        return found
 
     def close(self) -> None:
         """Close the link."""

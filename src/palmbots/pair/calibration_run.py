@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """A calibration of one robot of a pair, from its ``pair.toml`` and back into it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from palmbots._types import Side
+from palmbots._types import Interval, Side
 from palmbots._util.arguments import show
 from palmbots._util.optional_imports import require
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Table
+from palmbots._util.results import Result
 from palmbots.clocks.control_clock import ControlClock
 from palmbots.drivers.driver import RawAccess
 from palmbots.errors import PalmbotsError
@@ -19,15 +23,41 @@ from palmbots.pair.robot_driver import opened_driver
 from palmbots.scene.scene import Scene, load_scene
 
 
-@dataclass(frozen=True)
-class CalibrationRun:
+@dataclass(frozen=True, repr=False)
+class CalibrationRun(Result):
     """What a calibration has done."""
 
-    findings: list[Finding]
+    side: Side
+    file: Path
+    """The ``pair.toml``."""
+    findings: list[Finding] = field(metadata=NOT_IN_JSON)
     backup: Path
     """The ``pair.toml`` as it was before."""
     warnings: list[str]
     """What the values mean for the scene."""
+
+    @derived
+    def hardware(self) -> dict[str, Any]:
+        """What was written, by key."""
+        return values_of(self.findings)
+
+    @derived
+    def intervals(self) -> dict[str, Interval]:
+        """The intervals of the values that have one, by key."""
+        estimates = ((one.key, one.estimate) for one in self.findings)
+        return {key: (one.low, one.high) for key, one in estimates if one is not None}
+
+    def lines(self) -> Iterator[Item]:
+        """Each value with its interval, and where it was written."""
+        rows = []
+        for one in self.findings:
+            if one.estimate is not None:
+                value = one.estimate.value if one.value is None else one.value
+                numbers = (value, one.estimate.low, one.estimate.high)
+                key = f"hardware.{self.side}.{one.key}"
+                rows.append((key, *(f"{number:.5g}" for number in numbers)))
+        yield Table(rows, ("key", "value", "from", "to"), ("value", "from", "to"))
+        yield f"Written to {self.file}; as it was before: {self.backup}"
 
 
 def steps_of(text: str) -> tuple[str, ...]:
@@ -91,7 +121,7 @@ def run_calibration(
         machine.rest(5 * period_s)
         findings = calibrate(machine, person, task_of(scene, side, length_m), steps)
     backup = write_hardware(pair.file, side, values_of(findings))
-    return CalibrationRun(findings, backup, warnings_of(findings, scene))
+    return CalibrationRun(side, pair.file, findings, backup, warnings_of(findings, scene))
 
 
 def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:

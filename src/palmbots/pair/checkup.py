@@ -8,7 +8,7 @@ import hashlib
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from palmbots._types import SIDES, Side
@@ -44,10 +44,6 @@ class Check:
     """What was found."""
     remedy: str = ""
     """What to do, if something is wrong."""
-
-    def summary(self) -> dict[str, Any]:
-        """The same as a table."""
-        return asdict(self)
 
 
 def checks_of_status(

@@ -8,10 +8,10 @@ round trip. A robot answers with its next status, up to 0.05 s later, which coun
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
 
-from palmbots._types import SIDES, Side
+from palmbots._types import SIDES, MaybeNaN, Side
+from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import refusal, resolve, shipped_names
 from palmbots.errors import SceneError
@@ -35,24 +35,39 @@ class LinkFigures:
     """Status packets of the robot that arrived."""
     lost: int = 0
     """Status packets that did not."""
-    round_trips_s: list[float] = field(default_factory=list)
+    round_trips_s: list[float] = field(default_factory=list, metadata=NOT_IN_JSON)
     mode: str = ""
     """The robot's mode; empty: it was not heard."""
     fault: FaultCode = "none"
-    status: Status | None = None
+    status: Status | None = field(default=None, metadata=NOT_IN_JSON)
     """The newest one."""
-    items: dict[str, int] = field(default_factory=dict)
+    items: dict[str, int] = field(default_factory=dict, metadata=NOT_IN_JSON)
     """The newest value of each number that a status can have."""
-    arrivals: list[tuple[float, int]] = field(default_factory=list)
+    arrivals: list[tuple[float, int]] = field(default_factory=list, metadata=NOT_IN_JSON)
     """Time at which each status packet arrived [s], and its number."""
-    _first: int = 0
-    _last: int = 0
+    _first: int = field(default=0, metadata=NOT_IN_JSON)
+    _last: int = field(default=0, metadata=NOT_IN_JSON)
 
-    @property
+    @derived
     def loss(self) -> float:
         """Fraction of the packets that were lost."""
         sent = self.received + self.lost
         return self.lost / sent if sent else 0.0
+
+    @derived
+    def round_trip_median_s(self) -> MaybeNaN:
+        """The median of the round trips."""
+        return self.round_trip_s(0.5)
+
+    @derived
+    def round_trip_p99_s(self) -> MaybeNaN:
+        """What 99 % of the round trips keep."""
+        return self.round_trip_s(0.99)
+
+    @derived
+    def round_trip_longest_s(self) -> MaybeNaN:
+        """The longest round trip."""
+        return self.round_trip_s(1.0)
 
     def round_trip_s(self, fraction: float) -> float:
         """A quantile of the round trips [s]; NaN: there was none."""
@@ -74,16 +89,6 @@ class LinkFigures:
         self.received += 1
         self.lost = self._last - self._first + 1 - self.received
         self.mode, self.fault = status.mode, status.fault
-
-    def summary(self) -> dict[str, Any]:
-        """The figures as a table."""
-        trips = {f"round_trip_{name}_s": self.round_trip_s(q) for name, q in _QUANTILES.items()}
-        shown = {name: None if math.isnan(value) else value for name, value in trips.items()}
-        own = {k: v for k, v in asdict(self).items() if k in ("received", "lost", "mode", "fault")}
-        return own | {"loss": self.loss} | shown
-
-
-_QUANTILES = {"median": 0.5, "p99": 0.99, "longest": 1.0}
 
 
 def measure(

@@ -10,7 +10,7 @@ import contextlib
 import gc
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, get_args
 
 from palmbots._types import Side
@@ -19,6 +19,7 @@ from palmbots.clocks.control_clock import jitter_table
 from palmbots.drivers.driver import Drive, Driver, Reading, works
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
+from palmbots.links.link_meter import MeterTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.logged_robot import LoggedRobot
@@ -45,14 +46,10 @@ class RobotEnd:
     """Steps that were missed."""
     jitter: dict[str, int]
     """How many steps began late by how much."""
-    link: dict[str, Any]
+    link: MeterTable
     """What was exchanged with each other end (`palmbots.links.link_meter`)."""
     verdicts: dict[str, int]
     """Received packets by verdict."""
-
-    def summary(self) -> dict[str, Any]:
-        """The same as a table."""
-        return asdict(self)
 
 
 class Keeper(Protocol):
@@ -183,7 +180,7 @@ class RobotLoop:
         self._watch(self, Step(seen, drive, answer))
         return True
 
-    def end(self, link: dict[str, Any]) -> RobotEnd:
+    def end(self, link: MeterTable) -> RobotEnd:
         """How it has run."""
         robot, clock = self.robot, self.clock
         return RobotEnd(

@@ -7,7 +7,7 @@ has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as
 """
 
 from collections import deque
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from socket import socket
 from typing import Any
 
@@ -43,10 +43,6 @@ class LiveCarry:
     """Ticks that the world missed."""
     avoidable: bool | None = None
     """After a drop: whether a controller could have prevented it."""
-
-    def summary(self) -> dict[str, Any]:
-        """The same as a table."""
-        return asdict(self)
 
     def line(self) -> str:
         """The same in a line for people."""

@@ -5,10 +5,12 @@ comparison."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from palmbots._types import Interval
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
@@ -28,8 +30,18 @@ class OwnAngles:
     """(shallow, steep); None: the two palms differ."""
     tolerance: float | None
     """None: a property fails at these angles, or the palms differ."""
-    noise_limit: NoiseLimit | None
+    noise_limit: NoiseLimit | None = field(metadata=NOT_IN_JSON)
     """None: not measured, or there is no limit."""
+
+    @derived
+    def sigma_star_m_s(self) -> float | None:
+        """As of the designed angles."""
+        return None if self.noise_limit is None else self.noise_limit.sigma_star_m_s
+
+    @derived
+    def interval(self) -> Interval | None:
+        """The 95 % interval of `sigma_star_m_s`."""
+        return None if self.noise_limit is None else self.noise_limit.interval
 
     def name(self) -> str:
         """How reports and figures call them."""
@@ -39,13 +51,23 @@ class OwnAngles:
         return f"the scene's own {shallow:g}° and {steep:g}°"
 
 
+@dataclass(frozen=True)
+class ReactionTimes:
+    """Times from leaving the zero zone to moving [s]."""
+
+    own: float
+    """For the own contact (d)."""
+    asked: float
+    """Asked by the partner (a)."""
+
+
 @dataclass(frozen=True, repr=False)
 class Design(Result):
     """The best pair of angles with its tolerance, its noise limit and a certificate."""
 
     scene: Scene
     """As given, with its own angles."""
-    objective: Objective
+    maximize: Objective
     shallow_deg: float
     steep_deg: float
     tolerance: float
@@ -55,48 +77,62 @@ class Design(Result):
     friction: Interval | None
     """Coefficients, the same on both palms, for which the properties hold at these angles."""
     friction_floor: float | None
-    reaction_s: dict[str, float]
-    """Time from leaving the zero zone to moving: own contact (d), and asked by the partner (a)."""
+    reaction_s: ReactionTimes
     reach_m: float
     """How far outward the contacts move in the worst case until the robots react."""
     region_m: Interval
     """The contacts for which everything holds."""
-    noise_limit: NoiseLimit | None
+    noise_limit: NoiseLimit | None = field(metadata=NOT_IN_JSON)
     """None: not measured, or the controller has no limit at these angles."""
     own: OwnAngles
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
     certificate: Certificate
-    map: xr.Dataset
+    map: xr.Dataset = field(metadata=NOT_IN_JSON)
     """Tolerance and clearance over all pairs of angles; about σ* of those that were tried."""
     designed_scene: Scene
     """The scene with the designed angles."""
 
     figure = "palm-angles"
 
-    @property
+    @derived
     def quantity(self) -> Quantity:
         """The quantity whose tolerance is reported."""
-        return "com" if self.objective == NOISE else self.objective
+        return "com" if self.maximize == NOISE else self.maximize
 
-    @property
+    @derived
+    def unit(self) -> str:
+        """The unit of the tolerance."""
+        return QUANTITIES[self.quantity][2]
+
+    @derived
+    def controller(self) -> str | None:
+        """The controller whose noise limit was measured."""
+        return None if self.noise_limit is None else self.noise_limit.controller
+
+    @derived
     def sigma_star_m_s(self) -> float | None:
         """``robot.noise_m_s`` at which 1 % of carries drop the object; None: not measured."""
         return None if self.noise_limit is None else self.noise_limit.sigma_star_m_s
+
+    @derived
+    def interval(self) -> Interval | None:
+        """The 95 % interval of `sigma_star_m_s`."""
+        return None if self.noise_limit is None else self.noise_limit.interval
 
     @property
     def angle_keys(self) -> dict[str, float]:
         """The scene keys to set, as in ``pb.carry("paper", overrides=best.angle_keys)``."""
         return angle_keys(self.scene, (self.shallow_deg, self.steep_deg))
 
-    @property
+    @derived
     def warnings(self) -> tuple[str, ...]:
         """What these angles cost, one sentence each."""
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
         half = min(self.scene.palm_of(side).length_m for side in ("left", "right")) / 2
-        if self.objective != NOISE and self.reach_m > half:
+        if self.maximize != NOISE and self.reach_m > half:
             yield (
                 f"contacts leave the palm before the robots react: they may move "
                 f"{1e3 * self.reach_m:.0f} mm from the pivot, but half a palm is "
@@ -115,75 +151,22 @@ class Design(Result):
                 f"{mine.sigma_star_m_s:.3g} m/s"
             )
 
-    def headline(self) -> str:
-        """The angles and what they maximise."""
-        name = "noise" if self.objective == NOISE else QUANTITIES[self.quantity][4]
-        return f"palm angles {self.shallow_deg:g}° and {self.steep_deg:g}° tolerate most: {name}"
+    def lines(self) -> Iterator[Item]:
+        """The angles, what they tolerate beside the scene's own, and how to use them."""
+        from palmbots.stability.design_lines import design_lines
+
+        return design_lines(self)
 
     @property
     def shown_unit(self) -> str:
         """The unit in which people read the quantity; empty: it has none."""
-        unit = QUANTITIES[self.quantity][2]
-        return {"m": "mm", "rad": "°"}.get(unit, unit)
+        return {"m": "mm", "rad": "°"}.get(self.unit, self.unit)
 
     def tolerance_text(self, tolerance: float) -> str:
         """A tolerance of the quantity with its unit."""
         scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
         gap = "" if unit in ("", "°") else " "
         return f"±{scale * tolerance:.3g}{gap}{unit}"
-
-    def facts(self) -> dict[str, str]:
-        """Noise limit, tolerance, clearance, region, friction and certificate."""
-        low, high = self.region_m
-        facts = {}
-        if self.noise_limit is not None:
-            facts["σ*"] = limit_text(self.noise_limit)
-        if self.own.noise_limit is not None:
-            facts["σ* of own angles"] = limit_text(self.own.noise_limit)
-        facts |= {
-            "tolerance": self.tolerance_text(self.tolerance),
-            "tolerance of own angles": "none: a property fails"
-            if self.own.tolerance is None
-            else self.tolerance_text(self.own.tolerance),
-            "clearance": f"{self.clearance_deg:.2f}°",
-            "contacts": f"{1e3 * low:.1f} to {1e3 * high:.1f} mm",
-        }
-        if self.friction is not None:
-            facts["friction"] = f"{self.friction[0]:.3f} to {self.friction[1]:.3f}"
-        return facts | {"certificate": self.certificate.verdict}
-
-    def summary(self) -> dict[str, Any]:
-        """The object that ``palmbots design --json`` prints."""
-        mine, own = self.noise_limit, self.own.noise_limit
-        return {
-            "shallow_deg": self.shallow_deg,
-            "steep_deg": self.steep_deg,
-            "maximize": self.objective,
-            "sigma_star_m_s": self.sigma_star_m_s,
-            "interval": None if mine is None else list(mine.interval),
-            "controller": None if mine is None else mine.controller,
-            "tolerance": self.tolerance,
-            "tolerance_of": self.quantity,
-            "unit": QUANTITIES[self.quantity][2],
-            "own": {
-                "shallow_deg": None if self.own.angles_deg is None else self.own.angles_deg[0],
-                "steep_deg": None if self.own.angles_deg is None else self.own.angles_deg[1],
-                "sigma_star_m_s": None if own is None else own.sigma_star_m_s,
-                "interval": None if own is None else list(own.interval),
-                "tolerance": self.own.tolerance,
-            },
-            "paper_tolerance": self.paper_tolerance,
-            "clearance_deg": self.clearance_deg,
-            "friction": self.friction,
-            "friction_floor": self.friction_floor,
-            "reaction_s": self.reaction_s,
-            "reach_m": self.reach_m,
-            "region_m": self.region_m,
-            "warnings": list(self.warnings),
-            "certificate": self.certificate.data,
-            "designed_scene": self.designed_scene.model_dump(),
-            "scene": self.scene.model_dump(),
-        }
 
 
 def limit_text(limit: NoiseLimit) -> str:

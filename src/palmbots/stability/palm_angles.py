@@ -46,7 +46,7 @@ from palmbots.stability.angle_grid import (
 )
 from palmbots.stability.certificates.box_from_scene import slope_interval
 from palmbots.stability.delivery_race import Race, run_race
-from palmbots.stability.design_result import Design, OwnAngles
+from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
 from palmbots.stability.problem import StabilityProblem, stability_problem
@@ -162,14 +162,14 @@ def design(
     report(1.0)
     return Design(
         scene=chosen,
-        objective=objective,
+        maximize=objective,
         shallow_deg=pair_deg[0],
         steep_deg=pair_deg[1],
         tolerance=tolerance,
         clearance_deg=float(found.clearance_deg[row, column]),
         friction=interval,
         friction_floor=interval[0] if interval else None,
-        reaction_s={"own": float(times.own_s), "asked": float(times.asked_s)},
+        reaction_s=ReactionTimes(float(times.own_s), float(times.asked_s)),
         reach_m=float(times.reach_m),
         region_m=answer.contacts[0],
         noise_limit=limit,

@@ -45,15 +45,6 @@ class StationEnd:
     links: dict[str, Any]
     """What was sent, received and lost (`Station.links`)."""
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots station --json`` prints at last."""
-        return {
-            "done": self.done,
-            "modes": self.modes,
-            "lines": self.lines,
-            "links": self.links,
-        }
-
 
 def run_station_loop(
     pair: Pair,

@@ -7,13 +7,16 @@ would use.
 
 import math
 import time
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import data_size, duration, plural
+from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.studies.chunk_task import ChunkTask, build_id, carry_chunk
 from palmbots.studies.chunking import ChunkGrid
@@ -40,44 +43,48 @@ class Cost(Result):
     seconds: float
     """On this machine, with this number of threads."""
     threads: int
-    by_controller: dict[str, float]
+    ms_a_carry: dict[str, float]
     """Mean milliseconds per carry on one of the threads."""
     disk_bytes: int
     memory_bytes: int
     """For results; it does not grow with the number of seeds."""
+    design: Points = field(metadata=NOT_IN_JSON)
 
-    def headline(self) -> str:
-        """One line with the number of carries and the time."""
-        on = plural(self.threads, "thread")
-        return f"{self.carries:,} carries, about {duration(self.seconds)} on {on}"
+    @derived
+    def study(self) -> str:
+        """The name of the study."""
+        return self.design.plan.name
 
-    def facts(self) -> dict[str, str]:
-        """How the carries are divided, and the disk and memory they need."""
-        return {
-            "points": f"{self.points:,}",
-            "cells": f"{self.cells:,}",
-            "chunks": f"{self.chunks:,} of at most {self.carries_a_chunk:,} carries",
-            "time per carry": ", ".join(
-                f"{name} {ms:.2g} ms" for name, ms in self.by_controller.items()
-            ),
-            "disk": f"about {data_size(self.disk_bytes)}",
-            "memory": f"about {data_size(self.memory_bytes)}",
-        }
+    @derived
+    def scene(self) -> Scene:
+        """The scene that is varied."""
+        return self.design.plan.base
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots study --estimate-cost --json`` prints, besides the scene."""
-        return {
-            "points": self.points,
-            "cells": self.cells,
-            "carries": self.carries,
-            "chunks": self.chunks,
-            "carries_a_chunk": self.carries_a_chunk,
-            "seconds": round(self.seconds, 1),
-            "threads": self.threads,
-            "ms_a_carry": {name: round(ms, 3) for name, ms in self.by_controller.items()},
-            "disk_bytes": self.disk_bytes,
-            "memory_bytes": self.memory_bytes,
-        }
+    def lines(self) -> Iterator[Item]:
+        """How the carries are divided, and the time, disk and memory they need."""
+        plan = self.design.plan
+        most = "at most " if plan.study.stop else ""
+        yield f"{self.study}: {most}{self.carries:,} carries, about {duration(self.seconds)}"
+        rows = [
+            ("points", f"{self.points:,} ({self._of_points()})"),
+            ("cells", f"{self.cells:,} ({', '.join(plan.controller_names)})"),
+            ("carries", f"{most}{self.carries:,}, {plan.study.seeds.count:,} per cell"),
+            ("chunks", f"{self.chunks:,} of at most {self.carries_a_chunk:,} carries"),
+            ("time", f"{most}about {duration(self.seconds)} on {plural(self.threads, 'thread')}"),
+            *(("", f"{name}: {ms:.2g} ms per carry") for name, ms in self.ms_a_carry.items()),
+            ("disk", f"{most}about {data_size(self.disk_bytes)}"),
+            ("memory", f"about {data_size(self.memory_bytes)} in addition to Python's own"),
+        ]
+        if self.design.rejected_cells:
+            rows.append(("refused", plural(len(self.design.rejected_cells), "cell")))
+        yield Table(rows)
+
+    def _of_points(self) -> str:
+        plan = self.design.plan
+        if self.design.is_grid:
+            sizes = zip(plan.keys, self.design.shape, strict=False)
+            return " × ".join(f"{n} {key}" for key, n in sizes) or "nothing varies"
+        return f"{plan.study.design.kind} over {plural(len(plan.keys), 'key')}"
 
 
 def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
@@ -122,7 +129,8 @@ def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
         carries_a_chunk=layout.carries_a_chunk,
         seconds=seconds,
         threads=threads,
-        by_controller=by_controller,
+        ms_a_carry=by_controller,
         disk_bytes=int(_COMPRESSED * width * carries) + _MARK_BYTES * stored_cells * layout.columns,
         memory_bytes=_WORKING_BYTES * 2 * layout.carries_a_chunk + 700 * stored_cells,
+        design=points,
     )

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palmbots._types import MaybeNaN
 from palmbots._util.optional_imports import require
 from palmbots.studies.designs import sobol_problem
 from palmbots.studies.points import Points
@@ -36,11 +37,11 @@ class SobolIndex:
     controller: str
     metric: str
     key: str
-    first: float
-    first_half: float
+    first: MaybeNaN
+    first_half: MaybeNaN
     """Half the width of its 95 % interval, by bootstrap over the points."""
-    total: float
-    total_half: float
+    total: MaybeNaN
+    total_half: MaybeNaN
 
 
 def sobol_indices(points: Points, values: Values) -> list[SobolIndex]:

@@ -5,26 +5,29 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import math
 import os
 import time
-from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palmbots._types import Interval, MaybeNaN
 from palmbots._util.arguments import whole_number
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.optional_imports import require
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import FIGURES, Result
-from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
 from palmbots.simulation.batch import available_cores, check_built
 from palmbots.studies.chunking import ChunkGrid, make_layout
 from palmbots.studies.local_runner import run_locally
 from palmbots.studies.points import Points, design_points
 from palmbots.studies.schedule import StudySchedule
-from palmbots.studies.sobol import sobol_indices
+from palmbots.studies.sobol import SobolIndex, sobol_indices
 from palmbots.studies.statistics import Values, pooled_counts
 from palmbots.studies.store import open_store
 from palmbots.studies.study_file import Plan, StudyLike, load_plan
@@ -42,18 +45,48 @@ PathLike = str | os.PathLike[str]
 OnProgress = Callable[[float], None] | None
 
 
+@dataclass(frozen=True)
+class Estimate:
+    """A statistic of a cell."""
+
+    value: MaybeNaN
+    interval: tuple[MaybeNaN, MaybeNaN] | None
+    """Its 95 % interval; None: it has none."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One point and one controller."""
+
+    at: dict[str, Any]
+    """The values of the varied keys."""
+    controller: str
+    carries: int
+    statistics: dict[str, Estimate]
+    """By name, as in the store of the study."""
+
+
+@dataclass(frozen=True)
+class RefusedCell:
+    """A cell that a controller refuses."""
+
+    at: dict[str, Any]
+    controller: str
+    why: str
+
+
 @dataclass(frozen=True, repr=False)
 class StudyResult(Result):
     """A finished study."""
 
     figure = "study"
 
-    points: Points
+    points: Points = field(metadata=NOT_IN_JSON)
     output: Path
     """The folder of the study."""
-    results: Path
+    results: Path = field(metadata=NOT_IN_JSON)
     """The Zarr store in it."""
-    values: Values
+    values: Values = field(metadata=NOT_IN_JSON)
     """The statistics of the cells [points, controllers], and the ends of their intervals."""
     carries: int
     resumed: int
@@ -70,81 +103,79 @@ class StudyResult(Result):
         """The results; arrays are read from the disk when they are used."""
         return open_study(self.results, verify=False)
 
-    def headline(self) -> str:
-        """Name of the study, number of carries and drop rate."""
-        return f"study {self.points.plan.name}: {plural(self.carries, 'carry')}, {self._rate()}"
+    @derived
+    def drop_rate(self) -> float | None:
+        """The fraction of all carries that dropped the object; None: nothing was carried."""
+        return self.drops / self.carries if self.carries else None
 
-    def facts(self) -> dict[str, str]:
-        """The main numbers of the study."""
-        plan = self.points.plan
-        facts = {
-            "controllers": ", ".join(plan.controller_names),
-            "varied": ", ".join(plan.keys) or "nothing",
-            "points": str(len(self.points.values)),
-            "stalled": f"{100 * self.stalls / self.carries:.3g} %" if self.carries else "–",
-            "folder": str(self.output),
-            "hash": self.hash,
-        }
-        if self.lost_workers:
-            facts["lost workers"] = ", ".join(self.lost_workers)
-        return facts
+    @derived
+    def interval(self) -> Interval | None:
+        """Wilson's 95 % interval of the drop rate."""
+        return wilson(self.drops, self.carries) if self.carries else None
 
-    def _rate(self) -> str:
-        if not self.carries:
-            return "nothing was carried"
-        low, high = wilson(self.drops, self.carries)
-        return (
-            f"{100 * self.drops / self.carries:.3g} % dropped "
-            f"(95 % interval {100 * low:.3g} to {100 * high:.3g} %)"
+    @derived
+    def stall_rate(self) -> float | None:
+        """The fraction of all carries that neither delivered nor dropped the object in time."""
+        return self.stalls / self.carries if self.carries else None
+
+    @derived
+    def identity(self) -> str:
+        """The hash of what was asked."""
+        return self.points.identity
+
+    @derived
+    def cells(self) -> tuple[Cell, ...]:
+        """The statistics of each point and controller."""
+        names = self.points.plan.controller_names
+        places = product(range(len(self.points.values)), range(len(names)))
+        return tuple(
+            Cell(self.place(i), names[c], int(self.values["carries"][0][i, c]), self._of(i, c))
+            for i, c in places
         )
 
-    def summary(self) -> dict[str, Any]:
-        """What ``palmbots study --json`` prints."""
-        n = self.carries
-        points, names = self.points, self.points.plan.controller_names
+    @derived
+    def sensitivity(self) -> tuple[SobolIndex, ...]:
+        """The Sobol indices, if the design has any."""
+        return tuple(sobol_indices(self.points, self.values))
+
+    @derived
+    def refused(self) -> tuple[RefusedCell, ...]:
+        """The cells that a controller refuses."""
+        names = self.points.plan.controller_names
+        return tuple(
+            RefusedCell(self.place(i), names[c], reason)
+            for (i, c), reason in self.points.rejected_cells.items()
+        )
+
+    @derived
+    def study(self) -> str:
+        """The name of the study."""
+        return self.points.plan.name
+
+    @derived
+    def scene(self) -> Scene:
+        """The scene that is varied."""
+        return self.points.plan.base
+
+    def place(self, point: int) -> dict[str, Any]:
+        """The values of the keys at a point."""
+        return dict(zip(self.points.plan.keys, self.points.values[point], strict=True))
+
+    def _of(self, i: int, c: int) -> dict[str, Estimate]:
         return {
-            "carries": n,
-            "drop_rate": self.drops / n if n else None,
-            "interval": list(wilson(self.drops, n)) if n else None,
-            "stall_rate": self.stalls / n if n else None,
-            "output": str(self.output),
-            "hash": self.hash,
-            "identity": points.identity,
-            "resumed": self.resumed,
-            "lost_workers": list(self.lost_workers),
-            "seconds": round(self.seconds, 3),
-            "cells": _cells(points, self.values),
-            "sensitivity": [asdict(i) for i in sobol_indices(points, self.values)],
-            "refused": [
-                _place(points, i) | {"controller": names[c], "why": reason}
-                for (i, c), reason in points.rejected_cells.items()
-            ],
-            "study": points.plan.name,
-            "scene": points.plan.base.model_dump(),
+            name: Estimate(
+                float(numbers[i, c]),
+                None if ends is None else (float(ends[i, c, 0]), float(ends[i, c, 1])),
+            )
+            for name, (numbers, ends) in self.values.items()
+            if name != "carries"
         }
 
+    def lines(self) -> Iterator[Item]:
+        """The cells, totals, refusals and sensitivities."""
+        from palmbots.studies.study_lines import study_lines
 
-def _place(points: Points, i: int) -> dict[str, Any]:
-    return {"at": dict(zip(points.plan.keys, points.values[i], strict=True))}
-
-
-def _cells(points: Points, values: Values) -> list[dict[str, Any]]:
-    """One row for each cell; unknown numbers are null."""
-
-    def plain(number: Any) -> float | None:
-        return None if math.isnan(number) else float(number)
-
-    rows = []
-    for i in range(len(points.values)):
-        for c, controller in enumerate(points.plan.controller_names):
-            row: dict[str, Any] = _place(points, i) | {"controller": controller}
-            for name, (numbers, ends) in values.items():
-                row[name] = plain(numbers[i, c])
-                if ends is not None:
-                    row[f"{name}_interval"] = [plain(end) for end in ends[i, c]]
-            row["carries"] = int(row["carries"])
-            rows.append(row)
-    return rows
+        return study_lines(self)
 
 
 def thread_count(threads: int | None) -> int:

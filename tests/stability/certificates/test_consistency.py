@@ -124,7 +124,7 @@ def test_box_and_scene_are_printed(
     assert "250 × 160 mm" not in printed
     assert "object.vertices_m" in printed
     certify("paper", region_m=(0, 0), claims=("property 1",)).save(path)
-    assert pb.check(path).facts()["contacts"] == "0 mm"
+    assert pb.check(path).box_text["contacts"] == "0 mm"
 
 
 def test_scene_of_the_user_must_be_in_the_box(

@@ -5,12 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
-from palmbots.cli._run import check_rate, print_json, warn
+from palmbots.cli._run import check_rate, print_result, warn
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
 ORDER = 207
 EXAMPLE = "palmbots calibrate pair.toml --side left"
+RESULTS = ("palmbots.pair.calibration_run:CalibrationRun",)
 
 
 def calibrate(
@@ -40,7 +41,7 @@ def calibrate(
 
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
-    from palmbots.cli.reports.calibrate_report import TerminalPerson, calibrate_report, summary
+    from palmbots.cli.terminal_person import TerminalPerson
     from palmbots.pair.calibration_run import run_calibration, steps_of
     from palmbots.pair.pair_file import load_pair
 
@@ -62,12 +63,7 @@ def calibrate(
     run = run_calibration(found, chosen, TerminalPerson(), steps=steps, length_m=length, rate=rate)
     for line in run.warnings:
         warn(line)
-    if as_json:
-        print_json(
-            {"side": side, "file": str(found.file), "backup": str(run.backup)} | summary(run)
-        )
-    else:
-        calibrate_report(run, side, found.file)
+    print_result(run, as_json=as_json)
     return DONE
 
 

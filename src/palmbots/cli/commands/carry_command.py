@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palmbots._util.report import Line
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
 from palmbots.cli._run import check_output, controller_of, load, print_result
@@ -132,10 +133,8 @@ def carry(
     explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
     hint = explain(chosen, entry.name, scene, changes) if explain and not as_json else None
     shown = Carried.of(result, [*early_warnings, *limits], budget, hint)
-    print_result(shown, as_json=as_json, about=scene, written=written)
-    if not as_json:
-        for path in removed:
-            print(f"removed {path} of an earlier carry")
+    after = [Line(f"removed {path} of an earlier carry", is_whole=True) for path in removed]
+    print_result(shown, as_json=as_json, about=scene, written=written, after=after)
     return DONE if result.outcome == "delivered" else FAILED
 
 

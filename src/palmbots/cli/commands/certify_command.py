@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import load, print_json, set_aside_certificate
+from palmbots.cli._run import load, print_result, set_aside_certificate
 from palmbots.cli.options import (
     DONE,
     FAILED,
@@ -19,6 +19,7 @@ from palmbots.cli.options import (
 
 ORDER = 40
 EXAMPLE = "palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json"
+RESULTS = ("palmbots.stability.certificates.prover:Certificate",)
 
 Interval = tuple[float, float] | None
 
@@ -90,7 +91,6 @@ def certify(
     Exit status 1: the properties fail somewhere, or the prover could not decide.
     """
     from palmbots._util.atomic_files import check_file
-    from palmbots.cli.reports.certificate_report import certificate_report
     from palmbots.stability.certificates.prover import certify as run_proof
 
     if out is not None:
@@ -118,10 +118,7 @@ def certify(
         written.append(out)
     elif out is not None:
         set_aside_certificate(out)
-    if as_json:
-        print_json(result.summary())
-    else:
-        certificate_report(result, written)
+    print_result(result, as_json=as_json, written=written)
     return DONE if result.verdict == "holds" else FAILED
 
 

@@ -6,11 +6,12 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import load, present
+from palmbots.cli._run import load, print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument
 
 ORDER = 50
 EXAMPLE = "palmbots check box.json"
+RESULTS = ("palmbots.stability.certificates.checker.verify:CheckResult",)
 
 
 def check(
@@ -27,11 +28,10 @@ def check(
 
     Exit status 1: the certificate does not prove its claim.
     """
-    from palmbots.cli.reports.certificate_report import check_report
     from palmbots.stability.certificates.checker.verify import check as verify
 
     result = verify(certificate, None if scene is None else load(scene, None))
-    present(result, lambda found, _: check_report(found, certificate), as_json=as_json)
+    print_result(result, as_json=as_json, about=str(certificate))
     return DONE if result.valid else FAILED
 
 

@@ -5,13 +5,18 @@ from typing import Annotated
 
 import typer
 
+from palmbots._types import BySide
 from palmbots.cli._progress import progress
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
 ORDER = 140
 EXAMPLE = "palmbots derive --policy examples/policies/both-drive.toml"
+RESULTS = (
+    "palmbots.derivation.derived_rules:DerivedRules",
+    "palmbots.derivation.derived_policy:DerivedPolicy",
+)
 
 
 def derive(
@@ -48,8 +53,8 @@ def derive(
     if policy.endswith(".toml"):
         return _derive_file(policy, controllers, as_json)
     from palmbots._util.arguments import one_of
-    from palmbots.cli.reports.derivation_report import derivation_report, summary
     from palmbots.derivation.abstract_world import CONTROLLERS, system_of
+    from palmbots.derivation.derived_rules import DerivedRules
     from palmbots.derivation.global_policy import as_printed, table_1
     from palmbots.derivation.local_rules import derive as run_derivation
     from palmbots.derivation.refinement import check_refinement
@@ -63,15 +68,13 @@ def derive(
         one_of("--controllers", name, CONTROLLERS)
     result = run_derivation(table_1() if policy == "table-1" else as_printed())
     refinements = {name: check_refinement(system_of(name), result) for name in names}
-    if as_json:
-        print_json(summary(result, refinements))
-    else:
-        derivation_report(result, refinements, policy, counterexamples)
-    return DONE if result.is_table_2 and not result.findings else FAILED
+    shown = DerivedRules(policy, result, refinements, counterexamples)
+    print_result(shown, as_json=as_json)
+    return DONE if shown.holds else FAILED
 
 
 def _derive_file(policy: str, controllers: str | None, as_json: bool) -> int:
-    from palmbots.cli.reports.policy_report import policy_report, policy_summary
+    from palmbots.derivation.derived_policy import DerivedPolicy
     from palmbots.derivation.distributed_algorithm import machines_of, refusals
     from palmbots.derivation.local_rules import derive as run_derivation
     from palmbots.derivation.policy_file import read_policy
@@ -87,10 +90,9 @@ def _derive_file(policy: str, controllers: str | None, as_json: bool) -> int:
     if machines is not None:
         with progress("checking every run", as_json) as report:
             found = verify(machines, table.rest, on_progress=report)
-    if as_json:
-        print_json(policy_summary(policy, table, rules, reasons, machines, found))
-    else:
-        policy_report(policy, table, rules, reasons, found)
+    sides = None if machines is None else BySide.of(machines)
+    shown = DerivedPolicy(policy, table, rules, tuple(reasons), sides, found)
+    print_result(shown, as_json=as_json)
     return DONE if found is not None and found.holds else FAILED
 
 

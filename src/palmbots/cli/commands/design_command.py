@@ -6,12 +6,13 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.report import Line
 from palmbots.cli._progress import progress
 from palmbots.cli._run import (
     check_output,
     controller_of,
     load,
-    print_json,
+    print_result,
     set_aside_certificate,
 )
 from palmbots.cli._warnings import warn
@@ -31,6 +32,7 @@ from palmbots.cli.options import (
 
 ORDER = 60
 EXAMPLE = "palmbots design --friction 0.3 0.4 --region palm --out out"
+RESULTS = ("palmbots.stability.design_result:Design",)
 
 Interval = tuple[float, float] | None
 
@@ -97,7 +99,6 @@ def design(
     --maximize selects the error of another quantity instead of the noise.
     """
     from palmbots._util.arguments import one_of
-    from palmbots.cli.reports.certificate_report import design_report
     from palmbots.stability.palm_angles import design as run_design
 
     one_of("--format", file_format, ("png", "svg", "pdf"))
@@ -137,10 +138,12 @@ def design(
             result.certificate.save(written[2])
         else:
             set_aside_certificate(target / "design.json")
-    if as_json:
-        print_json(result.summary())
-    else:
-        design_report(result, scene, written, changes or [])
+    files = [str(path) for path in written if path.suffix == ".toml"]
+    angles = (f"{key}={angle:g}" for key, angle in result.angle_keys.items())
+    settings = "".join(f" --set {change}" for change in (*(changes or ()), *angles))
+    following = files[0] if files else scene + settings
+    hint = Line(f"to try them, run: palmbots carry {following}", is_whole=True)
+    print_result(result, as_json=as_json, about=scene, written=written, after=[hint])
     return DONE if result.certificate.verdict == "holds" else FAILED
 
 

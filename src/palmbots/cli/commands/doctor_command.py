@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palmbots.cli._progress import progress
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 ORDER = 208
 EXAMPLE = "palmbots doctor pair.toml"
+RESULTS = ("palmbots.pair.diagnosis:Diagnosis",)
 _CLOCK_S = 3.0
 
 
@@ -43,6 +44,7 @@ def doctor(
     Exit status 1: something is wrong. A line says what to do.
     """
     from palmbots.pair.checkup import checks_of_status
+    from palmbots.pair.diagnosis import Diagnosis
     from palmbots.pair.link_check import PERIOD_S, measure, needs_of
     from palmbots.pair.live_ends import open_pair_link
     from palmbots.pair.pair_file import load_pair
@@ -79,19 +81,8 @@ def doctor(
         needs = needs_of(scene, delay_s, max(one.loss for one in heard.values()))
     suffices = needs is not None and needs.verdicts.get(controller, "suffices") == "suffices"
     is_well = len(heard) == 2 and suffices and all(check.is_well for check in checks)
-    if as_json:
-        links = {side: one.summary() for side, one in figures.items()}
-        table = None if needs is None else needs.__dict__
-        rows = [check.summary() for check in checks]
-        print_json(
-            {"well": is_well, "controller": controller, "links": links, "needs": table}
-            | {"checks": rows}
-        )
-    else:
-        from palmbots.cli.reports.doctor_report import checks_report, doctor_report
-
-        doctor_report(figures, needs, controller)
-        checks_report(checks)
+    found = Diagnosis(is_well, tuple(checks), controller, figures, needs)
+    print_result(found, as_json=as_json)
     return DONE if is_well else FAILED
 
 
@@ -108,6 +99,7 @@ def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> i
     from palmbots._util.arguments import one_of
     from palmbots.links.local_connection import ConnectionLost
     from palmbots.pair.checkup import Check, check_driver
+    from palmbots.pair.diagnosis import Diagnosis
     from palmbots.pair.robot_driver import opened_driver
 
     one_of("--side", side, SIDES)
@@ -121,12 +113,7 @@ def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> i
             Check("driver", side, False, str(error), "start the world, or the motor board")
         )
     is_well = all(check.is_well for check in checks)
-    if as_json:
-        print_json({"well": is_well, "checks": [check.summary() for check in checks]})
-    else:
-        from palmbots.cli.reports.doctor_report import checks_report
-
-        checks_report(checks)
+    print_result(Diagnosis(is_well, tuple(checks)), as_json=as_json)
     return DONE if is_well else FAILED
 
 

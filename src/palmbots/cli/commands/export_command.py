@@ -7,12 +7,13 @@ from typing import Annotated
 import typer
 
 from palmbots._types import SIDES
-from palmbots.cli._run import load, print_json
+from palmbots.cli._run import load, print_result
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
 
 ORDER = 120
 EXAMPLE = "palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left"
+RESULTS = ("palmbots.cli.answers:Exported",)
 
 
 def export(
@@ -34,7 +35,7 @@ def export(
     """Write the scene as MJCF, or one robot as URDF."""
     from palmbots._util.arguments import one_of
     from palmbots._util.atomic_files import check_file, write_whole
-    from palmbots.cli.console import print_written_files, report_console
+    from palmbots.cli.answers import Exported
     from palmbots.mujoco.mjcf import mjcf as scene_mjcf
     from palmbots.mujoco.urdf import robot_urdf
 
@@ -53,14 +54,8 @@ def export(
         texts[urdf] = robot_urdf(chosen, "left" if robot == "left" else "right")
     for path, text in texts.items():
         write_whole(path, text)
-    if as_json:
-        files = {
-            kind: None if path is None else str(path)
-            for kind, path in {"mjcf": mjcf, "urdf": urdf}.items()
-        }
-        print_json(files | {"scene": chosen.model_dump()})
-    else:
-        print_written_files(report_console(), list(texts))
+    written = tuple(texts)
+    print_result(Exported(written, mjcf, urdf, chosen), as_json=as_json, written=written)
     return DONE
 
 

@@ -6,11 +6,12 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
 ORDER = 214
 EXAMPLE = "palmbots firmware pair.toml --out images"
+RESULTS = ("palmbots.cli.answers:Files",)
 
 
 def firmware(
@@ -24,13 +25,10 @@ def firmware(
     needed. Each image counts boots of its own: flash it into one board, once.
     """
     from palmbots.boards.images import write_images
-    from palmbots.cli.console import print_written_files, report_console
+    from palmbots.cli.answers import Files
 
     files = write_images(pair, out)
-    if as_json:
-        print_json({"files": [str(file) for file in files]})
-    else:
-        print_written_files(report_console(), files)
+    print_result(Files(tuple(files)), as_json=as_json, written=files)
     return DONE
 
 

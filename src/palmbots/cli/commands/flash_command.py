@@ -6,11 +6,12 @@ from typing import Annotated, Optional
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
 ORDER = 216
 EXAMPLE = "palmbots flash images/left.hex"
+RESULTS = ("palmbots.cli.answers:Files",)
 
 
 def flash(
@@ -30,13 +31,10 @@ def flash(
     booted, and would accept old packets as new.
     """
     from palmbots.boards import flashing
-    from palmbots.cli.console import print_written_files, report_console
+    from palmbots.cli.answers import Files
 
     file = flashing.flash(image, drive, again=again)
-    if as_json:
-        print_json({"file": str(file)})
-    else:
-        print_written_files(report_console(), [file])
+    print_result(Files((file,)), as_json=as_json, written=[file])
     return DONE
 
 

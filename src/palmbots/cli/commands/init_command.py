@@ -6,12 +6,13 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
 ORDER = 190
 EXAMPLE = "palmbots init scene my.toml"
+RESULTS = ("palmbots.cli.answers:Files",)
 COMMAND = typer.Typer(help="Write a file to start from.")
 
 
@@ -25,17 +26,13 @@ def init_scene(
     An existing file is never overwritten.
     """
     from palmbots._util.atomic_files import write_whole
-    from palmbots.cli.console import print_written_files, report_console
+    from palmbots.cli.answers import Files
     from palmbots.scene.key_reference import default_scene_toml
-    from palmbots.scene.scene import Scene
 
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {path}; allowed: a name that ends in .toml")
     write_whole(path, default_scene_toml(), new=True)
-    if as_json:
-        print_json({"file": str(path), "scene": Scene().model_dump()})
-    else:
-        print_written_files(report_console(), [path])
+    print_result(Files((path,)), as_json=as_json, written=[path])
     return DONE
 
 
@@ -48,12 +45,9 @@ def init_pair(
 
     Existing files are never overwritten.
     """
-    from palmbots.cli.console import print_written_files, report_console
+    from palmbots.cli.answers import Files
     from palmbots.pair import pair_file
 
     written = pair_file.init_pair(path)
-    if as_json:
-        print_json({"files": [str(file) for file in written]})
-    else:
-        print_written_files(report_console(), written)
+    print_result(Files(tuple(written)), as_json=as_json, written=written)
     return DONE

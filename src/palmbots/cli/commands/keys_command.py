@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 ORDER = 170
 EXAMPLE = "palmbots keys radio"
+RESULTS = ("palmbots.cli.answers:KeyList",)
 
 
 def keys(
@@ -29,23 +30,10 @@ def keys(
 
     palm.left.KEY, palm.right.KEY, robot.left.KEY and robot.right.KEY override one side.
     """
-    from palmbots.cli.reports.lists_report import keys_report
+    from palmbots.cli.answers import KeyList
     from palmbots.scene.key_reference import scene_keys
 
-    found = _matching(scene_keys(), pattern)
-    if as_json:
-        table = [
-            {
-                "name": key.name,
-                "default": key.default,
-                "unit": key.unit,
-                "meaning": key.meaning,
-            }
-            for key in found
-        ]
-        print_json({"keys": table})
-    else:
-        keys_report(found)
+    print_result(KeyList(tuple(_matching(scene_keys(), pattern))), as_json=as_json)
     return DONE
 
 

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots objects`."""
 
-from palmbots.cli._run import print_list
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
 ORDER = 160
 EXAMPLE = "palmbots objects"
+RESULTS = ("palmbots.cli.answers:ObjectList",)
 
 
 def objects(as_json: JsonOption = False) -> int:
@@ -13,9 +14,10 @@ def objects(as_json: JsonOption = False) -> int:
 
     Use one with --set object=NAME, or object = "NAME" in a scene file.
     """
+    from palmbots.cli.answers import ObjectList
     from palmbots.scene.key_reference import built_in_meanings
 
-    print_list("objects", built_in_meanings("objects"), as_json=as_json)
+    print_result(ObjectList.of(built_in_meanings("objects")), as_json=as_json)
     return DONE
 
 

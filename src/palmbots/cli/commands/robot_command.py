@@ -10,6 +10,7 @@ from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
 ORDER = 205
 EXAMPLE = "palmbots robot pair.toml --side left"
+RESULTS = ("palmbots.robot.robot_loop:RobotEnd",)
 
 
 def robot(
@@ -43,7 +44,7 @@ def robot(
 
         end = run_live_robot(pair_of, chosen, check_rate(rate), _say)
     if as_json:
-        print_json(end.summary())
+        print_json(end)
     return DONE
 
 

@@ -7,12 +7,13 @@ from typing import Annotated, Any
 
 import typer
 
-from palmbots.cli._run import print_json
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
 ORDER = 209
 EXAMPLE = "palmbots ros2 pair.toml --side left"
+RESULTS = ("palmbots.cli.answers:Published",)
 
 
 def ros2(
@@ -30,6 +31,7 @@ def ros2(
     """
     from palmbots._types import SIDES
     from palmbots._util.arguments import one_of
+    from palmbots.cli.answers import Published
     from palmbots.pair.pair_file import load_pair
     from palmbots.ros2.ros2_bridge import run_bridge
 
@@ -49,11 +51,7 @@ def ros2(
     published = run_bridge(
         load_pair(pair), chosen, seconds=math.inf if seconds is None else seconds, on_change=show
     )
-    if as_json:
-        print_json({"side": side, "published": published})
-    else:
-        for topic, count in published.items():
-            print(f"{topic:16} {count:7} messages")
+    print_result(Published(chosen, published), as_json=as_json)
     return DONE
 
 

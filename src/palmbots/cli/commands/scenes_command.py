@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots scenes`."""
 
-from palmbots.cli._run import print_list
+from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
 ORDER = 150
 EXAMPLE = "palmbots scenes"
+RESULTS = ("palmbots.cli.answers:SceneList",)
 
 
 def scenes(as_json: JsonOption = False) -> int:
@@ -13,9 +14,10 @@ def scenes(as_json: JsonOption = False) -> int:
 
     Start a scene of your own with palmbots init scene FILE.
     """
+    from palmbots.cli.answers import SceneList
     from palmbots.scene.key_reference import built_in_meanings
 
-    print_list("scenes", built_in_meanings("scenes"), as_json=as_json)
+    print_result(SceneList.of(built_in_meanings("scenes")), as_json=as_json)
     return DONE
 
 

@@ -11,6 +11,7 @@ from palmbots.cli.options import DONE, JsonOption
 
 ORDER = 180
 EXAMPLE = "palmbots schema scene"
+RESULTS = ("palmbots.cli.answers:SchemaTable",)
 
 
 def schema(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 ORDER = 207
 EXAMPLE = "palmbots station pair.toml"
+RESULTS = ("palmbots.station.station_loop:StationEnd",)
 _RESTARTS_WITHIN_S = 10.0
 _LAST_LINES = 10
 
@@ -59,6 +60,8 @@ def station(
 
     if no_screen and (attach or watch):
         raise PalmbotsError("--no-screen starts a station; allowed: without --attach and --watch")
+    from palmbots.station.station_loop import StationEnd
+
     chosen = load_pair(pair)
     if lockstep:
         from palmbots.station.lockstep_station import run_lockstep_station
@@ -71,8 +74,6 @@ def station(
         on_line = None if as_json else partial(print, flush=True)
         logged = chosen.with_logs(log, is_off=no_log)
         ended = run_station_loop(logged, auto=auto, for_screen=for_screen, on_line=on_line)
-        end: dict[str, Any] = ended.summary()
-        lines = end["lines"]
     else:
         from palmbots.cli.station_process import attached, started_station
 
@@ -87,11 +88,10 @@ def station(
             options += ["--no-log"] if no_log else []
             with started_station(options, address) as client:
                 end = _show(client, **shown, reads_orders=not auto)
-        lines = client.lines
+        ended = StationEnd(end["done"], end["modes"], client.lines, end.get("links", {}))
     if as_json:
-        links = end.get("links", {})
-        print_json({"done": end["done"], "modes": end["modes"], "lines": lines, "links": links})
-    return DONE if end["done"] else FAILED
+        print_json(ended)
+    return DONE if ended.done else FAILED
 
 
 def _show(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palmbots.cli._progress import staged_progress
-from palmbots.cli._run import check_output, interruption_line, print_json
+from palmbots.cli._run import check_output, interruption_line, print_result
 from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.cli.options import DONE, JsonOption, UnprovedOption, output_option
 from palmbots.errors import PalmbotsError
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 ORDER = 80
 EXAMPLE = "palmbots study centralized-vs-distributed --carries 100 --out out --plot"
+RESULTS = (
+    "palmbots.studies.study_runner:StudyResult",
+    "palmbots.studies.cost_estimate:Cost",
+)
 
 
 def study(
@@ -62,7 +66,6 @@ def study(
     Finished chunks are kept. You can stop a study at any time and rerun the
     command to continue; the results are the same to the bit.
     """
-    from palmbots.cli.reports.study_report import study_report
     from palmbots.studies.study_file import load_plan
     from palmbots.studies.study_runner import run_study
 
@@ -93,10 +96,7 @@ def study(
 
         written = [root / "study.png"]
         save(result, written[0])
-    if as_json:
-        print_json(result.summary())
-    else:
-        study_report(result, written)
+    print_result(result, as_json=as_json, written=written)
     return DONE
 
 
@@ -130,7 +130,6 @@ def _quiet_asyncio() -> Iterator[None]:
 
 
 def _print_cost(plan: "Plan", threads: int | None, chunk_size: int | None, as_json: bool) -> int:
-    from palmbots.cli.reports.study_report import cost_report
     from palmbots.studies.cost_estimate import estimate_cost
     from palmbots.studies.points import design_points
     from palmbots.studies.study_runner import layout_of, thread_count
@@ -139,10 +138,7 @@ def _print_cost(plan: "Plan", threads: int | None, chunk_size: int | None, as_js
     with staged_progress(as_json) as report:
         points = design_points(plan, lambda fraction: report("checking scenes", fraction))
         cost = estimate_cost(points, layout_of(points, chunk_size), number)
-    if as_json:
-        print_json(cost.summary() | {"study": plan.name, "scene": plan.base.model_dump()})
-    else:
-        cost_report(points, cost)
+    print_result(cost, as_json=as_json)
     return DONE
 
 

@@ -7,12 +7,13 @@ from typing import Annotated
 
 import typer
 
-from palmbots.cli._run import check_rate, print_json
+from palmbots.cli._run import check_rate, print_result
 from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
 ORDER = 135
 EXAMPLE = "palmbots view out/carry.mcap --serve 127.0.0.1:8765"
+RESULTS = ("palmbots.cli.answers:Files",)
 _RESTARTS_WITHIN_S = 10.0
 
 
@@ -43,6 +44,7 @@ def view(
     Foxglove connects to ws://HOST:PORT (Open connection, Foxglove WebSocket) and draws it. With a
     pair.toml it shows the station of this pair, live and read-only: no key is needed.
     """
+    from palmbots.cli.answers import Files
     from palmbots.views.foxglove_server import place_of
 
     place_of(serve)
@@ -54,11 +56,7 @@ def view(
     else:
         written = []
         _play(sources, serve, rate, once=once, quiet=as_json)
-    if as_json:
-        print_json({"written": [str(path) for path in written]})
-    else:
-        for path in written:
-            print(f"wrote {path}")
+    print_result(Files(tuple(written)), as_json=as_json, written=written)
     return DONE
 
 

@@ -137,7 +137,7 @@ def _live(
             scene, door, world=world, seed=seed, rate=check_rate(rate), imperfections=imperfections
         )
     if as_json:
-        print_json(result.summary())
+        print_json(result)
     else:
         print(result.line())
     return DONE if result.outcome == "delivered" else FAILED

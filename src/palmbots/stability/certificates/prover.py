@@ -14,8 +14,8 @@ Source: docs/theory/stability.md.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal
 
@@ -23,11 +23,14 @@ from palmbots._types import Overrides
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.optional_imports import require
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import refuse_curved
 from palmbots.stability.certificates.box_from_scene import INTERVALS, box_of
+from palmbots.stability.certificates.box_table import BoxTable
 from palmbots.stability.certificates.obligations import (
     CLAIMS,
     Obligation,
@@ -50,30 +53,47 @@ class Certificate(Result):
     """The result of a proof; `data` is the content of the file."""
 
     verdict: Verdict
-    data: dict[str, Any]
+    data: dict[str, Any] = field(metadata=NOT_IN_JSON)
     parts: int
     """Number of boxes whose corners were evaluated."""
     undecided: str = ""
     """The first obligation that was neither proved nor refuted."""
 
-    def headline(self) -> str:
-        """The verdict and the claims."""
-        claims = self.data["claims"]
-        one_of_them = "at least one of " if self.verdict == "fails" and len(claims) > 1 else ""
-        return f"certificate: {self.verdict}: {one_of_them}{', '.join(claims)}"
+    @derived
+    def format(self) -> str:
+        """The format of the file."""
+        return self.data["format"]
 
-    def facts(self) -> dict[str, str]:
-        """The number of boxes, and the reason where the claims do not hold."""
-        facts = {"boxes": str(self.parts)}
-        if self.verdict == "fails":
-            facts["fails at"] = self.data["witness"]["claim"]
-        if self.undecided:
-            facts["undecided"] = self.undecided
-        return facts
+    @derived
+    def claims(self) -> tuple[str, ...]:
+        """What was to be proved."""
+        return tuple(self.data["claims"])
 
-    def summary(self) -> dict[str, Any]:
-        """The object that ``palmbots certify --json`` prints."""
-        return self.data | {"parts": self.parts}
+    @derived
+    def box(self) -> BoxTable:
+        """The box of uncertainty."""
+        return self.data["box"]
+
+    @derived
+    def proof(self) -> dict[str, Any] | None:
+        """The bisections of each obligation; None: the claims are not proved."""
+        return self.data.get("proof")
+
+    @derived
+    def witness(self) -> dict[str, Any] | None:
+        """A point of the box at which a claim fails; None: none was found."""
+        return self.data.get("witness")
+
+    @derived
+    def scene(self) -> Scene:
+        """The scene that the certificate states."""
+        return load_scene(self.data["scene"])
+
+    def lines(self) -> Iterator[Item]:
+        """What was proved, or where it fails."""
+        from palmbots.stability.certificates.certificate_lines import certificate_lines
+
+        return certificate_lines(self)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the certificate, the whole file or nothing."""

@@ -45,7 +45,7 @@ def palm_angles(result: Design) -> Figure:
 
     A design for delivery is drawn with about σ* of its candidates instead (`delivery`).
     """
-    if result.objective == NOISE:
+    if result.maximize == NOISE:
         return delivery(result)
     *_, scale, name = QUANTITIES[result.quantity]
     grid = result.map

@@ -11,15 +11,17 @@ that the certificate states, and lists the obligations itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from os import PathLike
-from typing import Any
 
+from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.report import Item, Line, Table, quiet, verdict
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.stability.certificates.box_table import BoxTable
 from palmbots.stability.certificates.checker.box_text import box_facts, scene_text
 from palmbots.stability.certificates.checker.certificate_file import Entry, read_certificate
 from palmbots.stability.certificates.checker.claimed_box import ClaimedBox, read_box
@@ -56,36 +58,25 @@ class CheckResult(Result):
     claim: str
     reason: str
     """The first fault of a certificate that is not valid; empty: there is none."""
-    box: dict[str, Any] = field(default_factory=dict)
-    """The box, as in the file; empty where it cannot be read."""
-    scene: dict[str, Any] = field(default_factory=dict)
-    """The scene that the certificate states."""
-    box_text: dict[str, str] = field(default_factory=dict)
+    box: BoxTable | None = None
+    """The box, as in the file; None where it cannot be read."""
+    scene: Scene | None = None
+    """The scene that the certificate states; None where it cannot be read."""
+    box_text: dict[str, str] = field(default_factory=dict, metadata=NOT_IN_JSON)
     """The box with units, by quantity, and the keys of the scene."""
     outside: tuple[str, ...] = ()
     """Values of that scene that lie outside of the box, so that the certificate says nothing about
     the scene itself."""
 
-    def headline(self) -> str:
-        """Whether the certificate is valid, and its claim."""
-        if self.valid:
-            return f"VALID certificate: {self.claim}"
-        return f"INVALID certificate: {self.reason}"
-
-    def facts(self) -> dict[str, str]:
-        """The box and the scene."""
-        return self.box_text
-
-    def summary(self) -> dict[str, Any]:
-        """The object that ``palmbots check --json`` prints."""
-        return {
-            "valid": self.valid,
-            "claim": self.claim,
-            "reason": self.reason,
-            "box": self.box,
-            "outside": list(self.outside),
-            "scene": self.scene,
-        }
+    def lines(self) -> Iterator[Item]:
+        """Whether the certificate proves its claim, and the box."""
+        yield verdict(self.valid, "VALID", "INVALID")
+        if not self.valid:
+            yield Line(self.reason, indent=2)
+        yield Line(quiet(self.claim), indent=2)
+        yield Table([(f"  {name}", text) for name, text in self.box_text.items()])
+        if self.valid and self.outside:
+            yield Line(f"the scene is not in the box: {'; '.join(self.outside)}", indent=2)
 
 
 def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> CheckResult:
@@ -113,7 +104,7 @@ def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> C
         own = _stated_scene(Entry(data)["scene"])
         result = replace(
             result,
-            scene=data["scene"],
+            scene=own,
             box_text=result.box_text | {"scene": scene_text(own)},
             outside=values_outside(box, own),
         )

@@ -1,71 +1,57 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Text of `palmbots study`."""
+"""What people read of a study."""
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
-
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from palmbots._util.confidence_intervals import wilson
-from palmbots._util.text import data_size, duration, format_number, plural
-from palmbots.cli.console import (
-    QUIET,
-    plain_table,
-    print_written_files,
-    report_console,
-)
-from palmbots.studies.cost_estimate import Cost
-from palmbots.studies.points import Points
-from palmbots.studies.sobol import sobol_indices
-from palmbots.studies.study_runner import StudyResult
+from palmbots._util.report import Item, Line, Table, bold, quiet
+from palmbots._util.text import format_number, plural
 from palmbots.studies.variables import STATISTICS, Statistic
+
+if TYPE_CHECKING:
+    from palmbots.studies.study_runner import StudyResult
 
 _MOST_ROWS = 40
 _WIDTH, _GAP = 80, 2
 _LISTED = 3  # refusals, and points of each
 
 
-def study_report(result: StudyResult, written: Sequence[Path]) -> None:
-    """Print the cells, totals, refusals, sensitivities and files of a study."""
-    console = report_console()
-    plan = result.points.plan
-    if plan.study.about:
-        console.print(plan.study.about, style=QUIET)
-    _cells(console, result)
+def study_lines(result: "StudyResult") -> Iterator[Item]:
+    """The cells, totals, refusals, sensitivities and files of a study."""
+    yield from _cells(result)
     if result.carries:
         low, high = wilson(result.drops, result.carries)
         stalls = f", {plural(result.stalls, 'carry')} stalled" if result.stalls else ""
-        console.print(
+        yield (
             f"{plural(result.carries, 'carry')}, "
             f"{100 * result.drops / result.carries:.3g} % dropped "
             f"({100 * low:.3g}–{100 * high:.3g}){stalls}"
         )
-    _refusals(console, result)
-    _sensitivity(console, result)
+    yield from _refusals(result)
+    yield from _sensitivity(result)
     if result.lost_workers:
         lost = ", ".join(result.lost_workers)
-        console.print(
+        yield (
             f"{plural(len(result.lost_workers), 'worker')} lost ({lost}); others carried their "
-            "chunks",
+            "chunks"
         )
     resumed = f"   {plural(result.resumed, 'carry')} from earlier runs" if result.resumed else ""
-    console.print(f"{result.seconds:.1f} s{resumed}   results {result.hash}", style=QUIET)
-    print_written_files(console, written)
-    console.print(f"results in {result.output}", soft_wrap=True)
+    yield quiet(f"{result.seconds:.1f} s{resumed}   results {result.hash}")
+    yield Line(f"results in {result.output}", is_whole=True)
 
 
-def _cells(console: Console, result: StudyResult) -> None:
+def _cells(result: "StudyResult") -> Iterator[Item]:
     """One block per point: its values, then one row per controller."""
     plan, controllers = result.points.plan, result.points.plan.controller_names
     counts = {int(n) for n in result.values["carries"][0].flat}
     varies = len(counts) != 1
     each = "" if varies else f"{plural(counts.pop(), 'carry')} per cell; "
-    console.print(Text(f"{plan.name}: {each}intervals: 95 %", style="bold"))
+    yield bold(f"study {plan.name}: {each}intervals: 95 %")
+    if plan.study.about:
+        yield quiet(plan.study.about)
     statistics = _shown_statistics(len(controllers))
     heads = ["controller", *(["carries"] if varies else [])]
     for statistic in statistics:
@@ -77,16 +63,13 @@ def _cells(console: Console, result: StudyResult) -> None:
         [_row(result, statistics, i, c, varies) for c in range(len(controllers))] for i in points
     ]
     widths = _column_widths(heads, [row for block in blocks for row in block])
-    _print_rows(console, widths, [heads], style="bold")
+    yield Table([list(map(bold, heads))], gap=_GAP, widths=widths)
     for i, block in zip(points, blocks, strict=True):
         if plan.keys:
-            console.print(Text(_place(result, i)))
-        _print_rows(console, widths, block)
-    hidden = len(result.points.values) - len(points)
-    if hidden:
-        console.print(
-            f"{plural(hidden, 'further point')} in {result.results}", markup=False, soft_wrap=True
-        )
+            yield _place(result, i)
+        yield Table(block, gap=_GAP, widths=widths)
+    if hidden := len(result.points.values) - len(points):
+        yield Line(f"{plural(hidden, 'further point')} in {result.results}", is_whole=True)
 
 
 def _shown_statistics(controllers: int) -> list[Statistic]:
@@ -100,7 +83,7 @@ def _shown_statistics(controllers: int) -> list[Statistic]:
 
 
 def _row(
-    result: StudyResult, statistics: list[Statistic], i: int, c: int, with_carries: bool
+    result: "StudyResult", statistics: list[Statistic], i: int, c: int, with_carries: bool
 ) -> list[str]:
     values = result.values
     cells = [result.points.plan.controller_names[c]]
@@ -131,24 +114,13 @@ def _column_widths(heads: list[str], rows: list[list[str]]) -> list[int]:
     return widths
 
 
-def _place(result: StudyResult, point: int) -> str:
+def _place(result: "StudyResult", point: int) -> str:
     """The values of the keys at a point."""
     pairs = zip(result.points.plan.keys, result.points.values[point], strict=True)
     return ", ".join(f"{key} = {_value(result, value)}" for key, value in pairs)
 
 
-def _print_rows(
-    console: Console, widths: list[int], rows: list[list[str]], style: str = ""
-) -> None:
-    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 0, 0, _GAP))
-    for k, width in enumerate(widths):
-        table.add_column(justify="right" if k else "left", width=width, style=style)
-    for row in rows:
-        table.add_row(*map(Text, row))
-    console.print(table)
-
-
-def _refusals(console: Console, result: StudyResult) -> None:
+def _refusals(result: "StudyResult") -> Iterator[Item]:
     """Each reason once, with the points to which it applies."""
     names = result.points.plan.controller_names
     places: dict[tuple[int, str], list[str]] = defaultdict(list)
@@ -156,36 +128,35 @@ def _refusals(console: Console, result: StudyResult) -> None:
         places[controller, reason].append(_place(result, point))
     for k, ((controller, reason), found) in enumerate(places.items()):
         if k == _LISTED:
-            total = len(result.points.rejected_cells)
-            console.print(f"{plural(total, 'cell')} refused in total")
+            yield f"{plural(len(result.points.rejected_cells), 'cell')} refused in total"
             break
         rest = f" and {len(found) - _LISTED} more" if len(found) > _LISTED else ""
         at = f" {'; '.join(found[:_LISTED])}{rest}" if found[0] else ""
-        console.print(f"{names[controller]} refuses{at}: {reason}")
+        yield f"{names[controller]} refuses{at}: {reason}"
 
 
-def _sensitivity(console: Console, result: StudyResult) -> None:
+def _sensitivity(result: "StudyResult") -> Iterator[Item]:
     """Sobol indices, grouped by metric and controller."""
     groups = defaultdict(list)
-    for index in sobol_indices(result.points, result.values):
+    for index in result.sensitivity:
         groups[index.metric, index.controller].append(index)
     if not groups:
         return
-    console.print("Sobol indices: share of the variance, with 95 % intervals", style="bold")
+    yield bold("Sobol indices: share of the variance, with 95 % intervals")
     for (metric, controller), indices in sorted(groups.items()):
-        table = plain_table(
-            f"{metric}, {controller}", "first-order", "total", right=("first-order", "total")
-        )
-        for one in sorted(indices, key=lambda index: -index.total):
-            table.add_row(
+        rows = [
+            (
                 f"  {one.key}",
                 f"{one.first:.3f} ± {one.first_half:.3f}",
                 f"{one.total:.3f} ± {one.total_half:.3f}",
             )
-        console.print(table)
+            for one in sorted(indices, key=lambda index: -index.total)
+        ]
+        heads = ("first-order", "total")
+        yield Table(rows, (f"{metric}, {controller}", *heads), right=heads)
 
 
-def _value(result: StudyResult, value: Any) -> str:
+def _value(result: "StudyResult", value: Any) -> str:
     """A value of a key; with few digits where the points were chosen at random."""
     is_random = not result.points.is_grid and isinstance(value, float)
     return f"{value:.4g}" if is_random else format_number(value)
@@ -202,33 +173,3 @@ def _spread(statistic: Any, i: int, c: int, scale: float, sign: str = "") -> str
     digits = max(0, min(4, 1 - math.floor(math.log10(high - low)))) if high > low else 2
     to = " to " if sign else "–"  # a dash before a minus sign is hard to read
     return f"{scale * values[i, c]:{sign}.{digits}f} ({low:.{digits}f}{to}{high:.{digits}f})"
-
-
-def cost_report(points: Points, cost: Cost) -> None:
-    """Print the estimated time and size of a study."""
-    console = report_console()
-    plan = points.plan
-    most = "at most " if plan.study.stop else ""
-    rows = [
-        ("points", f"{cost.points} ({_of_points(points)})"),
-        ("cells", f"{cost.cells} ({', '.join(plan.controller_names)})"),
-        ("carries", f"{most}{cost.carries:,}, {plan.study.seeds.count:,} per cell"),
-        ("chunks", f"{cost.chunks:,} of at most {cost.carries_a_chunk:,} carries"),
-        ("time", f"{most}about {duration(cost.seconds)} on {plural(cost.threads, 'thread')}"),
-        *(("", f"{name}: {ms:.2g} ms per carry") for name, ms in cost.by_controller.items()),
-        ("disk", f"{most}about {data_size(cost.disk_bytes)}"),
-        ("memory", f"about {data_size(cost.memory_bytes)} in addition to Python's own"),
-    ]
-    if points.rejected_cells:
-        rows.append(("refused", plural(len(points.rejected_cells), "cell")))
-    table = plain_table()
-    for name, text in rows:
-        table.add_row(name, text)
-    console.print(table)
-
-
-def _of_points(points: Points) -> str:
-    if points.is_grid:
-        sizes = zip(points.plan.keys, points.shape, strict=False)
-        return " × ".join(f"{n} {key}" for key, n in sizes) or "nothing varies"
-    return f"{points.plan.study.design.kind} over {plural(len(points.plan.keys), 'key')}"

@@ -1,17 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Text of `palmbots calibrate`: the dialogue with the person, and what was found."""
+"""The dialogue of `palmbots calibrate` with the person at the terminal."""
 
 import select
 import sys
 from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from palmbots.cli.console import plain_table, report_console
 from palmbots.errors import PalmbotsError
-
-if TYPE_CHECKING:
-    from palmbots.pair.calibration_run import CalibrationRun
 
 _POLL_S = 0.01
 
@@ -56,29 +50,3 @@ class TerminalPerson:
         if not line:
             raise PalmbotsError("calibrate: the terminal was closed before the last answer")
         return line
-
-
-def summary(run: "CalibrationRun") -> dict[str, Any]:
-    """The findings as a table for ``--json``."""
-    from palmbots.pair.calibration import values_of
-
-    intervals = {
-        one.key: [one.estimate.low, one.estimate.high]
-        for one in run.findings
-        if one.estimate is not None
-    }
-    return {"hardware": values_of(run.findings), "intervals": intervals, "warnings": run.warnings}
-
-
-def calibrate_report(run: "CalibrationRun", side: str, file: Path) -> None:
-    """Print each value with its interval, and where it was written."""
-    console = report_console()
-    table = plain_table("key", "value", "from", "to", right=("value", "from", "to"))
-    for one in run.findings:
-        if one.estimate is None:
-            continue
-        value = one.estimate.value if one.value is None else one.value
-        row = (value, one.estimate.low, one.estimate.high)
-        table.add_row(f"hardware.{side}.{one.key}", *(f"{v:.5g}" for v in row))
-    console.print(table)
-    console.print(f"Written to {file}; as it was before: {run.backup}")

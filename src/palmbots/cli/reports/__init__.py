@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Text that the commands print for people."""

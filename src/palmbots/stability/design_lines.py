@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What people read of a design."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word
+from palmbots._util.text import millimetres
+from palmbots.stability.analysis_lines import friction_note
+from palmbots.stability.angle_grid import NOISE, QUANTITIES
+from palmbots.stability.certificates.obligations import BOTH_TURN
+from palmbots.stability.design_result import limit_text
+
+if TYPE_CHECKING:
+    from palmbots.stability.design_result import Design
+
+
+def design_lines(design: "Design") -> Iterator[Item]:
+    """The angles, what they tolerate beside the scene's own, and how to use them."""
+    name = QUANTITIES[design.quantity][-1]
+    aim = "most noise" if design.maximize == NOISE else f"largest tolerance: {name}"
+    yield Line(good(f"{design.shallow_deg:g}° and {design.steep_deg:g}°"), bold(f"  {aim}"))
+    yield from _comparison(design, name)
+    low, high = design.region_m
+    reaction = design.reaction_s
+    rows = [
+        ("  clearance", f"{design.clearance_deg:.2f}°", "until a palm touches an edge"),
+        ("  contacts", f"{1e3 * low:.1f} to {millimetres(high)}", "for which this holds"),
+    ]
+    if design.friction is not None:
+        note = friction_note([design.friction], design.shallow_deg, design.steep_deg)
+        low, high = design.friction
+        rows.append(("  friction", f"{low:.3f} to {high:.3f}", f"the same on both palms{note}"))
+    times = f"{reaction.own:.2f} s, {reaction.asked:.2f} s"
+    rows.append(("  reaction", times, "own case (d), assisting case (a)"))
+    yield Table(rows)
+    certificate = design.certificate
+    if certificate.verdict == "holds":
+        yield f"certified under these conditions: {', '.join(certificate.claims)}"
+        if missing := [claim for claim in BOTH_TURN if claim not in certificate.claims]:
+            yield f"not certified for palms that turn at the same time: {', '.join(missing)}"
+    else:
+        yield warn_word(f"certificate: {certificate.verdict} ({certificate.undecided})")
+    settings = " ".join(f"--set {key}={angle:g}" for key, angle in design.angle_keys.items())
+    yield Line(f"to use these angles: {settings}", is_whole=True)
+
+
+def _comparison(design: "Design", name: str) -> Iterator[Item]:
+    """Noise limit and tolerance of the designed angles and of the scene's own."""
+    own = design.own
+    limits = (design.noise_limit, own.noise_limit)
+    rows = []
+    if limits != (None, None):
+        texts = ("none" if one is None else limit_text(one) for one in limits)
+        rows.append(("  σ* (95 %)", *texts))
+    tolerance = "none: a property fails"
+    if own.tolerance is not None:
+        tolerance = design.tolerance_text(own.tolerance)
+    elif own.angles_deg is None:
+        tolerance = "the palms differ"
+    short = name.split(" along")[0]
+    rows.append((f"  tolerance, {short}", design.tolerance_text(design.tolerance), tolerance))
+    designed = f"designed, {design.shallow_deg:g}° and {design.steep_deg:g}°"
+    yield Table(rows, ("", designed, own.name()))
+    limit = design.noise_limit or own.noise_limit
+    if limit is not None:
+        yield quiet(
+            f"  σ*: robot.noise_m_s at which 1 % of carries drop the object, {limit.controller}"
+        )
