@@ -1,149 +1,110 @@
 # SPDX-License-Identifier: Apache-2.0
-"""URDF of one robot: body, two wheels, caster, arm and palm, with masses, inertias and limits.
+"""URDF of one robot, translated from its part of the MJCF model (`palmbots.mujoco.robot_mjcf`).
 
-The frame `base` is on the floor below the middle of the body: x forward, y to its left, z up, [m].
-Joints are those of the MJCF (`robot_model`): wheels turn about y, shoulder and wrist are 0 where
-the palm is steep and turn outward for > 0. URDF knows no friction of materials and no motors; what
-it has is what a robot's own software needs.
+Links and joints have the names that `palmbots ros2` publishes. The frame `base_link` is on the
+floor below the middle of the body: x points to the partner, y to the left of that, z up, [m]. The
+position of `palm_joint` is the palm's angle over the horizontal; the arm's is 0 where the model
+holds it. Wheels turn forward for > 0. URDF knows no friction of materials and no motors; what it
+has is what a robot's own software needs.
 """
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 
 from palmbots._types import Side
-from palmbots._util.xml_attributes import numbers, rgba
+from palmbots._util.xml_attributes import numbers
 from palmbots.mujoco.mjcf import layout
-from palmbots.mujoco.robot_mjcf import (
-    axle_out,
-    box_inertia,
-    chassis,
-    wheel_inertia,
-    wheel_kg,
-    wheel_radius,
-)
-from palmbots.mujoco.settings import ARM
-from palmbots.scene.robot_dimensions import (
-    BODY_SIZE,
-    CASTER_RADIUS,
-    GROUND_CLEARANCE,
-    PALM_THICKNESS,
-    WHEEL_WIDTH,
-)
+from palmbots.mujoco.robot_mjcf import add_robot
 from palmbots.scene.scene import Scene
-from palmbots.viz.style import HUE, INK, PALE, QUIET
 
-_EFFORT = {"wheel": 2.0, "shoulder": 10.0, "wrist": 5.0}  # N m; assumed
+_STEEPEST = math.radians(85)
+Vector = tuple[float, ...]
 
 
 def robot_urdf(scene: Scene, side: Side) -> str:
     """The text of a URDF file of the robot of one side."""
-    out = -1.0 if side == "left" else 1.0
-    keys, palm = scene.mujoco, scene.palm_of(side)
-    frame = chassis(layout(scene).height, axle_out(scene))
-    root = ET.Element("robot", name=f"palmbot_{side}")
-    base = ET.SubElement(root, "link", name="base")
-    cube = 3 * (BODY_SIZE,)
-    _inertial(base, keys.body_kg - 2 * wheel_kg(scene), (out * frame.com[0], 0.0, frame.com[1]),
-              box_inertia(keys.body_kg, *cube))  # fmt: skip
-    middle = (0.0, 0.0, GROUND_CLEARANCE + BODY_SIZE / 2)
-    for kind in ("visual", "collision"):
-        _shape(base, kind, middle, (0.0, 0.0, 0.0), ("box", {"size": numbers(*cube)}), PALE[side])
-        _shape(base, kind, (out * frame.caster, 0.0, CASTER_RADIUS), (0.0, 0.0, 0.0),
-               ("sphere", {"radius": numbers(CASTER_RADIUS)}), QUIET)  # fmt: skip
-
+    keys = scene.mujoco
     fastest = scene.robot_of(side).max_speed_m_s / keys.wheel_radius_m
-    for name, across in (("port", frame.track / 2), ("starboard", -frame.track / 2)):
-        radius = wheel_radius(scene, name)
-        wheel = ET.SubElement(root, "link", name=f"wheel_{name}")
-        _inertial(wheel, wheel_kg(scene), (0.0, 0.0, 0.0), wheel_inertia(wheel_kg(scene), radius))
-        disc = ("cylinder", {"radius": numbers(radius), "length": numbers(WHEEL_WIDTH)})
+    # Type, greatest effort [N m] (assumed) and speed [rad/s], and limits of each joint.
+    wheel = ("continuous", 2.0, fastest, None)
+    joints = {
+        "wheel_port": wheel,
+        "wheel_starboard": wheel,
+        "arm": ("revolute", 10.0, 2.0, (-0.5, 0.5)),
+        "palm": ("revolute", 5.0, math.radians(scene.palm_of(side).rate_deg_s),
+                 (-_STEEPEST, _STEEPEST)),
+    }  # fmt: skip
+    model = ET.Element("worldbody")
+    add_robot(model, ET.Element("actuator"), scene, side, 0.0, layout(scene).height)
+    root = ET.Element("robot", name=f"palmbot_{side}")
+    # The x axis of the model points to the right robot, for both.
+    half_turn = -1.0 if side == "right" else 1.0
+    wheels = ("starboard", "port") if side == "right" else ("port", "starboard")
+    own = {"body": "base", wheels[0]: "wheel_port", wheels[1]: "wheel_starboard"}
+
+    def turned(text: str) -> Vector:
+        x, y, z = map(float, text.split())
+        return half_turn * x, half_turn * y, z
+
+    def add(body: ET.Element, parent: str | None) -> None:
+        name = body.attrib["name"].removeprefix(f"{side}_")
+        name = own.get(name, name)
+        link = ET.SubElement(root, "link", name=f"{name}_link")
+        for inertial in body.findall("inertial"):
+            part = ET.SubElement(link, "inertial")
+            _origin(part, turned(inertial.attrib["pos"]), turned(inertial.get("euler", "0 0 0")))
+            ET.SubElement(part, "mass", value=inertial.attrib["mass"])
+            moments = inertial.attrib["diaginertia"].split()
+            names = dict(zip(("ixx", "iyy", "izz"), moments, strict=True))
+            ET.SubElement(part, "inertia", names | {"ixy": "0", "ixz": "0", "iyz": "0"})
         for kind in ("visual", "collision"):
-            _shape(wheel, kind, (0.0, 0.0, 0.0), (math.pi / 2, 0.0, 0.0), disc, INK)
-        place = (out * frame.axle, across, radius)
-        _joint(root, f"wheel_{name}", "continuous", "base", place, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0),
-               effort=_EFFORT["wheel"], velocity=fastest)  # fmt: skip
+            for geom in body.findall("geom"):
+                if geom.get("class") != "touch":
+                    _add_shape(ET.SubElement(link, kind), geom, turned)
+        if parent is not None:
+            kind, effort, velocity, limits = joints[name]
+            one = ET.SubElement(root, "joint", name=f"{name}_joint", type=kind)
+            # The model's palm is at its steep angle where its joint is at 0.
+            _origin(one, turned(body.attrib["pos"]), (0.0, 0.0, 0.0))
+            ET.SubElement(one, "parent", link=f"{parent}_link")
+            ET.SubElement(one, "child", link=f"{name}_link")
+            ET.SubElement(one, "axis", xyz="0 1 0")  # all of them, towards the partner
+            bounds = {"effort": numbers(effort), "velocity": numbers(velocity)}
+            if limits is not None:
+                bounds |= {"lower": numbers(limits[0]), "upper": numbers(limits[1])}
+            ET.SubElement(one, "limit", bounds)
+        for child in body.findall("body"):
+            add(child, name)
 
-    x, z = frame.arm
-    long, lean = math.hypot(x, z), math.atan2(z, out * x)
-    arm = ET.SubElement(root, "link", name="arm")
-    half = (out * x / 2, 0.0, z / 2)
-    _inertial(arm, keys.arm_kg, half, box_inertia(keys.arm_kg, long, ARM, ARM), -lean)
-    rod = ("box", {"size": numbers(long, 0.04 + ARM, ARM)})
-    for kind in ("visual", "collision"):
-        _shape(arm, kind, half, (0.0, -lean, 0.0), rod, QUIET)
-    place = (out * frame.shoulder[0], 0.0, frame.shoulder[1])
-    _joint(root, "arm", "revolute", "base", place, (0.0, 0.0, 0.0), (0.0, -out, 0.0),
-           effort=_EFFORT["shoulder"], velocity=2.0, limits=(-0.5, 0.5),
-           joint="shoulder")  # fmt: skip
-
-    steep = math.radians(palm.steep_deg)
-    plate = ET.SubElement(root, "link", name="palm")
-    middle = (0.0, 0.0, palm.pivot_offset_m - PALM_THICKNESS / 2)
-    size = (palm.length_m, palm.width_m, PALM_THICKNESS)
-    _inertial(plate, keys.palm_kg, middle, box_inertia(keys.palm_kg, *size))
-    for kind in ("visual", "collision"):
-        _shape(plate, kind, middle, (0.0, 0.0, 0.0), ("box", {"size": numbers(*size)}), HUE[side])
-    _joint(root, "palm", "revolute", "arm", (out * x, 0.0, z), (0.0, -out * steep, 0.0),
-           (0.0, -out, 0.0), effort=_EFFORT["wrist"], velocity=math.radians(palm.rate_deg_s),
-           limits=(math.radians(-85) - steep, math.radians(85) - steep), joint="wrist")  # fmt: skip
+    add(model[0], None)
     ET.indent(root)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _origin(parent: ET.Element, place: tuple[float, ...], turn: tuple[float, ...]) -> None:
+def _origin(parent: ET.Element, place: Vector, turn: Vector) -> None:
     ET.SubElement(parent, "origin", xyz=numbers(*place), rpy=numbers(*turn))
 
 
-def _inertial(
-    link: ET.Element,
-    mass: float,
-    com: tuple[float, float, float],
-    inertia: tuple[float, float, float],
-    pitch: float = 0.0,
-) -> None:
-    part = ET.SubElement(link, "inertial")
-    _origin(part, com, (0.0, pitch, 0.0))
-    ET.SubElement(part, "mass", value=numbers(mass))
-    names = dict(zip(("ixx", "iyy", "izz"), map(numbers, inertia), strict=True))
-    ET.SubElement(part, "inertia", names | {"ixy": "0", "ixz": "0", "iyz": "0"})
-
-
-def _shape(
-    link: ET.Element,
-    kind: str,
-    place: tuple[float, float, float],
-    turn: tuple[float, float, float],
-    shape: tuple[str, dict[str, str]],
-    colour: str,
-) -> None:
-    part = ET.SubElement(link, kind)
+def _add_shape(part: ET.Element, geom: ET.Element, turned: Callable[[str], Vector]) -> None:
+    """A shape of the model; no shape there is rotated about more than one axis."""
+    kind, size = geom.attrib["type"], [float(value) for value in geom.attrib["size"].split()]
+    place, turn = turned(geom.get("pos", "0 0 0")), turned(geom.get("euler", "0 0 0"))
+    if kind == "capsule":  # from one point to another in the plane of the arm
+        values = geom.attrib["fromto"].split()
+        start, end = turned(" ".join(values[:3])), turned(" ".join(values[3:]))
+        place = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
+        turn = (0.0, math.atan2(end[0] - start[0], end[2] - start[2]), 0.0)
+        size = [size[0], math.dist(start, end) / 2]
+    shape = {
+        "box": lambda: {"size": numbers(*(2 * edge for edge in size))},
+        "sphere": lambda: {"radius": numbers(size[0])},
+        "cylinder": lambda: {"radius": numbers(size[0]), "length": numbers(2 * size[1])},
+    }
     _origin(part, place, turn)
-    ET.SubElement(ET.SubElement(part, "geometry"), shape[0], shape[1])
-    if kind == "visual":
-        material = ET.SubElement(part, "material", name=f"colour_{colour[1:]}")
-        ET.SubElement(material, "color", rgba=rgba(colour))
-
-
-def _joint(
-    root: ET.Element,
-    child: str,
-    kind: str,
-    parent: str,
-    place: tuple[float, float, float],
-    turn: tuple[float, float, float],
-    axis: tuple[float, float, float],
-    *,
-    effort: float,
-    velocity: float,
-    limits: tuple[float, float] | None = None,
-    joint: str | None = None,
-) -> None:
-    one = ET.SubElement(root, "joint", name=joint or child, type=kind)
-    _origin(one, place, turn)
-    ET.SubElement(one, "parent", link=parent)
-    ET.SubElement(one, "child", link=child)
-    ET.SubElement(one, "axis", xyz=numbers(*axis))
-    bounds = {"effort": numbers(effort), "velocity": numbers(velocity)}
-    if limits is not None:
-        bounds |= {"lower": numbers(limits[0]), "upper": numbers(limits[1])}
-    ET.SubElement(one, "limit", bounds)
+    name = "cylinder" if kind == "capsule" else kind
+    ET.SubElement(ET.SubElement(part, "geometry"), name, shape[name]())
+    if part.tag == "visual":
+        colour = geom.attrib["rgba"]
+        material = ET.SubElement(part, "material", name=f"colour_{colour.replace(' ', '_')}")
+        ET.SubElement(material, "color", rgba=colour)
