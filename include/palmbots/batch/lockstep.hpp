@@ -2,7 +2,7 @@
 // Many carries in lockstep, several side by side in SIMD lanes (base/simd_lanes.hpp).
 //
 // Every lane executes Carry::tick with the same bits. Work that all carries do in every tick is
-// done in lanes: sensing, driving, the common step of the world, and statistics. Teams that have a
+// done in lanes: sensing, driving, the fast step of the world, and statistics. Teams that have a
 // bit-sliced form are stepped in that form (batch/bitslice.hpp). Rare work is done by the lane's
 // own Carry, to which the lane's numbers are copied first. This is stepping other teams, steps in
 // which more happens than one contact sliding, and the end of a carry. A lane whose carry is over

@@ -2,7 +2,7 @@
 // A step in which the sliding contact reaches a tie, and the other contact slides on from there.
 //
 // While palms turn this is the most frequent event inside a step. It is therefore written like the
-// common step (world/fast_step.hpp), for one carry or for several side by side. It gives the
+// fast step (world/fast_step.hpp), for one carry or for several side by side. It gives the
 // same result as world/general_step.hpp, which handles all other events.
 //
 // Source: docs/theory/mechanics.md.

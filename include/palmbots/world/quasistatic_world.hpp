@@ -98,7 +98,7 @@ class World {
     return last_;
   }
 
-  // The same, for a step that the common step (world/fast_step.hpp) has tried and left
+  // The same, for a step that the fast step (world/fast_step.hpp) has tried and left
   // undone.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     last_ = go(change, angles);

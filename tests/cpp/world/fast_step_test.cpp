@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The common step of the world, ties on its way included, against the world taking the same step
-// apart, and in lanes against itself alone.
+// The fast step of the world, ties on its way included, against the general step, and in lanes
+// against itself alone.
 //
 // fast_step_test [STEPS]   STEPS: random steps of each kind and precision; 30000 if not given
 #include "palmbots/world/fast_step_tie.hpp"
