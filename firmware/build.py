@@ -82,7 +82,7 @@ def build(name: str, target: str, out: Path, extra: tuple[str, ...] = ()) -> dic
             continue
         parts = [str(o) for s, o in objects.items() if s.parent == board or s.stem in files]
         elf = out / f"{program}.elf"
-        script = (f"-Wl,-T,{board.relative_to(ROOT)}/board.ld", "-Wl,--gc-sections")
+        script = ("-Wl,-T,firmware/board/board.ld", "-Wl,--gc-sections")
         # The linker of GCC for both: what clang leaves out is in libgcc, for whole numbers only.
         run("arm-none-eabi-g++", *GCC[:2], "-mthumb", "-nostdlib", "-nostartfiles", *script,
             "-Wl,--no-warn-mismatch", *parts, "-lgcc", "-o", str(elf))  # fmt: skip

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A robot on QEMU's machine mps2-an386, driven tick by tick like an emulated nRF52833.
 
-The board in `firmware/board/mps2` exchanges everything with the world through its UART: packets,
-the switches of a tick, pulses, and the record of a completed tick.
+The board in `firmware/board/mps2/board.cpp` exchanges everything with the world through its UART:
+packets, the switches of a tick, pulses, and the record of a completed tick.
 """
 
 import os
@@ -20,6 +20,7 @@ from palmbots.boards.settings_page import PAGE_ADDRESS, BoardSettings, settings_
 from palmbots.wire.serial_frames import FrameDecoder
 from palmbots.wire.serial_frames import encode_frame as _encode
 
+MACHINE = ("qemu-system-arm", "-M", "mps2-an386", "-nographic", "-monitor", "none")
 PACKET, TICK, PULSES, DONE = 0x01, 0x41, 0x42, 0x43
 _PATIENCE_S = 60.0
 
@@ -57,8 +58,8 @@ class QemuBoard(LockstepBoard):
         flash.write_bytes(code + settings_page(settings, table))
         storage.write_bytes(b"\xff" * 0x2000)
         self._process = subprocess.Popen(
-            ["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial",
-             "stdio", "-device", f"loader,file={flash},addr=0,force-raw=on",
+            [*MACHINE, "-serial", "stdio",
+             "-device", f"loader,file={flash},addr=0,force-raw=on",
              "-device", f"loader,file={storage},addr=0x20010000,force-raw=on"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
         )  # fmt: skip
