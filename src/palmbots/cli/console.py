@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from palmbots._util.report import Item, Line, Mark, Marked
+from palmbots._util.report import Item, Line, Mark, Marked, quiet
 from palmbots._util.report import Table as TableOfTexts
 from palmbots._util.text import data_size
 from palmbots.cli._warnings import print_held_warnings
@@ -64,26 +64,41 @@ def print_report(
 
     Args:
         items: the lines.
-        about: of what the result is, such as the name of a scene; it follows the first line.
+        about: of what the result is, such as the name of a scene.
         written: the files.
         console: where to print; None: on stdout.
     """
     console = console or report_console()
-    is_first = True
-    for item in items:
+    for item in _about(list(items), about) if about else items:
         if isinstance(item, TableOfTexts):
             console.print(_table(item))
             continue
         line = item if isinstance(item, Line) else Line(item)
         text = Text().join(map(_text, line.parts))
-        if is_first and about:
-            text.append(f"   {about}", style=QUIET)
-        if line.is_whole or (is_first and about):
+        if line.is_whole:
             console.print(Text(" " * line.indent).append_text(text), soft_wrap=True)
         else:
             console.print(indented(text, line.indent))
-        is_first = False
     print_written_files(console, written)
+
+
+def _about(items: list[Item], about: str) -> list[Item]:
+    """The lines, the first quiet text of the first two with what the result is about before it.
+
+    If there is none, it follows the first line.
+    """
+    for k, item in enumerate(items[:2]):
+        line = Line(item) if isinstance(item, str) else item
+        if isinstance(line, TableOfTexts) or line.indent:
+            continue
+        parts = list(line.parts)
+        for n, part in enumerate(parts):
+            if isinstance(part, Marked) and part.mark == "quiet":
+                blanks = " " * (len(part) - len(part.lstrip()))
+                parts[n] = quiet(f"{blanks}{about}, {part.lstrip()}")
+                return [*items[:k], Line(*parts), *items[k + 1 :]]
+    head = items[0] if isinstance(items[0], Line) else Line(str(items[0]))
+    return [Line(*head.parts, f"  {about}", is_whole=True), *items[1:]]
 
 
 def _text(part: str) -> Text:

@@ -119,7 +119,7 @@ def test_invalid_certificate_has_status_1_and_its_reason_on_stdout(
     path.write_text(json.dumps({**certificates[0], "box": {}}))
     result = here("check", str(path))
     assert (result.returncode, result.stderr) == (1, "")
-    assert result.stdout.startswith(f"INVALID   {path}\n  box.com_m is missing\n")
+    assert result.stdout.startswith(f"INVALID  {path}\n  box.com_m is missing\n")
 
 
 @pytest.mark.parametrize(
