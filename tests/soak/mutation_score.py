@@ -58,7 +58,7 @@ PYTHON_ROOMS = {
     "world": ("world", "simulation"),
     "sim": ("simulation",),
     "stability": ("stability",),
-    "runtime": ("runtime", "robot", "simulation"),
+    "runtime": ("robot", "station", "simulation"),
 }
 SANITIZERS = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
 LONGEST_S = 20.0  # a program or file that takes longer is left out
