@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_points import Contact, Motions
     from palmbots.mechanics.mode_analysis import ContactModes, Mode
 
-__all__ = ["mode_lines"]
-
 
 def mode_lines(found: "ContactModes") -> Iterator[Item]:
     """The state, the nine modes as a 3 × 3 table, and those that occur."""

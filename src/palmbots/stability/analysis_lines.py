@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from palmbots.stability.analysis import Analysis
     from palmbots.stability.first_contact import FirstTouch
 
-__all__ = ["PROPERTIES", "analysis_lines", "friction_note"]
 
 PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
