@@ -9,7 +9,7 @@
 
 #include "palmbots/control/machine_table.hpp"
 #include "palmbots/runtime/controller_registry.hpp"
-#include "palmbots/runtime/robot_with.hpp"
+#include "palmbots/runtime/robot_runtime.hpp"
 #include "settings.hpp"
 #include "storage.hpp"
 

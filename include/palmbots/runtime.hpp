@@ -8,5 +8,4 @@
 #include "palmbots/runtime/program_maker.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/runtime/robot_runtime.hpp"
-#include "palmbots/runtime/robot_with.hpp"
 #include "palmbots/runtime/station_runtime.hpp"

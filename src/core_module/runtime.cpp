@@ -12,7 +12,7 @@
 
 #include "carry.hpp"
 #include "machines.hpp"
-#include "palmbots/runtime/robot_with.hpp"
+#include "palmbots/runtime/robot_runtime.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"
 
@@ -70,6 +70,10 @@ AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& s
   return robot;
 }
 
+using StampTuple = std::tuple<std::uint32_t, std::uint32_t>;
+// Verdict, sender (−1: the packet is not authentic), stamp, newest stamp that the sender had heard.
+using Judged = std::tuple<int, int, StampTuple, StampTuple>;
+
 // The program of one robot.
 class RobotHandle {
  public:
@@ -80,17 +84,20 @@ class RobotHandle {
               const std::vector<nb::bytes>& packets) {
     const runtime::ReceivedCounts before = robot_->received();
     robot_->begin(elapsed);
-    for (const nb::bytes& bytes : packets) hear(bytes);
+    judged_.clear();
+    for (const nb::bytes& bytes : packets) judged_.push_back(hear(bytes));
     if (wish_) robot_->operate(*wish_);
     wish_.reset();
     runtime::Outputs out;
     robot_->step(reading, out);
     mode_ = out.mode;
     std::vector<PacketTuple> sent;
+    stamps_.clear();
     for (std::size_t i = 0; i < out.packet_count; ++i) {
       const runtime::Outgoing& p = out.packets[i];
       sent.emplace_back(static_cast<int>(p.receiver), nb::bytes(p.bytes.data(), p.bytes.size()),
                         static_cast<int>(i == 0 ? out.decision.word : MessageKind::none));
+      stamps_.push_back(stamp_of(robot_->endpoint().newest(p.receiver)));
     }
     const Command& command = out.decision.command;
     return {static_cast<int>(command.palm),
@@ -104,6 +111,21 @@ class RobotHandle {
             robot_->received().late - before.late,
             out.decision.assists};
   }
+
+  // What the endpoint judged of the packets of the last step.
+  std::vector<Judged> judged() const {
+    std::vector<Judged> all;
+    for (const wire::Decoded& got : judged_) {
+      const wire::Packet& packet = got.packet;
+      const int sender = wire::is_authentic(got.verdict) ? static_cast<int>(packet.sender) : -1;
+      all.emplace_back(static_cast<int>(got.verdict), sender, stamp_of(packet.sent),
+                       stamp_of(packet.heard));
+    }
+    return all;
+  }
+
+  // The stamps of the packets that it sent in the last step.
+  const std::vector<StampTuple>& stamps() const { return stamps_; }
 
   const runtime::ModeOutputs& mode() const { return mode_; }
 
@@ -121,8 +143,8 @@ class RobotHandle {
     wish_ = static_cast<wire::Operation>(wish);
   }
 
-  void hear(const nb::bytes& bytes) {
-    robot_->receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  wire::Decoded hear(const nb::bytes& bytes) {
+    return robot_->receive({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
   }
 
   std::uint32_t count(std::size_t verdict) const {
@@ -130,7 +152,13 @@ class RobotHandle {
   }
 
  private:
+  static StampTuple stamp_of(const wire::SequenceNumber& stamp) {
+    return {stamp.epoch, stamp.sequence};
+  }
+
   runtime::ModeOutputs mode_{};
+  std::vector<wire::Decoded> judged_;
+  std::vector<StampTuple> stamps_;
   std::optional<wire::Operation> wish_;  // given at the robot, for the next step
   nb::object controller_;                // outlives the robot, which may point into it
   AnyRobot robot_;
@@ -238,7 +266,14 @@ void bind_runtime(nb::module_& core) {
            "A hello to the partner, before the carry; None if the controller has no use for it.")
       .def("operate", &RobotHandle::operate, nb::arg("operation"),
            "What the operator wants who presses a button of the robot; for the next step.")
-      .def("hear", &RobotHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.")
+      .def_prop_ro("judged", &RobotHandle::judged,
+                   "Of each packet of the last step (verdict, sender, (epoch, sequence) sent and "
+                   "heard); sender -1: its tag is wrong, and nothing is known of it.")
+      .def_prop_ro("stamps", &RobotHandle::stamps,
+                   "(epoch, sequence) of each packet that it sent in the last step.")
+      .def(
+          "hear", [](RobotHandle& r, const nb::bytes& bytes) { r.hear(bytes); }, nb::arg("bytes"),
+          "Takes in a packet before the carry.")
       .def("count", &RobotHandle::count, nb::arg("verdict"),
            "How many received packets had this verdict.");
   m.def(

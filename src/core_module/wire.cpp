@@ -219,8 +219,24 @@ void bind_wire(nb::module_& core) {
             wire::decode(span_of(bytes), key_of(key), pair, static_cast<wire::Role>(receiver)));
       },
       nb::arg("bytes"), nb::arg("key"), nb::arg("pair"), nb::arg("receiver"),
-      "The verdict on some bytes, and the fields, all 0 unless accepted: kind, sender, receiver, "
+      "The verdict on some bytes, and the fields, all 0 unless authentic: kind, sender, receiver, "
       "pair, (epoch, sequence) sent and heard, payload.");
+  m.def(
+      "retagged",
+      [](const nb::bytes& bytes, const nb::bytes& key) {
+        wire::Bytes packet{};
+        if (bytes.size() != packet.size()) throw std::out_of_range("a packet has 32 bytes");
+        std::copy_n(static_cast<const std::uint8_t*>(bytes.data()), packet.size(), packet.begin());
+        wire::retag(packet, key_of(key));
+        return nb::bytes(packet.data(), packet.size());
+      },
+      nb::arg("bytes"), nb::arg("key"), "The same packet with the tag of another key.");
+  std::vector<std::string> authentic;
+  for (std::size_t i = 0; i < wire::verdict_count; ++i) {
+    const auto verdict = static_cast<wire::Verdict>(i);
+    if (wire::is_authentic(verdict)) authentic.emplace_back(name_of(verdict));
+  }
+  m.attr("authentic") = nb::tuple(nb::cast(authentic));
   bind_payloads(m);
 
   nb::class_<wire::Endpoint>(m, "Endpoint", "One end of the wire.")
@@ -256,6 +272,13 @@ void bind_wire(nb::module_& core) {
           },
           nb::arg("receiver"), nb::arg("sequence"),
           "The next packet to this receiver gets this sequence number, unless it has been used.")
+      .def(
+          "newest",
+          [](const wire::Endpoint& self, std::uint8_t receiver) {
+            const wire::SequenceNumber stamp = self.newest(static_cast<wire::Role>(receiver));
+            return StampTuple(stamp.epoch, stamp.sequence);
+          },
+          nb::arg("receiver"), "(epoch, sequence) of the newest packet to this receiver.")
       .def(
           "claimed_epoch",
           [](const wire::Endpoint& self, std::uint8_t other) {

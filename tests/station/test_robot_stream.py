@@ -5,14 +5,28 @@ import random
 
 import pytest
 
+from palmbots.links.packet_statistics import EndStatistics
 from palmbots.station.robot_stream import RobotStream
 
 PERIOD_S = 0.05
 
 
+class Stream(RobotStream):
+    """With statistics of its own."""
+
+    def __init__(self) -> None:
+        self.end = EndStatistics()
+        super().__init__(self.end)
+
+    def take(
+        self, stamp: tuple[int, int], data: bytes, now_s: float, heard: tuple[int, int] = (0, 0)
+    ) -> list[str]:
+        return self.lines(self.end.take(stamp, data, heard, now_s), stamp, now_s)
+
+
 def lines_of(fates: list[tuple[float, tuple[int, int], bytes]]) -> list[str]:
     """The lines of a stream of packets: when each arrives, its stamp, and its bytes."""
-    stream = RobotStream()
+    stream = Stream()
     found = []
     for now_s, stamp, data in sorted(fates):
         found += stream.take(stamp, data, now_s)
@@ -67,7 +81,7 @@ def test_a_second_program_is_noticed(other: list, names: str) -> None:
 
 
 def test_a_claim_ends_when_the_other_program_does() -> None:
-    stream = RobotStream()
+    stream = Stream()
     for now_s, stamp, data in sorted(sent(7, 1, 300) + sent(5, 1, 40, 2.0)):
         stream.take(stamp, data, now_s)
         if 2.5 < now_s < 3.9:
@@ -76,10 +90,9 @@ def test_a_claim_ends_when_the_other_program_does() -> None:
 
 
 def test_slow_answers_are_said() -> None:
-    stream = RobotStream()
+    stream = Stream()
     found = []
     for k in range(1, 200):
-        stream.note_sent((1, k), PERIOD_S * k)
-        if k > 5:
-            found += stream.answer((1, k - 5), PERIOD_S * k)
+        stream.end.note_sent((1, k), PERIOD_S * k)
+        found += stream.take((1, k), b"%d" % k, (PERIOD_S * k), (1, k - 5))
     assert found == ["a packet and its answer take 0.25 s"]

@@ -9,7 +9,6 @@ import pytest
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
 from palmbots.station.correction_watch import CorrectionWatch
-from palmbots.station.link_quality import LinkQuality
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.wire import Endpoint, Operate, Packet, encode
@@ -310,23 +309,6 @@ def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
         pair.run(1)
         assert pair.robots["left"].mode == "stopped"
     pair.wish("release", "disarmed")  # a real one does
-
-
-def test_link_quality_counts_gaps_and_measures_round_trips() -> None:
-    link = LinkQuality()
-    assert (link.loss(0), link.round_trip_s(0)) == (None, None)
-    for number in range(1, 101):
-        link.note_sent((7, number), 0.05 * number)
-        if number % 4:
-            link.note_received((2, number), (7, number), 0.05 * number + 0.03)
-    loss = link.loss(5.0)
-    assert loss is not None
-    assert loss == pytest.approx(1 - 75 / 99)
-    assert link.round_trip_s(5.0) == pytest.approx(0.03)
-    assert link.loss(100.0) is None
-    link.note_received((3, 1), (7, 100), 100.0)  # the robot has booted
-    link.note_received((3, 2), (7, 100), 100.1)
-    assert link.loss(100.1) == 0
 
 
 def test_a_correction_that_never_ends_is_named_once() -> None:

@@ -104,18 +104,18 @@ class RobotRuntime {
     unanswered_ = {};
   }
 
-  // A packet has arrived.
-  wire::Verdict receive(std::span<const std::uint8_t> bytes) {
+  // A packet has arrived. Returns what the endpoint has judged, for statistics and logs.
+  wire::Decoded receive(std::span<const std::uint8_t> bytes) {
     const wire::Decoded got = endpoint_.receive(bytes);
     if (got.verdict == wire::Verdict::no_session) unanswered_[index(got.packet.sender)] = true;
     if (got.verdict == wire::Verdict::accepted || got.verdict == wire::Verdict::no_session) {
       note(got.packet, got.verdict == wire::Verdict::accepted);
     }
-    if (!runs_) return got.verdict;
+    if (!runs_) return got;
     const Taken taken = program_.hear(got);
     received_.rejected += taken == Taken::rejected ? 1U : 0U;
     received_.late += taken == Taken::late ? 1U : 0U;
-    return got.verdict;
+    return got;
   }
 
   // The operator wants something at the robot itself, by a button. To be called between `begin` and
@@ -311,6 +311,52 @@ class RobotRuntime {
   std::uint32_t turn_ = 0;                            // of the numbers in the status
   int since_said_ = 0;
   int since_status_ = 0;
+};
+
+// A robot with any controller: a board and a process choose the controller when they start.
+class Robot {
+ public:
+  // Writes the hello with which a carry in lockstep begins, if the controller needs a session.
+  virtual bool greet(wire::Bytes& bytes) = 0;
+  virtual void begin(std::uint16_t elapsed) = 0;
+  virtual wire::Decoded receive(std::span<const std::uint8_t> bytes) = 0;
+  virtual void operate(wire::Operation wish) = 0;
+  virtual void step(const Reading& reading, Outputs& out) = 0;
+  virtual const wire::Endpoint& endpoint() const = 0;
+  virtual const ReceivedCounts& received() const = 0;
+  virtual char name() const = 0;
+  virtual bool waits() const = 0;
+  virtual MessageKind awaits() const = 0;
+  virtual bool greets() const = 0;
+  virtual bool greets_station() const = 0;
+
+ protected:
+  ~Robot() = default;
+};
+
+template <class Program>
+class RobotWith final : public Robot {
+ public:
+  template <class... Arguments>
+  explicit RobotWith(const Arguments&... arguments) : runtime_(arguments...) {}
+
+  bool greet(wire::Bytes& bytes) override { return runtime_.greet(bytes); }
+  void begin(std::uint16_t elapsed) override { runtime_.begin(elapsed); }
+  wire::Decoded receive(std::span<const std::uint8_t> bytes) override {
+    return runtime_.receive(bytes);
+  }
+  void operate(wire::Operation wish) override { runtime_.operate(wish); }
+  void step(const Reading& reading, Outputs& out) override { out = runtime_.step(reading); }
+  const wire::Endpoint& endpoint() const override { return runtime_.endpoint(); }
+  const ReceivedCounts& received() const override { return runtime_.received(); }
+  char name() const override { return runtime_.program().name(); }
+  bool waits() const override { return runtime_.program().waits(); }
+  MessageKind awaits() const override { return runtime_.program().awaits(); }
+  bool greets() const override { return Program::greets; }
+  bool greets_station() const override { return Program::with_station; }
+
+ private:
+  RobotRuntime<Program> runtime_;
 };
 
 }  // namespace palmbots::runtime

@@ -48,22 +48,25 @@ class Endpoint {
     return true;
   }
 
+  // The stamp of the newest packet to this receiver; its sequence is 0 if there is none.
+  constexpr SequenceNumber newest(Role receiver) const {
+    const SequenceNumber& next = session(receiver).next();
+    return {next.epoch, next.sequence - 1};
+  }
+
   // Sequence numbers may be skipped, so that they can be another count, such as control ticks. The
   // next packet to this receiver gets this number, unless one as high has already been used.
   constexpr void skip_to(Role receiver, std::uint32_t sequence) {
     sessions_[static_cast<std::size_t>(receiver)].skip_to(sequence);
   }
 
-  // Decodes a packet, checks whether it is to be acted upon, and counts the verdict. A packet
-  // without a session is returned too, because it is its sender's newest. To keep acting on an
-  // older one would mean acting on a message that the sender may have forgotten in a boot
-  // (wire/codec.hpp, `hear`).
+  // Decodes a packet, checks whether it is to be acted upon, and counts the verdict. Every authentic
+  // packet is returned: statistics and logs need its sender and stamp. One without a session is its
+  // sender's newest. To keep acting on an older one would mean acting on a message that the sender
+  // may have forgotten in a boot (wire/codec.hpp, `hear`).
   constexpr Decoded receive(std::span<const std::uint8_t> bytes) {
     Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
-    if (decoded.verdict == Verdict::accepted) {
-      decoded.verdict = judge(decoded.packet);
-      if (decoded.verdict == Verdict::stale) decoded.packet = {};
-    }
+    if (decoded.verdict == Verdict::accepted) decoded.verdict = judge(decoded.packet);
     ++counts_[static_cast<std::size_t>(decoded.verdict)];
     return decoded;
   }

@@ -141,6 +141,12 @@ constexpr Number get(std::span<const std::uint8_t> bytes, Field field) {
   return static_cast<Number>(little_endian(bytes.subspan(field.offset, field.size)));
 }
 
+// Writes the tag of the other fields under a key.
+constexpr void retag(Bytes& bytes, const Key& key) {
+  const std::span<const std::uint8_t> written = bytes;
+  put(bytes, tag_field, siphash24(key, written.first(tagged_size)));
+}
+
 // Writes the packet. Returns false and writes nothing if it is not well formed.
 constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   if (!well_formed(packet)) return false;
@@ -157,8 +163,7 @@ constexpr bool encode(const Packet& packet, const Key& key, Bytes& bytes) {
   for (std::size_t i = 0; i < payload_size; ++i) {
     bytes[payload_field.offset + i] = packet.payload[i];
   }
-  const std::span<const std::uint8_t> written = bytes;
-  put(bytes, tag_field, siphash24(key, written.first(tagged_size)));
+  retag(bytes, key);
   return true;
 }
 
@@ -169,10 +174,16 @@ constexpr bool same_tag(std::uint64_t a, std::uint64_t b) {
   return static_cast<std::uint32_t>(difference | difference >> 32) == 0;
 }
 
+// True if the tag is right, so that the packet says who sent it and when, whether or not it is new.
+constexpr bool is_authentic(Verdict verdict) {
+  return verdict == Verdict::accepted || verdict == Verdict::stale ||
+         verdict == Verdict::no_session;
+}
+
 // The result of decoding.
 struct Decoded {
   Verdict verdict;
-  Packet packet;  // all zero unless accepted or no_session (wire/endpoint.hpp)
+  Packet packet;  // all zero unless authentic
 };
 
 // Decodes a packet for a receiver of a pair. The version is checked first, because another version

@@ -16,7 +16,7 @@ from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import refusal, resolve, shipped_names
 from palmbots.errors import SceneError
 from palmbots.links.link import Link
-from palmbots.links.round_trips import RoundTrips, quantile
+from palmbots.links.packet_statistics import PacketStatistics, quantile
 from palmbots.pair.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
@@ -32,9 +32,9 @@ class LinkFigures:
     """What was measured between the station and one robot."""
 
     received: int = 0
-    """Status packets of the robot that arrived."""
+    """Different packets of the robot that arrived."""
     lost: int = 0
-    """Status packets that did not."""
+    """Packets that did not."""
     round_trips_s: list[float] = field(default_factory=list, metadata=NOT_IN_JSON)
     mode: str = ""
     """The robot's mode; empty: it was not heard."""
@@ -45,8 +45,6 @@ class LinkFigures:
     """The newest value of each number that a status can have."""
     arrivals: list[tuple[float, int]] = field(default_factory=list, metadata=NOT_IN_JSON)
     """Time at which each status packet arrived [s], and its number."""
-    _first: int = field(default=0, metadata=NOT_IN_JSON)
-    _last: int = field(default=0, metadata=NOT_IN_JSON)
 
     @derived
     def loss(self) -> float:
@@ -84,10 +82,6 @@ class LinkFigures:
         self.status = status
         self.items[status.item] = status.value
         self.arrivals.append((now_s, number))
-        self._first = self._first or number
-        self._last = number
-        self.received += 1
-        self.lost = self._last - self._first + 1 - self.received
         self.mode, self.fault = status.mode, status.fault
 
 
@@ -113,23 +107,26 @@ def measure(
     """
     end = Endpoint(pair.key, pair.settings.pair.number, "station", epoch)
     figures: dict[Side, LinkFigures] = {side: LinkFigures() for side in SIDES}
-    trips = {side: RoundTrips() for side in SIDES}
-    greetings = 0
+    statistics = PacketStatistics("station", clock)
     stop_s = clock() + seconds
     while clock() < stop_s:
         for data in link.receive():
-            packet = end.receive(data).packet
-            if packet is None or not isinstance(packet.body, Status) or packet.sender == "station":
+            got = end.receive(data)
+            packet = got.authentic
+            if packet is None or packet.sender == "station":
                 continue
-            figures[packet.sender].note(packet.sequence, packet.body, clock())
-            trip_s = trips[packet.sender].answered(packet.acknowledged, clock())
-            if trip_s is not None:
-                figures[packet.sender].round_trips_s.append(trip_s)
-        greetings += 1
+            stamp = (packet.epoch, packet.sequence)
+            statistics.take(packet.sender, stamp, data, packet.acknowledged)
+            if got.verdict == "accepted" and isinstance(packet.body, Status):
+                figures[packet.sender].note(packet.sequence, packet.body, clock())
         for side in SIDES:
             link.send(side, end.send(side, Hello()))
-            trips[side].note_sent((epoch, greetings), clock())
+            statistics.note_sent(side, end.newest(side))
         wait()
+    for side, one in figures.items():
+        counts = statistics.ends[side]
+        one.received, one.lost = counts.received - counts.copies, counts.lost or 0
+        one.round_trips_s = counts.round_trips_s
     if verdicts is not None:
         verdicts.update(end.counts)
     return figures

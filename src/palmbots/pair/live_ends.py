@@ -9,8 +9,7 @@ from palmbots.drivers.driver import Driver, DriverSettings
 from palmbots.drivers.driver_registry import open_driver
 from palmbots.errors import PalmbotsError
 from palmbots.links.greeting import scene_number
-from palmbots.links.link import LinkSettings, to_stderr
-from palmbots.links.link_meter import LinkMeter
+from palmbots.links.link import Link, LinkSettings, to_stderr
 from palmbots.links.link_registry import open_link
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.pair_file import Pair
@@ -20,15 +19,16 @@ from palmbots.wire import Role
 _ROUNDING = 1e-9
 
 
-def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_stderr) -> LinkMeter:
-    """Open the link of a robot or the station; it counts.
+def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_stderr) -> Link:
+    """Open the link of a robot or the station.
 
     Raises:
         PalmbotsError: there is no such kind, or its address is wrong or cannot be used.
     """
-    table, number = pair.settings.link, pair.settings.pair.number
+    table = pair.settings.link
+    number = pair.settings.pair.number
     settings = LinkSettings(role, table.addresses(), number, table.baud, on_line)
-    return LinkMeter(open_link(table.kind, settings), role, pair.key, number)
+    return open_link(table.kind, settings)
 
 
 def open_pair_driver(

@@ -57,7 +57,7 @@ def run_live_robot(
     with booted(file) as state, contextlib.ExitStack() as stack:
         scene = load_scene(pair.scene())
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
-        meter = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
+        link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
         observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         keeper = stack.enter_context(StateKeeper(file, state))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
@@ -75,7 +75,7 @@ def run_live_robot(
 
         period_s = scene.control.period_s
         loop = RobotLoop(
-            side, scene, start, driver, clock.link(meter), clock, keeper, gauge,
+            side, scene, start, driver, clock.link(link), clock, keeper, gauge,
             watchdog=ticks_in(scene.control.watchdog_s, period_s),
             last_ticks=ticks_in(_STATUS_PERIOD_S * rate, period_s),
             watch=partial(_observe, observer), on_line=on_line,
@@ -85,7 +85,7 @@ def run_live_robot(
         loop.start(state, may_resume=pair.settings.limits.after_reboot == "rejoin")
         stack.callback(loop.close)
         loop.run(ended)
-        return loop.end(meter.summary())
+        return loop.end(getattr(link, "details", {}))
 
 
 def _observe(observer: Observer, loop: RobotLoop, step: Step) -> None:

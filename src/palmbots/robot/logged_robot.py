@@ -20,9 +20,8 @@ from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.robot_program import controller_of
 from palmbots.scene.scene import Scene
-from palmbots.wire import KEY_SIZE, Role, decode, encode
+from palmbots.wire import KEY_SIZE
 
-_RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
 READING: dict[str, Any] = {
     "contact": True,
     "battery_ok": True,
@@ -71,7 +70,7 @@ class LoggedRobot:
         if folder is None:
             return
         key = secrets.token_bytes(KEY_SIZE)
-        self._retag = partial(_retagged, pair.key, pair.settings.pair.number, key)
+        self._key = key
         source = controller_of(pair).source
         facts = {
             "pair": pair.settings.pair.number,
@@ -97,8 +96,9 @@ class LoggedRobot:
         if self._log is not None:
             robot = self._robot
             facts = (self._number, elapsed, self._values, robot.mode, robot.fault, robot.wheels)
+            arrived = list(zip(packets, robot.judged, strict=True))
             self._withheld: list[int] = []
-            fill = partial(self._message, facts, packets, answer, self._withheld)
+            fill = partial(self._message, facts, arrived, answer, self._withheld)
             self._tick = (fill, self._log.now_ns())
         return answer
 
@@ -115,7 +115,7 @@ class LoggedRobot:
             self._tick = None
 
     def _message(
-        self, facts: tuple[Any, ...], packets: Sequence[bytes], answer: Any, withheld: list[int]
+        self, facts: tuple[Any, ...], arrived: Sequence[Any], answer: Any, withheld: list[int]
     ) -> Any:
         number, elapsed, values, mode, fault, wheels = facts
         palm, move, rests, sent, case, *_, assists = answer
@@ -123,7 +123,9 @@ class LoggedRobot:
             number=number,
             elapsed=elapsed,
             **values,
-            received=[self._retag(self._side, data) for data in packets],
+            received=[
+                self._retagged(data) if sender >= 0 else data for data, (_, sender, *_) in arrived
+            ],
             palm=palm,
             move=move,
             rests=rests,
@@ -132,11 +134,15 @@ class LoggedRobot:
             assists=assists,
             mode=mode,
             fault=fault,
-            sent=[self._retag(_RECEIVERS[to], data) for to, data, _ in sent],
+            sent=[self._retagged(data) for _, data, _ in sent],
             receivers=[to for to, _, _ in sent],
             words=[word for *_, word in sent],
             withheld=withheld,
         )
+
+    def _retagged(self, data: bytes) -> bytes:
+        """The packet with the tag of the log's key."""
+        return _core.wire.retagged(data, self._key)
 
     def close(self) -> None:
         """Write what is left of the log."""
@@ -146,9 +152,3 @@ class LoggedRobot:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._robot, name)
-
-
-def _retagged(key: bytes, pair: int, log_key: bytes, receiver: Role, data: bytes) -> bytes:
-    """The packet with the tag of the log's key; bytes that are no packet of the pair stay."""
-    packet = decode(data, key, pair, receiver).packet
-    return data if packet is None else encode(packet, log_key)

@@ -9,7 +9,7 @@ link decide whether that happens in real time, in lockstep with a world, or insi
 import contextlib
 import gc
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, get_args
 
@@ -19,7 +19,7 @@ from palmbots.clocks.control_clock import jitter_table
 from palmbots.drivers.driver import Drive, Driver, Reading, works
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
-from palmbots.links.link_meter import MeterTable
+from palmbots.links.packet_statistics import PacketStatistics, StatisticsTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.logged_robot import LoggedRobot
@@ -27,7 +27,7 @@ from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role, Verdict
 
-_RECEIVERS: tuple[Role, ...] = ("left", "right", "station")
+_ROLES: tuple[Role, ...] = ("left", "right", "station")
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class RobotEnd:
     """Steps that were missed."""
     jitter: dict[str, int]
     """How many steps began late by how much."""
-    link: MeterTable
-    """What was exchanged with each other end (`palmbots.links.link_meter`)."""
+    link: StatisticsTable
+    """What was exchanged with each other end (`palmbots.links.packet_statistics`)."""
     verdicts: dict[str, int]
     """Received packets by verdict."""
 
@@ -126,6 +126,7 @@ class RobotLoop:
         self._period_s = scene.control.period_s
         self._watchdog, self._last_ticks = watchdog, last_ticks
         self._ticks = self._epoch = 0
+        self._statistics = PacketStatistics(side)
         self._may_resume = False
         self._robot: LoggedRobot | None = None
 
@@ -173,15 +174,19 @@ class RobotLoop:
             overruns=min(self.clock.recent_overruns, 0xFFFF),
         )
         reading = self.robot.reading(**values)
-        answer = self.robot.step(min(elapsed, 0xFFFF), reading, self._link.receive())
+        packets = self._link.receive()
+        answer = self.robot.step(min(elapsed, 0xFFFF), reading, packets)
+        for data, (_, sender, stamp, heard) in zip(packets, self.robot.judged, strict=True):
+            if sender >= 0:
+                self._statistics.take(_ROLES[sender], stamp, data, heard)
         drive = self._obey(answer)
         self._carries = self.robot.wheels
         self._ticks += 1
         self._watch(self, Step(seen, drive, answer))
         return True
 
-    def end(self, link: MeterTable) -> RobotEnd:
-        """How it has run."""
+    def end(self, details: Mapping[str, Any]) -> RobotEnd:
+        """How it has run; `details`: what the link says about itself."""
         robot, clock = self.robot, self.clock
         return RobotEnd(
             self._side,
@@ -191,7 +196,7 @@ class RobotLoop:
             self._ticks,
             clock.overruns,
             jitter_table(clock.jitter),
-            link,
+            self._statistics.summary(details),
             self.verdicts(),
         )
 
@@ -223,7 +228,7 @@ class RobotLoop:
             for _ in range(self._last_ticks):
                 lost = self.robot.reading(0, False, driver_ok=False)
                 for receiver, data, _ in self.robot.step(1, lost, [])[3]:
-                    self._link.send(_RECEIVERS[receiver], data)
+                    self._link.send(_ROLES[receiver], data)
             self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
             raise
 
@@ -237,11 +242,12 @@ class RobotLoop:
         self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()
-        for receiver, data, _ in packets:
+        for (receiver, data, _), stamp in zip(packets, self.robot.stamps, strict=True):
             # What the partner relies on after a boot is stored before it is said. A robot that
             # does not carry promises nothing, and must pass on a stop at once.
             if receiver == 2 or self._keeper.is_done or not self.robot.wheels:
-                self._link.send(_RECEIVERS[receiver], data)
+                self._statistics.note_sent(_ROLES[receiver], stamp)
+                self._link.send(_ROLES[receiver], data)
             else:
                 self.robot.withhold(receiver)
         return drive

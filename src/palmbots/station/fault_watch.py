@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 
 from palmbots._types import SIDES, Side
+from palmbots.links.packet_statistics import Kind, PacketStatistics
 from palmbots.station.robot_stream import RobotStream
 from palmbots.wire import Packet, RobotMode, Status, Verdict
 
@@ -26,6 +27,7 @@ class FaultWatch:
 
     Args:
         period_s: of the robots' status.
+        statistics: of the packets that arrive.
         now_s: the time.
         wall_s: the wall clock, which anybody may set, and a clock that nobody sets.
     """
@@ -33,13 +35,15 @@ class FaultWatch:
     def __init__(
         self,
         period_s: float,
+        statistics: PacketStatistics,
         now_s: float,
         wall_s: Callable[[], float] = lambda: time.time() - time.monotonic(),
     ) -> None:
         self._period_s, self._wall_s = period_s, wall_s
         self._wall_offset_s = wall_s()
-        self.streams: dict[Side, RobotStream] = {side: RobotStream() for side in SIDES}
-        """The packets of each robot."""
+        self._streams: dict[Side, RobotStream] = {
+            side: RobotStream(statistics.ends[side]) for side in SIDES
+        }
         self._refused: dict[str, deque[float]] = {}
         self._said_s: dict[str, float] = {}
         self._progress: dict[Side, tuple[int, RobotMode]] = {}
@@ -47,33 +51,32 @@ class FaultWatch:
         self._clock_from: dict[Side, tuple[float, tuple[int, int]]] = {}
         self._clock_said: set[Side] = set()
 
-    def take(self, verdict: Verdict, packet: Packet | None, data: bytes, now_s: float) -> list[str]:
+    def take(
+        self, verdict: Verdict, packet: Packet | None, kind: Kind | None, now_s: float
+    ) -> list[str]:
         """A datagram has arrived; returns what there is to say.
 
         Args:
             verdict: of the station's endpoint.
             packet: what it says, if its tag is right; whether it is new does not matter.
-            data: the datagram.
+            kind: how it relates to the earlier ones of its sender.
             now_s: the time.
         """
-        if packet is None:
+        if packet is None or kind is None:
             return self._refusal_lines(verdict, now_s)
         side = packet.sender
         if side == "station":
             return []
-        before = self.streams[side].newest
         stamp = (packet.epoch, packet.sequence)
-        lines = [f"{side}: {text}" for text in self.streams[side].take(stamp, data, now_s)]
-        if isinstance(packet.body, Status) and self.streams[side].newest != before:
+        lines = [f"{side}: {text}" for text in self._streams[side].lines(kind, stamp, now_s)]
+        if isinstance(packet.body, Status) and kind in ("boot", "new"):
             self._note_progress(side, packet.body, now_s)
-            answers = self.streams[side].answer(packet.acknowledged, now_s)
-            lines += [f"{side}: {text}" for text in answers]
             lines += self._clock_lines(side, stamp, now_s)
         return lines
 
     def claimed_twice(self, now_s: float) -> tuple[Side, ...]:
         """The robots that two programs claim to be: they must not be armed."""
-        return tuple(side for side in SIDES if self.streams[side].is_claimed_twice(now_s))
+        return tuple(side for side in SIDES if self._streams[side].is_claimed_twice(now_s))
 
     def step(self, modes: Mapping[Side, RobotMode], now_s: float) -> list[str]:
         """To be called in every period, with the modes of the robots that are heard."""
@@ -111,7 +114,7 @@ class FaultWatch:
         times.append(now_s)
         if len(times) < _MANY or now_s - times[0] > _WITHIN_S or not self._may_say(verdict, now_s):
             return []
-        silent = [side for side in SIDES if self.streams[side].newest == (0, 0)]
+        silent = [side for side in SIDES if not self._streams[side].is_heard]
         who = f"; not heard: {' and '.join(silent)}, which may have an old key" if silent else ""
         return [f"packets arrive that are {reasons[verdict]}{who}"]
 

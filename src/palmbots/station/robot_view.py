@@ -5,8 +5,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from palmbots.links.packet_statistics import EndStatistics
 from palmbots.pair.fault_words import fault_line
-from palmbots.station.link_quality import LinkQuality
 from palmbots.wire import Packet, Status
 
 LOST_AFTER_S = 1.0
@@ -20,6 +20,8 @@ _NUMBERS = ("progress", "battery", "overruns")
 class RobotView:
     """The newest news of one robot."""
 
+    link: EndStatistics
+    """Of its packets."""
     status: Status | None = None
     """None: it has never been heard."""
     heard_s: float = -math.inf
@@ -28,7 +30,6 @@ class RobotView:
     """Epoch and number of its newest packet."""
 
     def __post_init__(self) -> None:
-        self.link = LinkQuality()
         self._numbers: dict[str, int] = {}
 
     def take(self, packet: Packet, status: Status, now: float) -> None:
@@ -36,7 +37,6 @@ class RobotView:
         if packet.epoch != self.stamp[0]:
             self._numbers.clear()
         self.status, self.heard_s, self.stamp = status, now, (packet.epoch, packet.sequence)
-        self.link.note_received(self.stamp, packet.acknowledged, now)
         if status.item in _NUMBERS:
             self._numbers[status.item] = status.value
 

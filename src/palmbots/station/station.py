@@ -16,17 +16,16 @@ from palmbots._types import SIDES, Side
 from palmbots._util import process_clock
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
-from palmbots.links.link_meter import LinkMeter
+from palmbots.links.packet_statistics import PacketStatistics, ReportedCounts
 from palmbots.pair.fault_words import fault_line
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, read_state, write_state
 from palmbots.scene.scene import load_scene
 from palmbots.station.correction_watch import CorrectionWatch, longest_correction_s
 from palmbots.station.fault_watch import FaultWatch
-from palmbots.station.reported_counts import ReportedCounts
 from palmbots.station.robot_view import LOST_AFTER_S, RobotView
 from palmbots.station.station_epochs import StationEpochs
-from palmbots.wire import Endpoint, Hello, Operate, Operation, Packet, RobotMode, Status, decode
+from palmbots.wire import Endpoint, Hello, Operate, Operation, Packet, RobotMode, Status
 
 PERIOD_S = 0.05
 UNDER_WAY: tuple[RobotMode, ...] = ("ready", "carrying", "holding")
@@ -77,12 +76,16 @@ class Station:
         self._fulfilled: set[Side] = set()
         self._lapsed: set[Side] = set()
         self._notes: list[Callable[[str, Any], None]] = []
-        self.robots: dict[Side, RobotView] = {side: RobotView() for side in SIDES}
+        self.statistics = PacketStatistics("station", clock)
+        """Of the packets that it sends and receives."""
+        self.robots: dict[Side, RobotView] = {
+            side: RobotView(self.statistics.ends[side]) for side in SIDES
+        }
         """What is known of each robot."""
         self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
         """What each robot has reported about its own end of the wire."""
         self.corrections = CorrectionWatch(longest_correction_s(load_scene(pair.scene())))
-        self._faults = FaultWatch(PERIOD_S, self._start_s)
+        self._faults = FaultWatch(PERIOD_S, self.statistics, self._start_s)
         self._lost: set[Side] = set()
         self._boot(read_state(self._file))
         self.was_carrying = self._state.carries
@@ -92,7 +95,6 @@ class Station:
         self._state = before.booted()
         self._storing.submit(write_state, self._file, self._state).result()
         self.epoch = self._state.epoch
-        self._sent = dict.fromkeys(SIDES, 0)  # packets in this epoch
         self._wished_at = dict.fromkeys(SIDES, 0)
         self._end = Endpoint(self._pair.key, self._number, "station", self.epoch)
         self._epochs = StationEpochs(self.epoch)
@@ -129,7 +131,7 @@ class Station:
         """Set what is wanted of both robots, and who wants it."""
         self._wish, self._wish_s = operation, self.clock()
         self._fulfilled, self._lapsed = set(), set()
-        self._wished_at = {**self._sent}
+        self._wished_at = {side: self._end.newest(side)[1] for side in SIDES}
         self._say(f"{by}: {operation.replace('_', '-')}")
         self._note("wish", (operation, by))
 
@@ -144,7 +146,7 @@ class Station:
 
     def links(self) -> dict[str, Any]:
         """What the link of the station has sent, received and lost, and what the robots report."""
-        own = self._link.summary() if isinstance(self._link, LinkMeter) else {}
+        own = self.statistics.summary(getattr(self._link, "details", {}))
         reported = {side: counts.totals for side, counts in self.reported.items()}
         return {"station": own, "verdicts": dict(self._end.counts), "robots": reported}
 
@@ -189,25 +191,24 @@ class Station:
         for side in SIDES:
             body = self._due(side)
             self._link.send(side, self._end.send(side, body))
-            self._sent[side] += 1
-            stamp = (self.epoch, self._sent[side])
-            self.robots[side].link.note_sent(stamp, self.clock())
-            self._faults.streams[side].note_sent(stamp, self.clock())
+            stamp = self._end.newest(side)
+            self.statistics.note_sent(side, stamp)
             self._note("sent", (side, stamp, body))
 
     def _receive(self, data: bytes) -> None:
         decoded = self._end.receive(data)
-        packet = authentic = decoded.packet
-        if packet is None:
-            authentic = decode(data, self._pair.key, self._number, "station").packet
-        for line in self._faults.take(decoded.verdict, authentic, data, self.clock()):
+        packet = decoded.authentic
+        kind = None
+        if packet is not None:
+            stamp = (packet.epoch, packet.sequence)
+            kind = self.statistics.take(packet.sender, stamp, data, packet.acknowledged)
+        for line in self._faults.take(decoded.verdict, packet, kind, self.clock()):
             self._say(line)
-        if decoded.verdict == "no_session":  # its sender is a robot that knows another epoch
-            packet = authentic
-        if packet is None or packet.sender == "station":
+        # Without a session, its sender is a robot that knows another epoch.
+        if packet is None or packet.sender == "station" or decoded.verdict == "stale":
             return
         side = packet.sender
-        self._epochs.take(side, packet.acknowledged, self._sent[side], self.clock())
+        self._epochs.take(side, packet.acknowledged, self._end.newest(side)[1], self.clock())
         if decoded.packet is not None and isinstance(packet.body, Status):
             self._take(side, packet, packet.body)
             self._note("received", packet)

@@ -57,8 +57,13 @@ class Decoded:
     """The result of decoding bytes."""
 
     verdict: Verdict
-    packet: Packet | None
-    """The packet if it was accepted, otherwise None."""
+    authentic: Packet | None
+    """The packet if its tag is right, whether or not it is new; otherwise None."""
+
+    @property
+    def packet(self) -> Packet | None:
+        """The packet if it was accepted, otherwise None."""
+        return self.authentic if self.verdict == "accepted" else None
 
 
 def encode(packet: Packet, key: bytes) -> bytes:
@@ -137,6 +142,10 @@ class Endpoint:
         """Decode bytes and check that the packet is new; every call is counted."""
         return _decoded(*self._core.receive(data))
 
+    def newest(self, receiver: Role) -> tuple[int, int]:
+        """Epoch and sequence of the newest packet to this receiver; sequence 0: there is none."""
+        return self._core.newest(index("receiver", _ROLES, receiver))
+
     def skip_to(self, receiver: Role, sequence: int) -> None:
         """Number the next packet to this receiver `sequence`, unless that number has been used.
 
@@ -164,12 +173,12 @@ def _kind(body: Body) -> Kind:
 
 
 def _decoded(verdict: str, fields: _Fields) -> Decoded:
-    if verdict != "accepted":
+    if verdict not in _core.wire.authentic:
         return Decoded(_verdict(verdict), None)
     kind, sender, receiver, pair, (epoch, sequence), acknowledged, payload = fields
     body = body_of(kind, payload)
     packet = Packet(_ROLES[sender], _ROLES[receiver], pair, epoch, sequence, acknowledged, body)
-    return Decoded("accepted", packet)
+    return Decoded(_verdict(verdict), packet)
 
 
 def _verdict(name: str) -> Verdict:

@@ -271,14 +271,19 @@ void test_a_million_forged_packets_are_rejected() {
 void test_a_million_replayed_packets_are_rejected() {
   Acquainted ends;
   std::vector<Bytes> tape;
+  std::vector<Packet> said;
   for (int i = 0; i < 1000; ++i) {
     tape.push_back(sent(ends.left, Role::right, PacketKind::state, request));
-    CHECK(ends.right.receive(tape.back()).verdict == Verdict::accepted);
+    const Decoded decoded = ends.right.receive(tape.back());
+    CHECK(decoded.verdict == Verdict::accepted);
+    CHECK(decoded.packet.sent == ends.left.newest(Role::right));
+    said.push_back(decoded.packet);
   }
   RandomWords dice(3);
   for (int i = 0; i < million; ++i) {
-    const Decoded decoded = ends.right.receive(tape[dice.below(1000)]);
-    CHECK(decoded.verdict == Verdict::stale && decoded.packet == Packet{});
+    const std::uint32_t which = dice.below(1000);
+    const Decoded decoded = ends.right.receive(tape[which]);
+    CHECK(decoded.verdict == Verdict::stale && decoded.packet == said[which]);
   }
   CHECK(ends.right.count(Verdict::stale) == million);
   CHECK(ends.right.count(Verdict::accepted) == 1000);
