@@ -127,12 +127,12 @@ def test_a_signal_while_it_ends_does_not_cut_off_its_log(tmp_path: Path) -> None
     code = f"""
 import os, signal, sys
 from palmbots.cli.main import run
-from palmbots.robot.logged_robot import LoggedRobot
-close = LoggedRobot.close
+from palmbots.robot.robot_log import RobotLog
+close = RobotLog.close
 def ended_meanwhile(robot):
     os.kill(os.getpid(), signal.SIGTERM)
     close(robot)
-LoggedRobot.close = ended_meanwhile
+RobotLog.close = ended_meanwhile
 sys.exit(run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"]))
 """
     with listen(address) as door:

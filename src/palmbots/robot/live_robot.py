@@ -21,9 +21,9 @@ from palmbots.pair.live_ends import open_pair_driver, open_pair_link
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.pair.stored_state import StoredState, booted
-from palmbots.robot.logged_robot import LoggedRobot
 from palmbots.robot.observation import Observation, Observer, observation_socket
 from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_log import RobotLog
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.robot_program import controller_of, robot_program
 from palmbots.robot.state_keeper import StateKeeper
@@ -67,7 +67,7 @@ def run_live_robot(
         clock.run_at(getattr(driver, "clock_rate", 1.0))
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
 
-        def start(state: StoredState) -> LoggedRobot:
+        def start(state: StoredState) -> tuple[Any, RobotLog]:
             has_encoders = gauge.has_encoders
             return logged_program(
                 pair, side, state, scene, rate, on_line, has_encoders=has_encoders
@@ -124,12 +124,12 @@ def logged_program(
     on_warning: Callable[[str], None],
     *,
     has_encoders: bool = True,
-) -> LoggedRobot:
-    """The same program as `live_program`, with a log."""
+) -> tuple[Any, RobotLog]:
+    """The same program as `live_program`, and a log of its own."""
     program = live_program(pair, side, state, scene, rate, has_encoders=has_encoders)
     travel_s = _travel_s(pair, side, scene, has_encoders)
     settings = core_settings(pair, scene, controller_of(pair), travel_s, rate)
-    return LoggedRobot(program, pair, side, state, scene, settings, on_warning)
+    return program, RobotLog(pair, side, state, scene, settings, on_warning)
 
 
 def live_program(

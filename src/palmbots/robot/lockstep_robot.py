@@ -19,8 +19,8 @@ from palmbots.links.link import Link
 from palmbots.links.lockstep import Input, LockstepLine
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, booted
-from palmbots.robot.logged_robot import LoggedRobot
 from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_log import RobotLog
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.robot_program import robot_program
 from palmbots.robot.state_keeper import StateKeeper
@@ -104,9 +104,9 @@ def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
     with booted(file) as state, contextlib.ExitStack() as stack:
         scene = load_scene(pair.scene())
 
-        def start(state: StoredState) -> LoggedRobot:
+        def start(state: StoredState) -> tuple[Any, RobotLog]:
             program = robot_program(pair, side, state, scene, settings, carries=True)
-            return LoggedRobot(program, silent, side, state, scene, {}, print)
+            return program, RobotLog(silent, side, state, scene, {}, print)
 
         start(state)  # refuses before anything is opened
         keeper = stack.enter_context(StateKeeper(file, state))

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, get_args
 
+import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.clocks.clock import Clock
 from palmbots.clocks.control_clock import jitter_table
@@ -22,8 +23,8 @@ from palmbots.links.link import Link
 from palmbots.links.packet_statistics import PacketStatistics, StatisticsTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
-from palmbots.robot.logged_robot import LoggedRobot
 from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_log import RobotLog
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role, Verdict
 
@@ -91,7 +92,7 @@ class RobotLoop:
     Args:
         side: which robot.
         scene: of the pair.
-        start: starts the core's program after a boot, with a log of its own.
+        start: starts the core's program after a boot; returns it with a log of its own.
         driver: of the robot.
         link: of the robot.
         clock: grants the steps.
@@ -107,7 +108,7 @@ class RobotLoop:
         self,
         side: Side,
         scene: Scene,
-        start: Callable[[StoredState], LoggedRobot],
+        start: Callable[[StoredState], tuple[Any, RobotLog]],
         driver: Driver,
         link: Link,
         clock: Clock,
@@ -128,25 +129,21 @@ class RobotLoop:
         self._ticks = self._epoch = 0
         self._statistics = PacketStatistics(side)
         self._may_resume = False
-        self._robot: LoggedRobot | None = None
+        self.robot: Any = None
+        """The core's program."""
+        self._log: RobotLog | None = None
 
     def start(self, state: StoredState, *, may_resume: bool = True) -> None:
         """Start the program, with a log of its own; `may_resume`: a stored carry goes on."""
         self._epoch, self._may_resume = state.epoch, may_resume
         self._carries = state.carries and may_resume
         self.close()
-        self._robot = self._start(state)
+        self.robot, self._log = self._start(state)
 
     def close(self) -> None:
         """Write what is left of the log."""
-        if self._robot is not None:
-            self._robot.close()
-
-    @property
-    def robot(self) -> LoggedRobot:
-        """The program."""
-        assert self._robot is not None
-        return self._robot
+        if self._log is not None:
+            self._log.close()
 
     def run(self, ended: threading.Event) -> None:
         """Step until the driver ends it, or the event is set."""
@@ -173,9 +170,8 @@ class RobotLoop:
             storage_ok=self._keeper.works,
             overruns=min(self.clock.recent_overruns, 0xFFFF),
         )
-        reading = self.robot.reading(**values)
         packets = self._link.receive()
-        answer = self.robot.step(min(elapsed, 0xFFFF), reading, packets)
+        answer = self._decide(min(elapsed, 0xFFFF), values, packets)
         for data, (_, sender, stamp, heard) in zip(packets, self.robot.judged, strict=True):
             if sender >= 0:
                 self._statistics.take(_ROLES[sender], stamp, data, heard)
@@ -226,14 +222,22 @@ class RobotLoop:
             return self._driver.read()
         except PalmbotsError:
             for _ in range(self._last_ticks):
-                lost = self.robot.reading(0, False, driver_ok=False)
-                for receiver, data, _ in self.robot.step(1, lost, [])[3]:
+                lost = {"sign": 0, "palm_at_target": False, "driver_ok": False}
+                for receiver, data, _ in self._decide(1, lost, [])[3]:
                     self._link.send(_ROLES[receiver], data)
             self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
             raise
 
+    def _decide(self, elapsed: int, values: dict[str, Any], packets: list[bytes]) -> Any:
+        """A step of the core's program, logged."""
+        answer = self.robot.step(elapsed, _core.runtime.Reading(**values), packets)
+        assert self._log is not None
+        self._log.take(self.robot, elapsed, values, packets, answer)
+        return answer
+
     def _obey(self, answer: Any) -> Drive:
         """Store, drive and send what the core has decided."""
+        assert self._log is not None
         palm, move, stop, packets, *_, assists = answer
         carries, is_stopped = self.robot.to_store
         covered_m = self._gauge.to_store_m if carries else 0.0
@@ -249,7 +253,7 @@ class RobotLoop:
                 self._statistics.note_sent(_ROLES[receiver], stamp)
                 self._link.send(_ROLES[receiver], data)
             else:
-                self.robot.withhold(receiver)
+                self._log.withhold(receiver)
         return drive
 
 

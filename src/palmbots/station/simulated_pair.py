@@ -22,8 +22,8 @@ from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.live_robot import logged_program, ticks_in
-from palmbots.robot.logged_robot import LoggedRobot
 from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_log import RobotLog
 from palmbots.robot.robot_loop import RobotLoop
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.imperfections import Imperfections
@@ -194,7 +194,7 @@ class SimulatedPair:
         self.restart_station()
 
     @property
-    def robots(self) -> dict[Side, LoggedRobot]:
+    def robots(self) -> dict[Side, Any]:
         """The core's programs of the robots that have power."""
         return {side: loop.robot for side, loop in self._loops.items()}
 
@@ -241,7 +241,7 @@ class SimulatedPair:
         state = memory.boot()
         gauge = ReadingGauge(pair, side, chosen, driver.read(), state.covered_m)
 
-        def start(state: StoredState) -> LoggedRobot:
+        def start(state: StoredState) -> tuple[Any, RobotLog]:
             return logged_program(
                 pair, side, state, chosen, 1.0, self.lines.append, has_encoders=gauge.has_encoders
             )

@@ -19,7 +19,7 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import recover
 from palmbots.errors import PalmbotsError
 from palmbots.logs.run_log_reader import RunLog, read_run_log
-from palmbots.robot.logged_robot import READING
+from palmbots.robot.robot_log import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.views.log_alignment import ClockFit, align

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot whose steps are logged.
+"""The log of a robot: every step of its program.
 
 A log holds no secret. Its packets carry the tag of a key that was made for the log and is
 written in it, so a log can be checked without the key of the pair, and no robot accepts a packet
@@ -37,11 +37,10 @@ READING: dict[str, Any] = {
 """The arguments of the core's Reading that have a default."""
 
 
-class LoggedRobot:
-    """The core's program of a robot, with the same interface, which logs every step.
+class RobotLog:
+    """The log of a robot's program since its start; empty if the pair has no logs.
 
     Args:
-        robot: the core's program, just started.
         pair: the pair.
         side: which of its robots.
         state: what the robot had stored, this boot included.
@@ -52,7 +51,6 @@ class LoggedRobot:
 
     def __init__(
         self,
-        robot: Any,
         pair: Pair,
         side: Side,
         state: StoredState,
@@ -60,11 +58,10 @@ class LoggedRobot:
         settings: dict[str, Any],
         on_warning: Callable[[str], None],
     ) -> None:
-        self._robot = robot
         self._side: Side = side
-        self._values: dict[str, Any] = {}
         self._number = 0
         self._tick: tuple[Callable[[], Any], int] | None = None
+        self._withheld: list[int] = []
         self._log: RunLogWriter | None = None
         folder = pair.log_folder()
         if folder is None:
@@ -83,29 +80,23 @@ class LoggedRobot:
         }
         self._log = RunLogWriter(folder, side, state.epoch, facts, on_warning)
 
-    def reading(self, sign: int, palm_at_target: bool, **more: Any) -> Any:
-        """What the robot reads in the next step: the core's Reading."""
-        self._values = {"sign": sign, "palm_at_target": palm_at_target} | READING | more
-        return _core.runtime.Reading(sign, palm_at_target, **more)
-
-    def step(self, elapsed: int, reading: Any, packets: list[bytes]) -> Any:
-        """One tick; as the core's."""
-        self._log_tick()
-        answer = self._robot.step(elapsed, reading, packets)
+    def take(
+        self, robot: Any, elapsed: int, values: dict[str, Any], packets: list[bytes], answer: Any
+    ) -> None:
+        """The core's program has made a step: its arguments, those of its reading, its answer."""
         self._number += 1
-        if self._log is not None:
-            robot = self._robot
-            facts = (self._number, elapsed, self._values, robot.mode, robot.fault, robot.wheels)
-            arrived = list(zip(packets, robot.judged, strict=True))
-            self._withheld: list[int] = []
-            fill = partial(self._message, facts, arrived, answer, self._withheld)
-            self._tick = (fill, self._log.now_ns())
-        return answer
+        if self._log is None:
+            return
+        self._log_tick()
+        facts = (self._number, elapsed, values, robot.mode, robot.fault, robot.wheels)
+        arrived = list(zip(packets, robot.judged, strict=True))
+        self._withheld = []
+        fill = partial(self._message, facts, arrived, answer, self._withheld)
+        self._tick = (fill, self._log.now_ns())
 
     def withhold(self, receiver: int) -> None:
         """The packet of this step to this receiver is not sent."""
-        if self._log is not None:
-            self._withheld.append(receiver)
+        self._withheld.append(receiver)
 
     def _log_tick(self) -> None:
         """Log the last step, once it is known what was sent."""
@@ -122,7 +113,7 @@ class LoggedRobot:
         return RobotTick(
             number=number,
             elapsed=elapsed,
-            **values,
+            **READING | values,
             received=[
                 self._retagged(data) if sender >= 0 else data for data, (_, sender, *_) in arrived
             ],
@@ -149,6 +140,3 @@ class LoggedRobot:
         if self._log is not None:
             self._log_tick()
             self._log.close()
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._robot, name)
