@@ -35,7 +35,6 @@ def test_only_endpoints_compute_the_tags_of_a_pair(
         tmp_path, "shared-sign", Air(delay=2, loss=0.1, duplicate=0.1), UP, logs=logs
     )
     assert pair.carry()
-    ends = [loop.end({}).link for loop in pair._loops.values()]
-    assert all(end["station"]["copies"] and end["station"]["lost"] for end in ends)
+    assert all(end.copies and end.received for end in pair.station.statistics.ends.values())
     pair.close()
     assert (count > 0) == logs
