@@ -10,14 +10,13 @@ import pytest
 
 import palmbots._core as _core
 from palmbots import wire
-from palmbots.cli.reports import carry_report
 from palmbots.control import interface
 from palmbots.control.registry import ControllerEntry, describe
 from palmbots.derivation import contact_motion, global_policy
 from palmbots.learn import rendering, spaces
 from palmbots.mechanics import contact_points
 from palmbots.mujoco import contact_events
-from palmbots.simulation import batch, result
+from palmbots.simulation import batch, carry_lines, result
 from palmbots.stability import clearance, first_contact
 from palmbots.studies import variables
 from palmbots.viz import timeline
@@ -60,7 +59,7 @@ def test_alias_has_the_names_of_the_core(name: str) -> None:
     ("table", "names"),
     [
         (timeline._MARKERS, (*MESSAGES, "Hello")),
-        (carry_report.REASONS, _core.drop_reasons[1:]),
+        (carry_lines.REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
         (first_contact.MOTION_NAMES, contact_points.MOTION_CODES),
     ],
