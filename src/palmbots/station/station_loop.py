@@ -6,6 +6,7 @@ last operator's screen is gone, nobody could stop the robots any more, so the lo
 """
 
 import contextlib
+import math
 import os
 import signal
 import socket
@@ -15,7 +16,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
-from palmbots.clocks.clock import Clock
 from palmbots.clocks.control_clock import control_clock
 from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_link
@@ -87,13 +87,13 @@ def run_station_loop(
         stack.callback(log.close)
         station.on_note(log)
         loop = _Loop(station, server, pair, auto=auto, for_screen=for_screen)
-        loop.stepped = clock if clock.is_stepped else None
+        wait = clock.wait if clock.is_stepped else loop.wait
         try:
             while loop.done is None:
+                wait()
                 if ended.is_set():
                     loop.quit("signal")
                 loop.step()
-                loop.wait()
         except PalmbotsError as error:
             end = {"error": str(error)}
             raise
@@ -117,15 +117,12 @@ class _Loop:
         self._quits_at_s: float | None = None
         self._is_alone = False
         self._wishes: list[str] = []
-        self.stepped: Clock | None = None
-        """The clock, if another program steps it."""
+        self._next_s = -math.inf
         self.done: bool | None = None
         """Whether it ended as wanted; None: it goes on."""
 
     def step(self) -> None:
         """One period of the station."""
-        if self.stepped is not None:
-            self.stepped.wait()
         for wish in self._wishes + self._server.wishes():
             self._obey(wish)
         self._wishes = []
@@ -144,12 +141,10 @@ class _Loop:
 
     def wait(self) -> None:
         """Wait for the next period; a wish that arrives meanwhile begins it at once."""
-        if self.stepped is not None:
-            return
-        next_s = time.monotonic() + PERIOD_S
-        while not self._wishes and (left_s := next_s - time.monotonic()) > 0:
+        while not self._wishes and (left_s := self._next_s - time.monotonic()) > 0:
             self._server.wait(left_s)
             self._wishes += self._server.wishes()
+        self._next_s = time.monotonic() + PERIOD_S
 
     def quit(self, by: str = "operator") -> None:
         """End the program; robots that may move are stopped before."""
