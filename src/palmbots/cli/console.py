@@ -138,16 +138,6 @@ def plain_table(*heads: str, right: Collection[str] = (), gap: int = 3) -> Table
     return table
 
 
-def definitions(rows: Iterable[tuple[str, str]]) -> Table:
-    """Names with their meanings; long meanings continue on lines of their own."""
-    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column(no_wrap=True)
-    table.add_column(ratio=1)
-    for name, meaning in rows:
-        table.add_row(Text(name, style="bold"), Text(meaning))
-    return table
-
-
 def indented(text: str | Text, columns: int = 2) -> Padding:
     """A text whose lines are all indented, also those that result from wrapping."""
     return Padding(text if isinstance(text, Text) else Text(text), (0, 0, 0, columns))
@@ -158,8 +148,3 @@ def print_written_files(console: Console, written: Sequence[Path]) -> None:
     for path in written:
         size = data_size(path.stat().st_size)
         console.print(f"wrote {path}  {size}", soft_wrap=True)
-
-
-def signed(value: float) -> str:
-    """A number with its sign."""
-    return f"{value:+g}"
