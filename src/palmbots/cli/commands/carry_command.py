@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palmbots._util.report import Line
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
 from palmbots.cli._run import check_output, controller_of, load, print_result
@@ -80,6 +79,7 @@ def carry(
     To list what you can set, run palmbots scenes, keys, objects or controllers.
     """
     from palmbots._util.arguments import seed_of
+    from palmbots._util.report import Line
     from palmbots.cli.carried import Carried
     from palmbots.control.dead_band import warnings_before
     from palmbots.simulation.prepare import prepare

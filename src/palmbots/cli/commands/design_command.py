@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import typer
 
-from palmbots._util.report import Line
 from palmbots.cli._progress import progress
 from palmbots.cli._run import (
     check_output,
@@ -99,6 +98,7 @@ def design(
     --maximize selects the error of another quantity instead of the noise.
     """
     from palmbots._util.arguments import one_of
+    from palmbots._util.report import Line
     from palmbots.stability.palm_angles import design as run_design
 
     one_of("--format", file_format, ("png", "svg", "pdf"))
