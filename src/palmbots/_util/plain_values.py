@@ -22,7 +22,7 @@ class derived(property):  # used like property
 
 @cache
 def keys_of(kind: type) -> tuple[str, ...]:
-    """The keys that JSON has of a dataclass or named tuple: its fields, then derived values."""
+    """The keys that JSON has of a dataclass or named tuple: fields, derived values, the scene."""
     if not is_dataclass(kind):
         return kind._fields  # type: ignore[attr-defined]
     own = [field.name for field in fields(kind) if field.metadata.get("json", True)]
@@ -32,7 +32,8 @@ def keys_of(kind: type) -> tuple[str, ...]:
         for name, member in vars(base).items()
         if isinstance(member, derived)
     ]
-    return tuple(dict.fromkeys([*own, *further]))
+    keys = dict.fromkeys([*own, *further])
+    return tuple(sorted(keys, key=lambda key: key == "scene"))  # last: it is long
 
 
 def plain(value: Any) -> Any:
