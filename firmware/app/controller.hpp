@@ -29,7 +29,7 @@ inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
 
 namespace detail {
 
-using PolicyProgram = runtime::MessageProgram<MachineRobot>;
+using PolicyProgram = runtime::PartnerProgram<MachineRobot>;
 
 // The robot with the program of a row; of no size for a controller without one.
 struct NoRobot {};
@@ -87,7 +87,7 @@ inline runtime::Robot& make_robot(const SettingsPage& page, const Stored& stored
                         }
                       });
   if (robot != nullptr) return *robot;
-  const detail::PolicyProgram policy{MachineRobot(&page.table)};
+  const detail::PolicyProgram policy(MachineRobot(&page.table), stored.epoch);
   return detail::robot_with(page, stored, policy, policy);
 }
 

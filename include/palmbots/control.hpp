@@ -11,6 +11,7 @@
 #include "palmbots/control/messages.hpp"
 #include "palmbots/control/resilient.hpp"
 #include "palmbots/control/resilient_timing.hpp"
+#include "palmbots/control/robot_program.hpp"
 #include "palmbots/control/row_policy.hpp"
 #include "palmbots/control/shared_sign.hpp"
 #include "palmbots/control/silent.hpp"

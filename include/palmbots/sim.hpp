@@ -3,14 +3,12 @@
 // metrics and trace.
 #pragma once
 
-#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/bumps.hpp"
 #include "palmbots/sim/carry.hpp"
 #include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/corruption.hpp"
 #include "palmbots/sim/cosimulation.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/metrics.hpp"
 #include "palmbots/sim/multilevel_splitting.hpp"
@@ -21,6 +19,7 @@
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/robot_pair.hpp"
+#include "palmbots/sim/robot_team.hpp"
 #include "palmbots/sim/spec.hpp"
 #include "palmbots/sim/table_team.hpp"
 #include "palmbots/sim/team.hpp"

@@ -3,8 +3,12 @@
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import palmbots._core as _core
+from palmbots.control.registry import resolve
+from palmbots.control.table_timing import transition_table
+from palmbots.scene.scene import Scene
 
 LOSSES = Path(__file__).parents[2] / "benchmarks" / "results" / "loss.csv"
 BY_TIME = LOSSES.with_name("loss_by_time.csv")
@@ -17,29 +21,14 @@ CONTACT = {
     "negative": "p < 0",
     "not_negative": "p ≥ 0",
 }
-GOT = {
-    "any": "",
-    "tilt_up": "TiltUp came",
-    "tilt_down": "TiltDown came",
-    "ack": "Ack came",
-}
-HEARD = {
-    "any": "",
-    "tilt_up": "TiltUp",
-    "not_tilt_up": "no TiltUp",
-    "ack": "Ack",
-    "not_ack": "no Ack",
-    "other": "something else",
-    "steep": "TiltUp, TiltDown or Closing",
-    "not_steep": "Ack, Raised or nothing",
-    "silence": "nothing",
-}
 CONDITION = {
-    "any": "",
+    "turned": "the palm has turned",
+    "timed_out": "time is up",
+    "leads": "it leads",
+    "follows": "it follows",
+    "may_stop": "it may stop",
     "settled": "at rest",
     "released": "released",
-    "yields": "this robot yields",
-    "held": "the palm was held long enough",
 }
 MOVE = {"away": "separate", "closer": "closer"}
 
@@ -62,53 +51,46 @@ def table1() -> str:
     return "\n".join(rows)
 
 
-def table2() -> str:
-    """The rows of the distributed algorithm, in the order in which they are tried."""
-    doing, rows_run = _core.table2()
-    does = {
-        name: f"palm {palm}" + (f", move {move}" if move != "hold" else "")
-        for name, _, palm, move, _ in doing
-    }
-    rows = [
-        "| case | in state | where the robot has | if | goes to | and sends |",
-        "|---|---|---|---|---|---|",
-    ]
-    case = {name: code for name, code, *_ in doing}
-    for state, contact, got, tilt, after, send in rows_run:
-        when = [
-            CONTACT[contact],
-            GOT[got],
-            "the palm has turned" if tilt == "done" else "",
-        ]
-        code = case[state].strip() or case[after].strip()
-        cells = [
-            f"({code})",
-            f"`{state}`",
-            does[state],
-            ", ".join(w for w in when if w),
-            f"`{after}`",
-            send,
-        ]
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows)
+def table_of(name: str) -> dict[str, Any]:
+    """The table that a controller runs."""
+    table = transition_table(resolve(name), Scene())
+    assert table is not None
+    return table
 
 
-def resilient() -> str:
-    """The states and rows of the resilient algorithm, in the order in which they are tried."""
-    doing, rows_run = _core.resilient_table()
+def condition_of(row: dict[str, Any]) -> str:
+    """What a row requires besides what the robot hears."""
+    contact = "p = 0" if row["contact"] == "zero" else CONTACT[row["contact"]]
+    return ", ".join(w for w in (contact, *(CONDITION[c] for c in row["when"])) if w)
+
+
+def heard_by(row: dict[str, Any]) -> str:
+    """What the robot hears where a row applies."""
+    return "" if row["heard"] is None else ", ".join(word or "nothing" for word in row["heard"])
+
+
+def rows_by_case(name: str) -> str:
+    """The rows of a table in which each row starts in one state, in the order in which they are
+    tried, with what the robot does there."""
+    table = table_of(name)
+    says = table["mail"] == "beacons"
     rows = [
-        "| case | in state | where the robot has | and says | hears | if | goes to |",
+        "| case | in state | where the robot has |"
+        + (" and says | hears | if | goes to |" if says else " hears | if | goes to | and sends |"),
         "|---|---|---|---|---|---|---|",
     ]
-    state_of = {name: rest for name, *rest in doing}
-    for state, contact, heard, condition, after in rows_run:
-        case, palm, move, sent = state_of[state]
-        case = case.strip() or state_of[after][0].strip()
-        does = f"palm {palm}" + (f", move {move}" if move != "hold" else "")
-        when = ", ".join(w for w in (CONTACT[contact], CONDITION[condition]) if w)
-        cells = [
-            f"({case})", f"`{state}`", does, sent, HEARD[heard], when, f"`{after}`",
-        ]  # fmt: skip
+    states = {state["name"]: state for state in table["states"]}
+    for row in table["rows"]:
+        (start,) = row["states"]
+        state, after = states[start], row["next"]
+        case = state["case"].strip() or states[after]["case"].strip()
+        does = f"palm {state['palm']}" + (
+            f", move {state['move']}" if state["move"] != "hold" else ""
+        )
+        cells = [f"({case})" if case else "", f"`{start}`", does]
+        cells += [state["word"]] if says else []
+        cells += [heard_by(row), condition_of(row), f"`{after}`"]
+        cells += [] if says else [row["send"]]
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)
 
@@ -163,8 +145,8 @@ def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     return {
         "table 1": table1(),
-        "table 2": table2(),
-        "table 3": resilient(),
+        "table 2": rows_by_case("distributed"),
+        "table 3": rows_by_case("resilient"),
         "losses": losses(),
         "losses by time": losses_by_time(),
     }

@@ -4,24 +4,7 @@ to."""
 
 from typing import Any
 
-from docs_generators.controllers import CONTACT
-from palmbots.control.registry import resolve
-from palmbots.control.table_timing import transition_table
-from palmbots.scene.scene import Scene
-
-CONDITION = {
-    "settled": "the palm is at its target",
-    "timed_out": "time is up",
-    "leads": "it leads",
-    "follows": "it follows",
-    "may_stop": "it may stop",
-}
-
-
-def _table(name: str) -> dict[str, Any]:
-    table = transition_table(resolve(name), Scene())
-    assert table is not None
-    return table
+from docs_generators.controllers import condition_of, heard_by, table_of
 
 
 def _starts(states: list[str], table: dict[str, Any]) -> str:
@@ -45,8 +28,8 @@ def _does(state: dict[str, Any]) -> str:
 
 def states_of(name: str) -> str:
     """What a robot commands and says in each state."""
-    table = _table(name)
-    talks = table["talks"]
+    table = table_of(name)
+    talks = table["mail"] == "beacons"
     rows = [
         "| state | case | the robot has |" + (" and says |" if talks else "") + " at most for |",
         "|---|---|---|" + ("---|" if talks else "") + "---|",
@@ -61,25 +44,21 @@ def states_of(name: str) -> str:
 
 def rows_of(name: str) -> str:
     """The rows, in the order in which they are tried."""
-    table = _table(name)
-    talks = table["talks"]
+    table = table_of(name)
+    talks = table["mail"] == "beacons"
     lines = [
         "| in state |" + (" hears |" if talks else "") + " if | goes to |",
         "|---|" + ("---|" if talks else "") + "---|---|",
     ]
     for row in table["rows"]:
-        contact = "p = 0" if row["contact"] == "zero" else CONTACT[row["contact"]]
-        when = ", ".join(w for w in (contact, *(CONDITION[c] for c in row["when"])) if w)
-        heard = row["heard"]
-        says = "" if heard is None else ", ".join(word or "nothing" for word in heard)
-        cells = [_starts(row["states"], table), *([says] if talks else [])]
-        lines.append(f"| {' | '.join([*cells, when, '`' + row['next'] + '`'])} |")
+        cells = [_starts(row["states"], table), *([heard_by(row)] if talks else [])]
+        lines.append(f"| {' | '.join([*cells, condition_of(row), '`' + row['next'] + '`'])} |")
     return "\n".join(lines)
 
 
 def diagram_of(name: str) -> str:
     """The state diagram of a table without words: each state with its output, and its edges."""
-    table = _table(name)
+    table = table_of(name)
     lines = ["```mermaid", "stateDiagram-v2", f"    [*] --> {table['initial']}"]
     lines += [f"    {state['name']} : {state['name']}, {_does(state)}" for state in table["states"]]
     for state in table["states"]:
@@ -87,8 +66,7 @@ def diagram_of(name: str) -> str:
         for row in table["rows"]:
             if state["name"] not in row["states"]:
                 continue
-            contact = "p = 0" if row["contact"] == "zero" else CONTACT[row["contact"]]
-            label = ", ".join(w for w in (contact, *(CONDITION[c] for c in row["when"])) if w)
+            label = condition_of(row)
             if label in leaves:
                 continue
             leaves.add(label)

@@ -8,8 +8,8 @@
 
 #include "bindings.hpp"
 #include "palmbots/sim/build.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/recorder.hpp"
+#include "palmbots/sim/table_team.hpp"
 
 namespace palmbots::bindings {
 
@@ -18,25 +18,35 @@ namespace palmbots::bindings {
 //   waits).
 class PythonController {
  public:
-  PythonController(nb::object step, bool leads) : step_(std::move(step)), leads_(leads) {}
+  static constexpr Mail mail = Mail::queue;
+  static constexpr bool has_clock = false;
 
-  Distributed::Output step(Distributed::Input in) {
+  PythonController(nb::object step, bool leads) : step_(std::move(step)), leads_(leads) {}
+  PythonController booted() const { return {step_, leads_}; }
+
+  RobotOutput step(const RobotInput& in) {
     const nb::object answer =
         step_(static_cast<int>(in.sign), static_cast<int>(in.message), in.palm_at_target, leads_);
     const auto [palm, move, stop, send, read, name, waits] =
         nb::cast<std::tuple<int, int, bool, int, bool, int, bool>>(answer);
-    now_ = {static_cast<char>(name),
-            {static_cast<Palm>(palm), static_cast<Move>(move), stop},
-            waits,
-            MessageKind::none};
-    return {now_.command, static_cast<MessageKind>(send), read};
+    name_ = static_cast<char>(name);
+    waits_ = waits;
+    const auto message = static_cast<MessageKind>(send);
+    return {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
+            message,
+            message != MessageKind::none,
+            read};
   }
-  const Distributed::StateOutput& now() const { return now_; }
+  char name() const { return name_; }
+  bool waits() const { return waits_; }
+  static constexpr MessageKind awaits() { return MessageKind::none; }
+  static constexpr bool stopped() { return false; }
 
  private:
   nb::object step_;
   bool leads_;
-  Distributed::StateOutput now_ = Distributed::outputs[0];
+  char name_ = ' ';
+  bool waits_ = false;
 };
 
 // The controllers of both robots, from their step functions.

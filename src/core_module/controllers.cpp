@@ -10,8 +10,6 @@
 
 #include "bindings.hpp"
 #include "palmbots/control/centralized.hpp"
-#include "palmbots/control/distributed.hpp"
-#include "palmbots/control/resilient.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
@@ -111,46 +109,6 @@ void bind_controllers(nb::module_& m) {
       "Table 1 as it runs: per case the signs, the palm to tilt up, and two actions (move, whose "
       "contact, until).");
   m.def(
-      "table2",
-      [] {
-        std::vector<std::tuple<std::string, std::string, std::string, std::string, bool>> outputs;
-        for (int i = 0; i < Distributed::states; ++i) {
-          const auto& d = Distributed::outputs[i];
-          outputs.push_back({name_of(static_cast<Distributed::State>(i)), std::string(1, d.name),
-                             name_of(d.command.palm), name_of(d.command.move), d.waits});
-        }
-        std::vector<std::array<std::string, 6>> rows;
-        for (const auto& row : Distributed::rows) {
-          rows.push_back({name_of(row.state), name_of(row.p), name_of(row.got), name_of(row.tilt),
-                          name_of(row.next), name_of(row.send)});
-        }
-        return std::pair(outputs, rows);
-      },
-      "Table 2 as it runs: per state (name, case, palm, move, waits), and the rows (state, "
-      "contact, "
-      "message, palm turned, next state, message sent).");
-
-  m.def(
-      "resilient_table",
-      [] {
-        std::vector<std::tuple<std::string, std::string, std::string, std::string, std::string>>
-            outputs;
-        for (int i = 0; i < Resilient::states; ++i) {
-          const auto& d = Resilient::outputs[i];
-          outputs.push_back({name_of(static_cast<Resilient::State>(i)), std::string(1, d.name),
-                             name_of(d.command.palm), name_of(d.command.move), name_of(d.message)});
-        }
-        std::vector<std::array<std::string, 5>> rows;
-        for (const auto& row : Resilient::rows) {
-          rows.push_back({name_of(row.state), name_of(row.p), name_of(row.heard), name_of(row.when),
-                          name_of(row.next)});
-        }
-        return std::pair(outputs, rows);
-      },
-      "The resilient algorithm as it runs: per state (name, case, palm, move, message), and the "
-      "rows "
-      "(state, contact, message heard, condition, next state).");
-  m.def(
       "resilient_timing",
       [](const Spec& spec) {
         const ResilientTiming b = resilient_timing_of(spec);
@@ -162,7 +120,7 @@ void bind_controllers(nb::module_& m) {
         d["shortest_lease_s"] = b.shortest_lease * tick;
         d["longest_lease_s"] = b.longest_lease * tick;
         d["losses"] = static_cast<int>(b.losses);
-        d["hold_s"] = b.times.hold * tick;
+        d["hold_s"] = b.times.limits[static_cast<std::size_t>(LeaseLimit::hold)] * tick;
         d["alone_s"] = b.alone * tick;
         d["skew_m"] = b.skew;
         d["noise_m"] = b.noise;
@@ -175,39 +133,42 @@ void bind_controllers(nb::module_& m) {
       nb::arg("spec"),
       "The time bounds of the resilient algorithm (control/resilient_timing.hpp).");
 
-  nb::class_<Distributed>(m, "Distributed", "Table 2 of the paper, one robot.")
+  using OneDistributed = TableRobot<Distributed>;
+  nb::class_<OneDistributed>(m, "Distributed", "Table 2 of the paper, one robot.")
       .def(nb::init<>())
       .def(
           "step",
-          [](Distributed& self, int sign, int message, bool palm_at_target) {
+          [](OneDistributed& self, int sign, int message, bool palm_at_target) {
             if (sign < -1 || sign > 1 || message < 0 || message > 3) {
               throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
             }
             const auto out = self.step(
-                {static_cast<Sign>(sign), static_cast<MessageKind>(message), palm_at_target});
+                {static_cast<Sign>(sign), palm_at_target, 1, static_cast<MessageKind>(message)});
             return std::tuple(static_cast<int>(out.command.palm),
-                              static_cast<int>(out.command.move), static_cast<int>(out.send),
+                              static_cast<int>(out.command.move), static_cast<int>(out.message),
                               out.read);
           },
           nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
           "One tick; returns (palm, move, message sent, message read).")
-      .def("__copy__", [](const Distributed& self) { return self; })
-      .def_prop_ro("memory", &memory<Distributed>, "All that it remembers.")
-      .def_prop_ro("state", [](const Distributed& self) { return static_cast<int>(self.state()); })
-      .def_prop_ro("name", [](const Distributed& self) { return nb::str(&self.now().name, 1); })
-      .def_prop_ro("waits", [](const Distributed& self) { return self.now().waits; });
+      .def("__copy__", [](const OneDistributed& self) { return self; })
+      .def_prop_ro("memory", &memory<OneDistributed>, "All that it remembers.")
+      .def_prop_ro("state",
+                   [](const OneDistributed& self) { return static_cast<int>(self.state()); })
+      .def_prop_ro("name", [](const OneDistributed& self) { return std::string(1, self.name()); })
+      .def_prop_ro("waits", &OneDistributed::waits);
 
-  nb::class_<Resilient>(m, "Resilient", "The resilient distributed algorithm, one robot.")
+  using OneResilient = TableRobot<Resilient>;
+  nb::class_<OneResilient>(m, "Resilient", "The resilient distributed algorithm, one robot.")
       .def(
           "__init__",
-          [](Resilient* self, std::uint16_t lease, std::uint16_t hold, std::uint16_t join,
-             bool yields) { new (self) Resilient({1, lease, hold, 0, join}, yields); },
-          nb::arg("lease"), nb::arg("hold"), nb::arg("join"), nb::arg("yields"),
+          [](OneResilient* self, std::uint16_t lease, std::uint16_t hold, std::uint16_t join,
+             bool leads) { new (self) OneResilient({1, lease, {hold, 0, join}}, {leads}); },
+          nb::arg("lease"), nb::arg("hold"), nb::arg("join"), nb::arg("leads"),
           "Times in ticks; a beacon goes out every tick, and wheels stop at once.")
       .def(
           "step",
-          [](Resilient& self, int sign, bool palm_at_target, int message, bool stopped, bool ready,
-             std::uint16_t age) {
+          [](OneResilient& self, int sign, bool palm_at_target, int message, bool stopped,
+             bool ready, std::uint16_t age) {
             if (sign < -1 || sign > 1 || message < 0 || message > 5) {
               throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 5");
             }
@@ -221,9 +182,9 @@ void bind_controllers(nb::module_& m) {
           nb::arg("ready"), nb::arg("age"),
           "One tick with what a new beacon said and how old it may be (message 0: none came); "
           "returns (palm, move, message, stop, ready).")
-      .def("__copy__", [](const Resilient& self) { return self; })
-      .def_prop_ro("memory", &memory<Resilient>, "All that it remembers.")
-      .def_prop_ro("name", [](const Resilient& self) { return nb::str(&self.now().name, 1); });
+      .def("__copy__", [](const OneResilient& self) { return self; })
+      .def_prop_ro("memory", &memory<OneResilient>, "All that it remembers.")
+      .def_prop_ro("name", [](const OneResilient& self) { return std::string(1, self.name()); });
 
   nb::class_<Centralized>(m, "Centralized", "Table 1 of the paper, the station.")
       .def(nb::init<>())

@@ -57,13 +57,10 @@ void go_on(PerSide<ExternalCommand>& commands) {
 
 const char* outcome_of(const Metrics& metrics) { return name_of(metrics.outcome); }
 
-DistributedTeam<ExternalController> team_of(const Spec& spec, std::uint64_t seed,
-                                            const PerSide<ExternalCommand>& commands) {
-  return {{ExternalController(&commands[left]), ExternalController(&commands[right])},
-          channel_of(spec),
-          seed,
-          leader_of(spec),
-          Faults::of(spec, seed)};
+RobotTeam<ExternalController> team_of(const Spec& spec, std::uint64_t seed,
+                                      const PerSide<ExternalCommand>& commands) {
+  return robot_team_of<ExternalController>(
+      {ExternalController(&commands[left]), ExternalController(&commands[right])}, spec, seed);
 }
 
 // What both robots see in the tick to come.
@@ -81,7 +78,7 @@ std::pair<Seen, Seen> seen_of(const Carry& carry) {
 // A carry in the quasistatic world that has begun its next tick, or is over.
 template <class Recorder>
 struct Begun {
-  Carry<double, DistributedTeam<ExternalController>, Recorder> carry;
+  Carry<double, RobotTeam<ExternalController>, Recorder> carry;
 
   Begun(const Spec& spec, std::uint64_t seed, const PerSide<ExternalCommand>& commands)
       : carry(spec, seed, team_of(spec, seed, commands), Recorder{}) {
@@ -172,13 +169,13 @@ class ExternalCoSimulation {
   ExternalCoSimulation& operator=(const ExternalCoSimulation&) = delete;
 
   PerSide<ExternalCommand>& commands() { return commands_; }
-  CoSimulation<DistributedTeam<ExternalController>>& cosimulation() { return cosimulation_; }
+  CoSimulation<RobotTeam<ExternalController>>& cosimulation() { return cosimulation_; }
   bool done() const { return cosimulation_.done(); }
   std::pair<Seen, Seen> seen() const { return seen_of(cosimulation_); }
 
  private:
   PerSide<ExternalCommand> commands_{};
-  CoSimulation<DistributedTeam<ExternalController>> cosimulation_;
+  CoSimulation<RobotTeam<ExternalController>> cosimulation_;
 };
 
 }  // namespace

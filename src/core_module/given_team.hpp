@@ -20,7 +20,7 @@ namespace palmbots::bindings {
 template <class Team>
 inline constexpr bool calls_python = false;
 template <>
-inline constexpr bool calls_python<DistributedTeam<PythonController>> = true;
+inline constexpr bool calls_python<RobotTeam<PythonController>> = true;
 template <bool has_station>
 inline constexpr bool calls_python<RemoteTeam<PythonExchange, has_station>> = true;
 
@@ -45,9 +45,7 @@ auto with_given_team(const nb::object& controller, const Spec& spec, std::uint64
   if (nb::isinstance<RemoteControllers>(controller)) {
     return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, use);
   }
-  return use(DistributedTeam<PythonController>(python_controllers(controller, spec),
-                                               channel_of(spec), seed, leader_of(spec),
-                                               Faults::of(spec, seed)));
+  return use(robot_team_of(python_controllers(controller, spec), spec, seed));
 }
 
 }  // namespace palmbots::bindings

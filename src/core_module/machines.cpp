@@ -21,8 +21,9 @@ namespace {
 
 // A state: name of the case, palm, move, whether it waits, and for which message.
 using StateTuple = std::tuple<std::string, std::string, std::string, bool, std::string>;
-// A row: state, contact, message, palm, next state, message sent; as in _core.table2().
-using RowTuple = std::tuple<int, std::string, std::string, std::string, int, std::string>;
+// A row: state, contact, message that it reads, whether the palm must have turned, next state, message
+// sent.
+using RowTuple = std::tuple<int, std::string, std::string, bool, int, std::string>;
 using TableTuple = std::tuple<std::vector<StateTuple>, std::vector<RowTuple>>;
 
 // The value of an enumeration, from 0 to `last`, that has this name.
@@ -51,31 +52,30 @@ RowPolicy row_policy_of(const std::vector<PolicyRowTuple>& given) {
   return RowPolicy(rows);
 }
 
-std::uint8_t number(int state) {
-  if (state < 0 || state >= static_cast<int>(MachineTable::most_states)) {
-    throw std::invalid_argument("table: a row names a state that does not exist");
-  }
-  return static_cast<std::uint8_t>(state);
-}
-
 MachineTable table_of(const TableTuple& given) {
   MachineTable table;
   for (const auto& [name, palm, move, waits, awaits] : std::get<0>(given)) {
     if (name.size() != 1) throw std::invalid_argument("table: a case is one letter");
-    if (!table.add(Distributed::StateOutput{name[0],
-                                            {named(palm, Palm::shallow), named(move, Move::closer)},
-                                            waits,
-                                            named(awaits, MessageKind::ack)})) {
+    if (!table.add(
+            MachineTable::StateOutput{name[0],
+                                      {named(palm, Palm::shallow), named(move, Move::closer)},
+                                      waits,
+                                      named(awaits, MessageKind::ack)})) {
       throw std::invalid_argument("table: too many states");
     }
   }
   if (table.states() == 0) throw std::invalid_argument("table: no state");
-  for (const auto& [state, p, got, tilt, next, send] : std::get<1>(given)) {
-    if (!table.add(MachineTable::Row{
-            number(state), named(p, ContactCondition::zero), named(got, Distributed::Got::ack),
-            named(tilt, Distributed::Tilt::done), number(next), named(send, MessageKind::ack)})) {
+  const auto number = [&](int state) {
+    if (state < 0 || state >= table.states()) {
       throw std::invalid_argument("table: a row names a state that does not exist");
     }
+    return static_cast<std::uint8_t>(state);
+  };
+  for (const auto& [state, p, heard, turned, next, send] : std::get<1>(given)) {
+    const WordSet words = heard.empty() ? any_word : WordSet(named(heard, MessageKind::ack));
+    table.add(MachineTable::Row{number(state), named(p, ContactCondition::zero), words,
+                                turned ? IfSet(If::turned) : IfSet{}, number(next),
+                                named(send, MessageKind::ack)});
   }
   return table;
 }
@@ -106,7 +106,7 @@ void bind_machines(nb::module_& m) {
           },
           nb::arg("left"), nb::arg("right"),
           "Per robot the states (case, palm, move, waits, awaited message) and the rows (state, "
-          "contact, message, palm turned, next state, message sent), in the words of table2().")
+          "contact, message that it reads, palm must have turned, next state, message sent).")
       .def(
           "image",
           [](const Machines& self, std::size_t side) {
@@ -143,9 +143,9 @@ void bind_machines(nb::module_& m) {
               throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
             }
             const auto out = (*self).step(
-                {static_cast<Sign>(sign), static_cast<MessageKind>(message), palm_at_target});
+                {static_cast<Sign>(sign), palm_at_target, 1, static_cast<MessageKind>(message)});
             return std::tuple(static_cast<int>(out.command.palm),
-                              static_cast<int>(out.command.move), static_cast<int>(out.send),
+                              static_cast<int>(out.command.move), static_cast<int>(out.message),
                               out.read);
           },
           nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
@@ -158,8 +158,8 @@ void bind_machines(nb::module_& m) {
             return nb::bytes(&state, 1);
           },
           "All that it remembers.")
-      .def_prop_ro("name", [](const Robot& self) { return nb::str(&self->now().name, 1); })
-      .def_prop_ro("waits", [](const Robot& self) { return self->now().waits; });
+      .def_prop_ro("name", [](const Robot& self) { return std::string(1, self->name()); })
+      .def_prop_ro("waits", [](const Robot& self) { return self->waits(); });
 }
 
 }  // namespace palmbots::bindings

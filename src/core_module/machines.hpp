@@ -6,8 +6,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/control/machine_table.hpp"
-#include "palmbots/sim/build.hpp"
-#include "palmbots/sim/distributed_team.hpp"
+#include "palmbots/sim/table_team.hpp"
 
 namespace palmbots::bindings {
 
@@ -17,11 +16,10 @@ struct Machines {
 };
 
 // The team of a carry. The machines must outlive it.
-inline DistributedTeam<MachineRobot> machine_team(const Machines& machines, const Spec& spec,
-                                                  std::uint64_t seed) {
-  return {PerSide<MachineRobot>{MachineRobot(&machines.tables[left]),
-                                MachineRobot(&machines.tables[right])},
-          channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed)};
+inline RobotTeam<MachineRobot> machine_team(const Machines& machines, const Spec& spec,
+                                            std::uint64_t seed) {
+  return robot_team_of<MachineRobot>(
+      {MachineRobot(&machines.tables[left]), MachineRobot(&machines.tables[right])}, spec, seed);
 }
 
 }  // namespace palmbots::bindings

@@ -40,18 +40,18 @@ AnyRobot robot_with(const Start& s, const Program& fresh, const Program& reboote
 }
 
 template <class Controller>
-AnyRobot message_robot(const Start& start, const Controller& controller) {
-  const runtime::MessageProgram<Controller> program(controller);
+AnyRobot partner_robot(const Start& start, const Controller& controller) {
+  const runtime::PartnerProgram<Controller> program(controller, start.epoch);
   return robot_with(start, program, program);
 }
 
 AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& start) {
   if (nb::isinstance<Machines>(controller)) {
-    return message_robot(start,
+    return partner_robot(start,
                          MachineRobot(&nb::cast<const Machines&>(controller).tables[start.side]));
   }
   if (!nb::isinstance<nb::str>(controller)) {
-    return message_robot(start, python_controllers(controller, spec)[start.side]);
+    return partner_robot(start, python_controllers(controller, spec)[start.side]);
   }
   AnyRobot robot;
   visit_program(nb::cast<std::string>(controller), [&](auto maker) {

@@ -29,7 +29,7 @@ template <class Table>
 class OneTableRobot : public AnyTableRobot {
  public:
   OneTableRobot(const Spec& spec, bool leads)
-      : robot_(table_times_of<Table>(spec), {leads, spec.brake != 0, spec.start_by_touch != 0}) {}
+      : robot_(table_robot_of<Table>(spec, leads ? leader_of(spec) : other(leader_of(spec)))) {}
 
   nb::tuple step(Sign sign, bool palm_at_target, MessageKind message, std::uint16_t age) override {
     const auto out = robot_.step({sign, palm_at_target, 1, message, false, false, age});
@@ -55,7 +55,6 @@ nb::object states_in(const Set& set, int count) {
 template <class Table>
 nb::dict described(const Spec& spec) {
   using State = typename Table::State;
-  const auto times = table_times_of<Table>(spec);
   nb::list states;
   for (int s = 0; s < Table::states; ++s) {
     const TableOutput& output = Table::outputs[s];
@@ -65,8 +64,12 @@ nb::dict described(const Spec& spec) {
     d["palm"] = name_of(output.command.palm);
     d["move"] = name_of(output.command.move);
     d["stop"] = output.command.stop || output.brakes;
-    d["word"] = Table::talks ? name_of(output.message) : "";
-    d["limit"] = output.limit < 0 ? "" : name_of(static_cast<typename Table::Limit>(output.limit));
+    d["waits"] = output.waits;
+    d["word"] = name_of(output.message);
+    d["limit"] = "";
+    if constexpr (Table::limits > 0) {
+      if (output.limit >= 0) d["limit"] = name_of(static_cast<typename Table::Limit>(output.limit));
+    }
     states.append(d);
   }
   nb::list rows;
@@ -85,20 +88,29 @@ nb::dict described(const Spec& spec) {
     d["heard"] = row.heard == any_word ? nb::object(nb::none()) : nb::object(heard);
     d["when"] = when;
     d["next"] = name_of(row.next);
+    d["send"] = name_of(row.send);
     rows.append(d);
-  }
-  nb::dict limits;
-  for (std::size_t i = 0; i < Table::limits; ++i) {
-    limits[name_of(static_cast<typename Table::Limit>(i))] = times.limits[i] * spec.period;
   }
   nb::dict d;
   d["initial"] = name_of(Table::initial);
-  d["talks"] = Table::talks;
+  constexpr const char* mails[] = {"none", "queue", "beacons"};
+  d["mail"] = mails[static_cast<int>(Table::mail)];
+  d["starts_by_touch"] = requires { Table::started_by_touch(true); };
   d["states"] = states;
   d["rows"] = rows;
+  nb::dict limits;
+  if constexpr (TableRobot<Table>::has_clock) {
+    const auto times = table_times_of<Table>(spec);
+    for (std::size_t i = 0; i < Table::limits; ++i) {
+      limits[name_of(static_cast<typename Table::Limit>(i))] = times.limits[i] * spec.period;
+    }
+    d["lease_s"] = times.lease * spec.period;
+    // The bounds of a table that does without Table::seconds are in control/resilient_timing.hpp.
+    if constexpr (Table::mail == Mail::beacons && requires { &Table::seconds; }) {
+      d["shortest_lease_s"] = shortest_table_lease(spec);
+    }
+  }
   d["limits_s"] = limits;
-  d["lease_s"] = times.lease * spec.period;
-  d["shortest_lease_s"] = shortest_table_lease(spec);
   return d;
 }
 

@@ -55,7 +55,7 @@ def test_times_in_the_default_scene() -> None:
     }
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
     assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
-    assert _core.transition_table("distributed", to_spec(Scene())) is None
+    assert _core.transition_table("centralized", to_spec(Scene())) is None
     late = table_of("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
     assert (late["limits_s"]["turn"], late["limits_s"]["notice"]) == (0.21, 0.21)
 

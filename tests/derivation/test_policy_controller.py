@@ -13,10 +13,11 @@ import palmbots as pb
 import palmbots._core as _core
 from machine_search import row_of
 from palmbots.control.registry import ControllerEntry, resolve
+from palmbots.control.table_timing import transition_table
 from palmbots.derivation.distributed_algorithm import machines_of
 from palmbots.derivation.policy_file import read_policy
 from palmbots.errors import PalmbotsError
-from palmbots.scene.scene import load_scene
+from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import OUTCOMES, run_batch, run_seeds
 
@@ -29,19 +30,21 @@ NOISY = {"robot.noise_m_s": 0.02, "task.distance_m": 0.6}
 
 def table_2_as_machines() -> ControllerEntry:
     """The paper's algorithm, whose compiled table is fixed, as a table that is data."""
-    outputs, rows = _core.table2()
-    number = {name: k for k, (name, *_) in enumerate(outputs)}
+    compiled = transition_table(resolve("distributed"), Scene())
+    assert compiled is not None
+    number = {state["name"]: k for k, state in enumerate(compiled["states"])}
     awaited = {"a_or_b_request": "Ack", "b_wait_ack": "Ack", "b_wait_down": "TiltDown",
                "c_wait_down": "TiltDown"}  # fmt: skip
-    states = tuple((case, palm, move, waits, awaited.get(name, ""))
-                   for name, case, palm, move, waits in outputs)  # fmt: skip
-    table = (
-        states,
-        tuple(
-            (number[state], p, got, tilt, number[after], send)
-            for state, p, got, tilt, after, send in rows
-        ),
-    )
+    states = tuple((state["case"], state["palm"], state["move"], state["waits"],
+                    awaited.get(state["name"], "")) for state in compiled["states"])  # fmt: skip
+    rows = []
+    for row in compiled["rows"]:
+        (start,) = row["states"]
+        # One row for each message; the one without a message comes last, because it looks at none.
+        for heard in sorted(row["heard"] or [""], reverse=True):
+            rows.append((number[start], row["contact"], heard, row["when"] == ["turned"],
+                         number[row["next"]], row["send"]))  # fmt: skip
+    table = (states, tuple(rows))
     return ControllerEntry("table-2-as-data", "", machines=(table, table))
 
 
@@ -90,7 +93,7 @@ def test_compiled_machine_steps_as_its_rows_say(path: Path) -> None:
                     ("hold", "away", "closer").index(output.move),
                 )
                 assert heard[sent] == ("" if row is None else row.send)
-                assert read == (row is not None and row.got != "any")
+                assert read == (row is not None and row.heard != "")
                 queue.append(after)
         assert len(reached) == len(names)  # no state is useless
 
@@ -105,10 +108,10 @@ STATE = ("a", "steep", "hold", False, "")
         ((STATE,) * 33, ()),
         ((("ab", *STATE[1:]),), ()),
         ((("a", "flat", *STATE[2:]),), ()),
-        ((STATE,), ((0, "any", "any", "any", 1, ""),)),
-        ((STATE,), ((-1, "any", "any", "any", 0, ""),)),
-        ((STATE,), ((0, "some", "any", "any", 0, ""),)),
-        ((STATE,), ((0, "any", "any", "any", 0, "Closing"),)),
+        ((STATE,), ((0, "any", "", False, 1, ""),)),
+        ((STATE,), ((-1, "any", "", False, 0, ""),)),
+        ((STATE,), ((0, "some", "", False, 0, ""),)),
+        ((STATE,), ((0, "any", "", False, 0, "Closing"),)),
     ],
 )
 def test_core_refuses_tables_that_are_none(table: Any) -> None:

@@ -99,20 +99,20 @@ def no_confirmation(row: MachineRow) -> MachineRow | None:
 
 def both_wait(row: MachineRow) -> MachineRow:
     """Where requests cross, both robots ignore the other's."""
-    return row._replace(next="a_ask") if (row.state, row.got) == ("a_ask", "tilt_up") else row
+    return row._replace(next="a_ask") if (row.state, row.heard) == ("a_ask", "TiltUp") else row
 
 
 def both_serve(row: MachineRow) -> MachineRow:
     """Where requests cross, both robots serve."""
-    return row._replace(next="c_a_turn") if (row.state, row.got) == ("a_ask", "tilt_up") else row
+    return row._replace(next="c_a_turn") if (row.state, row.heard) == ("a_ask", "TiltUp") else row
 
 
 def acknowledges_early(row: MachineRow) -> MachineRow:
-    return row._replace(tilt="any") if row.state == "c_a_turn" else row
+    return row._replace(turned=False) if row.state == "c_a_turn" else row
 
 
 def moves_early(row: MachineRow) -> MachineRow:
-    return row._replace(tilt="any") if row.state == "d_turn" else row
+    return row._replace(turned=False) if row.state == "d_turn" else row
 
 
 def never_stops(row: MachineRow) -> MachineRow | None:

@@ -13,15 +13,14 @@ Turn = tuple[int, str, str, tuple[str, ...], State]
 """The robot, its move, the other one's, the palms as seen, the state after."""
 ENDS = {"positive": {1}, "negative": {-1}, "zero": {0}, "any": {-1, 0, 1},
         "not_positive": {-1, 0}, "not_negative": {0, 1}}  # fmt: skip
-WORDS = {"tilt_up": "TiltUp", "tilt_down": "TiltDown", "ack": "Ack"}
 
 
 def row_of(machine: Any, state: str, sign: int, heard: str, settled: bool) -> Any:
     """The first row that fits; None: there is none."""
     for row in machine.rows:
         fits = row.state == state and sign in ENDS[row.contact]
-        fits = fits and (row.got == "any" or WORDS[row.got] == heard)
-        if fits and (row.tilt == "any" or settled):
+        fits = fits and row.heard in ("", heard)
+        if fits and (settled or not row.turned):
             return row
     return None
 
@@ -55,7 +54,7 @@ class MachineSearch:
                 row = row_of(self.machines[robot], names[robot], sign, heard, palms[robot][1] == 0)
                 name = names[robot] if row is None else row.next
                 box = [(word, min(age + 1, self.delay)) for word, age in mine]
-                if row is not None and row.got != "any":
+                if row is not None and row.heard:
                     box = box[1:]
                 sent = [(row.send, 0)] if row is not None and row.send else []
                 both = [list(inboxes[0]), list(inboxes[1])]

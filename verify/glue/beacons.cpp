@@ -1,55 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Beacons and leases of a table's robot as shipped behind beacons.h.
-#include "palmbots/control/beacon.hpp"
 #include "palmbots/control/shared_sign.hpp"
-#include "palmbots/control/table_robot.hpp"
 
-#include <bit>
 #include <cstdio>
 #include <cstdlib>
 
 #include "beacons.h"
+#include "table_robots.hpp"
 
-using palmbots::Beacon;
-using palmbots::BeaconReceiver;
-using palmbots::BeaconStamp;
-using palmbots::MessageKind;
+using namespace glue;
 using palmbots::SharedSign;
-using palmbots::Sign;
-using Robot = palmbots::TableRobot<SharedSign>;
 
 namespace {
-
-constexpr std::uint32_t present = 1000;  // what every clock reads, whatever the time
 
 int lease = 0;
 unsigned char stale() { return static_cast<unsigned char>(lease + 1); }
 
-// The members of a TableRobot, one by one.
-struct Members {
-  Robot::Times times;
-  Robot::Role role;
-  SharedSign::State state;
-  MessageKind word;
-  std::uint16_t age;
-  std::uint16_t since_entered;
-  std::uint16_t since_sent;
-};
-static_assert(sizeof(Members) == sizeof(Robot));
-
-Robot awake(int side) {
-  const unsigned char age = pair.robot[side].age;
-  return std::bit_cast<Robot>(Members{{1, static_cast<std::uint16_t>(lease), {1, 1, 1}},
-                                      {side == RIGHT, false},
-                                      SharedSign::State::rest_steep,
-                                      age > lease ? MessageKind::none : MessageKind::zero,
-                                      age,
-                                      0,
-                                      0});
-}
-
-BeaconStamp stamp_of(stamp s) {
-  return s.life == 0 ? BeaconStamp{} : BeaconStamp{s.life, present - std::uint32_t{s.age}};
+TableRobot<SharedSign> awake(int side) {
+  auto robot = robot_in<SharedSign>(static_cast<unsigned>(SharedSign::State::rest_steep), side,
+                                    {1, static_cast<std::uint16_t>(lease), {}});
+  robot.clock().age = pair.robot[side].age;
+  if (!robot.silence()) robot.clock().word = MessageKind::zero;
+  return robot;
 }
 
 unsigned char older(unsigned char age) {
@@ -109,14 +81,8 @@ int choices(int side) {
 
 void robot_step(int side, int age) {
   robot& r = pair.robot[side];
-  // The receiver at this moment: its own clock reads `present`, and so does the partner's.
-  BeaconReceiver receiver(r.life);
-  receiver.tick(static_cast<std::uint16_t>(present));
-  Beacon newest;
-  newest.sent = stamp_of({r.newest_life, r.newest_age});
-  receiver.accept(newest);
-
-  Robot controller = awake(side);
+  BeaconReceiver receiver = receiver_of(r.life, stamp{r.newest_life, r.newest_age});
+  TableRobot<SharedSign> controller = awake(side);
   palmbots::RobotInput in{Sign::zero, true, 1, MessageKind::none, false, false, 0};
   if (age >= 0) {
     const beacon& b = pair.air[side][age];
@@ -130,9 +96,8 @@ void robot_step(int side, int age) {
       r.true_bound = b.heard.life == r.life ? b.heard.age : stale();
     }
   }
-  const Robot::Output out = controller.step(in);
-  const auto m = std::bit_cast<Members>(controller);
-  r.age = static_cast<unsigned char>(m.age);
+  const palmbots::RobotOutput out = controller.step(in);
+  r.age = static_cast<unsigned char>(controller.clock().age);
   if (!out.send) return;
   const Beacon said = receiver.beacon(out.message, false, false);
   const bool heard_any = said.heard.epoch != 0;
@@ -150,7 +115,7 @@ void note_links(void) {
   }
 }
 
-char robot_case(int side) { return awake(side).now().name; }
+char robot_case(int side) { return awake(side).name(); }
 
 const char* robot_doing(int side) {
   return is_silent(side) ? "hears nothing" : "hears its partner";

@@ -4,6 +4,8 @@
 
 #include <type_traits>
 
+#include "palmbots/control/table_robot.hpp"
+
 #define robots robots_as_bytes  // the header declares them as bytes
 #include "distributed.h"
 #undef robots
@@ -11,28 +13,29 @@
 using palmbots::Distributed;
 using palmbots::MessageKind;
 using palmbots::Sign;
+using Robot = palmbots::TableRobot<Distributed>;
 
-static_assert(sizeof(Distributed) == 1 && std::is_trivially_copyable_v<Distributed>);
+static_assert(sizeof(Robot) == 1 && std::is_trivially_copyable_v<Robot>);
 
 extern "C" {
 
-Distributed robots[2];
+Robot robots[2];
 
 void robot_boot(int side) { robots[side] = {}; }
 
 deed robot_step(int side, int sign, int message, int turned) {
-  Distributed& robot = robots[side];
+  Robot& robot = robots[side];
   const Distributed::State before = robot.state();
-  const char case_before = robot.now().name;
+  const char case_before = robot.name();
   const auto out =
-      robot.step({static_cast<Sign>(sign), static_cast<MessageKind>(message), turned != 0});
-  const char case_after = robot.now().name;
+      robot.step({static_cast<Sign>(sign), turned != 0, 1, static_cast<MessageKind>(message)});
+  const char case_after = robot.name();
   const bool stray =
       before == Distributed::State::idle && message != static_cast<int>(MessageKind::tilt_up);
   deed done{};
   done.palm = static_cast<unsigned char>(out.command.palm);
   done.move = static_cast<unsigned char>(out.command.move);
-  done.send = static_cast<unsigned char>(out.send);
+  done.send = static_cast<unsigned char>(out.message);
   done.read = out.read;
   done.confused = out.read && (stray || robot.state() == before);
   done.stirred = robot.state() != before;
@@ -45,19 +48,19 @@ int robots_idle() {
          robots[RIGHT].state() == Distributed::State::idle;
 }
 
-int robots_in_d() { return robots[LEFT].now().name == 'd' && robots[RIGHT].now().name == 'd'; }
+int robots_in_d() { return robots[LEFT].name() == 'd' && robots[RIGHT].name() == 'd'; }
 
-char robot_case(int side) { return robots[side].now().name; }
+char robot_case(int side) { return robots[side].name(); }
 
 const char* robot_doing(int side) {
-  const Distributed::StateOutput& now = robots[side].now();
+  const palmbots::TableOutput& now = robots[side].now();
   switch (now.command.move) {
     case palmbots::Move::away: return "moves away";
     case palmbots::Move::closer: return "moves closer";
     case palmbots::Move::hold: break;
   }
   if (!now.waits) return now.name == ' ' ? "" : "turns its palm";
-  switch (now.awaits) {
+  switch (robots[side].awaits()) {
     case MessageKind::ack: return now.name == 'a' ? "waits for an answer" : "waits for Ack";
     case MessageKind::tilt_down: return "waits for TiltDown";
     default: return "waits";

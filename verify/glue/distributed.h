@@ -26,7 +26,7 @@ struct deed {
   unsigned char row_case; /* the case of Table 2 that the step belongs to, or ' ' */
 };
 
-extern unsigned char robots[2]; /* two palmbots::Distributed */
+extern unsigned char robots[2]; /* two palmbots::TableRobot<Distributed> */
 
 void robot_boot(int side);
 struct deed robot_step(int side, int sign, int message, int turned);

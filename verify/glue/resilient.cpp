@@ -3,80 +3,53 @@
 // behind resilient.h.
 #include "palmbots/control/resilient.hpp"
 
-#include <bit>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
-#include "palmbots/control/beacon.hpp"
 #include "resilient.h"
+#include "table_robots.hpp"
 
-using palmbots::Beacon;
-using palmbots::BeaconReceiver;
-using palmbots::BeaconStamp;
-using palmbots::MessageKind;
+using namespace glue;
 using palmbots::Resilient;
-using palmbots::Sign;
+using Robot = TableRobot<Resilient>;
 
 namespace {
 
-constexpr std::uint32_t present = 1000;  // what every clock reads, whatever the time
-
-Resilient::Times times{1, 0, 0, 0, 0};
+TableTimes<Resilient> times{};
 bool travels = true;
 std::uint8_t stale = 0;  // the first age that is too old
 
-// The members of a Resilient, one by one.
-struct Members {
-  Resilient::Times times;
-  Resilient::State state;
-  MessageKind message;
-  bool yields;
-  bool stopped;
-  bool partner_stopped;
-  bool partner_ready;
-  std::uint16_t age;
-  std::uint16_t since_ready;
-  std::uint16_t since_asked;
-  std::uint16_t since_moved;
-  std::uint16_t since_turned;
-  std::uint16_t since_entered;
-  std::uint16_t since_sent;
-};
-static_assert(sizeof(Members) == sizeof(Resilient));
-
-Resilient awake(int side) {
+Robot awake(int side) {
   const mind& m = pair.mind[side];
-  return std::bit_cast<Resilient>(Members{
-      times, static_cast<Resilient::State>(m.state), static_cast<MessageKind>(m.message),
-      side == LEFT, m.stopped != 0, m.partner_stopped != 0, m.partner_ready != 0, m.age,
-      m.since_ready, m.since_asked, m.since_moved, m.since_turned, m.since_entered, times.beacon});
+  Robot robot = robot_in<Resilient>(m.state, side, times);
+  auto& clock = robot.clock();
+  clock.word = static_cast<MessageKind>(m.message);
+  clock.age = m.age;
+  clock.since_entered = m.since_entered;
+  clock.own = {m.stopped != 0, m.partner_stopped != 0, m.partner_ready != 0, m.since_ready,
+               m.since_asked,  m.since_moved,          m.since_turned};
+  return robot;
 }
 
-// What matters of a controller later on. What it heard while it was not silent, and how long it has
-// been in a state that does not ask how long, does not.
-mind packed(const Resilient& robot) {
-  const auto m = std::bit_cast<Members>(robot);
+// What matters of a controller later on. What it heard before it fell silent does not.
+mind packed(const Robot& robot) {
+  const auto& clock = robot.clock();
   mind p{};
-  p.state = static_cast<unsigned char>(m.state);
-  p.message = robot.silence() ? 0 : static_cast<unsigned char>(m.message);
-  p.age = static_cast<unsigned char>(m.age);
-  p.since_asked = static_cast<unsigned char>(m.since_asked);
-  p.since_moved = static_cast<unsigned char>(m.since_moved);
-  p.since_entered =
-      m.state == Resilient::State::c_withdraw ? static_cast<unsigned char>(m.since_entered) : 0;
+  p.state = static_cast<unsigned char>(robot.state());
+  p.message = static_cast<unsigned char>(clock.heard());
+  p.age = static_cast<unsigned char>(clock.age);
+  p.since_asked = static_cast<unsigned char>(clock.own.since_asked);
+  p.since_moved = static_cast<unsigned char>(clock.own.since_moved);
+  p.since_entered = static_cast<unsigned char>(clock.since_entered);
   if (travels) {
-    p.stopped = m.stopped;
-    p.partner_stopped = robot.silence() || m.partner_stopped;
-    p.partner_ready = !robot.silence() && m.partner_ready;
-    p.since_ready = static_cast<unsigned char>(m.since_ready);
-    p.since_turned = static_cast<unsigned char>(m.since_turned);
+    p.stopped = clock.own.stopped;
+    p.partner_stopped = robot.silence() || clock.own.partner_stopped;
+    p.partner_ready = !robot.silence() && clock.own.partner_ready;
+    p.since_ready = static_cast<unsigned char>(clock.own.since_ready);
+    p.since_turned = static_cast<unsigned char>(clock.own.since_turned);
   }
   return p;
-}
-
-BeaconStamp stamp_of(stamp s) {
-  return s.life == 0 ? BeaconStamp{} : BeaconStamp{s.life, present - std::uint32_t{s.age}};
 }
 
 // A stamp a cycle later; what is too old to count may as well never have been.
@@ -102,32 +75,17 @@ Beacon beacon_of(const beacon& b, int age) {
           stamp_of(b.heard)};
 }
 
-// An receiver at this moment: its own clock reads `present`, and so does the partner's.
-BeaconReceiver receiver_of(int side) {
-  BeaconReceiver receiver(pair.life[side]);
-  receiver.tick(static_cast<std::uint16_t>(present));
-  Beacon newest;
-  newest.sent = stamp_of(pair.newest[side]);
-  receiver.accept(newest);
-  return receiver;
-}
-
 struct Step {
   BeaconReceiver receiver;
-  Resilient robot;
-  Resilient::Output out;
+  Robot robot;
+  palmbots::RobotOutput out;
 };
 
 // A step of the shipped controller; nothing is changed.
 Step step_of(int side, int choice, int turned, int elapsed) {
-  Step step{receiver_of(side), awake(side), {}};
-  Resilient::Input in{static_cast<Sign>(choice % SIGNS - 1),
-                      turned != 0,
-                      static_cast<std::uint16_t>(elapsed),
-                      MessageKind::none,
-                      false,
-                      false,
-                      0};
+  Step step{receiver_of(pair.life[side], pair.newest[side]), awake(side), {}};
+  palmbots::RobotInput in{static_cast<Sign>(choice % SIGNS - 1), turned != 0,
+                          static_cast<std::uint16_t>(elapsed)};
   const int heard = choice / SIGNS - 1;
   if (heard >= 0 && step.receiver.accept(beacon_of(pair.air[side][heard], heard))) {
     in.message = step.receiver.newest().message;
@@ -156,8 +114,10 @@ extern "C" {
 struct pair pair;
 
 void set_times(int lease, int hold, int braking, int join, int travels_too) {
-  times = {1, static_cast<std::uint16_t>(lease), static_cast<std::uint16_t>(hold),
-           static_cast<std::uint16_t>(braking), static_cast<std::uint16_t>(join)};
+  times = {1,
+           static_cast<std::uint16_t>(lease),
+           {static_cast<std::uint16_t>(hold), static_cast<std::uint16_t>(braking),
+            static_cast<std::uint16_t>(join)}};
   stale = static_cast<std::uint8_t>(lease + 1);
   travels = travels_too != 0;
   if (lease > LONGEST_LEASE) {
@@ -167,10 +127,8 @@ void set_times(int lease, int hold, int braking, int join, int travels_too) {
 }
 
 void robot_boot(int side, int again) {
-  using enum Resilient::State;
-  const auto state = static_cast<Resilient::State>(pair.mind[side].state);
-  const bool assists = state == c_grant || state == c_withdraw;  // Resilient::Output::assists
-  pair.mind[side] = packed(Resilient(times, side == LEFT, again != 0 && assists));
+  const bool assists = again != 0 && awake(side).assists();
+  pair.mind[side] = packed(robot_in<Resilient>(0, side, times).booted(assists));
   ++pair.life[side];
   pair.newest[side] = {};
   for (beacon& b : pair.air[side]) shorten(b, side);
@@ -240,7 +198,7 @@ deed robot_step(int side, int choice, int turned, int elapsed) {
           static_cast<unsigned char>(command.stop)};
 }
 
-char robot_case(int side) { return awake(side).now().name; }
+char robot_case(int side) { return awake(side).name(); }
 
 const char* robot_doing(int side) {
   return palmbots::name_of(static_cast<Resilient::State>(pair.mind[side].state));

@@ -2,21 +2,17 @@
 // The controllers silent and shared-sign as shipped (palmbots/control/table_robot.hpp) behind signs.h.
 #include "palmbots/control/shared_sign.hpp"
 #include "palmbots/control/silent.hpp"
-#include "palmbots/control/table_robot.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstdio>
 #include <cstdlib>
 
 #include "signs.h"
+#include "table_robots.hpp"
 
-using palmbots::MessageKind;
+using namespace glue;
 using palmbots::SharedSign;
-using palmbots::Sign;
 using palmbots::Silent;
-using palmbots::TableRobot;
 
 namespace {
 
@@ -37,8 +33,8 @@ std::uint16_t part_of_push(int tenths) {
 }
 
 template <class Table>
-typename TableRobot<Table>::Times times_of() {
-  if constexpr (Table::talks) {
+TableTimes<Table> times_of() {
+  if constexpr (Table::mail == palmbots::Mail::beacons) {
     return {1,
             fresh,
             {turn_limit, notice_limit, push_limit, rest_limit, part_of_push(1), part_of_push(3),
@@ -51,31 +47,12 @@ typename TableRobot<Table>::Times times_of() {
   }
 }
 
-// The members of a TableRobot, one by one.
-template <class Table>
-struct Members {
-  typename TableRobot<Table>::Times times;
-  typename TableRobot<Table>::Role role;
-  typename Table::State state;
-  MessageKind word;
-  std::uint16_t age;
-  std::uint16_t since_entered;
-  std::uint16_t since_sent;
-};
-
 // The controller of a robot, awake and without a word of its partner.
 template <class Table>
 TableRobot<Table> awake(int side) {
-  static_assert(sizeof(Members<Table>) == sizeof(TableRobot<Table>));
-  const mind& m = pair.mind[side];
-  return std::bit_cast<TableRobot<Table>>(
-      Members<Table>{times_of<Table>(),
-                     {side == RIGHT, brake},
-                     static_cast<typename Table::State>(m.state),
-                     MessageKind::none,
-                     fresh + 1,
-                     m.since_entered,
-                     0});
+  auto robot = robot_in<Table>(pair.mind[side].state, side, times_of<Table>(), brake);
+  robot.clock().since_entered = pair.mind[side].since_entered;
+  return robot;
 }
 
 // The controller of a robot that starts by touch.
@@ -86,8 +63,8 @@ TableRobot<Table> first(int side) {
 
 template <class Table>
 mind packed(const TableRobot<Table>& robot) {
-  const auto m = std::bit_cast<Members<Table>>(robot);
-  return {static_cast<unsigned char>(m.state), static_cast<unsigned char>(m.since_entered)};
+  return {static_cast<unsigned char>(robot.state()),
+          static_cast<unsigned char>(robot.clock().since_entered)};
 }
 
 // A step of the shipped controller.

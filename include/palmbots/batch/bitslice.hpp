@@ -84,7 +84,7 @@ class BitslicedCount {
 
 using BitslicedCounter = BitslicedCount<8>;
 
-// A count for each robot with the interface that control/lease_state.hpp needs. Time passes tick by
+// The functions of counts that control/transition_table.hpp has for one robot. Time passes tick by
 // tick.
 [[gnu::always_inline]] inline void advance(BitslicedCounter& since, std::uint16_t,
                                            const BitslicedCounter&) {
@@ -92,6 +92,10 @@ using BitslicedCounter = BitslicedCount<8>;
 }
 [[gnu::always_inline]] inline void reset_where(BitslicedCounter& since, RobotMask whose) {
   since.assign(whose, 0);
+}
+[[gnu::always_inline]] inline void exhaust_where(BitslicedCounter& since, RobotMask whose,
+                                                 const BitslicedCounter&) {
+  since.assign(whose, BitslicedCounter::most);
 }
 [[gnu::always_inline]] inline RobotMask at_least(const BitslicedCounter& since,
                                                  const BitslicedCounter& least) {

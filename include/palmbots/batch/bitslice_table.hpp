@@ -5,6 +5,7 @@
 // message. A row of the table becomes a few logical operations for all robots, without a branch.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <iterator>
@@ -41,8 +42,17 @@ struct BitslicedMessage {
       if (has(message, k)) bit[k] |= whose;
     }
   }
-  void insert(RobotMask whose, const BitslicedMessage& messages) {
-    for (std::size_t k = 0; k < bits; ++k) bit[k] |= messages.bit[k] & whose;
+  template <std::size_t fewer>
+    requires(fewer <= bits)
+  void insert(RobotMask whose, const BitslicedMessage<fewer>& messages) {
+    for (std::size_t k = 0; k < fewer; ++k) bit[k] |= messages.bit[k] & whose;
+  }
+  // The first bits of its number.
+  template <std::size_t some>
+  BitslicedMessage<some> first() const {
+    BitslicedMessage<some> found;
+    std::copy_n(bit.begin(), some, found.bit.begin());
+    return found;
   }
   void erase(RobotMask whose) {
     for (RobotMask& one : bit) one &= ~whose;

@@ -2,16 +2,18 @@
 // The controllers that are tables (control/table.hpp) for 64 pairs of robots at once, with one bit
 // for each robot and bit-sliced numbers.
 //
-// TableTeam (sim/table_team.hpp) handles single robots and beacons; this header does the same with
-// operations on words, for any table. It requires that the only faults are reboots of robots, that
-// their clocks run like the carry's, and, if the table talks, that all beacons of a carry have the
-// same delay or are lost (batch/bitslice_beacons.hpp).
+// TableTeam (sim/table_team.hpp) handles single robots and messages; this header does the same with
+// operations on words, for any table. It requires that the only faults are reboots of robots that
+// count time, that their clocks run like the carry's, and that all messages of a carry have the same
+// delay or are lost.
 #pragma once
 
 #include <bit>
+#include <type_traits>
 
 #include "palmbots/batch/bitslice_beacons.hpp"
 #include "palmbots/batch/bitslice_metrics.hpp"
+#include "palmbots/batch/bitslice_queue.hpp"
 #include "palmbots/sim/table_team.hpp"
 
 namespace palmbots {
@@ -22,39 +24,68 @@ class BitslicedTableTeam {
   using Robot = TableRobot<Table>;
   using Words = TableWords<Table>;
   using State = typename Table::State;
-  static constexpr std::size_t bits = std::bit_width(static_cast<unsigned>(Words::count - 1));
-  using Messages = BitslicedMessage<bits>;
+  using Memory = TableMemory<Table, RobotMask, BitslicedCounter>;
+  using MemoryLimits = decltype(Memory::limits(std::declval<TableTimes<Table>>()));
+  static constexpr bool is_queue = Table::mail == Mail::queue;
+  static constexpr bool is_beacons = Table::mail == Mail::beacons;
+  static constexpr bool has_memory = requires(Memory memory) { memory.partner_stopped; };
+  static constexpr std::size_t word_bits = std::bit_width(static_cast<unsigned>(Words::count - 1));
+  // A beacon of a table with a memory also says whether its sender rests, and whether it is ready.
+  static constexpr std::size_t rests_bit = word_bits;
+  static constexpr std::size_t ready_bit = word_bits + 1;
+  static constexpr std::size_t content_bits = word_bits + (has_memory ? 2 : 0);
+  using Messages = BitslicedMessage<word_bits>;
+  using Content = BitslicedMessage<content_bits>;
   using Time = BitslicedCount<12>;
 
+  static constexpr bool stops(const TableOutput& output) {
+    return output.command.stop || output.brakes;
+  }
+
  public:
-  static constexpr bool can_stop = true;
+  static constexpr bool can_stop =
+      has_memory || std::ranges::any_of(Table::outputs, [](const auto& o) { return stops(o); });
   static constexpr bool station = false;
 
   static bool supports(const TableTeam<Table>& team) {
-    const auto& t = team.times();
-    for (const std::uint16_t limit : t.limits) {
-      if (limit > Time::most) return false;
+    if constexpr (Robot::has_clock) {
+      const auto& t = team.robot(left).clock().times;
+      for (const std::uint16_t limit : t.limits) {
+        if (limit > Time::most) return false;
+      }
+      if (!team.keeps_time() || !team.faults().are_reboots()) return false;
+      if constexpr (has_memory) {
+        for (const std::uint16_t limit : Memory::limits(t)) {
+          if (limit > BitslicedCounter::most) return false;
+        }
+      }
+      if (is_beacons && std::max(std::uint32_t{t.beacon}, t.lease + 1U) > BitslicedCounter::most) {
+        return false;
+      }
+    } else if (team.faults().any()) {
+      return false;
     }
-    if (!team.keeps_time() || !(team.faults().are_reboots())) return false;
-    return !Table::talks ||
-           (std::max(std::uint32_t{t.beacon}, t.lease + 1U) <= BitslicedCounter::most &&
-            BitslicedDelay::supports(team.radio().steady_delay()));
+    return Table::mail == Mail::none || BitslicedDelay::supports(team.radio().steady_delay());
   }
 
   void insert(int i, const TableTeam<Table>& team) {
     const RobotMask here = both_at(i);
-    const auto& t = team.times();
-    for (std::size_t k = 0; k < Table::limits; ++k) limits_[k].assign(here, t.limits[k]);
-    for (const std::size_t side : {left, right}) {
-      if (team.robot(side).role().leads) leads_[side] |= CarryMask{1} << i;
-      if (team.robot(side).role().may_stop) may_stop_[side] |= CarryMask{1} << i;
-    }
     there_ |= here;
-    if constexpr (Table::talks) {
+    if constexpr (Robot::has_clock) {
+      const auto& t = team.robot(left).clock().times;
+      for (std::size_t k = 0; k < Table::limits; ++k) limits_[k].assign(here, t.limits[k]);
       beacon_.assign(here, t.beacon);
       stale_.assign(here, t.lease + 1U);
-      beacons_.insert(i, team.radio().steady_delay());
+      if constexpr (has_memory) {
+        const auto own = Memory::limits(t);
+        for (std::size_t k = 0; k < own.size(); ++k) own_limits_[k].assign(here, own[k]);
+      }
+      for (const std::size_t side : {left, right}) {
+        if (team.robot(side).role().leads) leads_[side] |= CarryMask{1} << i;
+        if (team.robot(side).role().may_stop) may_stop_[side] |= CarryMask{1} << i;
+      }
     }
+    if constexpr (Table::mail != Mail::none) mail_.insert(i, team.radio().steady_delay());
     boot(here);
     for (const std::size_t side : {left, right}) {
       RobotMask one{};
@@ -68,7 +99,7 @@ class BitslicedTableTeam {
     const RobotMask here = both_at(i);
     robots_.erase(here);
     for (RobotMask* words : {&leads_, &may_stop_, &there_}) *words &= ~here;
-    if constexpr (Table::talks) beacons_.erase(i);
+    if constexpr (Table::mail != Mail::none) mail_.erase(i);
     commands_.erase(here);
     cases_.erase(i);
   }
@@ -78,28 +109,46 @@ class BitslicedTableTeam {
     if (either(programs.booting) != 0) [[unlikely]]
       boot(programs.booting);
     const RobotMask run = there_ & ~programs.off;
-    since_entered_.increment();
-    Heard heard;
-    if constexpr (Table::talks) heard = hear(tick, run);
-    const TableConditions<RobotMask> met{sensed.palm_at_target, timed_out(), leads_, may_stop_};
+    if constexpr (Robot::has_clock) since_entered_.increment();
+    own_.pass(1, own_limits_);
+    const Heard heard = hear(tick, run);
+    TableConditions<RobotMask> met{.turned = sensed.palm_at_target,
+                                   .timed_out = timed_out(),
+                                   .leads = leads_,
+                                   .may_stop = may_stop_};
+    own_.meet(met, run, robots_, age_, ~heard.word[0], own_limits_);
     RobotMask entered{};
+    RobotMask reads{};
+    Messages sends;
     robots_.step(
         run,
         [&](const typename Robot::Row& row) {
           return fits_in_table<Table, RobotMask>(row, sensed, heard, met);
         },
         [&](const typename Robot::Row& row, RobotMask whose) {
-          entered |= whose & ~robots_.in(row.next);
+          if constexpr (Robot::has_clock) entered |= whose & ~robots_.in(row.next);
+          if constexpr (is_queue) {
+            sends.insert(whose, code(row.send));
+            if (row.reads()) reads |= whose;
+          }
         });
-    since_entered_.assign(entered, 0);
-    if constexpr (Table::talks) say(tick, run, lost);
+    if constexpr (Robot::has_clock) since_entered_.assign(entered, 0);
+    if constexpr (is_queue) {
+      mail_.read(reads);
+      mail_.post(tick, lost.from_robot, sends);
+    } else if constexpr (is_beacons) {
+      say(tick, run, sensed, ~heard.word[0], lost);
+    }
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
-    commands_.stop |=
-        may_stop_ & robots_.who([](const TableOutput& output) { return output.brakes; });
-    // A robot that is off keeps its palm, also one whose program has not run yet.
-    commands_.shallow = (commands_.shallow & ~programs.off) | (before.shallow & programs.off);
-    commands_.switch_off(programs.off);
+    if constexpr (Robot::has_clock) {
+      commands_.stop |=
+          may_stop_ & robots_.who([](const TableOutput& output) { return output.brakes; });
+      commands_.stop |= own_.stopped & there_;
+      // A robot that is off keeps its palm, also one whose program has not run yet.
+      commands_.shallow = (commands_.shallow & ~programs.off) | (before.shallow & programs.off);
+      commands_.switch_off(programs.off);
+    }
     return commands_.differ(before);
   }
 
@@ -107,15 +156,15 @@ class BitslicedTableTeam {
 
   void write_results(int i, std::uint32_t ticks, Metrics& metrics, LinkTotals& link_totals) const {
     cases_.write_results(i, ticks, metrics);
-    if constexpr (Table::talks) {
-      beacons_.write_results(i, link_totals);
+    if constexpr (Table::mail != Mail::none) {
+      mail_.write_results(i, link_totals);
     } else {
       link_totals.sent = link_totals.lost = 0;
     }
   }
 
  private:
-  // The newest words while they are fresh, by their place in the list of words.
+  // What the robots hear, by its place in the list of words.
   struct Heard {
     std::array<RobotMask, Words::count> word{};
 
@@ -130,49 +179,72 @@ class BitslicedTableTeam {
   }
 
   void boot(RobotMask whose) {
-    robots_.insert(whose, Table::initial);
+    RobotMask assisted{};
+    if constexpr (requires { Table::assisting; }) {
+      assisted = whose & robots_.where([](State state) { return Table::assisting.has(state); });
+      robots_.insert(assisted, Table::initial_assisting);
+    }
+    robots_.insert(whose & ~assisted, Table::initial);
     since_entered_.assign(whose, 0);
-    if constexpr (Table::talks) {
+    own_.boot(whose, own_limits_);
+    if constexpr (is_beacons) {
       says_.erase(whose);
-      says_.insert(whose, code(Table::outputs[static_cast<std::size_t>(Table::initial)].message));
+      says_.insert(whose, words());
       age_.assign(whose, BitslicedCounter::most);
       since_sent_.assign(whose, BitslicedCounter::most);
-      beacons_.boot(whose);
+      mail_.boot(whose);
     }
   }
 
   // The robots that have been in their state for its time limit.
   [[gnu::always_inline]] RobotMask timed_out() const {
     RobotMask found{};
-    [&]<std::size_t... k>(std::index_sequence<k...>) {
-      const auto add = [&](std::size_t limit) {
-        const RobotMask limited = robots_.who(
-            [&](const TableOutput& output) { return output.limit == static_cast<int>(limit); });
-        if (either(limited) != 0) found |= limited & since_entered_.at_least(limits_[limit]);
-      };
-      (add(k), ...);
-    }(std::make_index_sequence<Table::limits>());
+    for (std::size_t k = 0; k < Table::limits; ++k) {
+      const RobotMask limited = robots_.who(
+          [&](const TableOutput& output) { return output.limit == static_cast<int>(k); });
+      if (either(limited) != 0) found |= limited & since_entered_.at_least(limits_[k]);
+    }
     return found;
   }
 
   [[gnu::always_inline]] Heard hear(std::uint64_t tick, RobotMask run) {
-    age_.increment();
-    since_sent_.increment();
-    beacons_.hear(tick, run, newest_, age_, stale_);
-    const RobotMask silence = age_.at_least(stale_);
     Heard heard;
-    heard.word[0] = silence;
-    for (std::size_t k = 1; k < Words::count; ++k) {
-      heard.word[k] = newest_.is(static_cast<MessageKind>(k)) & ~silence;
+    if constexpr (is_queue) {
+      const Messages& unread = mail_.hear(tick);
+      for (std::size_t k = 0; k < Words::count; ++k) {
+        heard.word[k] = unread.is(static_cast<MessageKind>(k));
+      }
+    } else if constexpr (is_beacons) {
+      age_.increment();
+      since_sent_.increment();
+      const RobotMask news = mail_.hear(tick, run, newest_, age_, stale_);
+      if constexpr (has_memory) own_.hear(news, newest_.bit[rests_bit], newest_.bit[ready_bit]);
+      const RobotMask silence = heard.word[0] = age_.at_least(stale_);
+      for (std::size_t k = 1; k < Words::count; ++k) {
+        heard.word[k] =
+            newest_.template first<word_bits>().is(static_cast<MessageKind>(k)) & ~silence;
+      }
     }
     return heard;
   }
 
-  [[gnu::always_inline]] void say(std::uint64_t tick, RobotMask run, const BitslicedLoss& lost) {
+  [[gnu::always_inline]] void say(std::uint64_t tick, RobotMask run,
+                                  const BitslicedObservation& sensed, RobotMask fresh,
+                                  const BitslicedLoss& lost) {
     const Messages said = std::exchange(says_, words());
-    const RobotMask send = (says_.differ(said) | since_sent_.at_least(beacon_)) & run;
+    RobotMask centred{};
+    if constexpr (has_memory)
+      centred = robots_.in(Table::idle) & ~(sensed.positive | sensed.negative);
+    const auto own = own_.finish(run, robots_, centred, age_, fresh, own_limits_);
+    const RobotMask send = (says_.differ(said) | own.is_news | since_sent_.at_least(beacon_)) & run;
     since_sent_.assign(send, 0);
-    beacons_.post(tick, send, lost.from_robot, says_);
+    Content content;
+    content.insert(~RobotMask{}, says_);
+    if constexpr (has_memory) {
+      content.bit[rests_bit] = own_.stopped;
+      content.bit[ready_bit] = own.ready;
+    }
+    mail_.post(tick, send, lost.from_robot, content);
   }
 
   // The words that the robots say in their states.
@@ -192,14 +264,16 @@ class BitslicedTableTeam {
   RobotMask may_stop_{};
   Time since_entered_;
   std::array<Time, Table::limits> limits_;
+  Memory own_;
+  std::conditional_t<has_memory, std::array<BitslicedCounter, 3>, int> own_limits_{};
 
-  Messages newest_;  // the partner's newest word
-  Messages says_;    // its own word
+  Content newest_;  // the partner's newest beacon
+  Messages says_;   // its own word
   BitslicedCounter age_;
   BitslicedCounter since_sent_;
   BitslicedCounter beacon_;  // the beacon period
   BitslicedCounter stale_;   // the smallest age at which a word is too old
-  BitslicedBeacons<bits> beacons_;
+  std::conditional_t<is_queue, BitslicedQueue<word_bits>, BitslicedBeacons<content_bits>> mail_;
 
   BitslicedCommand commands_;
   BitslicedCaseMetrics cases_;

@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "palmbots/batch/bitslice_centralized.hpp"
-#include "palmbots/batch/bitslice_distributed.hpp"
-#include "palmbots/batch/bitslice_resilient.hpp"
 #include "palmbots/batch/bitslice_table_team.hpp"
 #include "palmbots/batch/event_draws.hpp"
 #include "palmbots/sim/recorder.hpp"

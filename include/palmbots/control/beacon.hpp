@@ -39,17 +39,6 @@ struct Beacon {
   BeaconStamp heard;  // the newest stamp received from the partner
 };
 
-// What a robot that exchanges beacons knows at a step.
-struct RobotInput {
-  Sign sign;
-  bool palm_at_target;    // the palm has reached the angle last commanded
-  std::uint16_t elapsed;  // ticks since the last step, at least 1
-  MessageKind message;    // from a beacon newer than all before, else none
-  bool stopped;           // that beacon's sender does not travel
-  bool ready;             // no condition keeps that sender from travelling
-  std::uint16_t age;      // of that beacon, from BeaconReceiver::age()
-};
-
 // Age reported before any beacon was received; it always exceeds the lease [ticks].
 inline constexpr std::uint16_t unknown_age = 0xFFFF;
 

@@ -7,7 +7,7 @@
 // message to send is sent once.
 #pragma once
 
-#include "palmbots/control/distributed.hpp"
+#include "palmbots/control/table.hpp"
 
 namespace palmbots {
 
@@ -21,14 +21,20 @@ struct ExternalCommand {
 // A controller that executes the command it points to. It reports no case and never waits.
 class ExternalController {
  public:
+  static constexpr Mail mail = Mail::queue;
+  static constexpr bool has_clock = false;
+
   explicit ExternalController(const ExternalCommand* command) : command_(command) {}
 
-  Distributed::Output step(Distributed::Input) const {
-    return {command_->command, command_->send, command_->read};
+  RobotOutput step(const RobotInput&) const {
+    const MessageKind send = command_->send;
+    return {command_->command, send, send != MessageKind::none, command_->read};
   }
-  Distributed::StateOutput now() const {
-    return {' ', command_->command, false, MessageKind::none};
-  }
+  ExternalController booted() const { return *this; }
+  static constexpr char name() { return ' '; }
+  static constexpr bool waits() { return false; }
+  static constexpr MessageKind awaits() { return MessageKind::none; }
+  static constexpr bool stopped() { return false; }
 
  private:
   const ExternalCommand* command_;

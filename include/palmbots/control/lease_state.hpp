@@ -3,121 +3,140 @@
 // events, and who travels.
 //
 // Written once for two uses: one robot, LeaseState<bool, std::uint16_t>, and the robots of 64
-// pairs, where a truth value is a word and a count is bit-sliced (batch/bitslice.hpp). A count
-// offers advance(), reset_where() and at_least().
+// pairs, where a truth value is a word and a count is bit-sliced (batch/bitslice.hpp).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
-#include "palmbots/control/transition_table.hpp"
+#include "palmbots/control/table.hpp"
 
 namespace palmbots {
 
-// A count of ticks for one robot. It saturates at `most`, because longer times make no difference.
-constexpr void advance(std::uint16_t& since, std::uint16_t elapsed, std::uint16_t most) {
-  since = elapsed < most - since ? static_cast<std::uint16_t>(since + elapsed) : most;
-}
-// Resets the count of the robots in `whose`.
-constexpr void reset_where(std::uint16_t& since, bool whose) {
-  if (whose) since = 0;
-}
-constexpr bool at_least(std::uint16_t since, std::uint16_t least) { return since >= least; }
-
-// The time limits of the algorithm [ticks].
-template <class Count>
-struct LeaseLimits {
-  Count beacon;    // period of the beacons
-  Count stale;     // the smallest age at which a message is too old: lease + 1
-  Count hold;      // how long a palm stays up for a silent partner
-  Count braking;   // how long the wheels take to brake
-  Count long_ago;  // the smallest since_ready that no longer counts: join + 1
+// Time limits of the algorithm (control/resilient_timing.hpp).
+enum class LeaseLimit : std::uint8_t {
+  hold,     // how long a palm stays up for a silent partner
+  braking,  // how long the wheels take to brake
+  join,     // for how long a robot that was ready may still start after its partner
 };
 
-// Times and flags of one robot, or of many (B and Count as above).
+// Times and flags of one robot, or of many. `robots` are asked which of them have an output:
+// robots.who(predicate). `age` is that of the partner's newest word, and it counts where it is
+// `fresh`.
 template <class B, class Count>
 struct LeaseState {
-  B yields{};  // this robot has the lower identity
   B stopped{};
   B partner_stopped{};
   B partner_ready{};
-  Count age{};            // of the newest beacon
-  Count since_ready{};    // since it was last linked, idle and p = 0
-  Count since_asked{};    // since the last step that sent TiltUp; a boot counts as one
-  Count since_moved{};    // since the step that ended the last move; a boot counts as one
-  Count since_turned{};   // since the step at which it last started or stopped
-  Count since_entered{};  // since the state was entered
-  Count since_sent{};     // since the last beacon
+  Count since_ready{};   // since it was last linked, idle and p = 0
+  Count since_asked{};   // since the last step that sent TiltUp; a boot counts as one
+  Count since_moved{};   // since the step that ended the last move; a boot counts as one
+  Count since_turned{};  // since the step at which it last started or stopped
 
-  using Limits = LeaseLimits<Count>;
+  // What the counts are compared with [ticks]: the smallest age at which a word is too old
+  // (lease + 1), how long the wheels take to brake, and the smallest since_ready that no longer
+  // counts (join + 1).
+  enum : std::size_t { stale, brake, long_ago };
+  using Limits = std::array<Count, 3>;
+
+  template <class Times>
+  static constexpr std::array<std::uint16_t, 3> limits(const Times& times) {
+    const auto limit = [&](LeaseLimit one) { return times.limits[static_cast<std::size_t>(one)]; };
+    return {static_cast<std::uint16_t>(times.lease + 1), limit(LeaseLimit::braking),
+            static_cast<std::uint16_t>(limit(LeaseLimit::join) + 1)};
+  }
+
+  // After a boot a robot rests.
+  [[gnu::always_inline]] constexpr void boot(const B& whose, const Limits& limits) {
+    exhaust_where(since_ready, whose, limits[long_ago]);
+    for (Count* since : {&since_asked, &since_moved, &since_turned}) reset_where(*since, whose);
+    stopped = stopped | whose;
+    partner_stopped = partner_stopped | whose;
+    partner_ready = partner_ready & opposite(whose);
+  }
 
   [[gnu::always_inline]] constexpr void pass(std::uint16_t elapsed, const Limits& limits) {
-    advance(age, elapsed, limits.stale);
-    advance(since_asked, elapsed, limits.stale);
-    advance(since_ready, elapsed, limits.long_ago);
-    advance(since_moved, elapsed, limits.braking);
-    advance(since_turned, elapsed, limits.stale);
-    advance(since_entered, elapsed, limits.hold);
-    advance(since_sent, elapsed, limits.beacon);
+    advance(since_asked, elapsed, limits[stale]);
+    advance(since_ready, elapsed, limits[long_ago]);
+    advance(since_moved, elapsed, limits[brake]);
+    advance(since_turned, elapsed, limits[stale]);
   }
 
-  // True if there is no fresh message: the partner is silent, or does not hear this robot.
-  [[gnu::always_inline]] constexpr B silence(const Limits& limits) const {
-    return at_least(age, limits.stale);
+  // What a beacon said besides the word.
+  [[gnu::always_inline]] constexpr void hear(const B& whose, const B& stops, const B& is_ready) {
+    partner_stopped = (partner_stopped & opposite(whose)) | (stops & whose);
+    partner_ready = (partner_ready & opposite(whose)) | (is_ready & whose);
   }
 
-  // The conditions of the rows, evaluated before the transition, for the robots that run.
-  template <class Conditions>
-  [[gnu::always_inline]] constexpr Conditions conditions(const B& run, const B& moves,
-                                                         const B& palm_at_target, const B& silence,
-                                                         const Limits& limits) {
-    reset_where(since_moved, moves & run);
-    const B braked = at_least(since_moved, limits.braking);
+  // The conditions of the rows, before the transition, for the robots that run.
+  template <class Robots>
+  [[gnu::always_inline]] constexpr void meet(TableConditions<B>& met, const B& run,
+                                             const Robots& robots, const Count& age, const B& fresh,
+                                             const Limits& limits) {
+    reset_where(since_moved, robots.who(moves) & run);
+    const B braked = at_least(since_moved, limits[brake]);
     // True if the partner knew, when it sent the newest message, that this robot no longer asks.
     const B is_later = opposite(at_least(age, since_asked));
-    const B fresh = opposite(silence);
-    const B settled = palm_at_target & braked;
-    const B released = is_later & fresh;
-    return {settled, released, yields, at_least(since_entered, limits.hold)};
+    met.settled = met.turned & braked;
+    met.released = is_later & fresh;
   }
 
-  struct Finished {
-    B ready;  // ready to travel
-    B send;   // a beacon is due
+  struct Effect {
+    B ready;    // ready to travel
+    B is_news;  // it has started or stopped to travel
   };
 
-  // Updates after the transition: which robots entered a new state, ask for the partner's palm, are
-  // idle with p = 0, and have a new message.
-  [[gnu::always_inline]] constexpr Finished finish(const B& run, const B& entered, const B& asks,
-                                                   const B& centred, const B& says_other,
-                                                   const B& silence, const Limits& limits) {
-    reset_where(since_entered, entered);
-    reset_where(since_asked, asks & run);
-    const B fresh = opposite(silence);
+  // Updates after the transition, for the robots that run. `centred`: idle with p = 0.
+  template <class Robots>
+  [[gnu::always_inline]] constexpr Effect finish(const B& run, const Robots& robots,
+                                                 const B& centred, const Count& age, const B& fresh,
+                                                 const Limits& limits) {
+    reset_where(since_asked, robots.who(asks) & run);
     const B ready_now = centred & fresh & run;
     reset_where(since_ready, ready_now);
-    const B lately_ready = opposite(at_least(since_ready, limits.long_ago));
+    const B lately_ready = opposite(at_least(since_ready, limits[long_ago]));
     // True if the partner knew, when it sent the newest beacon, whether this robot travels or
     // rests.
     const B known = at_least(since_turned, age);
     const B partner_travels = opposite(partner_stopped);
     const B may_start = fresh & partner_ready &
                         ((partner_stopped & ready_now & known) | (partner_travels & lately_ready));
-    const B must_stop = silence | (partner_stopped & known);
+    const B must_stop = opposite(fresh) | (partner_stopped & known);
     const B was_stopped = stopped;
     const B travelled = opposite(was_stopped);
     const B stays = opposite<B>(may_start & run);
     stopped = (was_stopped & stays) | (travelled & must_stop & run);
     const B changed = stopped ^ was_stopped;
     reset_where(since_turned, changed);
-    const B due = at_least(since_sent, limits.beacon);
-    const B send = (says_other | changed | due) & run;
-    reset_where(since_sent, send);
     // At rest a robot is ready or not. While a start is under way it stays ready for a little
     // longer.
     const B travels = opposite(stopped);
     const B ready = ready_now | (travels & lately_ready);
-    return {ready, send};
+    return {ready, changed};
   }
+
+  // The same where steps change nothing but these counts.
+  template <class Robots>
+  constexpr void stay(const B& run, const Robots& robots, const B& centred, const B& fresh) {
+    reset_where(since_moved, robots.who(moves) & run);
+    reset_where(since_asked, robots.who(asks) & run);
+    reset_where(since_ready, centred & fresh & run);
+  }
+
+  // Calls visit(since, limit) for the counts whose limit changes what one robot does in its state.
+  // Comparisons of two ages do not change, because both ages grow.
+  template <class Visit>
+  constexpr void until(bool palm_at_target, const Limits& limits, Visit&& visit) const {
+    if (palm_at_target) visit(since_moved, limits[brake]);
+  }
+
+ private:
+  static constexpr auto moves = [](const TableOutput& output) {
+    return output.command.move != Move::hold;
+  };
+  static constexpr auto asks = [](const TableOutput& output) {
+    return output.message == MessageKind::tilt_up;
+  };
 };
 
 }  // namespace palmbots

@@ -74,4 +74,29 @@ struct Command {
   constexpr bool operator==(const Command&) const = default;
 };
 
+// What the program of a robot knows at a step.
+struct RobotInput {
+  Sign sign;
+  bool palm_at_target;        // the palm has reached the angle last commanded
+  std::uint16_t elapsed = 1;  // ticks since the last step, at least 1
+  // With a queue the oldest message that it has not read; with beacons that of a beacon newer than
+  // all before. Else none.
+  MessageKind message = MessageKind::none;
+  // The rest of that beacon.
+  bool stopped = false;   // its sender does not travel
+  bool ready = false;     // no condition keeps that sender from travelling
+  std::uint16_t age = 0;  // from BeaconReceiver::age()
+};
+
+// What it decides.
+struct RobotOutput {
+  Command command;
+  // With a queue the message to send now, or none; with beacons its present word, at all times.
+  MessageKind message = MessageKind::none;
+  bool send = false;     // the message is sent now
+  bool read = false;     // with a queue: the message that it heard is consumed
+  bool ready = false;    // no condition keeps it from travelling, at all times
+  bool assists = false;  // keep this bit across a reboot
+};
+
 }  // namespace palmbots

@@ -74,7 +74,7 @@ struct ResilientTimingInputs {
 struct ResilientTiming {
   enum class Problem : std::uint8_t { none, beacon_too_short, lease_too_short, lease_too_long };
 
-  Resilient::Times times{};
+  TableTimes<Resilient> times{};
   double delay = 0;           // D [ticks]
   double braking = 0;         // K [ticks]
   double skips = 0;           // W [ticks]
@@ -116,8 +116,8 @@ struct ResilientTiming {
     b.losses = rounded_down((lease - b.shortest_lease) / beacon);
     const double braking = rounded_up(b.clock_ratio * b.braking);
     const double join = joining(b);
-    b.times = {to_ticks(beacon), to_ticks(lease), to_ticks(hold), to_ticks(braking),
-               to_ticks(join)};
+    b.times = {
+        to_ticks(beacon), to_ticks(lease), {to_ticks(hold), to_ticks(braking), to_ticks(join)}};
     b.alone = b.clock_ratio * (lease + b.stride) + b.skips;
     b.skew = in.shift * (b.alone + b.clock_ratio * join);
     b.noise = in.off_zone + in.drift * (b.alone + b.clock_ratio * join);

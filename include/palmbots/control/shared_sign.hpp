@@ -134,19 +134,32 @@ struct SharedSign {
     return timing.reach * 4;
   }
 
-  static constexpr bool talks = true;
-  static constexpr int turn = static_cast<int>(Limit::turn);
-  static constexpr int notice = static_cast<int>(Limit::notice);
-  static constexpr int push = static_cast<int>(Limit::push);
-  static constexpr int rest = static_cast<int>(Limit::rest);
-  static constexpr int patience = static_cast<int>(Limit::patience);
-  static constexpr int back = static_cast<int>(Limit::back);
-  static constexpr int watch = static_cast<int>(Limit::watch);
-  static constexpr int wait = static_cast<int>(Limit::wait);
+  static constexpr Mail mail = Mail::beacons;
+  static constexpr auto turn = static_cast<std::int8_t>(Limit::turn);
+  static constexpr auto notice = static_cast<std::int8_t>(Limit::notice);
+  static constexpr auto push = static_cast<std::int8_t>(Limit::push);
+  static constexpr auto rest = static_cast<std::int8_t>(Limit::rest);
+  static constexpr auto patience = static_cast<std::int8_t>(Limit::patience);
+  static constexpr auto back = static_cast<std::int8_t>(Limit::back);
+  static constexpr auto watch = static_cast<std::int8_t>(Limit::watch);
+  static constexpr auto wait = static_cast<std::int8_t>(Limit::wait);
 
   using S = State;
   using M = MessageKind;
   static constexpr bool stop = true;
+  // A robot that hears nothing does off centre what Silent does: the state for one of Silent's, and its
+  // output.
+  static constexpr auto alone_state = [](Silent::State state) {
+    return static_cast<State>(static_cast<int>(S::alone_outward) + static_cast<int>(state) -
+                              static_cast<int>(Silent::State::outward));
+  };
+  static constexpr auto alone = [](Silent::State state, M word, std::int8_t limit = -1) {
+    TableOutput output = Silent::outputs[static_cast<int>(state)];
+    output.message = word;
+    output.limit = limit;
+    return output;
+  };
+
   // clang-format off
   static constexpr TableOutput outputs[states] = {
       /* rest_steep             */ {' ', {Palm::steep, Move::hold}, M::zero},
@@ -170,14 +183,14 @@ struct SharedSign {
       /* follow_in_shallow      */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
       /* alone_centred          */ {' ', {Palm::shallow, Move::hold}, M::zero},
       /* alone_watch            */ {' ', {Palm::steep, Move::hold}, M::zero, watch},
-      /* alone_outward          */ {'a', {Palm::steep, Move::away}, M::plus},
-      /* alone_inward           */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, push},
-      /* alone_pause            */ {'d', {Palm::shallow, Move::hold}, M::minus_shallow, rest},
-      /* alone_outward_follower */ {'a', {Palm::steep, Move::away}, M::plus, patience},
-      /* alone_outward_stop     */ {'a', {Palm::steep, Move::hold, stop}, M::plus},
-      /* alone_inward_leader    */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow, patience},
-      /* alone_inward_stop      */ {'d', {Palm::shallow, Move::hold, stop}, M::minus_shallow, wait},
-      /* alone_inward_back      */ {'d', {Palm::shallow, Move::closer, stop}, M::minus_shallow, back},
+      /* alone_outward          */ alone(Silent::State::outward, M::plus),
+      /* alone_inward           */ alone(Silent::State::inward, M::minus_shallow, push),
+      /* alone_pause            */ alone(Silent::State::pause, M::minus_shallow, rest),
+      /* alone_outward_follower */ alone(Silent::State::outward_follower, M::plus, patience),
+      /* alone_outward_stop     */ alone(Silent::State::outward_stop, M::plus),
+      /* alone_inward_leader    */ alone(Silent::State::inward_leader, M::minus_shallow, patience),
+      /* alone_inward_stop      */ alone(Silent::State::inward_stop, M::minus_shallow, wait),
+      /* alone_inward_back      */ alone(Silent::State::inward_back, M::minus_shallow, back),
       /* alone_wait             */ {' ', {Palm::shallow, Move::hold, stop}, M::zero, wait},
   };
   // clang-format on
@@ -185,12 +198,12 @@ struct SharedSign {
   using P = ContactCondition;
   using Set = EnumSet<State>;
   static constexpr Set any = Set::all();
-  static constexpr Set alone_out = {S::alone_outward_follower, S::alone_outward_stop};
-  static constexpr Set alone_in = {S::alone_inward, S::alone_pause, S::alone_inward_leader,
-                                   S::alone_inward_stop, S::alone_inward_back};
   static constexpr Set backed = {S::alone_inward_back, S::alone_wait};
-  static constexpr Set together = any - Set{S::alone_centred, S::alone_watch, S::alone_outward} -
-                                  alone_out - alone_in - S::alone_wait;
+  static constexpr Set together = [] {
+    Set before;  // the states in which the partner is heard come first
+    before.bits = (1U << static_cast<unsigned>(S::alone_centred)) - 1;
+    return before;
+  }();
   static constexpr Set steep = states_with<State>(Palm::steep, outputs);
   static constexpr Set shallow = states_with<State>(Palm::shallow, outputs);
   static constexpr Set ends_out = {S::lead_out_steep_ends, S::lead_out_shallow_ends};
@@ -201,28 +214,17 @@ struct SharedSign {
   static constexpr WordSet minus = {M::minus, M::minus_shallow};
   static constexpr WordSet not_plus = {M::zero, M::minus, M::minus_shallow};
   static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
-  static constexpr IfSet follows_and_stops = {If::follows, If::may_stop};
 
   // clang-format off
-  static constexpr TableRow<State> rows[] = {
+  static constexpr TableRow<State> own_rows[] = {
       // in state                 contact      hears            if             go to
-      // the partner is silent: the rows of `silent`
+      // the partner is silent, and the contact is centred, or the robot waits (behind these rows: off centre)
       {S::alone_wait,             P::zero,     silence,         If::timed_out,     S::alone_watch},
       {S::alone_watch,            P::zero,     silence,         If::timed_out,     S::alone_centred},
       {backed,                    P::zero,     silence,         {},                S::alone_wait},
       {together,                  P::zero,     silence,         leads_and_stops,   S::alone_watch},
       {any - S::alone_watch,      P::zero,     silence,         {},                S::alone_centred},
-      {S::alone_outward_follower, P::positive, silence,         If::timed_out,     S::alone_outward_stop},
-      {any - alone_out,           P::positive, silence,         follows_and_stops, S::alone_outward_follower},
-      {any - alone_out,           P::positive, silence,         {},                S::alone_outward},
       {S::alone_wait,             P::negative, silence,         leads_and_stops,   S::alone_inward_stop},
-      {S::alone_inward_leader,    P::negative, silence,         If::timed_out,     S::alone_inward_stop},
-      {S::alone_inward_stop,      P::negative, silence,         If::timed_out,     S::alone_inward_back},
-      {S::alone_inward_back,      P::negative, silence,         If::timed_out,     S::alone_inward_leader},
-      {S::alone_inward,           P::negative, silence,         If::timed_out,     S::alone_pause},
-      {S::alone_pause,            P::negative, silence,         If::timed_out,     S::alone_inward},
-      {any - alone_in,            P::negative, silence,         leads_and_stops,   S::alone_inward_leader},
-      {any - alone_in,            P::negative, silence,         {},                S::alone_inward},
       // different signs, or both zero
       {steep,                     P::zero,     zero,            {},            S::rest_steep},
       {shallow,                   P::zero,     zero,            {},            S::rest_shallow},
@@ -252,6 +254,7 @@ struct SharedSign {
       {any,                       P::negative, M::minus_shallow, If::follows,  S::follow_in_steep},
   };
   // clang-format on
+  static constexpr auto rows = with_rows_of_silent(own_rows, silence, alone_state);
 };
 
 constexpr const char* name_of(SharedSign::State state) {

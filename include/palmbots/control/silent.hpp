@@ -36,6 +36,10 @@
 // docs/theory/sign-controllers.md has the figures.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 #include "palmbots/control/table.hpp"
 
 namespace palmbots {
@@ -96,13 +100,13 @@ struct Silent {
     return timing.crossing < timing.reach ? timing.crossing : timing.reach;  // zones may be endless
   }
 
-  static constexpr bool talks = false;
-  static constexpr int push = static_cast<int>(Limit::push);
-  static constexpr int rest = static_cast<int>(Limit::rest);
-  static constexpr int patience = static_cast<int>(Limit::patience);
-  static constexpr int wait = static_cast<int>(Limit::wait);
-  static constexpr int back = static_cast<int>(Limit::back);
-  static constexpr int start = static_cast<int>(Limit::start);
+  static constexpr Mail mail = Mail::none;
+  static constexpr auto push = static_cast<std::int8_t>(Limit::push);
+  static constexpr auto rest = static_cast<std::int8_t>(Limit::rest);
+  static constexpr auto patience = static_cast<std::int8_t>(Limit::patience);
+  static constexpr auto wait = static_cast<std::int8_t>(Limit::wait);
+  static constexpr auto back = static_cast<std::int8_t>(Limit::back);
+  static constexpr auto start = static_cast<std::int8_t>(Limit::start);
 
   static constexpr bool stop = true;
   static constexpr TableOutput outputs[states] = {
@@ -149,6 +153,30 @@ struct Silent {
   };
   // clang-format on
 };
+
+// The rows of another table, and behind them those of Silent for a contact off centre, for robots that
+// hear one of these words. `of` gives the other table's state for each of Silent's from outward to
+// inward_back; all its other states count as centred.
+template <class State, std::size_t n, class Of>
+constexpr auto with_rows_of_silent(const TableRow<State> (&own)[n], WordSet heard, Of of) {
+  constexpr auto is_off = [](const TableRow<Silent::State>& row) {
+    return row.p == ContactCondition::positive || row.p == ContactCondition::negative;
+  };
+  std::array<TableRow<State>, n + std::ranges::count_if(Silent::rows, is_off)> rows{};
+  auto* next = std::copy(own, own + n, rows.data());
+  for (const TableRow<Silent::State>& row : Silent::rows) {
+    if (!is_off(row)) continue;
+    const bool from_centred = row.from.has(Silent::State::centred);
+    EnumSet<State> others;  // the states in which it starts, or, if it starts centred, does not
+    for (int k = 1; k < static_cast<int>(Silent::State::start_wait); ++k) {
+      const auto s = static_cast<Silent::State>(k);
+      if (row.from.has(s) != from_centred) others.bits |= EnumSet<State>(of(s)).bits;
+    }
+    *next++ = {from_centred ? EnumSet<State>::all() - others : others, row.p, heard, row.when,
+               of(row.next)};
+  }
+  return rows;
+}
 
 constexpr const char* name_of(Silent::State state) {
   return Silent::words[static_cast<int>(state)].name;

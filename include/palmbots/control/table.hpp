@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tables: what a controller states as data, and the meaning of its conditions.
 //
-// A table is a Moore machine: it states what a robot commands and says in each state, and which rows
-// lead from state to state. A row may start in one state, in several or in any. It names what the
-// robot senses, its partner's newest word, and further conditions. A robot runs the first row that
-// fits; if none fits, it stays in its state. control/table_robot.hpp makes the program of one robot
-// from a table, batch/bitslice_table_team.hpp that of 64 pairs.
+// A table states what a robot commands in each state, and which rows lead from state to state. A row
+// may start in one state, in several or in any. It names what the robot senses, what it hears from
+// its partner, and further conditions. A robot runs the first row that fits; if none fits, it stays
+// in its state. control/table_robot.hpp makes the program of one robot from a table,
+// batch/bitslice_table_team.hpp that of 64 pairs, and control/machine_table.hpp is a table that is
+// known at run time only.
 //
 // A Table provides
 //   State, states, name_of(State)   its states, numbered from 0, at most 31
@@ -14,14 +15,21 @@
 //   rows[]                          the transitions (TableRow<State>)
 //   Limit, limits, name_of(Limit)   the time limits to which its states refer, numbered from 0
 //   seconds(Limit, TableTiming)     how long each one is
-//   talks                           whether the words are sent to the partner
+//   mail                            how a robot hears its partner (Mail)
 //   started_by_touch(is_leader)     optional: the state at the start if only the follower starts by
 //                                   itself, and the leader when it feels that
+//   Memory<B, Count>                optional: what a robot remembers besides its state and times, and
+//                                   what follows from that (control/lease_state.hpp)
+//   idle                            … the state of a robot that neither corrects nor assists
+//   assisting, initial_assisting    optional: the states that a robot stores, and its state after a
+//                                   boot if it was in one of them
 //
-// WORDS. A robot has one word in each state: its message. If the table talks, a word is sent at once
-// when it changes, and repeated in every beacon period. A robot acts on its partner's newest word
-// while that word is at most `lease` old (control/beacon.hpp bounds its age). When the lease has
-// expired, it hears silence.
+// MAIL. With *beacons* a robot has one word in each state: its message. A word is sent at once when
+// it changes, and repeated in every beacon period. A robot acts on its partner's newest word while
+// that word is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired,
+// it hears silence. With a *queue* a row may send a message, once. It waits at the partner until a
+// row reads it: a robot hears the oldest message that it has not read, and a row that names what it
+// hears reads it.
 #pragma once
 
 #include <array>
@@ -58,23 +66,31 @@ struct EnumSet {
   constexpr bool operator==(const EnumSet&) const = default;
 };
 
-// The words to which a row reacts; `MessageKind::none` is silence.
+// How a robot hears its partner.
+enum class Mail : std::uint8_t { none, queue, beacons };
+
+// The words to which a row reacts; `MessageKind::none` is silence, or that no message waits. A row with
+// `any_word` does not look.
 using WordSet = EnumSet<MessageKind>;
 inline constexpr WordSet any_word = WordSet::all();
 
 // Further conditions of a row. All that are named must hold.
 enum class If : std::uint8_t {
-  settled,    // the palm has reached the angle last commanded
+  turned,     // the palm has reached the angle last commanded
   timed_out,  // the robot has been in its state for the state's time limit
   leads,      // it is the front robot in the direction of travel
   follows,
   may_stop,  // the scene lets a robot stop as a correction
+  // Of tables with a memory of their own (control/lease_state.hpp):
+  settled,   // the palm has turned and the wheels have braked
+  released,  // the partner knew, when it sent its newest word, that this robot no longer asks
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 5;
+inline constexpr int if_count = 7;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"settled", "timed_out", "leads", "follows", "may_stop"};
+  constexpr const char* names[] = {"turned",   "timed_out", "leads",   "follows",
+                                   "may_stop", "settled",   "released"};
   return names[static_cast<int>(condition)];
 }
 
@@ -82,14 +98,18 @@ constexpr const char* name_of(If condition) {
 struct TableOutput {
   char name;  // the case: 'a' to 'd' as in Table 2; ' ' for none
   Command command;
-  MessageKind message;
-  int limit = -1;       // the number of the state's time limit; -1: it has none
-  bool waits = false;   // it waits for a message
+  MessageKind message = MessageKind::none;  // with beacons
+  std::int8_t limit = -1;                   // the number of the state's time limit; -1: it has none
+  bool waits = false;                       // it waits for a message
   bool brakes = false;  // it stops, too, if the scene lets a robot stop as a correction
 };
 
 constexpr TableOutput braking(TableOutput output) {
   output.brakes = true;
+  return output;
+}
+constexpr TableOutput waiting(TableOutput output) {
+  output.waits = true;
   return output;
 }
 
@@ -111,6 +131,10 @@ struct TableRow {
   WordSet heard;
   IfSet when;
   State next;
+  MessageKind send = MessageKind::none;  // with a queue
+
+  // True if the row reads the message that it hears.
+  constexpr bool reads() const { return !(heard == any_word); }
 };
 
 // What the length of a time limit may depend on [s].
@@ -121,34 +145,99 @@ struct TableTiming {
   double crossing;  // the longest time in which a robot that starts crosses the zero zone
 };
 
+// The times of a table's robot [ticks].
+template <class Table>
+struct TableTimes {
+  std::uint16_t beacon;
+  std::uint16_t lease;
+  std::array<std::uint16_t, Table::limits> limits;
+};
+
 // The values of the conditions `If` of a row.
 template <class B>
 struct TableConditions {
-  B settled;
-  B timed_out;
-  B leads;
-  B may_stop;
+  B turned{};
+  B timed_out{};
+  B leads{};
+  B may_stop{};
+  B settled{};
+  B released{};
+
+  // Calls visit(conditions, member) for each value, with the conditions that depend on it.
+  template <class Visit>
+  static constexpr void each(Visit&& visit) {
+    using C = TableConditions;
+    visit(IfSet(If::turned), &C::turned);
+    visit(IfSet(If::timed_out), &C::timed_out);
+    visit(IfSet{If::leads, If::follows}, &C::leads);
+    visit(IfSet(If::may_stop), &C::may_stop);
+    visit(IfSet(If::settled), &C::settled);
+    visit(IfSet(If::released), &C::released);
+  }
 };
 
 // True for the robots that meet all of these conditions.
 template <class B>
 [[gnu::always_inline]] constexpr B meets(IfSet wanted, const TableConditions<B>& met) {
   B all = everywhere<B>();
-  if (wanted.has(If::settled)) all &= met.settled;
+  if (wanted.has(If::turned)) all &= met.turned;
   if (wanted.has(If::timed_out)) all &= met.timed_out;
   if (wanted.has(If::leads)) all &= met.leads;
   if (wanted.has(If::follows)) all &= opposite(met.leads);
   if (wanted.has(If::may_stop)) all &= met.may_stop;
+  if (wanted.has(If::settled)) all &= met.settled;
+  if (wanted.has(If::released)) all &= met.released;
   return all;
 }
 
-// The words that a robot can hear: silence, and what the table's states say.
+// The memory of a table that needs none of its own.
+template <class B, class Count>
+struct NoMemory {
+  struct Effect {
+    B ready{};
+    B is_news{};
+  };
+  static constexpr B stopped{};
+
+  static constexpr int limits(const auto&) { return 0; }
+  static constexpr void boot(const auto&...) {}
+  static constexpr void pass(const auto&...) {}
+  static constexpr void hear(const auto&...) {}
+  static constexpr void meet(const auto&...) {}
+  static constexpr Effect finish(const auto&...) { return {}; }
+  static constexpr void stay(const auto&...) {}
+  static constexpr void until(const auto&...) {}
+};
+
+namespace detail {
+
+template <class Table, class B, class Count>
+struct MemoryOf {
+  using type = NoMemory<B, Count>;
+};
+template <class Table, class B, class Count>
+  requires requires { typename Table::template Memory<B, Count>; }
+struct MemoryOf<Table, B, Count> {
+  using type = typename Table::template Memory<B, Count>;
+};
+
+}  // namespace detail
+
+// What one robot of a table, or many, remember besides states and times (B and Count as in
+// control/transition_table.hpp).
+template <class Table, class B, class Count>
+using TableMemory = typename detail::MemoryOf<Table, B, Count>::type;
+
+// The words that a robot can hear: silence, and what the table's states or rows say.
 template <class Table>
 struct TableWords {
   static constexpr bool includes(int kind) {
     if (kind == 0) return true;
     for (const TableOutput& output : Table::outputs) {
-      if (Table::talks && static_cast<int>(output.message) == kind) return true;
+      if (Table::mail == Mail::beacons && static_cast<int>(output.message) == kind) return true;
+    }
+    for (const auto& row : Table::rows) {
+      if (Table::mail == Mail::queue && static_cast<int>(row.send) == kind) return true;
     }
     return false;
   }
@@ -165,12 +254,16 @@ struct TableWords {
     }
     return words;
   }();
-  // The place of a word in the list.
-  static constexpr int number_of(MessageKind word) {
-    for (int i = 0; i < count; ++i) {
-      if (list[static_cast<std::size_t>(i)] == word) return i;
+  // The place of each word in the list.
+  static constexpr std::array<std::uint8_t, message_kinds> places = [] {
+    std::array<std::uint8_t, message_kinds> found{};
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      found[static_cast<std::size_t>(list[i])] = static_cast<std::uint8_t>(i);
     }
-    return 0;
+    return found;
+  }();
+  static constexpr int number_of(MessageKind word) {
+    return count == 1 ? 0 : places[static_cast<std::size_t>(word)];
   }
 };
 
@@ -179,11 +272,15 @@ struct TableWords {
 template <class Table, class B, class Message>
 [[gnu::always_inline]] constexpr B hears(WordSet wanted, const Message& heard) {
   if (wanted == any_word) return everywhere<B>();
+  // A robot hears one of the words. The fewer are looked at: those of the set, or the others.
+  int wanted_words = 0;
+  for (const MessageKind word : TableWords<Table>::list) wanted_words += wanted.has(word) ? 1 : 0;
+  const bool few = 2 * wanted_words <= TableWords<Table>::count;
   B found{};
   for (const MessageKind word : TableWords<Table>::list) {
-    if (wanted.has(word)) found |= heard.is(word);
+    if (wanted.has(word) == few) found |= heard.is(word);
   }
-  return found;
+  return few ? found : opposite<B>(found);
 }
 
 // True for the robots to which a row applies.
@@ -197,15 +294,31 @@ template <class Table, class B, class Message>
   return contact & word & condition;
 }
 
+// The message for which a robot waits in a state: that of the first row that starts there. None if it
+// does not wait.
+template <class Table>
+constexpr MessageKind awaited_in(typename Table::State state) {
+  if (!Table::outputs[static_cast<int>(state)].waits) return MessageKind::none;
+  for (const auto& row : Table::rows) {
+    if (!row.from.has(state)) continue;
+    for (const MessageKind word : TableWords<Table>::list) {
+      if (row.heard == WordSet(word)) return word;
+    }
+  }
+  return MessageKind::none;
+}
+
 // True if a table is one of those described above.
 template <class Table>
 constexpr bool is_sound() {
   if (Table::states > 31) return false;
   for (const TableOutput& output : Table::outputs) {
     if (output.limit >= static_cast<int>(Table::limits)) return false;
-    if (Table::talks && output.message == MessageKind::none) return false;
+    // With beacons each state has a word, and otherwise none has.
+    if ((Table::mail == Mail::beacons) != (output.message != MessageKind::none)) return false;
   }
   for (const auto& row : Table::rows) {
+    if (Table::mail != Mail::queue && row.send != MessageKind::none) return false;
     for (int s = 0; s < Table::states; ++s) {
       const bool starts = row.from.has(static_cast<typename Table::State>(s));
       // A state without a limit never times out, so no row may wait for that.

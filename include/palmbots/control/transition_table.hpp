@@ -3,12 +3,13 @@
 // 64 pairs.
 //
 // Rule 1: the meaning of a condition is written once, for a truth value B. B is bool for one robot,
-// or a word with one bit for each robot (batch/bitslice.hpp). Rule 2: a robot runs the first row of
-// its state that fits. If none fits, it stays in its state. `spread` computes this for every input
-// of one robot, so that a step is one look-up. `step_all` evaluates it for many robots at once,
-// without a branch.
+// or a word with one bit for each robot (batch/bitslice.hpp). A count of ticks is a number, or
+// bit-sliced. Rule 2: a robot runs the first row of its state that fits. If none fits, it stays in
+// its state. `step_all` evaluates it for many robots at once, almost without a branch;
+// control/table_robot.hpp for one.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -46,6 +47,20 @@ template <class B>
     return (b[0] | b[1]) == 0;
   }
 }
+
+// A count of ticks for one robot. It saturates at `most`, because longer times make no difference.
+// For many robots batch/bitslice.hpp has the same functions.
+constexpr void advance(std::uint16_t& since, std::uint16_t elapsed, std::uint16_t most) {
+  since = elapsed < most - since ? static_cast<std::uint16_t>(since + elapsed) : most;
+}
+// Sets the count of the robots in `whose` to zero, or to its greatest value.
+constexpr void reset_where(std::uint16_t& since, bool whose) {
+  if (whose) since = 0;
+}
+constexpr void exhaust_where(std::uint16_t& since, bool whose, std::uint16_t most) {
+  if (whose) since = most;
+}
+constexpr bool at_least(std::uint16_t since, std::uint16_t least) { return since >= least; }
 
 // What the robots sense, as truth values.
 template <class B>
@@ -90,54 +105,19 @@ template <class B>
   return everywhere<B>();
 }
 
-// The message that one robot received, or none.
-struct OneMessage {
-  MessageKind kind;
-  constexpr bool is(MessageKind that) const { return kind == that; }
-};
-
-// A table for one robot, expanded over every input. The table provides `states` and `rows`, and
-// these types: Key, an input as a number below Key::count, with `fits(row, key)`; and Entry, the
-// result of a step, with stay(state, key) if no row fits and run(row, key) if this one does.
-template <class Table>
-struct SpreadTable {
-  typename Table::Entry entries[Table::states * Table::Key::count];
-
-  constexpr const typename Table::Entry& at(typename Table::State state,
-                                            const typename Table::Key& key) const {
-    return entries[static_cast<int>(state) * Table::Key::count + key.number()];
-  }
-};
-
-// Expands a table over every state and input.
-template <class Table>
-constexpr SpreadTable<Table> spread() {
-  SpreadTable<Table> all{};
-  for (int s = 0; s < Table::states; ++s) {
-    for (int k = 0; k < Table::Key::count; ++k) {
-      const auto state = static_cast<typename Table::State>(s);
-      const auto key = Table::Key::of(k);
-      typename Table::Entry& entry = all.entries[s * Table::Key::count + k];
-      entry = Table::stay(state, key);
-      for (const auto& row : Table::rows) {
-        if (row.state == state && Table::fits(row, key)) {
-          entry = Table::run(row, key);
-          break;
-        }
-      }
-    }
-  }
-  return all;
-}
-
 // A step of `these` robots. in[s] are the robots in state s. fits(row) returns the robots to which
 // a row applies, and went(row, whose) is called with the robots that ran it. The loop is unrolled,
 // so that no table remains at run time.
 template <class Table, class B, class Fits, class Went>
 [[gnu::always_inline]] constexpr void step_all(B (&in)[Table::states], const B& these, Fits&& fits,
                                                Went&& went) {
-  using Row = std::remove_cvref_t<decltype(Table::rows[0])>;
-  constexpr bool from_one_state = requires(const Row& row) { row.state; };
+  using State = typename Table::State;
+  constexpr bool each_from_one_state = [] {
+    for (const auto& row : Table::rows) {
+      if (std::popcount(row.from.bits) != 1) return false;
+    }
+    return true;
+  }();
   B stay[Table::states];
   B come[Table::states];
   for (int s = 0; s < Table::states; ++s) {
@@ -146,10 +126,10 @@ template <class Table, class B, class Fits, class Went>
   }
   B idle = these;  // robots that no row has moved yet; used where rows start in several states
   [&]<std::size_t... i>(std::index_sequence<i...>) {
-    const auto run = [&](const Row& row) {
+    const auto run = [&](const auto& row) {
       B go = fits(row);
-      if constexpr (from_one_state) {
-        const auto from = static_cast<std::size_t>(row.state);
+      if constexpr (each_from_one_state) {
+        const auto from = static_cast<std::size_t>(std::countr_zero(row.from.bits));
         go &= stay[from] & these;
         stay[from] &= opposite(go);
       } else {
@@ -158,13 +138,12 @@ template <class Table, class B, class Fits, class Went>
         if (row.from != decltype(row.from)::all()) {
           // The fewer states are looked at: those in which the row starts, or the others.
           int starts = 0;
-          for (int s = 0; s < Table::states; ++s) {
-            starts += row.from.has(static_cast<typename Table::State>(s)) ? 1 : 0;
-          }
+          for (int s = 0; s < Table::states; ++s)
+            starts += row.from.has(static_cast<State>(s)) ? 1 : 0;
           const bool few = 2 * starts <= Table::states;
           B there{};
           for (int s = 0; s < Table::states; ++s) {
-            if (row.from.has(static_cast<typename Table::State>(s)) == few) there |= in[s];
+            if (row.from.has(static_cast<State>(s)) == few) there |= in[s];
           }
           go &= few ? there : opposite(there);
         }
@@ -176,7 +155,7 @@ template <class Table, class B, class Fits, class Went>
     (run(Table::rows[i]), ...);
   }(std::make_index_sequence<sizeof(Table::rows) / sizeof(Table::rows[0])>());
   for (int s = 0; s < Table::states; ++s) {
-    if constexpr (!from_one_state) stay[s] &= idle | opposite(these);
+    if constexpr (!each_from_one_state) stay[s] &= idle | opposite(these);
     in[s] = stay[s] | come[s];
   }
 }

@@ -131,7 +131,7 @@ inline constexpr std::tuple controller_rows{
             .cases = detail::table2_cases,
             .assisted_cases = detail::table2_assisted,
         },
-        runtime::MessageProgramMaker<Distributed>{}),
+        runtime::TableProgramMaker<Distributed>{}),
     detail::row(
         {
             .name = "resilient",
@@ -146,7 +146,7 @@ inline constexpr std::tuple controller_rows{
             .cases = detail::table2_cases,
             .states = Resilient::words,
         },
-        runtime::ResilientProgramMaker{}),
+        runtime::TableProgramMaker<Resilient>{}),
     detail::row(
         {
             .name = "silent",

@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <span>
 
-#include "palmbots/control/resilient.hpp"
 #include "palmbots/control/table_robot.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 
@@ -40,60 +39,26 @@ template <class TheTable>
 struct TableProgramMaker {
   using Table = TheTable;
   using Controller = TableRobot<Table>;
-  using Program = BeaconProgram<Controller>;
-  static constexpr std::size_t times = 2 + Table::limits;
+  using Program = PartnerProgram<Controller>;
+  static constexpr std::size_t times = Controller::has_clock ? 2 + Table::limits : 0;
 
-  constexpr Program fresh(const ProgramStart& start) const { return made(start, start.by_touch); }
-  constexpr Program rebooted(const ProgramStart& start) const { return made(start, false); }
+  constexpr Program fresh(const ProgramStart& start) const {
+    return Program(robot(start), start.epoch);
+  }
+  constexpr Program rebooted(const ProgramStart& start) const {
+    return Program(robot(start).booted(start.assists), start.epoch);
+  }
 
  private:
-  static constexpr Program made(const ProgramStart& start, bool by_touch) {
-    typename Controller::Times own{start.times[0], start.times[1], {}};
-    for (std::size_t i = 0; i < Table::limits; ++i) own.limits[i] = start.times[2 + i];
-    return Program(Controller(own, {start.leads, start.may_stop, by_touch}), language(), own.lease,
-                   start.epoch);
+  static constexpr Controller robot(const ProgramStart& start) {
+    if constexpr (Controller::has_clock) {
+      TableTimes<Table> own{start.times[0], start.times[1], {}};
+      for (std::size_t i = 0; i < Table::limits; ++i) own.limits[i] = start.times[2 + i];
+      return Controller(own, {start.leads, start.may_stop, start.by_touch});
+    } else {
+      return Controller();
+    }
   }
-
-  // The language that has the words of the table.
-  static constexpr wire::Language language() {
-    constexpr auto found =
-        Table::talks ? wire::language_of(Table::outputs[0].message) : wire::Language::none;
-    static_assert([] {
-      for (const TableOutput& output : Table::outputs) {
-        if (Table::talks && !wire::has_word(found, output.message)) return false;
-      }
-      return true;
-    }());
-    return found;
-  }
-};
-
-// The resilient algorithm.
-struct ResilientProgramMaker {
-  using Program = BeaconProgram<Resilient>;
-  static constexpr std::size_t times = 5;
-
-  constexpr Program fresh(const ProgramStart& start) const { return made(start, false); }
-  constexpr Program rebooted(const ProgramStart& start) const { return made(start, start.assists); }
-
- private:
-  static constexpr Program made(const ProgramStart& start, bool assists) {
-    const auto& t = start.times;
-    const Resilient::Times own{t[0], t[1], t[2], t[3], t[4]};
-    return Program(Resilient(own, !start.leads, assists), wire::Language::beacons, own.lease,
-                   start.epoch);
-  }
-};
-
-// A controller that exchanges the messages of Table 2.
-template <class TheController>
-struct MessageProgramMaker {
-  using Controller = TheController;
-  using Program = MessageProgram<Controller>;
-  static constexpr std::size_t times = 0;
-
-  constexpr Program fresh(const ProgramStart&) const { return Program(Controller()); }
-  constexpr Program rebooted(const ProgramStart&) const { return Program(Controller()); }
 };
 
 // A controller whose decisions a station takes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program of a robot: a controller with what it needs to talk to its partner or to the station.
+// The program of a robot, packets in and decisions out.
 //
 // Every program has the same interface, so that one runtime (runtime/robot_runtime.hpp) serves all
 // controllers. It provides
@@ -13,14 +13,11 @@
 //                      whether that is with the station
 #pragma once
 
-#include <array>
-#include <cstddef>
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
-#include "palmbots/control/beacon.hpp"
-#include "palmbots/control/distributed.hpp"
-#include "palmbots/control/messages.hpp"
+#include "palmbots/control/robot_program.hpp"
 #include "palmbots/wire/codec.hpp"
 #include "palmbots/wire/packet.hpp"
 
@@ -55,118 +52,75 @@ enum class Taken : std::uint8_t {
 // True if the verdict counts against the sender's link.
 constexpr bool is_old(const wire::Decoded& got) { return got.verdict == wire::Verdict::stale; }
 
-// A robot that sends beacons or signs, or nothing: Resilient, and every table
-// (control/table_robot.hpp).
-template <class Robot>
-class BeaconProgram {
+// A robot that decides by itself, with any controller (control/robot_program.hpp).
+template <class Controller>
+class PartnerProgram {
+  static constexpr Mail mail = Controller::mail;
+
  public:
-  static constexpr bool answers_with_hello = false;  // robots send each other only beacons
-  static constexpr bool greets = false;
+  // Robots that send beacons send each other nothing else.
+  static constexpr bool answers_with_hello = mail == Mail::queue;
+  static constexpr bool greets = mail == Mail::queue;
   static constexpr bool with_station = false;
 
-  // `lease` is the greatest age at which a beacon counts [ticks], `epoch` the number of this boot.
-  constexpr BeaconProgram(const Robot& robot, wire::Language language, std::uint16_t lease,
-                          std::uint32_t epoch)
-      : robot_(robot), language_(language), lease_(lease), epoch_(epoch), receiver_(epoch) {}
-
-  constexpr void begin(std::uint32_t tick) { receiver_ = BeaconReceiver(epoch_, tick); }
-
-  constexpr void pass(std::uint16_t elapsed) {
-    elapsed_ = elapsed;
-    receiver_.tick(elapsed);
-    news_ = false;
+  // `epoch` is the number of this boot.
+  constexpr PartnerProgram(Controller controller, std::uint32_t epoch)
+      : program_(std::move(controller)), epoch_(epoch) {
+    begin(0);
   }
+
+  constexpr void begin(std::uint32_t tick) { program_.boot(epoch_, tick); }
+  constexpr void pass(std::uint16_t elapsed) { program_.pass(elapsed); }
 
   constexpr Taken hear(const wire::Decoded& got) {
     if (is_old(got)) return Taken::rejected;
-    if (!wire::hear(receiver_, got, language_)) return Taken::ignored;
-    news_ = true;
-    return receiver_.age() > lease_ ? Taken::late : Taken::taken;
+    auto& mailbox = program_.mailbox();
+    if constexpr (mail == Mail::queue) {
+      if (got.verdict == wire::Verdict::no_session) return Taken::rejected;
+      if (got.packet.kind != wire::PacketKind::state) return Taken::ignored;
+      const wire::State state = wire::state_of(got.packet.payload);
+      if (state.language != language) return Taken::ignored;
+      return mailbox.accept(state.word) ? Taken::taken : Taken::rejected;
+    } else if constexpr (mail == Mail::beacons) {
+      if (!wire::hear(mailbox, got, language)) return Taken::ignored;
+      return mailbox.age() > program_.lease() ? Taken::late : Taken::taken;
+    }
+    return Taken::ignored;
   }
 
   Decision step(const Observation& seen) {
-    const Beacon& newest = receiver_.newest();
-    const auto out = robot_.step({seen.sign, seen.palm_at_target, elapsed_,
-                                  news_ ? newest.message : MessageKind::none, newest.stopped,
-                                  newest.ready, receiver_.age()});
+    const RobotOutput out = program_.step(seen.sign, seen.palm_at_target);
     Decision decision{out.command, out.send};
-    if constexpr (requires { out.assists; }) decision.assists = out.assists;
+    decision.assists = out.assists;
     if (out.send) {
-      decision.state.language = language_;
-      decision.state.word = out.message;
+      decision.state.language = language;
+      decision.state.word = decision.word = out.message;
       decision.state.ready = out.ready;
-      decision.state.at_rest = robot_.stopped();
-      decision.word = out.message;
+      decision.state.at_rest = controller().stopped();
     }
     return decision;
   }
 
-  constexpr char name() const { return robot_.now().name; }
-  constexpr bool waits() const { return robot_.now().waits; }
-  constexpr MessageKind awaits() const { return waits() ? MessageKind::ack : MessageKind::none; }
-  constexpr const Robot& robot() const { return robot_; }
+  char name() const { return controller().name(); }
+  bool waits() const { return controller().waits(); }
+  MessageKind awaits() const { return controller().awaits(); }
+  const Controller& controller() const { return program_.controller(); }
 
  private:
-  Robot robot_;
-  wire::Language language_;
-  std::uint16_t lease_;
+  // The language that has the words of the controller.
+  static constexpr wire::Language language = [] {
+    if constexpr (mail == Mail::beacons) {
+      constexpr auto found = wire::language_of(Controller::outputs[0].message);
+      static_assert(std::ranges::all_of(Controller::outputs, [](const TableOutput& output) {
+        return wire::has_word(found, output.message);
+      }));
+      return found;
+    }
+    return mail == Mail::queue ? wire::Language::messages : wire::Language::none;
+  }();
+
+  RobotProgram<Controller> program_;
   std::uint32_t epoch_;
-  BeaconReceiver receiver_;
-  std::uint16_t elapsed_ = 1;
-  bool news_ = false;
-};
-
-// A robot that exchanges the messages of Table 2: Distributed, machines derived from a policy, and
-// classes from outside. Messages wait until the controller reads them.
-template <class Controller>
-class MessageProgram {
- public:
-  static constexpr bool answers_with_hello = true;
-  static constexpr bool greets = true;
-  static constexpr bool with_station = false;
-
-  explicit MessageProgram(Controller controller) : controller_(std::move(controller)) {}
-
-  constexpr void begin(std::uint32_t) {}
-
-  constexpr void pass(std::uint16_t) {}
-
-  constexpr Taken hear(const wire::Decoded& got) {
-    if (is_old(got) || got.verdict == wire::Verdict::no_session) return Taken::rejected;
-    if (got.packet.kind != wire::PacketKind::state) return Taken::ignored;
-    const wire::State state = wire::state_of(got.packet.payload);
-    if (state.language != wire::Language::messages) return Taken::ignored;
-    if (waiting_ == capacity) return Taken::rejected;
-    inbox_[(first_ + waiting_++) % capacity] = state.word;
-    return Taken::taken;
-  }
-
-  Decision step(const Observation& seen) {
-    const MessageKind oldest = waiting_ > 0 ? inbox_[first_] : MessageKind::none;
-    const auto out = controller_.step({seen.sign, oldest, seen.palm_at_target});
-    if (out.read && oldest != MessageKind::none) {
-      first_ = (first_ + 1) % capacity;
-      --waiting_;
-    }
-    Decision decision{out.command, out.send != MessageKind::none};
-    if (decision.speaks) {
-      decision.state.language = wire::Language::messages;
-      decision.state.word = decision.word = out.send;
-    }
-    return decision;
-  }
-
-  char name() const { return controller_.now().name; }
-  bool waits() const { return controller_.now().waits; }
-  MessageKind awaits() const { return controller_.now().awaits; }
-
- private:
-  static constexpr std::size_t capacity = 256;
-
-  Controller controller_;
-  std::array<MessageKind, capacity> inbox_{};
-  std::size_t first_ = 0;
-  std::size_t waiting_ = 0;
 };
 
 // A robot of the centralized algorithm: it reports in every tick, and executes the newest command.

@@ -7,33 +7,13 @@
 #include <cstdint>
 
 #include "palmbots/control/table_robot.hpp"
-#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/build.hpp"
+#include "palmbots/sim/robot_team.hpp"
 
 namespace palmbots {
 
-// Two robots with one program, a beacon link in each direction if the table talks.
 template <class Table>
-class TableTeam : public BeaconTeam<TableRobot<Table>> {
-  using Base = BeaconTeam<TableRobot<Table>>;
-
- public:
-  using Robot = TableRobot<Table>;
-  using Times = typename Robot::Times;
-
-  TableTeam(const Times& times, bool may_stop, PerSide<double> clock_drift, const Channel& channel,
-            std::uint64_t seed, std::size_t leader, const Faults& faults = {},
-            bool by_touch = false)
-      : Base({Robot(times, {leader == left, may_stop, by_touch}),
-              Robot(times, {leader == right, may_stop, by_touch})},
-             times.lease, clock_drift, channel, seed, leader, faults),
-        times_(times) {}
-
-  const Times& times() const { return times_; }
-
- private:
-  Times times_;
-};
+using TableTeam = RobotTeam<TableRobot<Table>>;
 
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
@@ -70,17 +50,41 @@ inline double table_lease(const Spec& spec) {
 
 // The times of a table in a scene [ticks].
 template <class Table>
-typename TableRobot<Table>::Times table_times_of(const Spec& spec) {
+TableTimes<Table> table_times_of(const Spec& spec) {
   const auto ticks = [&](double seconds) {
     const double whole = std::ceil(seconds / spec.period - 1e-9);
     return static_cast<std::uint16_t>(std::clamp(whole, 1.0, 60000.0));
   };
-  typename TableRobot<Table>::Times times{ticks(spec.beacon), ticks(table_lease(spec)), {}};
+  TableTimes<Table> times{ticks(spec.beacon), ticks(table_lease(spec)), {}};
   const TableTiming timing = table_timing_of(spec);
   for (std::size_t i = 0; i < Table::limits; ++i) {
     times.limits[i] = ticks(Table::seconds(static_cast<typename Table::Limit>(i), timing));
   }
   return times;
+}
+template <>
+inline TableTimes<Resilient> table_times_of<Resilient>(const Spec& spec) {
+  return resilient_timing_of(spec).times;
+}
+
+// The robot of a carry on this side.
+template <class Table>
+TableRobot<Table> table_robot_of(const Spec& spec, std::size_t side) {
+  if constexpr (TableRobot<Table>::has_clock) {
+    return {table_times_of<Table>(spec),
+            {leader_of(spec) == side, spec.brake != 0, spec.start_by_touch != 0}};
+  } else {
+    return {};
+  }
+}
+
+// A team of robots that decide by themselves, with the radio of a scene.
+template <class Controller>
+RobotTeam<Controller> robot_team_of(PerSide<Controller> controllers, const Spec& spec,
+                                    std::uint64_t seed) {
+  return {std::move(controllers), {spec.robots[left].clock_drift, spec.robots[right].clock_drift},
+          channel_of(spec),       seed,
+          leader_of(spec),        Faults::of(spec, seed)};
 }
 
 // Makes the team of a carry.
@@ -89,11 +93,11 @@ struct TableTeamMaker {
   using Table = TheTable;
 
   TableTeam<Table> operator()(const Spec& spec, std::uint64_t seed) const {
-    const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
-    return TableTeam<Table>(table_times_of<Table>(spec), spec.brake != 0, drift, channel_of(spec),
-                            seed, leader_of(spec), Faults::of(spec, seed),
-                            spec.start_by_touch != 0);
+    return robot_team_of<TableRobot<Table>>(
+        {table_robot_of<Table>(spec, left), table_robot_of<Table>(spec, right)}, spec, seed);
   }
 };
+
+static_assert(Team<TableTeam<Resilient>>);
 
 }  // namespace palmbots

@@ -2,9 +2,8 @@
 // Teams: the interface of controllers and radio to a carry, which passes observations to the team
 // every tick and gets commands.
 //
-// The teams are two robots that exchange messages (sim/distributed_team.hpp), two robots and a
-// station (sim/centralized_team.hpp), two robots that broadcast beacons or nothing
-// (sim/beacon_team.hpp), and no controller (sim/no_controller.hpp).
+// The teams are two robots that decide by themselves (sim/robot_team.hpp), two robots and a station
+// (sim/centralized_team.hpp), and no controller (sim/no_controller.hpp).
 #pragma once
 
 #include <concepts>

@@ -13,10 +13,8 @@
 #include <vector>
 
 #include "palmbots/runtime/controller_registry.hpp"
-#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/centralized_team.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/no_controller.hpp"
 #include "palmbots/sim/table_team.hpp"
 
@@ -35,23 +33,6 @@ template <>
 struct TeamMaker<runtime::ReportProgramMaker> {
   CentralizedTeam operator()(const Spec& spec, std::uint64_t seed) const {
     return CentralizedTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed));
-  }
-};
-
-template <class Controller>
-struct TeamMaker<runtime::MessageProgramMaker<Controller>> {
-  DistributedTeam<Controller> operator()(const Spec& spec, std::uint64_t seed) const {
-    return DistributedTeam<Controller>({}, channel_of(spec), seed, leader_of(spec),
-                                       Faults::of(spec, seed));
-  }
-};
-
-template <>
-struct TeamMaker<runtime::ResilientProgramMaker> {
-  ResilientTeam operator()(const Spec& spec, std::uint64_t seed) const {
-    const PerSide<double> drift{spec.robots[left].clock_drift, spec.robots[right].clock_drift};
-    return ResilientTeam(resilient_timing_of(spec).times, drift, channel_of(spec), seed,
-                         leader_of(spec), Faults::of(spec, seed));
   }
 };
 
@@ -91,18 +72,15 @@ std::vector<std::uint16_t> program_times(const ProgramMaker&, const Spec&) {
   return {};
 }
 
-inline std::vector<std::uint16_t> program_times(const runtime::ResilientProgramMaker&,
-                                                const Spec& spec) {
-  const Resilient::Times times = resilient_timing_of(spec).times;
-  return {times.beacon, times.lease, times.hold, times.braking, times.join};
-}
-
 template <class Table>
 std::vector<std::uint16_t> program_times(const runtime::TableProgramMaker<Table>&,
                                          const Spec& spec) {
-  const auto times = table_times_of<Table>(spec);
-  std::vector<std::uint16_t> list{times.beacon, times.lease};
-  list.insert(list.end(), times.limits.begin(), times.limits.end());
+  std::vector<std::uint16_t> list;
+  if constexpr (runtime::TableProgramMaker<Table>::times > 0) {
+    const TableTimes<Table> times = table_times_of<Table>(spec);
+    list = {times.beacon, times.lease};
+    list.insert(list.end(), times.limits.begin(), times.limits.end());
+  }
   return list;
 }
 

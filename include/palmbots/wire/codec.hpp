@@ -78,7 +78,8 @@ constexpr Beacon beacon_in(const Packet& packet) {
 // acknowledge the new one and the partner therefore regards the old one as forgotten. For the same
 // reason robots that run the resilient algorithm send each other only beacons during a carry, and
 // robots that share signs only signs.
-constexpr bool hear(BeaconReceiver& receiver, const Decoded& received,
+template <class Receiver>
+constexpr bool hear(Receiver& receiver, const Decoded& received,
                     Language language = Language::beacons) {
   const bool counts =
       received.verdict == Verdict::accepted || received.verdict == Verdict::no_session;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The times of controllers that are tables (`silent`, `shared-sign`) in a scene.
+"""The tables of controllers and their times in a scene.
 
-The core computes them (`sim/table_team.hpp`); this module states in one line what to change in a
-scene whose lease is too short for the round trip of two beacons.
+The core computes the times (`sim/table_team.hpp`); this module states in one line what to change in
+a scene whose lease is too short for the round trip of two beacons.
 """
 
 from typing import Any
@@ -27,7 +27,7 @@ def short_lease_warning(entry: ControllerEntry, scene: Scene) -> str | None:
     `silent` does. From there up to the lease named in the warning, some answers arrive in time.
     """
     table = transition_table(entry, scene)
-    if table is None or not table["talks"]:
+    if table is None or "shortest_lease_s" not in table:
         return None
     lease, shortest = table["lease_s"], table["shortest_lease_s"]
     if lease > shortest - 1e-9:

@@ -288,8 +288,8 @@ class _Resilient(_Pair):
 
     def __init__(self) -> None:
         self._robots = tuple(
-            _Machine(_core.Resilient(self.lease, self.hold, self.join, yields))
-            for yields in (True, False)
+            _Machine(_core.Resilient(self.lease, self.hold, self.join, leads))
+            for leads in (False, True)
         )
 
     def begin(self) -> Any:

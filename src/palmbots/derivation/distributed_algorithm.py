@@ -38,12 +38,11 @@ START: Angle = "steep"
 _LETTER = {1: "a", -1: "d"}
 _IS = {-1: "negative", 0: "zero", 1: "positive"}
 _IS_NOT = {-1: "not_negative", 1: "not_positive"}
-_GOT = {"TiltUp": "tilt_up", "TiltDown": "tilt_down", "Ack": "ack"}
 
 
 Motion = Literal["hold", "away", "closer"]
 CoreTable = tuple[
-    tuple[tuple[str, str, str, bool, str], ...], tuple[tuple[int, str, str, str, int, str], ...]
+    tuple[tuple[str, str, str, bool, str], ...], tuple[tuple[int, str, str, bool, int, str], ...]
 ]
 """States and rows as `palmbots._core.Machines` takes them."""
 
@@ -61,12 +60,14 @@ class MachineState(NamedTuple):
 
 
 class MachineRow(NamedTuple):
-    """A transition, in the words of `palmbots._core.table2`."""
+    """A transition, in the words of `palmbots._core.transition_table`."""
 
     state: str
     contact: str
-    got: str
-    tilt: str
+    heard: str
+    """The message that the row reads; empty: it looks at none."""
+    turned: bool
+    """The palm must have turned."""
     next: str
     send: str = ""
 
@@ -89,7 +90,8 @@ class Machine:
         number = {state.name: k for k, state in enumerate(self.states)}
         states = tuple((s.case, s.palm, s.move, bool(s.awaits), s.awaits) for s in self.states)
         rows = tuple(
-            (number[r.state], r.contact, r.got, r.tilt, number[r.next], r.send) for r in self.rows
+            (number[r.state], r.contact, r.heard, r.turned, number[r.next], r.send)
+            for r in self.rows
         )
         return states, rows
 
@@ -155,8 +157,8 @@ class _Builder:
         if self._rest != START:  # a palm that is not yet commanded to rest counts as turned
             self._state("start", self._rest)
             self._state("settle", self._rest)
-            self._row("start", "any", "", "any", "settle")
-            self._row("settle", "any", "", "done", "idle")
+            self._row("start", "any", "", False, "settle")
+            self._row("settle", "any", "", True, "idle")
         self._state("idle", self._rest)
         for sign, rule in asking.items():
             self._serve_from_idle(own, sign, rule)
@@ -176,10 +178,9 @@ class _Builder:
         self.machine.states.append(MachineState(name, case, palm, move, awaits))
 
     def _row(
-        self, state: str, contact: str, got: str, tilt: str, after: str, send: str = ""
+        self, state: str, contact: str, heard: str, turned: bool, after: str, send: str = ""
     ) -> None:
-        got = _GOT.get(got, "any")
-        self.machine.rows.append(MachineRow(state, contact, got, tilt, after, send))
+        self.machine.rows.append(MachineRow(state, contact, heard, turned, after, send))
 
     def _is_first(self, own: int, partner: int) -> bool:
         """Whether this robot comes first at these signs of its own and its partner's contact."""
@@ -189,7 +190,7 @@ class _Builder:
     def _serve_from_idle(self, own: dict[int, Rule], sign: int, rule: Rule) -> None:
         serves = [s for s in SIGNS if s not in own or not self._is_first(s, sign)]
         for contact in _contacts(serves):
-            self._row("idle", contact, message_for(rule.palms[1]), "any", _serving(sign, "turn"))
+            self._row("idle", contact, message_for(rule.palms[1]), False, _serving(sign, "turn"))
 
     def _correct(self, sign: int, rule: Rule, asking: dict[int, Rule]) -> None:
         """The states in which the robot corrects its own contact of this sign."""
@@ -201,28 +202,28 @@ class _Builder:
         if rule.asks:
             request = message_for(rule.palms[1])
             release = message_for(self._rest_of_partner)
-            self._row("idle", _IS[sign], "", "any", ask, request)
+            self._row("idle", _IS[sign], "", False, ask, request)
             self._state(ask, palm, awaits=DONE)
             for other, theirs in asking.items():
                 after = ask if self._is_first(sign, other) else _serving(other, "turn")
-                self._row(ask, "any", message_for(theirs.palms[1]), "any", after)
-            self._row(ask, _IS[sign], DONE, "done", move)
-            self._row(ask, "any", DONE, "done", wait, release)
+                self._row(ask, "any", message_for(theirs.palms[1]), False, after)
+            self._row(ask, _IS[sign], DONE, True, move)
+            self._row(ask, "any", DONE, True, wait, release)
             self._state(move, palm, direction)
-            self._row(move, _IS_NOT[sign], "", "any", wait, release)
+            self._row(move, _IS_NOT[sign], "", False, wait, release)
             self._state(wait, self._rest, awaits=DONE)
-            self._row(wait, "any", DONE, "done", "idle")
+            self._row(wait, "any", DONE, True, "idle")
             return
-        self._row("idle", _IS[sign], "", "any" if turns else "done", turn if turns else move)
+        self._row("idle", _IS[sign], "", not turns, turn if turns else move)
         if turns:
             self._state(turn, palm)
-            self._row(turn, _IS[sign], "", "done", move)
-            self._row(turn, "any", "", "done", home)
+            self._row(turn, _IS[sign], "", True, move)
+            self._row(turn, "any", "", True, home)
         self._state(move, palm, direction)
-        self._row(move, _IS_NOT[sign], "", "any", home)
+        self._row(move, _IS_NOT[sign], "", False, home)
         if turns:
             self._state(back, self._rest)
-            self._row(back, "any", "", "done", "idle")
+            self._row(back, "any", "", True, "idle")
 
     def _serve(self, sign: int, rule: Rule) -> None:
         """The states in which the robot serves its partner, whose contact has this sign."""
@@ -236,13 +237,13 @@ class _Builder:
             if not signs:
                 continue
             for contact in _contacts(signs):
-                self._row(turn, contact, "", "done", state, DONE)
+                self._row(turn, contact, "", True, state, DONE)
             self._state(state, palm, moves[state], release)
-            self._row(state, "any", release, "any", back)
+            self._row(state, "any", release, False, back)
             for contact in _contacts([s for s in SIGNS if s not in signs]):
-                self._row(state, contact, "", "any", other)
+                self._row(state, contact, "", False, other)
         self._state(back, self._rest)
-        self._row(back, "any", "", "done", "idle", DONE)
+        self._row(back, "any", "", True, "idle", DONE)
 
 
 _CORRECTING = ("ask", "turn", "move", "wait", "back")

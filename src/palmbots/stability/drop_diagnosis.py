@@ -75,7 +75,8 @@ def touch_start_hint(
     The follower starts with its palm steep and closes in on the leader. The leader's contact slides
     only if property 1 holds with the leader's palm shallow. Arguments as in `analyze_hint`.
     """
-    if scene.control.start != "touch" or transition_table(describe(controller), scene) is None:
+    table = transition_table(describe(controller), scene)
+    if scene.control.start != "touch" or table is None or not table["starts_by_touch"]:
         return None
     leader = "right" if scene.task.direction == "forward" else "left"
     try:

@@ -10,6 +10,7 @@
 #include "support/bitslice_alone.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
+#include "support/robot_teams.hpp"
 #include "support/third_table.hpp"
 
 using namespace palmbots;
@@ -22,13 +23,19 @@ TableTeam<Table> team_over(const Channel& channel, const Faults& faults, std::ui
   const auto of = [&](int bit, std::uint32_t most) {
     return static_cast<std::uint16_t>(1 + (std::rotr(chance, bit) & 0xFF) * most / 256);
   };
-  typename TableRobot<Table>::Times times{of(1, 12), of(9, 254), {}};
+  TableTimes<Table> times{of(1, 12), of(9, 254), {}};
   const std::uint32_t longest = (chance >> 8 & 1) != 0 ? 4095 : 500;
   for (std::size_t k = 0; k < Table::limits; ++k) {
     times.limits[k] = of(13 + 4 * static_cast<int>(k), k == 0 ? longest : 40);
   }
   const bool by_touch = (chance >> 7 & 1) != 0;
-  return {times, (chance >> 5 & 3) != 0, {}, channel, 0, chance % 2, faults, by_touch};
+  const std::size_t leader = chance % 2;
+  return {table_robots<Table>(times, leader, (chance >> 5 & 3) != 0, by_touch),
+          {},
+          channel,
+          0,
+          leader,
+          faults};
 }
 
 template <class Table>
@@ -45,7 +52,7 @@ Seen test_goes_as_it_does_alone() {
       });
   for (const std::uint32_t ticks : states) CHECK(ticks > 100);
   CHECK(seen.boots > 1000 && seen.most_corrections > 256 && stopped > 1000 && silent > 1000);
-  CHECK((seen.most_lost > 100 && seen.most_late > 100) == Table::talks);
+  CHECK((seen.most_lost > 100 && seen.most_late > 100) == (Table::mail == Mail::beacons));
   return seen;
 }
 
@@ -53,16 +60,17 @@ Seen test_goes_as_it_does_alone() {
 template <class Table>
 void test_supported_teams() {
   using Team = TableTeam<Table>;
-  typename TableRobot<Table>::Times times{5, 50, {}};
+  TableTimes<Table> times{5, 50, {}};
   times.limits.fill(4095);
   const auto goes = [&](const auto& t, double drift, const Channel& channel, const Faults& faults) {
-    return BitslicedTeam<Team>::supports(Team(t, true, {drift, 0}, channel, 0, left, faults));
+    return BitslicedTeam<Team>::supports(
+        Team(table_robots<Table>(t, left, true), {drift, 0}, channel, 0, left, faults));
   };
   const Channel steady = Channel::of(0.05, 0, 0.2, 0.01);
   CHECK(goes(times, 0, steady, {}));
   CHECK(!goes(times, 1e-6, steady, {}));
-  CHECK(goes(times, 0, Channel::of(0.05, 0.02, 0, 0.01), {}) == !Table::talks);
-  CHECK(goes(times, 0, Channel::of(0.64, 0, 0, 0.01), {}) == !Table::talks);
+  CHECK(goes(times, 0, Channel::of(0.05, 0.02, 0, 0.01), {}) == (Table::mail == Mail::none));
+  CHECK(goes(times, 0, Channel::of(0.64, 0, 0, 0.01), {}) == (Table::mail == Mail::none));
   for (const FaultKind kind : {FaultKind::reboot, FaultKind::freeze, FaultKind::stuck}) {
     Spec failing = paper_spec();
     failing.faults[0] = {kind, 0, 1.0, 0.5};
@@ -74,7 +82,7 @@ void test_supported_teams() {
   CHECK(!goes(longer, 0, steady, {}));
   longer = times;
   longer.lease = 255;
-  CHECK(goes(longer, 0, steady, {}) == !Table::talks);
+  CHECK(goes(longer, 0, steady, {}) == (Table::mail == Mail::none));
 }
 
 }  // namespace

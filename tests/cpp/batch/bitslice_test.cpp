@@ -14,17 +14,17 @@
 #include <vector>
 
 #include "palmbots/batch/bitslice_centralized.hpp"
-#include "palmbots/batch/bitslice_distributed.hpp"
-#include "palmbots/batch/bitslice_resilient.hpp"
+#include "palmbots/batch/bitslice_table_team.hpp"
 #include "support/bitslice_alone.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
+#include "support/robot_teams.hpp"
 
 using namespace palmbots;
 
 namespace {
 
-using Robot = Distributed;
+using Robot = TableRobot<Distributed>;
 
 // All that two robots can come to, however long each message takes and whichever is lost, whatever
 // they sense: of the messages for one of them, on their way or unread, there are never more than
@@ -50,7 +50,8 @@ void test_there_is_never_more_than_one_unread_message() {
     for (const std::size_t side : {left, right}) {
       if (node.messages[side].size() < 2) continue;
       for (const Sign sign : {Sign::negative, Sign::zero, Sign::positive}) {
-        CHECK(Robot::reads(node.robots[side].state(), palmbots::observation_of(sign, true)));
+        Robot robot = node.robots[side];
+        CHECK(robot.step({sign, true, 1, node.messages[side].front()}).read);
       }
     }
     // What they sense, whether the oldest message has come, and whether one that is sent now is
@@ -63,9 +64,9 @@ void test_there_is_never_more_than_one_unread_message() {
         const bool has_come = own / 6 % 2 != 0 && !node.messages[side].empty();
         const MessageKind got = has_come ? node.messages[side].front() : MessageKind::none;
         const auto out =
-            next.robots[side].step({static_cast<Sign>(own % 3 - 1), got, own / 3 % 2 != 0});
+            next.robots[side].step({static_cast<Sign>(own % 3 - 1), own / 3 % 2 != 0, 1, got});
         if (out.read && has_come) next.messages[side].erase(next.messages[side].begin());
-        sent[side] = own / 12 != 0 ? MessageKind::none : out.send;
+        sent[side] = own / 12 != 0 ? MessageKind::none : out.message;
       }
       for (const std::size_t side : {left, right}) {
         if (sent[side] != MessageKind::none) next.messages[other(side)].push_back(sent[side]);
@@ -88,12 +89,12 @@ Team team_over(const Channel& channel, const Faults& faults, std::uint32_t chanc
     const auto of = [&](std::uint32_t bit, std::uint32_t most) {
       return static_cast<std::uint16_t>(1 + (chance >> bit & 0xFF) * most / 256);
     };
-    const Resilient::Times times{of(1, 12), of(9, 254), of(17, 255), of(24, 20), of(5, 70)};
-    return ResilientTeam(times, {}, channel, 0, leader, faults);
+    const TableTimes<Resilient> times{of(1, 12), of(9, 254), {of(17, 255), of(24, 20), of(5, 70)}};
+    return resilient_team(times, {}, channel, 0, leader, faults);
   } else if constexpr (std::is_same_v<Team, CentralizedTeam>) {
     return CentralizedTeam(channel, 0, leader, faults);
   } else {
-    return Team({}, channel, 0, leader, faults);
+    return distributed_team(channel, 0, leader, faults);
   }
 }
 
@@ -131,15 +132,15 @@ void test_supported_teams(bool with_reboots) {
 
 // Leases and clocks with which the resilient algorithm can run bitsliced.
 void test_supported_times_and_clocks_of_the_resilient_algorithm() {
-  const auto goes = [](const Resilient::Times& times, const PerSide<double>& drift) {
+  const auto goes = [](const TableTimes<Resilient>& times, const PerSide<double>& drift) {
     const Channel channel = Channel::of(0.05, 0, 0, 0.01);
-    return BitslicedTeam<ResilientTeam>::supports(ResilientTeam(times, drift, channel, 0, left));
+    return BitslicedTeam<ResilientTeam>::supports(resilient_team(times, drift, channel, 0, left));
   };
-  CHECK(goes({255, 254, 255, 255, 254}, {0, 0}));
-  CHECK(!goes({256, 254, 255, 255, 254}, {0, 0}) && !goes({255, 255, 255, 255, 254}, {0, 0}));
-  CHECK(!goes({255, 254, 256, 255, 254}, {0, 0}) && !goes({255, 254, 255, 256, 254}, {0, 0}));
-  CHECK(!goes({255, 254, 255, 255, 255}, {0, 0}));
-  CHECK(!goes({5, 50, 70, 5, 6}, {1e-6, 0}) && !goes({5, 50, 70, 5, 6}, {0, -1e-6}));
+  CHECK(goes({255, 254, {4095, 255, 254}}, {0, 0}));
+  CHECK(!goes({256, 254, {255, 255, 254}}, {0, 0}) && !goes({255, 255, {255, 255, 254}}, {0, 0}));
+  CHECK(!goes({255, 254, {4096, 255, 254}}, {0, 0}));
+  CHECK(!goes({255, 254, {255, 256, 254}}, {0, 0}) && !goes({255, 254, {255, 255, 255}}, {0, 0}));
+  CHECK(!goes({5, 50, {70, 5, 6}}, {1e-6, 0}) && !goes({5, 50, {70, 5, 6}}, {0, -1e-6}));
 }
 
 }  // namespace
@@ -148,8 +149,8 @@ int main(int argc, char** argv) {
   const std::uint64_t ticks = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 16000;
   test_there_is_never_more_than_one_unread_message();
   constexpr auto ignore = [](const auto&, const PerSide<Command>&) {};
-  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam<Robot>>(
-      false, ticks, team_over<DistributedTeam<Robot>>, ignore);
+  const Seen pairs = test_every_team_goes_as_it_does_alone<DistributedTeam>(
+      false, ticks, team_over<DistributedTeam>, ignore);
   CHECK(pairs.longest_wait > 300 && pairs.ended_waiting > 50 && pairs.ended_not_waiting > 50);
   const Seen stations = test_every_team_goes_as_it_does_alone<CentralizedTeam>(
       true, ticks, team_over<CentralizedTeam>, ignore);
@@ -167,7 +168,7 @@ int main(int argc, char** argv) {
   for (const std::uint32_t count : states) CHECK(count > 500);
   CHECK(travelled > 5000 && peers.boots > 500 && peers.most_lost > 500);
   for (const Seen* seen : {&pairs, &stations, &peers}) CHECK(seen->most_corrections > 256);
-  test_supported_teams<DistributedTeam<Robot>>(false);
+  test_supported_teams<DistributedTeam>(false);
   test_supported_teams<CentralizedTeam>(true);
   test_supported_teams<ResilientTeam>(true);
   test_supported_times_and_clocks_of_the_resilient_algorithm();

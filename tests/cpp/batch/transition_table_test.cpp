@@ -4,11 +4,16 @@
 
 #include <cstddef>
 #include <deque>
+#include <iterator>
 
 #include "palmbots/batch/bitslice_centralized.hpp"
-#include "palmbots/batch/bitslice_distributed.hpp"
-#include "palmbots/batch/bitslice_resilient.hpp"
+#include "palmbots/batch/bitslice_table_team.hpp"
+#include "palmbots/control/distributed.hpp"
+#include "palmbots/control/resilient.hpp"
+#include "palmbots/control/shared_sign.hpp"
+#include "palmbots/control/silent.hpp"
 #include "support/check.hpp"
+#include "support/third_table.hpp"
 
 using namespace palmbots;
 
@@ -40,122 +45,124 @@ typename Robot::State state_of(const BitslicedTable<Robot>& robots, std::size_t 
   return static_cast<typename Robot::State>(found);
 }
 
-void distributed_on_every_input() {
-  const auto table = spread<Distributed>();
-  for (int s = 0; s < Distributed::states; ++s) {
-    for (int k = 0; k < Distributed::Key::count; ++k) {
-      const auto state = static_cast<Distributed::State>(s);
-      const auto key = Distributed::Key::of(k);
-      CHECK(key.number() == k);
-      const Distributed::Entry entry = table.at(state, key);
-      for (const std::size_t side : {left, right}) {
-        const RobotMask self = one_of(side);
-        const auto seen = observed(key.in.sign, key.in.palm_at_target, self);
-        BitslicedMessage<2> message;
-        message.insert(self, key.in.message);
-        BitslicedTable<Distributed> robots;
-        robots.insert(self, state);
-        const RobotMask reads =
-            robots.where_each([&](Distributed::State at) { return Distributed::reads(at, seen); });
-        BitslicedMessage<2> sent;
-        robots.step(
-            self,
-            [&](const Distributed::Row& row) {
-              return Distributed::fits<RobotMask>(row, seen, message);
-            },
-            [&](const Distributed::Row& row, RobotMask whose) { sent.insert(whose, row.send); });
-        CHECK(state_of(robots, side) == entry.next);
-        CHECK(is_set(sent.is(entry.send), side));
-        CHECK((is_set(reads & message.any(), side)) == entry.read);
-      }
-    }
-  }
-}
-
 struct HeardBits {
   MessageKind kind;
   RobotMask self;
   RobotMask is(MessageKind that) const { return when(kind == that, self); }
 };
 
-void resilient_on_every_input() {
-  const auto table = spread<Resilient>();
-  for (int s = 0; s < Resilient::states; ++s) {
-    for (int k = 0; k < Resilient::Key::count; ++k) {
-      const auto state = static_cast<Resilient::State>(s);
-      const auto key = Resilient::Key::of(k);
-      CHECK(key.number() == k);
+// What a robot goes to, sends and reads in every state, with every sign and word, and with all
+// conditions that its rows can name.
+template <class Table>
+void table_on_every_input() {
+  using Robot = TableRobot<Table>;
+  constexpr TableRowMasks<Table> masks;
+  for (int n = 0; n < Table::states * 3 * 64; ++n) {
+    const auto state = static_cast<typename Table::State>(n % Table::states);
+    const auto sign = static_cast<Sign>(n / Table::states % 3 - 1);
+    const int c = n / Table::states / 3;
+    const auto bit = [&](int k) { return (c >> k & 1) != 0; };
+    const TableConditions<bool> one{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)};
+    for (const MessageKind word : TableWords<Table>::list) {
+      const int row = masks.row(state, sign, word, one);
       for (const std::size_t side : {left, right}) {
         const RobotMask self = one_of(side);
-        const auto seen = observed(key.sign, false, self);
-        const Resilient::Conditions<RobotMask> met{
-            when(key.met.settled, self), when(key.met.released, self), when(key.met.yields, self),
-            when(key.met.held, self)};
-        BitslicedTable<Resilient> robots;
+        const auto seen = observed(sign, one.turned, self);
+        const TableConditions<RobotMask> many{when(bit(0), self), when(bit(1), self),
+                                              when(bit(2), self), when(bit(3), self),
+                                              when(bit(4), self), when(bit(5), self)};
+        BitslicedTable<Robot> robots;
         robots.insert(self, state);
+        int ran = masks.none;
         robots.step(
             self,
-            [&](const Resilient::Row& row) {
-              return Resilient::fits<RobotMask>(row, seen, HeardBits{key.heard, self}, met);
+            [&](const typename Robot::Row& r) {
+              return fits_in_table<Table, RobotMask>(r, seen, HeardBits{word, self}, many);
             },
-            [](const Resilient::Row&, RobotMask) {});
-        CHECK(state_of(robots, side) == table.at(state, key));
+            [&](const typename Robot::Row& r, RobotMask whose) {
+              if (is_set(whose, side)) ran = static_cast<int>(&r - std::data(Table::rows));
+            });
+        CHECK(ran == row);
+        CHECK(state_of(robots, side) == (row == masks.none ? state : masks.next(row)));
       }
+      if (row == masks.none) continue;
+      const TableRow<typename Table::State>& ran = std::data(Table::rows)[row];
+      CHECK(masks.send(row) == ran.send && masks.reads(row) == (ran.heard != any_word));
     }
   }
 }
 
-// The counters of a robot, one step after the other, over random histories that reach every age.
+// What a robot commands and says.
+struct OutputBits {
+  bool moves, asks;
+  RobotMask self;
+  TableOutput output() const {
+    return {' ',
+            {Palm::steep, moves ? Move::away : Move::hold},
+            asks ? MessageKind::tilt_up : MessageKind::raised};
+  }
+};
+struct OneRobot : OutputBits {
+  template <class Predicate>
+  bool who(Predicate predicate) const {
+    return predicate(output());
+  }
+};
+struct ManyRobots : OutputBits {
+  template <class Predicate>
+  RobotMask who(Predicate predicate) const {
+    return when(predicate(output()), self);
+  }
+};
+
+// The memory of a robot, one step after the other, over random histories that reach every age.
 void leases_count_alike() {
-  const LeaseLimits<std::uint16_t> limits{5, 21, 33, 6, 4};
-  LeaseLimits<BitslicedCounter> bits_limits;
+  using One = LeaseState<bool, std::uint16_t>;
+  using Many = LeaseState<RobotMask, BitslicedCounter>;
+  const One::Limits limits{21, 6, 4};
   const RobotMask self = one_of(right);
-  bits_limits.beacon.assign(self, limits.beacon);
-  bits_limits.stale.assign(self, limits.stale);
-  bits_limits.hold.assign(self, limits.hold);
-  bits_limits.braking.assign(self, limits.braking);
-  bits_limits.long_ago.assign(self, limits.long_ago);
-  LeaseState<bool, std::uint16_t> one{.stopped = true, .partner_stopped = true};
-  LeaseState<RobotMask, BitslicedCounter> many;
-  many.stopped = many.partner_stopped = self;
+  Many::Limits many_limits;
+  for (std::size_t k = 0; k < limits.size(); ++k) many_limits[k].assign(self, limits[k]);
+  One one;
+  Many many;
+  one.boot(true, limits);
+  many.boot(self, many_limits);
+  std::uint16_t age = 0;
+  BitslicedCounter ages;
   std::uint32_t starts = 0;
   for (std::uint32_t tick = 0; tick < 200000; ++tick) {
     const Words words = draw(5, tick / 3, 0);
     const auto chance = [&](std::size_t word, std::uint32_t bit, std::uint32_t of) {
       return (words[word] >> bit) % of == 0;
     };
+    advance(age, 1, limits[One::stale]);
+    advance(ages, 1, many_limits[One::stale]);
     one.pass(1, limits);
-    many.pass(1, bits_limits);
+    many.pass(1, many_limits);
     if (chance(0, 0, 9)) {
-      const auto age = static_cast<std::uint16_t>((words[0] >> 8) % 26);
-      one.age = age < limits.stale ? age : limits.stale;
-      many.age.assign(self, age);
-      one.partner_stopped = chance(0, 16, 2);
-      one.partner_ready = chance(0, 20, 2);
-      many.partner_stopped = when(one.partner_stopped, self);
-      many.partner_ready = when(one.partner_ready, self);
+      const auto heard = static_cast<std::uint16_t>((words[0] >> 8) % 26);
+      age = heard < limits[One::stale] ? heard : limits[One::stale];
+      ages.assign(self, heard);
+      const bool rests = chance(0, 16, 2);
+      const bool is_ready = chance(0, 20, 2);
+      one.hear(true, rests, is_ready);
+      many.hear(self, when(rests, self), when(is_ready, self));
     }
-    const bool run = !chance(1, 0, 7);
-    const bool moves = chance(1, 4, 3);
+    if (chance(1, 0, 7)) continue;  // it does not run
+    const OutputBits output{chance(1, 4, 3), chance(2, 0, 5), self};
     const bool turned = chance(1, 8, 2);
-    const bool entered = run && chance(1, 12, 11);
-    const bool asks = chance(2, 0, 5);
     const bool centred = chance(2, 8, 2);
-    const bool says_other = entered && chance(2, 12, 2);
-    const bool silence = one.silence(limits);
-    const RobotMask silent = many.silence(bits_limits);
-    CHECK(is_set(silent, right) == silence);
-    if (!run) continue;
-    const auto a = one.conditions<Resilient::Conditions<bool>>(run, moves, turned, silence, limits);
-    const auto b = many.conditions<Resilient::Conditions<RobotMask>>(
-        self, when(moves, self), when(turned, self), silent, bits_limits);
-    CHECK(a.settled == is_set(b.settled, right) && a.released == is_set(b.released, right) &&
-          a.held == is_set(b.held, right));
+    const bool fresh = age < limits[One::stale];
+    TableConditions<bool> a{.turned = turned};
+    TableConditions<RobotMask> b{.turned = when(turned, self)};
+    one.meet(a, true, OneRobot{output}, age, fresh, limits);
+    many.meet(b, self, ManyRobots{output}, ages, when(fresh, self), many_limits);
+    CHECK(a.settled == is_set(b.settled, right) && a.released == is_set(b.released, right));
     const bool before = one.stopped;
-    const auto x = one.finish(run, entered, asks, centred, says_other, silence, limits);
-    const auto y = many.finish(self, when(entered, self), when(asks, self), when(centred, self),
-                               when(says_other, self), silent, bits_limits);
-    CHECK(x.ready == is_set(y.ready, right) && x.send == is_set(y.send, right));
+    const auto x = one.finish(true, OneRobot{output}, centred, age, fresh, limits);
+    const auto y = many.finish(self, ManyRobots{output}, when(centred, self), ages,
+                               when(fresh, self), many_limits);
+    CHECK(x.ready == is_set(y.ready, right) && x.is_news == is_set(y.is_news, right));
     CHECK(one.stopped == is_set(many.stopped, right));
     starts += before && !one.stopped ? 1 : 0;
   }
@@ -211,8 +218,11 @@ void stations_on_every_input() {
 }  // namespace
 
 int main() {
-  distributed_on_every_input();
-  resilient_on_every_input();
+  table_on_every_input<Distributed>();
+  table_on_every_input<Resilient>();
+  table_on_every_input<Silent>();
+  table_on_every_input<SharedSign>();
+  table_on_every_input<ThirdTable>();
   leases_count_alike();
   stations_on_every_input();
 }

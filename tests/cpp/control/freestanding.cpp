@@ -5,11 +5,11 @@
 #include "palmbots/runtime.hpp"
 #include "palmbots/wire.hpp"
 
-palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
-                                         palmbots::Distributed::Input in);
+using DistributedRobot = palmbots::TableRobot<palmbots::Distributed>;
 
-palmbots::Distributed::Output robot_step(palmbots::Distributed& robot,
-                                         palmbots::Distributed::Input in) {
+palmbots::RobotOutput distributed_step(DistributedRobot& robot, const palmbots::RobotInput& in);
+
+palmbots::RobotOutput distributed_step(DistributedRobot& robot, const palmbots::RobotInput& in) {
   return robot.step(in);
 }
 
@@ -21,19 +21,19 @@ palmbots::Centralized::Output station_step(palmbots::Centralized& station,
   return station.step(reports);
 }
 
-palmbots::Resilient::Output resilient_step(palmbots::Resilient& robot,
-                                           const palmbots::Resilient::Input& in);
+using ResilientRobot = palmbots::TableRobot<palmbots::Resilient>;
 
-palmbots::Resilient::Output resilient_step(palmbots::Resilient& robot,
-                                           const palmbots::Resilient::Input& in) {
+palmbots::RobotOutput resilient_step(ResilientRobot& robot, const palmbots::RobotInput& in);
+
+palmbots::RobotOutput resilient_step(ResilientRobot& robot, const palmbots::RobotInput& in) {
   return robot.step(in);
 }
 
 using SharedSignRobot = palmbots::TableRobot<palmbots::SharedSign>;
 
-SharedSignRobot::Output shared_sign_step(SharedSignRobot& robot, const SharedSignRobot::Input& in);
+palmbots::RobotOutput shared_sign_step(SharedSignRobot& robot, const palmbots::RobotInput& in);
 
-SharedSignRobot::Output shared_sign_step(SharedSignRobot& robot, const SharedSignRobot::Input& in) {
+palmbots::RobotOutput shared_sign_step(SharedSignRobot& robot, const palmbots::RobotInput& in) {
   return robot.step(in);
 }
 
@@ -61,9 +61,9 @@ palmbots::wire::Decoded radio_receive(palmbots::wire::Endpoint& end, const std::
   return end.receive({bytes, size});
 }
 
-palmbots::Distributed::Output commanded_step(const palmbots::ExternalController& robot);
+palmbots::RobotOutput commanded_step(const palmbots::ExternalController& robot);
 
-palmbots::Distributed::Output commanded_step(const palmbots::ExternalController& robot) {
+palmbots::RobotOutput commanded_step(const palmbots::ExternalController& robot) {
   return robot.step({});
 }
 
@@ -88,7 +88,7 @@ palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
 }
 
 using ResilientRuntime =
-    palmbots::runtime::RobotRuntime<palmbots::runtime::BeaconProgram<palmbots::Resilient>>;
+    palmbots::runtime::RobotRuntime<palmbots::runtime::PartnerProgram<ResilientRobot>>;
 
 palmbots::runtime::Outputs robot_step(ResilientRuntime& robot, const std::uint8_t* bytes,
                                       std::size_t size);

@@ -65,16 +65,6 @@ bool holds_for(ContactCondition p, Sign sign) {
   return false;
 }
 
-bool came(Distributed::Got got, MessageKind message) {
-  switch (got) {
-    case Distributed::Got::any: return true;
-    case Distributed::Got::tilt_up: return message == MessageKind::tilt_up;
-    case Distributed::Got::tilt_down: return message == MessageKind::tilt_down;
-    case Distributed::Got::ack: return message == MessageKind::ack;
-  }
-  return false;
-}
-
 // The first row that fits decides; if none does, the robot stays and keeps the message.
 void machine_against_its_rows() {
   std::mt19937 chance(2);
@@ -84,7 +74,7 @@ void machine_against_its_rows() {
     MachineTable table;
     const auto states = static_cast<std::uint8_t>(1 + chance() % MachineTable::most_states);
     for (std::uint8_t s = 0; s < states; ++s) {
-      CHECK(table.add(Distributed::StateOutput{
+      CHECK(table.add(MachineTable::StateOutput{
           static_cast<char>('a' + s % 26),
           {static_cast<Palm>(chance() % 2), static_cast<Move>(chance() % 3)},
           false,
@@ -92,37 +82,38 @@ void machine_against_its_rows() {
     }
     std::vector<MachineTable::Row> rows(chance() % 60);
     for (MachineTable::Row& row : rows) {
+      const auto heard = static_cast<MessageKind>(chance() % 4);
       row = {static_cast<std::uint8_t>(chance() % states),
              static_cast<ContactCondition>(chance() % 6),
-             static_cast<Distributed::Got>(chance() % 4),
-             static_cast<Distributed::Tilt>(chance() % 2),
+             heard == MessageKind::none ? any_word : WordSet(heard),
+             chance() % 2 != 0 ? IfSet(If::turned) : IfSet{},
              static_cast<std::uint8_t>(chance() % states),
              static_cast<MessageKind>(chance() % 4)};
       CHECK(table.add(row));
     }
-    const MachineTable::Row unknown{states, {}, {}, {}, 0, {}};
-    const MachineTable::Row nowhere{0, {}, {}, {}, states, {}};
-    CHECK(!table.add(unknown) && !table.add(nowhere) && table.states() == states);
+    const MachineTable::Row nowhere{std::uint8_t{0}, {}, any_word, {}, states, {}};
+    CHECK(!table.add(nowhere) && table.states() == states);
     MachineRobot robot(&table);
     std::uint8_t state = 0;
     for (int step = 0; step < 200; ++step) {
-      const Distributed::Input in{signs[chance() % 3], static_cast<MessageKind>(chance() % 4),
-                                  chance() % 2 != 0};
+      const RobotInput in{signs[chance() % 3], chance() % 2 != 0, 1,
+                          static_cast<MessageKind>(chance() % 4)};
       const MachineTable::Row* first = nullptr;
       for (const MachineTable::Row& row : rows) {
-        const bool turned = row.tilt == Distributed::Tilt::any || in.palm_at_target;
-        const bool fits =
-            row.state == state && holds_for(row.p, in.sign) && came(row.got, in.message) && turned;
+        const bool turned = row.when == IfSet{} || in.palm_at_target;
+        const bool heard = row.heard == any_word || row.heard == WordSet(in.message);
+        const bool fits = row.from == EnumSet<std::uint8_t>(state) && holds_for(row.p, in.sign) &&
+                          heard && turned;
         if (fits && first == nullptr) first = &row;
       }
       const MessageKind send = first == nullptr ? MessageKind::none : first->send;
-      const bool read = first != nullptr && first->got != Distributed::Got::any;
+      const bool read = first != nullptr && first->heard != any_word;
       const std::uint8_t next = first == nullptr ? state : first->next;
       const bool quiet = next == state && send == MessageKind::none && !read;
-      CHECK(robot.is_quiescent(in) == quiet);
-      const Distributed::Output out = robot.step(in);
+      CHECK((robot.quiet(in.sign, in.palm_at_target, in.message) > 0) == quiet);
+      const RobotOutput out = robot.step(in);
       state = next;
-      CHECK(robot.state() == state && out.send == send && out.read == read);
+      CHECK(robot.state() == state && out.message == send && out.read == read);
       CHECK(out.command == table.output(state).command);
       stays += quiet;
       consumed += read;
@@ -134,9 +125,9 @@ void machine_against_its_rows() {
 void full_table() {
   MachineTable table;
   for (std::size_t s = 0; s < MachineTable::most_states; ++s) {
-    CHECK(table.add(Distributed::StateOutput{' ', {}, false, MessageKind::none}));
+    CHECK(table.add(MachineTable::StateOutput{' ', {}, false, MessageKind::none}));
   }
-  CHECK(!table.add(Distributed::StateOutput{' ', {}, false, MessageKind::none}));
+  CHECK(!table.add(MachineTable::StateOutput{' ', {}, false, MessageKind::none}));
   CHECK(table.states() == MachineTable::most_states);
 }
 

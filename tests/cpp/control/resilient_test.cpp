@@ -3,6 +3,7 @@
 // inputs that reach every state with every sign and message.
 #include "palmbots/control/resilient.hpp"
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -15,6 +16,9 @@ using namespace palmbots;
 
 namespace {
 
+using Robot = TableRobot<Resilient>;
+using Times = TableTimes<Resilient>;
+
 struct Seen {
   std::uint32_t entered[Resilient::states][Resilient::states]{};
   std::uint32_t with[Resilient::states][3][6]{};  // sign, message heard
@@ -22,33 +26,33 @@ struct Seen {
   std::uint32_t cut_short = 0;                    // rests after which nothing happened
 };
 
-bool same(const Resilient::Output& a, const Resilient::Output& b) {
+bool same(const RobotOutput& a, const RobotOutput& b) {
   return a.command == b.command && a.message == b.message && a.ready == b.ready &&
          a.send == b.send && a.assists == b.assists;
 }
 
 // quiet() returns a number of steps in which nothing happens. Skipping them at once gives the same
 // controller as taking them one by one.
-void check_rest(const Resilient& now, Sign sign, bool palm_at_target, Seen& seen) {
+void check_rest(const Robot& now, Sign sign, bool palm_at_target, Seen& seen) {
   const std::uint16_t quiet = now.quiet(sign, palm_at_target);
-  const auto step = [&](Resilient& robot) {
+  const auto step = [&](Robot& robot) {
     return robot.step({sign, palm_at_target, 1, MessageKind::none, false, false, 0});
   };
-  Resilient slow = now;
+  Robot slow = now;
   for (std::uint16_t k = 1; k <= quiet; ++k) {
-    const Resilient::Output out = step(slow);
+    const RobotOutput out = step(slow);
     CHECK(!out.send && slow.state() == now.state() && slow.stopped() == now.stopped());
-    Resilient fast = now;
+    Robot fast = now;
     fast.idle(sign, k);
     CHECK(std::memcmp(&fast, &slow, sizeof fast) == 0);  // copies, so with the same padding
   }
   if (quiet > 1) ++seen.rested[static_cast<int>(now.state())];
-  const Resilient::Output out = step(slow);
+  const RobotOutput out = step(slow);
   if (!out.send && slow.state() == now.state() && slow.stopped() == now.stopped()) ++seen.cut_short;
 }
 
-void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted, Seen& seen) {
-  Resilient shipped(times, yields, assisted);
+void walk(const Times& times, std::uint64_t seed, bool yields, bool assisted, Seen& seen) {
+  Robot shipped(times, {.leads = !yields}, assisted);
   ResilientOracle oracle(times, yields, assisted);
   std::uint32_t sign = 0;
   bool fresh = true;
@@ -56,7 +60,7 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
     const Words w = draw(seed, i, 3U);
     if (w[0] % 8 == 0) sign = (w[0] >> 8) % 3;  // signs and good spells that last a while
     if (w[1] % 32 == 0) fresh = !fresh;
-    Resilient::Input in{};
+    RobotInput in{};
     in.sign = static_cast<Sign>(static_cast<int>(sign) - 1);
     in.palm_at_target = (w[2] & 3) != 0;
     in.elapsed = static_cast<std::uint16_t>(w[2] % 64 == 4 ? 1 + (w[2] >> 8) % 9 : 1);
@@ -80,9 +84,8 @@ void walk(Resilient::Times times, std::uint64_t seed, bool yields, bool assisted
 void test_agrees_with_oracle() {
   Seen seen;
   std::uint64_t seed = 0;
-  for (const Resilient::Times times :
-       {Resilient::Times{1, 2, 3, 0, 0}, Resilient::Times{5, 50, 67, 6, 6},
-        Resilient::Times{3, 9, 4, 1, 2}, Resilient::Times{4, 9, 6, 1, 2}}) {
+  for (const Times& times : {Times{1, 2, {3, 0, 0}}, Times{5, 50, {67, 6, 6}},
+                             Times{3, 9, {4, 1, 2}}, Times{4, 9, {6, 1, 2}}}) {
     for (const bool yields : {false, true}) {
       for (const bool assisted : {false, true}) {
         for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
@@ -97,14 +100,14 @@ void test_agrees_with_oracle() {
   for (const std::uint32_t n : seen.rested) CHECK(n > 0);
   // Every row was taken: each pair of states that the table connects.
   for (const auto& row : Resilient::rows) {
-    CHECK(seen.entered[static_cast<int>(row.state)][static_cast<int>(row.next)] > 0);
+    CHECK(seen.entered[std::countr_zero(row.from.bits)][static_cast<int>(row.next)] > 0);
   }
 }
 
 // Counters stop, they do not wrap: a robot left alone for days is as silent as after a second.
 void test_counters_do_not_wrap() {
-  Resilient robot({5, 50, 67, 6, 6}, false);
-  Resilient::Input in{Sign::zero, true, 60000, MessageKind::none, true, false, 0};
+  Robot robot({5, 50, {67, 6, 6}}, {.leads = true});
+  RobotInput in{Sign::zero, true, 60000, MessageKind::none, true, false, 0};
   for (int i = 0; i < 100; ++i) {
     const auto out = robot.step(in);
     CHECK(robot.silence() && out.command.stop && out.send);

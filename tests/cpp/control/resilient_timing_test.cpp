@@ -57,7 +57,8 @@ void a_lease_has_two_limits() {
   const ResilientTiming own = ResilientTiming::of(usual);
   CHECK(own.problem == Problem::none);
   CHECK(own.shortest_lease == 2 * (10 + 5) + 2);
-  CHECK(own.times.hold == own.times.lease + 1 + 10 + 6);
+  CHECK(own.times.limits[static_cast<std::size_t>(palmbots::LeaseLimit::hold)] ==
+        own.times.lease + 1 + 10 + 6);
   CHECK(own.skew <= own.room);
   CHECK(with_lease(0.01 * own.shortest_lease).problem == Problem::none);
   CHECK(with_lease(0.01 * (own.shortest_lease - 1)).problem == Problem::lease_too_short);

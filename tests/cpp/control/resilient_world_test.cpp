@@ -14,16 +14,19 @@
 #include "palmbots/base/side.hpp"
 #include "palmbots/control/beacon.hpp"
 #include "palmbots/control/resilient.hpp"
+#include "palmbots/control/table_robot.hpp"
 #include "support/check.hpp"
 
 using namespace palmbots;
 
 namespace {
 
+using Robot = TableRobot<Resilient>;
+
 constexpr int tilt = 4;  // ticks that a palm takes to turn
 constexpr int zone = 2;  // |p| up to this reads 0 [cells]
 constexpr std::uint16_t beacon = 2;
-constexpr int braking =
+constexpr int run_on =
     3;  // ticks that wheels run on after a move; not those of a robot that reboots
 constexpr std::uint16_t lease = 18;  // 2 (D + B) + 2 with D = 3, and three lost beacons
 
@@ -44,7 +47,7 @@ class World {
  public:
   World(std::uint64_t seed, std::uint16_t hold)
       : seed_(seed),
-        times_{beacon, lease, hold, braking, 4},
+        times_{beacon, lease, {hold, run_on, 4}},
         robots_{make(left, false), make(right, false)} {}
 
   void run(std::uint32_t ticks, bool faults, Broken& broken) {
@@ -60,7 +63,7 @@ class World {
   }
 
  private:
-  Resilient make(std::size_t s, bool assisted) const { return {times_, s == left, assisted}; }
+  Robot make(std::size_t s, bool assisted) const { return {times_, {s == right}, assisted}; }
 
   std::uint32_t random(std::uint32_t below) {
     if (used_ == 4) {
@@ -108,7 +111,7 @@ class World {
     goal_[s] = out_[s].command.palm == Palm::shallow ? tilt : 0;
     if (out_[s].command.move != Move::hold) {
       wheels_[s] = out_[s].command.move;
-      runs_on_[s] = braking;
+      runs_on_[s] = run_on;
     } else if (runs_on_[s]-- <= 0) {
       wheels_[s] = Move::hold;
       runs_on_[s] = 0;
@@ -126,7 +129,7 @@ class World {
 
   void turn_palms() {
     for (const std::size_t s : {left, right}) {
-      if (robots_[s].now().name == 'd') by_d_[s] = true;
+      if (robots_[s].name() == 'd') by_d_[s] = true;
       raised_[s] += raised_[s] < goal_[s] ? 1 : (raised_[s] > goal_[s] ? -1 : 0);
       if (raised_[s] == 0 && goal_[s] == 0) by_d_[s] = false;
     }
@@ -172,11 +175,11 @@ class World {
   }
 
   std::uint64_t seed_;
-  Resilient::Times times_;
-  PerSide<Resilient> robots_;
+  TableTimes<Resilient> times_;
+  PerSide<Robot> robots_;
   PerSide<BeaconReceiver> receivers_{BeaconReceiver(1), BeaconReceiver(1)};
   PerSide<std::uint16_t> epoch_{1, 1};
-  PerSide<Resilient::Output> out_{};
+  PerSide<RobotOutput> out_{};
   PerSide<Move> wheels_{};           // what they do
   PerSide<int> runs_on_{};           // for so many ticks more
   PerSide<std::deque<Packet>> air_;  // to each robot
@@ -213,7 +216,7 @@ Broken explore(std::uint16_t hold, int worlds) {
 
 int main(int argc, char** argv) {
   const int worlds = argc > 1 ? std::atoi(argv[1]) : 1000;
-  const Broken safe = explore(lease + 1 + braking, worlds);
+  const Broken safe = explore(lease + 1 + run_on, worlds);
   CHECK(safe.away_against_closer == 0);
   CHECK(safe.away_unassisted == 0);
   CHECK(safe.closer_unsafe == 0);

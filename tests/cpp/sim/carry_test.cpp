@@ -7,13 +7,12 @@
 #include <new>
 #include <vector>
 
-#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/centralized_team.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/no_controller.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
+#include "support/robot_teams.hpp"
 
 namespace {
 
@@ -108,8 +107,8 @@ void test_no_allocation_by_any_team() {
     for (const Spec& spec : {plain, busy}) {
       test_no_allocation(spec, seed, NoController{});
       test_no_allocation(spec, seed, CentralizedTeam(channel, seed, right));
-      test_no_allocation(spec, seed, DistributedTeam<Distributed>({}, channel, seed, right));
-      test_no_allocation(spec, seed, ResilientTeam({5, 52, 69, 6, 6}, {}, channel, seed, right));
+      test_no_allocation(spec, seed, distributed_team(channel, seed, right));
+      test_no_allocation(spec, seed, resilient_team({5, 52, {69, 6, 6}}, {}, channel, seed, right));
     }
   }
 }
@@ -126,7 +125,7 @@ void test_paper_box_arrives() {
   const Spec spec = paper_spec();
   const Channel channel = Channel::of(spec.latency, spec.jitter, spec.loss, spec.period);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    DistributedTeam<Distributed> team({}, channel, seed, right);
+    const DistributedTeam team = distributed_team(channel, seed, right);
     NoRecorder none;
     const Ran ran = run_counting<double>(spec, seed, team, &none);
     CHECK(ran.outcome == Outcome::delivered);
@@ -151,13 +150,15 @@ void break_some(Spec& spec, std::uint64_t seed) {
 }
 
 // The same algorithm, but it does not say when it has nothing to do: so it is asked in every tick.
-struct Restless {
-  Distributed robot;
-  Distributed::Output step(const Distributed::Input& in) {
+struct Restless : QueueController {
+  TableRobot<Distributed> robot;
+  Restless booted() const { return {}; }
+  RobotOutput step(const RobotInput& in) {
     ++steps;
     return robot.step(in);
   }
-  const Distributed::StateOutput& now() const { return robot.now(); }
+  char name() const { return robot.name(); }
+  bool waits() const { return robot.waits(); }
   static inline long steps = 0;
 };
 
@@ -174,10 +175,10 @@ void test_sleeping_robots_carry_like_robots_stepped_every_tick() {
     if (seed % 5 == 1) channel.duplicate_words = Channel::words_of(0.2);
     break_some(spec, seed);
     const Faults faults = Faults::of(spec, seed);
-    Carry<double, DistributedTeam<Distributed>, NoRecorder> one(
-        spec, seed, DistributedTeam<Distributed>({}, channel, seed, right, faults), NoRecorder{});
-    Carry<double, DistributedTeam<Restless>, NoRecorder> other(
-        spec, seed, DistributedTeam<Restless>({}, channel, seed, right, faults), NoRecorder{});
+    Carry<double, DistributedTeam, NoRecorder> one(
+        spec, seed, distributed_team(channel, seed, right, faults), NoRecorder{});
+    Carry<double, RobotTeam<Restless>, NoRecorder> other(
+        spec, seed, RobotTeam<Restless>({}, {}, channel, seed, right, faults), NoRecorder{});
     one.run();
     const long before = Restless::steps;
     other.run();
@@ -282,7 +283,7 @@ void test_a_fork_draws_its_own_bumps() {
 
 // Two robots on leases that count how often they are asked.
 struct CountedPeers : ResilientTeam {
-  using ResilientTeam::ResilientTeam;
+  using ResilientTeam::RobotTeam;
   template <class Log>
   PerSide<Command> step(std::uint32_t tick, const PerSide<RobotObservation>& sensed, Log&& log) {
     ++steps;
@@ -295,7 +296,7 @@ struct CountedPeers : ResilientTeam {
 // tick, on any radio and with any faults.
 void test_sleeping_resilient_robots_equal_those_stepped_every_tick() {
   Spec spec = paper_spec();
-  const Resilient::Times times{5, 52, 69, 6, 6};
+  const PerSide<TableRobot<Resilient>> robots = table_robots<Resilient>({5, 52, {69, 6, 6}}, right);
   long ticks = 0;
   long asked = 0;
   for (std::uint64_t seed = 0; seed < 30 * rounds; ++seed) {
@@ -315,11 +316,11 @@ void test_sleeping_resilient_robots_equal_those_stepped_every_tick() {
       return carry;
     };
     const long before = CountedPeers::steps;
-    const auto one = carried(CountedPeers(times, {0, fast}, channel, seed, right, faults));
+    const auto one = carried(CountedPeers(robots, {0, fast}, channel, seed, right, faults));
     if (fast > 0) CHECK(CountedPeers::steps - before == one.ticks());
     asked += fast == 0 ? CountedPeers::steps - before : 0;
     ticks += fast == 0 ? one.ticks() : 0;
-    const auto other = carried(ResilientTeam(times, {restless, fast == 0 ? restless : fast},
+    const auto other = carried(ResilientTeam(robots, {restless, fast == 0 ? restless : fast},
                                              channel, seed, right, faults));
     const Metrics &a = one.metrics(), &b = other.metrics();
     CHECK(a.outcome == b.outcome && a.time_ticks == b.time_ticks && a.square_sum == b.square_sum);
@@ -357,8 +358,8 @@ void test_forks_of_any_team() {
   const Channel channel = Channel::of(busy.latency, busy.jitter, busy.loss, busy.period);
   test_forks(busy, NoController{});
   test_forks(busy, CentralizedTeam(channel, 3, right));
-  test_forks(busy, DistributedTeam<Distributed>({}, channel, 3, right));
-  test_forks(busy, ResilientTeam({5, 52, 69, 6, 6}, {}, channel, 3, right));
+  test_forks(busy, distributed_team(channel, 3, right));
+  test_forks(busy, resilient_team({5, 52, {69, 6, 6}}, {}, channel, 3, right));
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "palmbots/sim/centralized_team.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "support/check.hpp"
+#include "support/robot_teams.hpp"
 
 using namespace palmbots;
 
@@ -14,22 +14,22 @@ namespace {
 constexpr auto ignore = [](const SentMessage&) {};
 
 // A robot that counts its steps since it was made, and asks all the time.
-struct Counter {
+struct Counter : QueueController {
+  bool asks = false;
   std::uint32_t steps = 0;
   std::uint32_t heard = 0;
-  bool asks = false;
-  Distributed::Output step(Distributed::Input in) {
+  Counter() = default;
+  explicit Counter(bool asks_too) : asks(asks_too) {}
+  Counter booted() const { return Counter(asks); }
+  RobotOutput step(const RobotInput& in) {
     ++steps;
     heard += in.message != MessageKind::none ? 1 : 0;
     const auto move = static_cast<Move>(1 + (steps - 1) % 2);  // each step has its own command
-    return {{Palm::shallow, move}, asks ? MessageKind::tilt_up : MessageKind::none, true};
+    return said({Palm::shallow, move}, asks ? MessageKind::tilt_up : MessageKind::none, true);
   }
-  Distributed::StateOutput now() const {
-    Distributed::StateOutput doing = Distributed::outputs[0];
-    doing.name = static_cast<char>('0' + heard);
-    return doing;
-  }
+  char name() const { return static_cast<char>('0' + heard); }
 };
+using CounterTeam = RobotTeam<Counter>;
 
 Faults fault_of(FaultKind kind, std::uint32_t side, double at, double lasts) {
   Spec spec{};
@@ -50,8 +50,8 @@ Channel channel_of(double latency, bool has_sessions) {
 // meanwhile, and begins anew in tick 15, with what comes then. With sessions what comes in tick 15
 // is only answered; the answer is there in tick 18, and what is sent then comes in tick 21.
 void test_rebooted_robot_starts_from_its_initial_state(bool has_sessions) {
-  DistributedTeam<Counter> team({Counter{}, Counter{0, 0, true}}, channel_of(0.03, has_sessions), 0,
-                                right, fault_of(FaultKind::reboot, left, 0.1, 0.05));
+  CounterTeam team({Counter(), Counter(true)}, {}, channel_of(0.03, has_sessions), 0, right,
+                   fault_of(FaultKind::reboot, left, 0.1, 0.05));
   const std::uint32_t again = has_sessions ? 21 : 15;
   for (std::uint32_t tick = 0; tick < 28; ++tick) {
     const auto out = team.step(tick, {}, ignore);
@@ -74,8 +74,8 @@ void test_rebooted_robot_starts_from_its_initial_state(bool has_sessions) {
 // Frozen for ticks 10 to 13 it continues its last command; then the watchdog makes it rest and
 // reboot.
 void test_frozen_robot_keeps_its_command_until_the_watchdog_reboots_it() {
-  DistributedTeam<Counter> team({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
-                                fault_of(FaultKind::freeze, right, 0.1, 0.08));
+  CounterTeam team({}, {}, Channel::of(0.03, 0, 0, 0.01), 0, right,
+                   fault_of(FaultKind::freeze, right, 0.1, 0.08));
   for (std::uint32_t tick = 0; tick < 25; ++tick) {
     const auto out = team.step(tick, {}, ignore);
     CHECK(out[right].stop == (tick >= 14 && tick < 18));
@@ -83,8 +83,8 @@ void test_frozen_robot_keeps_its_command_until_the_watchdog_reboots_it() {
     if (tick == 18) CHECK(out[right].move == Move::away);                // of the first
   }
   // One that ends before that has only stood still.
-  DistributedTeam<Counter> brief({Counter{}, Counter{}}, Channel::of(0.03, 0, 0, 0.01), 0, right,
-                                 fault_of(FaultKind::freeze, right, 0.1, 0.03));
+  CounterTeam brief({}, {}, Channel::of(0.03, 0, 0, 0.01), 0, right,
+                    fault_of(FaultKind::freeze, right, 0.1, 0.03));
   for (std::uint32_t tick = 0; tick < 25; ++tick) {
     const auto out = brief.step(tick, {}, ignore);
     const std::uint32_t step = tick < 10 ? tick : (tick < 13 ? 9 : tick - 3);
@@ -150,7 +150,7 @@ void test_station_that_is_down_receives_nothing() {
 void test_overlapping_messages_collide() {
   Channel channel = Channel::of(0.05, 0, 0, 0.01);
   channel.airtime_ticks = 0.3;
-  DistributedTeam<Counter> team({Counter{0, 0, true}, Counter{0, 0, true}}, channel, 1, right);
+  CounterTeam team({Counter(true), Counter(true)}, {}, channel, 1, right);
   constexpr int n = 20000;
   for (std::uint32_t tick = 0; tick < n; ++tick) team.step(tick, {}, ignore);
   const LinkCounts& there = team.link_totals.links[left];

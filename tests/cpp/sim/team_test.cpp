@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controllers and radio wired together: mirror symmetry, the order of a tick, and what a lost
 // packet does where a station decides.
-#include "palmbots/sim/beacon_team.hpp"
 #include "palmbots/sim/centralized_team.hpp"
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "support/check.hpp"
+#include "support/robot_teams.hpp"
 
 using namespace palmbots;
 
@@ -70,8 +70,8 @@ void test_teams_are_mirror_symmetric() {
                                    Channel::of(0.02, 0.06, 0.01, 0.01)}) {
       const bool hangs = channel.loss_words > 0;  // the distributed algorithm after a loss
       if (!hangs) {
-        test_mirror(DistributedTeam<Distributed>({}, channel, seed, right),
-                    DistributedTeam<Distributed>({}, channel, seed, left), seed);
+        test_mirror(distributed_team(channel, seed, right), distributed_team(channel, seed, left),
+                    seed);
       }
       test_mirror(CentralizedTeam(channel, seed, right), CentralizedTeam(channel, seed, left),
                   seed);
@@ -80,22 +80,23 @@ void test_teams_are_mirror_symmetric() {
 }
 
 // A robot that records what it is given.
-struct Probe {
+struct Probe : QueueController {
   std::vector<MessageKind>* got;
   MessageKind say;
-  Distributed::Output step(Distributed::Input in) {
+  Probe(std::vector<MessageKind>* list, MessageKind word) : got(list), say(word) {}
+  Probe booted() const { return *this; }
+  RobotOutput step(const RobotInput& in) {
     got->push_back(in.message);
-    return {{Palm::steep, Move::hold}, say, in.message == MessageKind::ack};
+    return said({Palm::steep, Move::hold}, say, in.message == MessageKind::ack);
   }
-  Distributed::StateOutput now() const { return Distributed::outputs[0]; }
 };
 
 // A message is there ⌈latency⌉ ticks after it was sent, oldest first, and stays until it is read.
 void test_messages_wait_until_read() {
   std::vector<MessageKind> left_got;
   std::vector<MessageKind> right_got;
-  DistributedTeam<Probe> team(
-      {Probe{&left_got, MessageKind::tilt_up}, Probe{&right_got, MessageKind::ack}},
+  RobotTeam<Probe> team(
+      {Probe(&left_got, MessageKind::tilt_up), Probe(&right_got, MessageKind::ack)}, {},
       Channel::of(0.03, 0, 0, 0.01), 0, right);
   for (std::uint32_t tick = 0; tick < 10; ++tick) team.step(tick, {}, ignore);
   for (std::size_t tick = 0; tick < 10; ++tick) {
@@ -216,7 +217,7 @@ void test_sleeping_resilient_team_equals_one_stepped_every_tick() {
     const Channel channel =
         Channel::of(0.05, seed % 3 == 1 ? 0.03 : 0, seed % 3 == 2 ? 0.1 : 0, 0.01);
     const auto team = [&](double drift) {
-      return ResilientTeam({5, 52, 69, 6, 6}, {drift, drift}, channel, seed, right, faults);
+      return resilient_team({5, 52, {69, 6, 6}}, {drift, drift}, channel, seed, right, faults);
     };
     ResilientTeam sleeper = team(0);
     ResilientTeam watcher = team(restless);
@@ -236,13 +237,18 @@ void test_sleeping_resilient_team_equals_one_stepped_every_tick() {
         sensed[side] = {signs[words[0] % 5], turns[0] % 3 != 0};
       }
       const PerSide<Command> all = watcher.step(tick, sensed, ignore);
-      if (tick >= wake || !(sensed == before)) {
-        said = sleeper.step(tick, sensed, ignore);
+      const bool wakes = tick >= wake || !(sensed == before);
+      before = sensed;
+      if (wakes) {
+        const PerSide<Command> earlier = std::exchange(said, sleeper.step(tick, sensed, ignore));
         wake = sleeper.next_decision_tick(tick);
+        // A palm that has just been commanded to turn is expected not to be there in the next tick.
+        for (const std::size_t side : {left, right}) {
+          if (said[side].palm != earlier[side].palm) before[side].palm_at_target = false;
+        }
       } else {
         ++slept;
       }
-      before = sensed;
       for (const std::size_t side : {left, right}) {
         CHECK(said[side] == all[side]);
         CHECK(sleeper.name(side) == watcher.name(side) &&

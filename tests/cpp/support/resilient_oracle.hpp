@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "palmbots/control/resilient.hpp"
+#include "palmbots/control/table_robot.hpp"
 
 struct ResilientOracle {
   using MessageKind = palmbots::MessageKind;
@@ -15,7 +16,7 @@ struct ResilientOracle {
   // Where a robot is in its case.
   enum Doing { nothing, ask, pull, brake, yield, help, grant, withdraw, lower, rise, push, sink };
 
-  palmbots::Resilient::Times times;
+  palmbots::TableTimes<palmbots::Resilient> times;
   bool lower_identity;
   Doing now;
   bool standing = true;
@@ -31,8 +32,10 @@ struct ResilientOracle {
   bool partner_stands = true;
   bool partner_ready = false;
 
-  ResilientOracle(palmbots::Resilient::Times t, bool lower_id, bool assisted)
+  ResilientOracle(const palmbots::TableTimes<palmbots::Resilient>& t, bool lower_id, bool assisted)
       : times(t), lower_identity(lower_id), now(assisted ? withdraw : lower) {}
+
+  long limit(palmbots::LeaseLimit one) const { return times.limits[static_cast<std::size_t>(one)]; }
 
   static MessageKind word(Doing doing) {
     switch (doing) {
@@ -61,7 +64,8 @@ struct ResilientOracle {
   }
 
   Doing next(Sign p, bool palm_turned) const {
-    const bool palm_at_target = palm_turned && clock - moved_at >= times.braking;
+    const bool palm_at_target =
+        palm_turned && clock - moved_at >= limit(palmbots::LeaseLimit::braking);
     const bool fresh = clock - heard_at <= times.lease;
     const bool asked = fresh && newest == MessageKind::tilt_up;
     const bool granted = fresh && newest == MessageKind::ack;
@@ -87,7 +91,7 @@ struct ResilientOracle {
       case withdraw:
         if (asked && palm_at_target) return grant;
         if (fresh && !asked) return lower;
-        return clock - entered_at >= times.hold ? lower : withdraw;
+        return clock - entered_at >= limit(palmbots::LeaseLimit::hold) ? lower : withdraw;
       case lower:
         if (asked) return help;
         if (free && p == Sign::positive) return ask;
@@ -107,7 +111,7 @@ struct ResilientOracle {
     return now;
   }
 
-  palmbots::Resilient::Output step(const palmbots::Resilient::Input& in) {
+  palmbots::RobotOutput step(const palmbots::RobotInput& in) {
     using palmbots::Move;
     using palmbots::Palm;
     clock += in.elapsed;
@@ -127,7 +131,7 @@ struct ResilientOracle {
     const bool partner_knows = heard_at >= changed_at;
     if (fresh && now == nothing && in.sign == Sign::zero) ready_at = clock;
     const bool ready = ready_at == clock;
-    const bool was_ready = clock - ready_at <= times.join;
+    const bool was_ready = clock - ready_at <= limit(palmbots::LeaseLimit::join);
     if (!fresh) {
       standing = true;
     } else if (standing) {
@@ -144,8 +148,9 @@ struct ResilientOracle {
     const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
     return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
             word(now),
-            ready || (!standing && was_ready),
             say,
+            false,
+            ready || (!standing && was_ready),
             now == grant || now == withdraw};
   }
 };

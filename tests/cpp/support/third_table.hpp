@@ -16,7 +16,7 @@ struct ThirdTable {
   static constexpr double seconds(Limit limit, const TableTiming& timing) {
     return limit == Limit::patience ? timing.turn : timing.delay;
   }
-  static constexpr bool talks = true;
+  static constexpr Mail mail = Mail::beacons;
 
   using S = State;
   using M = MessageKind;
@@ -30,13 +30,13 @@ struct ThirdTable {
   using P = ContactCondition;
   static constexpr EnumSet<State> any = EnumSet<State>::all();
   static constexpr TableRow<State> rows[] = {
-      {S::asks, P::any, M::ack, {If::settled, If::may_stop}, S::works},
+      {S::asks, P::any, M::ack, {If::turned, If::may_stop}, S::works},
       {S::asks, P::any, any_word, If::timed_out, S::rests},
       {any, P::not_positive, M::tilt_up, If::follows, S::waits},
       {{S::works, S::rests}, P::zero, any_word, {If::leads, If::timed_out}, S::calm},
       {{S::works, S::rests}, P::any, any_word, {If::follows, If::timed_out}, S::calm},
       {S::waits, P::not_negative, {M::none, M::tilt_down}, {}, S::calm},
-      {any - EnumSet<State>{S::works, S::rests}, P::positive, any_word, If::settled, S::asks},
+      {any - EnumSet<State>{S::works, S::rests}, P::positive, any_word, If::turned, S::asks},
       {S::calm, P::negative, M::closing, If::may_stop, S::rests},
   };
 };

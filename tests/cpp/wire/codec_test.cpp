@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "palmbots/sim/beacon_team.hpp"
+#include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/sim/corruption.hpp"
-#include "palmbots/sim/distributed_team.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/wire/endpoint.hpp"
 #include "support/check.hpp"
+#include "support/robot_teams.hpp"
 #include "support/wire_packets.hpp"
 
 using namespace palmbots;
@@ -112,57 +112,52 @@ void test_numbers_left_out() {
   CHECK(number(end) == 0);
 }
 
-// One robot as it would run on a processor: a controller, a receiver of beacons, and nothing but
-// bytes in and out.
+// One robot as it would run on a processor: a program, an end of the wire, and nothing but bytes in
+// and out.
 struct Machine {
-  Resilient::Times times;
+  using Controller = TableRobot<Resilient>;
+  Controller controller;
   std::size_t side;
   std::uint32_t epoch = 1;
+  std::uint32_t tick = 0;
   Endpoint end;
-  BeaconReceiver receiver{1};
-  Resilient robot;
+  runtime::PartnerProgram<Controller> program;
   bool assists = false;
   std::uint32_t stale = 0;  // packets that were not new
   std::uint32_t late = 0;   // news older than the lease
 
-  Machine(Resilient::Times t, std::size_t s)
-      : times(t), side(s), end(identity(s), 1), robot(t, s == left) {}
+  Machine(const Controller& robot, std::size_t s)
+      : controller(robot), side(s), end(identity(s), 1), program(robot, 1) {}
 
   static wire::Identity identity(std::size_t side) {
     return {wire::test_key, wire::test_pair, static_cast<Role>(side)};
   }
 
   void reboot() {
-    ++epoch;
-    end = Endpoint(identity(side), epoch);
-    receiver = BeaconReceiver(epoch);
-    robot = Resilient(times, side == left, assists);
+    tick = 0;
+    end = Endpoint(identity(side), ++epoch);
+    program = runtime::PartnerProgram(controller.booted(assists), epoch);
   }
 
   Command step(const std::vector<Bytes>& came, const RobotObservation& sensed,
                std::vector<Bytes>& sends) {
-    receiver.tick(1);
-    bool news = false;
+    ++tick;
+    program.pass(1);
     for (const Bytes& bytes : came) {
-      const wire::Decoded decoded = end.receive(bytes);
-      const bool newer = wire::hear(receiver, decoded);
-      stale += decoded.verdict == Verdict::stale ? 1 : 0;
-      late += newer && receiver.age() >= times.lease + 1 ? 1 : 0;
-      news = newer || news;
+      const runtime::Taken taken = program.hear(end.receive(bytes));
+      stale += taken == runtime::Taken::rejected ? 1 : 0;
+      late += taken == runtime::Taken::late ? 1 : 0;
     }
-    const Beacon& newest = receiver.newest();
-    const Resilient::Output out = robot.step({sensed.sign, sensed.palm_at_target, 1,
-                                              news ? newest.message : MessageKind::none,
-                                              newest.stopped, newest.ready, receiver.age()});
+    const runtime::Decision out = program.step({sensed.sign, sensed.palm_at_target});
     assists = out.assists;
-    if (out.send) {
-      const Beacon beacon = receiver.beacon(out.message, robot.stopped(), out.ready);
+    if (out.speaks) {
       Bytes bytes{};
-      end.skip_to(static_cast<Role>(other(side)), beacon.sent.tick);
-      const wire::Packet packet = wire::packet_of(beacon, {});
-      CHECK(
-          end.send(static_cast<Role>(other(side)), wire::PacketKind::state, packet.payload, bytes));
-      CHECK(wire::get<std::uint32_t>(bytes, wire::sequence_field) == beacon.sent.tick);
+      const auto partner = static_cast<Role>(other(side));
+      end.skip_to(partner, tick);
+      wire::State state = out.state;
+      state.mode = wire::RobotMode::carrying;
+      CHECK(end.send(partner, wire::PacketKind::state, wire::payload_of(state), bytes));
+      CHECK(wire::get<std::uint32_t>(bytes, wire::sequence_field) == tick);
       sends.push_back(bytes);
     }
     return out.command;
@@ -172,7 +167,7 @@ struct Machine {
 // The same losses and delays, and the same reboots, for robots that hand each other beacons and for
 // robots that send bytes, which a stranger doubles, damages, forges and plays back.
 void test_robots_that_talk_in_packets(std::uint64_t seed, bool with_stranger) {
-  constexpr Resilient::Times times{5, 52, 69, 6, 6};
+  const TableTimes<Resilient> times{5, 52, {69, 6, 6}};
   Channel channel = Channel::of(0.03, 0.04, 0.1, 0.01);
   channel.reorders = true;
   Spec spec{};
@@ -183,8 +178,8 @@ void test_robots_that_talk_in_packets(std::uint64_t seed, bool with_stranger) {
   spec.fault_count = 2;
   const Faults faults = Faults::of(spec, seed);
   ProgramMonitor monitor;
-  ResilientTeam peers(times, {0, 0}, channel, seed, right, faults);
-  Machine machines[2] = {{times, left}, {times, right}};
+  ResilientTeam peers = resilient_team(times, {0, 0}, channel, seed, right, faults);
+  Machine machines[2] = {{peers.robot(left), left}, {peers.robot(right), right}};
   struct Flying {
     std::uint32_t due;
     Bytes bytes;
