@@ -169,11 +169,13 @@ site/node_modules/.done: site/package-lock.json $(VENV)/site.done
 	@touch $@
 
 # The core of the page. The flags that decide about bits are those of CMakeLists.txt.
+WASM_FLAGS = -target wasm32-wasi -std=c++20 -Iinclude -ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti
 site/src/generated/core.wasm: $(wildcard site/core/*) $(shell find include -name '*.hpp') $(VENV)/site.done
 	@echo "Compiling the core to WebAssembly (about a minute)"
 	@mkdir -p $(@D)
-	@$(BIN)/python -m ziglang c++ -target wasm32-wasi -mexec-model=reactor -std=c++20 -Iinclude -O2 \
-		-ffp-contract=off -fno-math-errno -fno-exceptions -fno-rtti -s site/core/core.cpp -o $@
+	@$(BIN)/python -m ziglang c++ $(WASM_FLAGS) -Oz -c site/core/page_scene.cpp -o $(@D)/page_scene.o
+	@$(BIN)/python -m ziglang c++ $(WASM_FLAGS) -O2 -mexec-model=reactor -s site/core/core.cpp \
+		$(@D)/page_scene.o -o $@
 
 site/src/generated/tables.json: scripts/site_tables.py verify/model_check.py verify/runs.toml \
 		$(shell find src/palmbots verify/counterexamples verify/models -type f -not -name '*.pyc') $(VENV)/extension.done

@@ -11,6 +11,7 @@
 #include "palmbots/control/shared_sign.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/table_team.hpp"
+#include "support/read_spec.hpp"
 
 namespace {
 
@@ -102,8 +103,9 @@ struct EarlyBrake {
 }  // namespace
 
 int main(int count, char** words) {
-  Spec spec;
-  if (count != 3 || std::fread(&spec, sizeof spec, 1, stdin) != 1) return 2;
+  const auto given = read_spec();
+  if (count != 3 || !given) return 2;
+  const Spec& spec = *given;
   patience = std::atof(words[1]);
   const long carries = std::atol(words[2]);
   long dropped = 0;

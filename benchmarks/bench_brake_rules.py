@@ -31,7 +31,7 @@ def compiled(folder: str) -> Path:
     """The program that carries with a variant."""
     program = Path(folder) / "brake_rules"
     options = ["-std=c++20", "-O2", "-ffp-contract=off", "-fno-math-errno"]
-    include = ["-I", str(HERE.parent / "include")]
+    include = ["-I", str(HERE.parent / "include"), "-I", str(HERE.parent / "tests" / "cpp")]
     subprocess.run(["g++", *options, *include, str(SOURCE), "-o", str(program)], check=True)
     return program
 

@@ -24,13 +24,10 @@ from palmbots.derivation.global_policy import table_1
 from palmbots.mechanics.mode_analysis import CONTACT_MODES
 from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.scene import robot_dimensions
-from palmbots.scene.faults_section import KEYS_OF_KIND, OPTIONAL_KEYS_OF_KIND, Fault
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
-from palmbots.scene.object_section import DEFAULT_DENSITY, LEVEL_M
-from palmbots.scene.scene import MOST_DELAY_TICKS, MOST_LEAN, load_scene
+from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import scene_schema
-from palmbots.scene.support_check import LEAST_WIDTH_M
 from palmbots.simulation.carry_lines import REASONS
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
@@ -80,24 +77,9 @@ def shape(node: dict[str, Any], tables: dict[str, Any]) -> dict[str, Any]:
 
 
 def scene_rules() -> dict[str, Any]:
-    """What a scene may hold: the shape of every table, and the numbers of the checks beside it."""
+    """What a scene may hold: the shape of every table."""
     schema = scene_schema()
-    every = set(schema["$defs"]["Fault"]["properties"]) - {"kind", "at_s", "duration_s"}
-    return {
-        "shape": shape(schema, schema["$defs"]),
-        "faultKeys": {
-            kind: {
-                "needs": sorted(needs),
-                "never": sorted(every - needs - OPTIONAL_KEYS_OF_KIND.get(kind, frozenset())),
-            }
-            for kind, needs in KEYS_OF_KIND.items()
-        },
-        "leastWidth": LEAST_WIDTH_M,
-        "mostDelayTicks": MOST_DELAY_TICKS,
-        "mostLean": MOST_LEAN,
-        "levelWithin": LEVEL_M,
-        "density": DEFAULT_DENSITY,
-    }
+    return shape(schema, schema["$defs"])
 
 
 def counterexample(path: Path) -> dict[str, Any]:
@@ -257,7 +239,6 @@ def tables() -> dict[str, Any]:
         "requiredModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionMeanings": MOTION_MEANINGS,
         "modeSentences": SENTENCES,
-        "faultKinds": list(Fault.model_fields["kind"].annotation.__args__),
         "bindings": {
             f"{number}.{name}": text_of(number, name)
             for number in (1, 2)

@@ -11,9 +11,9 @@ def blocks() -> dict[str, str]:
 
 
 def table() -> str:
-    """Every key with its default and meaning, as Markdown."""
-    rows = ["| key | default | meaning |", "|---|---|---|"]
+    """Every key with its default, limits and meaning, as Markdown."""
+    rows = ["| key | default | allowed | meaning |", "|---|---|---|---|"]
     for key in scene_keys():
         default = "not set" if key.default is None else f"`{show(key.default)}`"
-        rows.append(f"| `{key.name}` | {default} | {key.meaning} |")
+        rows.append(f"| `{key.name}` | {default} | {key.allowed} | {key.meaning} |")
     return "\n".join(rows)

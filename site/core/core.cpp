@@ -6,14 +6,19 @@
 // recorded carry. site/src/shared/core.ts is the other side.
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "page_scene.hpp"
 #include "palmbots/base/wilson.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
-#include "scene_stream.hpp"
 #include "statics_of_state.hpp"
+
+// The C++ library calls this in place of an exception. Its own version prints, for which the module
+// would need a console.
+void std::__libcpp_verbose_abort(const char*, ...) noexcept { __builtin_trap(); }
 
 #define PAGE_EXPORT(name) extern "C" __attribute__((export_name(#name)))
 
@@ -25,6 +30,8 @@ constexpr std::size_t input_capacity = 4096;
 constexpr std::size_t policy_controller = controller_infos.size();
 
 std::array<double, input_capacity> given;
+std::array<char, 16 * input_capacity> given_text;
+std::string answer_text;
 page::PageScene page_scene;
 Spec& scene = page_scene.spec;
 RowPolicy policy;
@@ -70,6 +77,7 @@ Region<double> square_region(double half) {
 }  // namespace
 
 PAGE_EXPORT(input) double* input() { return given.data(); }
+PAGE_EXPORT(text) char* text() { return given_text.data(); }
 PAGE_EXPORT(length) std::uint32_t length() { return static_cast<std::uint32_t>(answer_length); }
 
 // Names for people: of a kind of message, and of a kind of contact event.
@@ -88,20 +96,41 @@ PAGE_EXPORT(controller_count) std::uint32_t controller_count() {
   return static_cast<std::uint32_t>(policy_controller);
 }
 
-// Takes the scene from the input (scene_stream.hpp).
-PAGE_EXPORT(set_scene) void set_scene() { page_scene = page::read_scene(arguments()); }
+// Takes the scene (page_scene.hpp): so many bytes of text, and the numbers of the input.
+PAGE_EXPORT(set_scene) void set_scene(std::uint32_t bytes) {
+  page_scene = page::read_scene({given_text.data(), bytes}, arguments());
+}
+
+// What is wrong with the scene: key, problem and what is allowed, one below the other; empty if
+// nothing is. The answer holds the place of the key, how many numbers the texts refer to, these, and
+// the value to show.
+PAGE_EXPORT(problem) const char* problem() {
+  answer.clear();
+  answer_text.clear();
+  if (!page_scene.problems.empty()) {
+    const Problem& first = page_scene.problems.front();
+    for (const std::string_view text : {first.key, first.problem, first.allowed}) {
+      answer_text.append(text).append("\n");
+    }
+    answer = {double(first.place), double(first.numbers.count)};
+    for (const double number : first.numbers.all()) answer.push_back(number);
+    for (const double number : first.value.all()) answer.push_back(number);
+  }
+  return answer_text.c_str();
+}
+PAGE_EXPORT(answered) const double* answered() { return give(answer); }
+
+// Of the scene's object: contacts and centre of mass [m], where they follow from the outline.
+PAGE_EXPORT(object) const double* object() {
+  answer.assign(page_scene.object.begin(), page_scene.object.end());
+  return give(answer);
+}
 
 // Of the scene: its time limit [s], and the longest one with which the page carries, or 0 if the
-// scene's own is not longer; the friction coefficients of both palms; how far the centre of mass is
-// from the left contact, from the right one, and above the line between them [m].
+// scene's own is not longer; the friction coefficients of both palms.
 PAGE_EXPORT(scene_facts) const double* scene_facts() {
-  answer = {page_scene.timeout,
-            page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
-            scene.palms[left].friction,
-            scene.palms[right].friction,
-            scene.com_left,
-            scene.com_right,
-            scene.com_height};
+  answer = {page_scene.timeout, page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
+            scene.palms[left].friction, scene.palms[right].friction};
   return give(answer);
 }
 

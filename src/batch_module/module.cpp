@@ -12,16 +12,18 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
+#include <cstddef>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "palmbots/batch/lockstep.hpp"
+#include "palmbots/sim/spec_bytes.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots {
@@ -148,15 +150,16 @@ void work(const Task& task, Progress& progress, Results& results, Make make) {
 
 Task task_of(const nb::bytes& specs, const Input<std::uint32_t>& which,
              const Input<std::uint64_t>& seeds) {
-  if (specs.size() == 0 || specs.size() % sizeof(Spec) != 0) {
-    throw std::invalid_argument("specs: whole Specs as bytes, at least one");
-  }
   if (which.shape(0) != seeds.shape(0)) {
     throw std::invalid_argument("which, seeds: as many of one as of the other");
   }
-  Task task{std::vector<Spec>(specs.size() / sizeof(Spec)), which.data(), seeds.data(),
-            seeds.shape(0)};
-  std::memcpy(task.specs.data(), specs.c_str(), specs.size());
+  Task task{{}, which.data(), seeds.data(), seeds.shape(0)};
+  std::span<const std::byte> rest(static_cast<const std::byte*>(specs.data()), specs.size());
+  do {
+    const auto spec = take_spec(rest);
+    if (!spec) throw std::invalid_argument("specs: whole Specs as bytes, at least one");
+    task.specs.push_back(*spec);
+  } while (!rest.empty());
   for (std::size_t i = 0; i < task.count; ++i) {
     if (task.which[i] >= task.specs.size()) throw std::out_of_range("which: not that many specs");
   }

@@ -13,6 +13,8 @@ namespace palmbots::bindings {
 namespace nb = nanobind;
 
 void bind_spec(nb::module_& m);
+void bind_scene(nb::module_& m);
+void bind_polygon(nb::module_& m);
 void bind_mechanics(nb::module_& m);
 void bind_modes_batch(nb::module_& m);
 void bind_stability(nb::module_& m);

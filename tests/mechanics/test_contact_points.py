@@ -10,12 +10,12 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from exact_places import place_in
 from palmbots.cli import main as cli
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_points import Contact, touching
 from palmbots.mechanics.state import palm_state
 from palmbots.scene.placement import place
-from palmbots.scene.polygon import place_of_point
 from palmbots.scene.scene import Scene
 
 W = 0.25
@@ -213,7 +213,7 @@ def test_overlap_and_contacts_against_sampled_palms() -> None:
             samples = inner + share * (outer - inner)
             depths = from_edges(samples, outline)
             for point, depth in zip(samples[depths > 1e-6], depths[depths > 1e-6], strict=True):
-                if place_of_point((float(point[0]), float(point[1])), polygon) > 0:
+                if place_in((float(point[0]), float(point[1])), polygon) > 0:
                     deepest[side] = max(deepest[side], float(depth))
         try:
             there = ask(scene, state)

@@ -8,9 +8,9 @@ import pytest
 
 import palmbots as pb
 from palmbots import read_log, write_log
+from palmbots._core import crossing_edges
 from palmbots.errors import SceneError
 from palmbots.scene.object_section import Object
-from palmbots.scene.polygon import crossing_edges
 from palmbots.scene.scene import Scene, load_scene
 
 FOLDER = Path(pb.__file__).parent / "scene" / "data" / "objects"

@@ -2,9 +2,9 @@
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
 import { type Scene, filledIn, tables } from "./tables";
-import { sceneNumbers } from "./scene";
-import { get } from "./scene_values";
-import type { SceneFacts } from "./scene_check";
+import { builtInScene, entriesOf, keyAt } from "./scene";
+import { get, short } from "./scene_values";
+import { refuse } from "./scene_shape";
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -13,7 +13,11 @@ interface Exports {
   length(): number;
   message_name(kind: number): number;
   wilson(k: number, n: number): number;
-  set_scene(): void;
+  text(): number;
+  set_scene(bytes: number): void;
+  problem(): number;
+  answered(): number;
+  object(): number;
   set_policy(): void;
   set_forks(): void;
   scene_facts(): number;
@@ -36,6 +40,13 @@ interface Exports {
   tolerance_map(
     from: number, step: number, n: number, quantity: number, most: number, half: number,
   ): number;
+}
+
+// What the core computes from a scene.
+export interface SceneFacts {
+  timeout: number; // [s]
+  longestTimeout: number; // [s], or 0 if `timeout` is not longer
+  friction: [number, number];
 }
 
 export interface Fork {
@@ -131,14 +142,6 @@ export interface Limit {
   highBy: number;
 }
 
-// The C++ library refers to these in order to print why it aborts. The core prints nothing.
-const refuse = () => {
-  throw new Error("the core stopped");
-};
-const IMPORTS = {
-  wasi_snapshot_preview1: { fd_close: refuse, fd_seek: refuse, fd_write: refuse },
-};
-
 // The report of a robot and the command of the station (site/core/recorded_carry.hpp).
 const STATION_MESSAGES = tables.controllers.find((c) => c.team === "station")!.messages;
 
@@ -167,7 +170,7 @@ export class Core {
   private constructor(private readonly wasm: Exports) {}
 
   static async load(): Promise<Core> {
-    const { instance } = await WebAssembly.instantiateStreaming(fetch(address), IMPORTS);
+    const { instance } = await WebAssembly.instantiateStreaming(fetch(address));
     const wasm = instance.exports as unknown as Exports;
     wasm._initialize();
     return new Core(wasm);
@@ -183,15 +186,42 @@ export class Core {
   }
 
   private text(at: number): string {
-    const bytes = new Uint8Array(this.wasm.memory.buffer, at, 64);
+    const bytes = new Uint8Array(this.wasm.memory.buffer, at, 1024);
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
   }
 
   setScene(scene: Scene): void {
     if (this.scene === scene) return;
     this.scene = scene;
-    this.put(sceneNumbers(scene));
-    this.wasm.set_scene();
+    const { lines, numbers } = entriesOf(scene);
+    const text = new TextEncoder().encode(lines.join("\n"));
+    new Uint8Array(this.wasm.memory.buffer, this.wasm.text(), text.length).set(text);
+    this.put(numbers);
+    this.wasm.set_scene(text.length);
+  }
+
+  // Refuses a scene whose keys disagree.
+  check(scene: Scene): void {
+    this.setScene(scene);
+    const [name, problem, allowed] = this.text(this.wasm.problem()).split("\n");
+    if (!name) return;
+    const [place, count, ...numbers] = this.take(this.wasm.answered()) as unknown as [
+      number, number, ...number[],
+    ];
+    const key = keyAt(name, place);
+    const values = Object.fromEntries(numbers.map((value, k) => [k, short(value)]));
+    const shown = numbers.slice(count);
+    refuse(
+      key, shown.length > 1 ? shown : (shown[0] ?? get(scene, key) ?? get(builtInScene("paper"), key)),
+      filledIn(problem!, values), filledIn(allowed!, values),
+    );
+  }
+
+  // Contacts and centre of mass of the scene's object, where they follow from its outline.
+  object(scene: Scene): { contacts: [number, number]; com: [number, number] } {
+    this.setScene(scene);
+    const a = this.take(this.wasm.object());
+    return { contacts: [a[0]!, a[1]!], com: [a[2]!, a[3]!] };
   }
 
   setPolicy(rows: PolicyRow[]): void {
@@ -208,7 +238,7 @@ export class Core {
     this.setScene(scene);
     const a = this.take(this.wasm.scene_facts());
     return {
-      timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!], com: [a[4]!, a[5]!, a[6]!],
+      timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!],
     };
   }
 
@@ -221,7 +251,6 @@ export class Core {
     const isBeacon = problem === 1;
     const text = tables.refusals[!isBeacon && shortest > longest ? 3 : problem - 1]!;
     const given = (key: string) => get(this.scene!, key) as number;
-    const short = (value: number) => String(Number(value.toPrecision(6)));
     return filledIn(text, {
       beacon: short(isBeacon ? given("radio.beacon_s") : beacon),
       period: short(given("control.period_s")),

@@ -103,7 +103,7 @@ function checkTable(key: string, value: object, shape: Shape, hasBigints: boolea
 // Refuses a value whose type, size or keys are not those of `shape`. With `hasBigints`, the whole
 // numbers are bigints, as in a scene file, where 1.0 is no whole number.
 export function checkShape(
-  key: string, value: unknown, shape: Shape = tables.rules.shape, hasBigints = false,
+  key: string, value: unknown, shape: Shape = tables.rules, hasBigints = false,
 ): void {
   switch (shape.type) {
     case "object":

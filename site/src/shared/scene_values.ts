@@ -4,9 +4,16 @@ import type { Json, Scene } from "./tables";
 
 export type Overrides = Record<string, Json>;
 
+export const short = (value: number) => String(Number(value.toPrecision(6)));
+
+// The value of a key; an index of a list stands in brackets.
 export function get(scene: Json, key: string): Json | undefined {
   let at: Json | undefined = scene;
-  for (const part of key.split(".")) {
+  for (const part of key.split(/\.|(?=\[)/)) {
+    if (part.startsWith("[")) {
+      at = (at as Json[] | undefined)?.[Number(part.slice(1, -1))];
+      continue;
+    }
     if (typeof at !== "object" || Array.isArray(at)) return undefined;
     at = at[part];
   }

@@ -3,9 +3,8 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
-import { builtInScene, sceneOf } from "./scene";
+import { builtInScene, checkPage, sceneOf } from "./scene";
 import { type Overrides, get, ofSide } from "./scene_values";
-import { checkFacts, checkFrictionIsGivenOnce, checkRelations } from "./scene_check";
 import { checkShape } from "./scene_shape";
 import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
 import { Player } from "./player";
@@ -44,7 +43,6 @@ const checked = computed(() => {
   const merged = sceneOf(base.value, overrides.value);
   try {
     checkShape("", merged);
-    checkFrictionIsGivenOnce(merged.palm);
   } catch (error) {
     return { scene: builtInScene(base.value), problem: (error as Error).message };
   }
@@ -61,8 +59,8 @@ export const problem = computed(() => {
 
 function problemOf(machine: Core, of: Scene): string {
   try {
-    checkRelations(of);
-    checkFacts(of, machine.facts(of));
+    machine.check(of);
+    checkPage(of, machine.facts(of));
   } catch (error) {
     return (error as Error).message;
   }

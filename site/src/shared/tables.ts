@@ -32,16 +32,6 @@ export interface Shape {
   prefixItems?: Shape[];
 }
 
-export interface Rules {
-  shape: Shape;
-  faultKeys: Record<string, { needs: string[]; never: string[] }>;
-  leastWidth: number; // between contacts [m]
-  mostDelayTicks: number; // of a packet
-  mostLean: number; // of the object, as a share of its width
-  levelWithin: number; // [m]
-  density: number; // [kg/m³]
-}
-
 interface Tables {
   version: string;
   controllers: ControllerInfo[];
@@ -52,14 +42,13 @@ interface Tables {
   scenes: { name: string; meaning: string; scene: Scene }[];
   objects: { name: string; meaning: string; object: Json }[];
   keys: { name: string; unit: string; meaning: string }[];
-  rules: Rules; // what a scene may hold
+  rules: Shape; // what a scene may hold
   outcomes: string[];
   dropReasons: [string, string][];
   modes: string[];
   requiredModes: Record<string, string>; // by property, with the left palm shallow
   motionMeanings: Record<string, string>; // of the symbols in modes
   modeSentences: Record<string, string>; // with names in braces for what is filled in
-  faultKinds: string[];
   bindings: Record<string, string>;
   bindingNames: string[];
   quantities: Record<string, { number: number; most: number; unit: string; name: string }>;

@@ -6,7 +6,7 @@ import { useRef } from "preact/hooks";
 import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "../shared/command";
 import { fromPaper, overridesOf } from "../shared/scene";
 import {
-  OWN_ROWS, base, checkCanBeCarried, controller, forks, overrides, player, policy, recorded, seed,
+  OWN_ROWS, base, checkCanBeCarried, controller, core, forks, overrides, player, policy, recorded, seed,
   setForAll, valuesOf,
 } from "../shared/state";
 import { type Json, controllerInfo, tables } from "../shared/tables";
@@ -221,7 +221,9 @@ export async function openScene(file: File): Promise<void> {
   }
   let found: Record<string, Json>;
   try {
-    found = overridesOf(table, true);
+    const machine = core.peek();
+    if (!machine) throw new Error("the core is not loaded yet; allowed: again in a moment");
+    found = overridesOf(machine, table, true);
     checkCanBeCarried(found);
   } catch (error) {
     throw new Error(`${file.name}: ${(error as Error).message}`);

@@ -49,7 +49,7 @@ const carry = computed<{ run: Recorded; of: Scene; times: number[] } | null>(() 
   const machine = core.value;
   const item = chosen.value;
   if (!machine || !item?.scene) return null;
-  const of = sceneOf("paper", overridesOf(item.scene));
+  const of = sceneOf("paper", overridesOf(machine, item.scene));
   machine.setScene(of);
   const run = machine.run(controllerNumber("distributed"), 0);
   return { run, of, times: stepTimes(item, run) };
@@ -232,7 +232,7 @@ function Player(props: { item: Counterexample; place: number }) {
 
 function openInCarry(item: Counterexample): void {
   base.value = "paper";
-  overrides.value = overridesOf(item.scene!);
+  overrides.value = overridesOf(core.peek()!, item.scene!);
   controller.value = "distributed";
   seed.value = 0;
   forks.value = [];

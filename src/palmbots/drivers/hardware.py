@@ -105,6 +105,13 @@ class HardwareParameters(Section):
         if abs(self.servo_scale) < _LEAST_SERVO_SCALE:
             allowed = "a number, at least 0.01, or at most -0.01"
             raise field_error(self.servo_scale, "is too close to 0", allowed, "servo_scale")
+        for k, zone in enumerate(self.switches):
+            if zone.to_m <= zone.from_m:
+                raise field_error(
+                    zone.to_m, f"is not more than from_m, which is {zone.from_m:g}",
+                    f"a number in m, more than {zone.from_m:g} and at most 10",
+                    f"switches[{k}].to_m",
+                )  # fmt: skip
         for low, high, unit in (
             ("servo_min_deg", "servo_max_deg", "degrees"),
             ("servo_min_pulse_s", "servo_max_pulse_s", "s"),

@@ -2,7 +2,7 @@
 """Where palms and object touch in one state, and how several contacts can move.
 
 Besides its two contact vertices the object may have an edge flush on a palm, stand on a further
-vertex, or lie on a palm's tip. Points are in the object's frame (`geometry.object_frame`): origin
+vertex, or lie on a palm's tip. Points are in the object's frame (`scene.object_frame`): origin
 at the left contact vertex, x towards the right one, y up, metres. The motions of a contact have the
 names of the paper: ST sticks, SL and SR slide to the left and right on the palm, and BR breaks (the
 contact leaves the palm). The core has the mechanics (`mechanics/contact_detection.hpp`,

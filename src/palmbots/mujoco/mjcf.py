@@ -17,13 +17,13 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 
 import palmbots._core as _core
+from palmbots._core import turn
 from palmbots._types import SIDES, Side
 from palmbots._util.xml_attributes import numbers, rgb, rgba
 from palmbots.mujoco.robot_mjcf import TIP, add_robot
 from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
 from palmbots.scene.extrusion import gyration, triangles
 from palmbots.scene.placement import floor_level
-from palmbots.scene.polygon import turn
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot

@@ -7,7 +7,8 @@ A polygon in the (x, z) plane, counter-clockwise, stretched along y by ± depth 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from palmbots.scene.polygon import Point, turn
+from palmbots._core import turn
+from palmbots.scene.object_frame import Point
 
 
 @dataclass(frozen=True)

@@ -89,11 +89,16 @@ class whole:
     least: int
     most: int | None = None
 
+    @property
+    def allowed(self) -> str:
+        """The limits in words."""
+        if self.most is None:
+            return f"a whole number, at least {self.least}"
+        return f"a whole number, from {self.least} to {self.most}"
+
     def __call__(self, value: object) -> int:
         """The value as an int, if it is a whole number within the limits."""
-        allowed = f"a whole number, at least {self.least}"
-        if self.most is not None:
-            allowed = f"a whole number, from {self.least} to {self.most}"
+        allowed = self.allowed
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             raise field_error(value, f"is {_kind(value)}, not a whole number", allowed)
         number = int(value)
@@ -103,7 +108,27 @@ class whole:
         return number
 
 
-def _switch(value: object) -> bool:
+@dataclass(frozen=True)
+class OneOf:
+    """A validator for one of some words."""
+
+    words: tuple[str, ...]
+
+    @property
+    def allowed(self) -> str:
+        """The words, quoted."""
+        quoted = [f"'{word}'" for word in self.words]
+        return f"{', '.join(quoted[:-1])} or {quoted[-1]}"
+
+    def __call__(self, value: object) -> str:
+        """The value, if it is one of the words."""
+        if not isinstance(value, str) or value not in self.words:
+            raise field_error(value, "is not known", self.allowed)
+        return value
+
+
+def is_switch(value: object) -> bool:
+    """The value, if it is true or false."""
     if not isinstance(value, bool):
         raise field_error(value, f"is {_kind(value)}, not a boolean", "true or false")
     return value
@@ -147,7 +172,7 @@ class from_list:
 
 Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
 Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
-Switch = Annotated[bool, BeforeValidator(_switch)]
+Switch = Annotated[bool, BeforeValidator(is_switch)]
 Index = Annotated[int, BeforeValidator(whole(0))]
 
 Size = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10))]

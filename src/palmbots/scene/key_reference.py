@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lists for people: the scene keys with unit and meaning, the built-in scenes and objects.
 
-The source of a key's meaning is the docstring below its field, of its unit the field's `Range`, and
-of a scene's or object's meaning the comment at the top of its file. ``palmbots keys``, ``palmbots
-init scene`` and the key table of the docs use these lists.
+The source of a key's meaning is the docstring below its field, of its unit and limits the field's
+validator, which has them from the core's table if the core reads the key, and of a scene's or
+object's meaning the comment at the top of its file. ``palmbots keys``, ``palmbots init scene`` and
+the key table of the docs use these lists.
 """
 
 import ast
@@ -19,7 +20,8 @@ from pydantic import BaseModel, BeforeValidator
 
 from palmbots._types import SIDES
 from palmbots._util.toml_writer import toml_value
-from palmbots.scene.fields import Range
+from palmbots.scene.core_keys import Optionally
+from palmbots.scene.fields import is_switch
 from palmbots.scene.scene import Scene
 
 _LINE_WIDTH = 78
@@ -37,6 +39,8 @@ class SceneKey:
     unit: str
     """Empty: the key has none, or its name or meaning states it."""
     meaning: str
+    allowed: str = ""
+    """The values that the key may have; empty: its meaning states them."""
 
     @property
     def default_text(self) -> str:
@@ -66,8 +70,9 @@ def section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
         if isinstance(default, BaseModel):
             yield from section_keys(type(default), f"{section}.{name}")
         else:
-            unit = _unit(field.metadata) or _unit(getattr(field.annotation, "__args__", ()))
-            yield SceneKey(f"{section}.{name}", _plain(default), unit, meanings.get(name, ""))
+            unit, allowed = _limits((*field.metadata, *getattr(field.annotation, "__args__", ())))
+            meaning = meanings.get(name, "")
+            yield SceneKey(f"{section}.{name}", _plain(default), unit, meaning, allowed)
 
 
 def _plain(default: Any) -> Any:
@@ -77,15 +82,18 @@ def _plain(default: Any) -> Any:
     return default.model_dump() if isinstance(default, BaseModel) else default
 
 
-def _unit(annotations: Any) -> str:
-    """The unit of the `Range` in the annotations of a field."""
+def _limits(annotations: Any) -> tuple[str, str]:
+    """Unit and limits, in words, of the validator in the annotations of a field."""
     for annotation in annotations:
-        if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, Range):
-            return annotation.func.unit
-        unit = _unit(getattr(annotation, "__metadata__", ()))
-        if unit:
-            return unit
-    return ""
+        if isinstance(annotation, BeforeValidator):
+            check: Any = annotation.func
+            check = check.check if isinstance(check, Optionally) else check
+            allowed = "true or false" if check is is_switch else getattr(check, "allowed", "")
+            return getattr(check, "unit", ""), allowed
+        found = _limits(getattr(annotation, "__metadata__", ()))
+        if found != ("", ""):
+            return found
+    return "", ""
 
 
 def field_meanings(model: type[BaseModel]) -> dict[str, str]:

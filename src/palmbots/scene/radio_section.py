@@ -1,158 +1,107 @@
 # SPDX-License-Identifier: Apache-2.0
 """The section `radio` of a scene: the links, and what happens to messages."""
 
-from typing import Annotated, Literal, Self
-
-from pydantic import BeforeValidator, model_validator
+from typing import Literal
 
 from palmbots._types import Side
-from palmbots.scene.fields import (
-    Fraction,
-    Lasting,
-    Moment,
-    Range,
-    Switch,
-    field_error,
-    from_list,
-    whole,
-)
-from palmbots.scene.section import Section
+from palmbots.scene.core_keys import key, records
+from palmbots.scene.section import Section, override_of, values_of_side
 
-Delay = Annotated[float, BeforeValidator(Range("s", least=0, most=10))]
-Share = Annotated[float, BeforeValidator(Range(least=0, most=0.99))]
-Ordinal = Annotated[int, BeforeValidator(whole(1, 1_000_000))]
+Sender = Literal["left", "right", "station"]
 
 
 class Outage(Section):
     """A time during which nothing that the sender transmits arrives."""
 
-    sender: Literal["left", "right", "station"]
-    start_s: Moment
-    end_s: Moment
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.end_s <= self.start_s:
-            raise field_error(
-                self.end_s,
-                f"is not more than start_s, which is {self.start_s:g}",
-                f"a number in s, more than {self.start_s:g}",
-                "end_s",
-            )
-        return self
-
-
-Outages = Annotated[
-    tuple[Outage, ...],
-    BeforeValidator(from_list("a list of at most 16 tables {sender, start_s, end_s}", 0, 16)),
-]
+    sender: str = key("radio.outages[].sender")
+    start_s: float = key("radio.outages[].start_s")
+    end_s: float = key("radio.outages[].end_s")
 
 
 class MessageFault(Section):
     """What happens to one message."""
 
-    sender: Literal["left", "right", "station"]
-    receiver: Side | None = None
+    sender: str = key("radio.script[].sender")
+    receiver: Side | None = key("radio.script[].receiver")
     """Receiver of a message of the station; not for a message of a robot."""
-    message: Ordinal
+    message: int = key("radio.script[].message")
     """Number of the message among all that the sender transmits to this receiver, from 1."""
-    effect: Literal["lost", "delayed", "duplicated"]
+    effect: str = key("radio.script[].effect")
     """The message is lost, delayed by `delay_s`, or duplicated after `delay_s`."""
-    delay_s: Delay | None = None
+    delay_s: float | None = key("radio.script[].delay_s")
     """Delay of the message or of its duplicate; not for a lost message."""
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if (self.receiver is None) != (self.sender != "station"):
-            raise field_error(
-                self.model_dump(),
-                "has no receiver" if self.sender == "station" else "has a receiver",
-                'receiver = "left" or "right" with the sender station, not with a robot',
-            )
-        if (self.delay_s is None) != (self.effect == "lost"):
-            raise field_error(
-                self.model_dump(),
-                "has a delay" if self.effect == "lost" else "has no delay",
-                "delay_s with the effect delayed or duplicated, not with lost",
-            )
-        return self
 
+class RadioParameters(Section):
+    """The links between the robots, and between each robot and the station."""
 
-MessageFaults = Annotated[
-    tuple[MessageFault, ...],
-    BeforeValidator(from_list("a list of at most 16 tables {sender, message, effect}", 0, 16)),
-]
-
-
-class DirectionOverride(Section):
-    """[radio.left], [radio.right], [radio.station] What differs for the packets of one sender."""
-
-    latency_s: Delay | None = None
-    jitter_s: Delay | None = None
-    loss: Fraction | None = None
-
-
-class Radio(Section):
-    """[radio] The links between the robots, and between each robot and the station."""
-
-    latency_s: Delay = 0.05
+    latency_s: float = key("radio.latency_s")
     """Shortest time from sending to receiving. The tables radio.left, radio.right and radio.station
     override latency_s, jitter_s and loss for what one sender transmits."""
-    jitter_s: Delay = 0.0
+    jitter_s: float = key("radio.jitter_s")
     """Longest additional time; random for each packet."""
-    reorder: Switch = False
+    reorder: bool = key("radio.reorder")
     """Whether jitter lets a packet overtake another on the same link."""
-    sessions: Switch = True
+    sessions: bool = key("radio.sessions")
     """Whether robots and station number their packets and ignore those that are old, copied, or not
     sent in answer to their present boot, as on the wire. false: the bare channel of the paper, on
     which `centralized` and `distributed` act on everything that arrives."""
-    loss: Fraction = 0.0
+    loss: float = key("radio.loss")
     """Probability that a packet is lost, independent for each packet."""
-    burst_fraction: Share = 0.0
+    burst_fraction: float = key("radio.burst_fraction")
     """Fraction of the time in which a link is dead in bursts (Gilbert-Elliott model), in addition
     to `loss`."""
-    burst_s: Lasting = 0.1
+    burst_s: float = key("radio.burst_s")
     """Mean duration of such a burst."""
-    duplicate: Fraction = 0.0
+    duplicate: float = key("radio.duplicate")
     """Probability that a packet arrives twice; the copy has its own delay."""
-    corruption: Fraction = 0.0
+    corruption: float = key("radio.corruption")
     """Probability that the bytes of a packet are damaged. The receiver ignores such a packet."""
-    airtime_s: Delay = 0.0
+    airtime_s: float = key("radio.airtime_s")
     """Duration of a packet on the air. If both robots send in the same control period, at random
     instants less than this time apart, both packets are lost. 0: no collisions."""
-    outages: Outages = ()
+    outages: tuple[Outage, ...] = records("radio.outages")
     """Times during which one sender is not heard: a list of tables {sender, start_s, end_s}."""
-    script: MessageFaults = ()
+    script: tuple[MessageFault, ...] = records("radio.script")
     """What happens to single messages in every carry: a list of tables {sender, message, effect,
     delay_s}. If the sender is the station, receiver is required, too."""
-    replay: Fraction = 0.0
+    replay: float = key("radio.replay")
     """Probability that an attacker records a packet, and sends it again after `replay_within_s` at
     the latest."""
-    replay_within_s: Lasting = 1.0
+    replay_within_s: float = key("radio.replay_within_s")
     """Longest time until a recorded packet is sent again."""
-    beacon_s: Lasting = 0.05
+    beacon_s: float = key("radio.beacon_s")
     """Controllers resilient and shared-sign: time between two beacons of a robot whose state stays
     the same."""
-    lease_s: Lasting | None = None
+    lease_s: float | None = key("radio.lease_s")
     """Controllers resilient and shared-sign: longest age at which a beacon is valid. Not set:
     resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less
     room; shared-sign a round trip and four beacons. With control.brake, it is proved for
     shared-sign only up to 0.3 (in the default scene) that no contact leaves its palm."""
-    left: DirectionOverride = DirectionOverride()
+
+
+DirectionOverride = override_of(
+    RadioParameters, "DirectionOverride", ("latency_s", "jitter_s", "loss")
+)
+
+
+class Radio(RadioParameters):
+    """[radio] The links; [radio.left], [radio.right] and [radio.station] override one sender's."""
+
+    left: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
     """Packets of the left robot."""
-    right: DirectionOverride = DirectionOverride()
+    right: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
     """Packets of the right robot."""
-    station: DirectionOverride = DirectionOverride()
+    station: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
     """Packets of the station."""
 
-    def of(self, sender: Literal["left", "right", "station"]) -> "Radio":
+    def of(self, sender: Sender) -> "Radio":
         """The links of one sender."""
-        override: DirectionOverride = getattr(self, sender)
-        given = {name: getattr(override, name) for name in type(override).model_fields}
-        return self.model_copy(update={k: v for k, v in given.items() if v is not None})
+        override: Section = getattr(self, sender)
+        return self.model_copy(update=values_of_side(self, override))
 
     @property
     def longest_delay_s(self) -> float:
         """The longest delay of any sender's packets."""
-        senders: tuple[Literal["left", "right", "station"], ...] = ("left", "right", "station")
+        senders: tuple[Sender, ...] = ("left", "right", "station")
         return max(self.of(sender).latency_s + self.of(sender).jitter_s for sender in senders)

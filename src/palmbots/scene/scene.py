@@ -6,17 +6,19 @@ on top. It returns a valid `Scene` or raises `SceneError` with one line. The key
 meanings, units, limits and defaults stand in the modules `*_section`, one for each topic.
 """
 
-import math
 import os
+import re
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self, TypeAlias
 
 from pydantic import BeforeValidator, ValidationError, model_validator
 
+import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
 from palmbots._util.arguments import show
 from palmbots._util.toml_writer import toml_text
 from palmbots.errors import SceneError
+from palmbots.scene.core_keys import as_given
 from palmbots.scene.error_messages import validation_error
 from palmbots.scene.faults_section import Faults
 from palmbots.scene.fields import field_error
@@ -28,14 +30,10 @@ from palmbots.scene.overrides import merged, without_superseded
 from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
 from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactile
-from palmbots.scene.section import Section, key_of_side
+from palmbots.scene.section import Section, plain
 from palmbots.scene.task_section import Bumps, Start, Task
 
-# Limits of the core: a carry counts its ticks in 32 bits, and a link buffers this many of them.
-_MOST_TICKS = 10_000_000
-MOST_DELAY_TICKS = 200
-# Most of the distance between its contacts by which an object may rise from one to the other.
-MOST_LEAN = 0.99
+_STEP = re.compile(r"(\w+)|\[(\d+)\]")
 
 
 class Scene(Section):
@@ -75,13 +73,8 @@ class Scene(Section):
 
     @property
     def timeout_s(self) -> float:
-        """The time limit of the carry [s]: `task.timeout_s`, or what `_time_limit` returns."""
-        if self.task.timeout_s is not None:
-            return self.task.timeout_s
-        robots = [self.robot_of(side) for side in SIDES]
-        speed = min(robot.speed_m_s for robot in robots)
-        speedup_s = max(robot.speed_m_s / robot.acceleration_m_s2 for robot in robots)
-        return _time_limit(self.task.distance_m, speed, speedup_s)
+        """The time limit of the carry [s]: `task.timeout_s`, or the default."""
+        return _core.time_limit(as_given(self))
 
     @property
     def timeout_ticks(self) -> int:
@@ -130,11 +123,18 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        self._check_time()
-        self._check_periods()
-        self._check_start()
+        for key, value, problem, allowed in _core.check_scene(as_given(self)):
+            shown = value[0] if len(value) == 1 else value or self._value_of(key)
+            raise field_error(shown, problem, allowed, key)
         self._check_path()
         return self
+
+    def _value_of(self, key: str) -> Any:
+        """The value of a key as given, or its default."""
+        value: Any = self
+        for name, index in _STEP.findall(key):
+            value = getattr(value, name) if name else value[int(index)]
+        return plain(value)
 
     def _check_path(self) -> None:
         """Refuse a radius smaller than the robots' distance; `path_curve` checks the rest."""
@@ -147,131 +147,9 @@ class Scene(Section):
                 "task.path.radius_m",
             )
 
-    def _check_periods(self) -> None:
-        """Refuse a robot's period between two ticks, or longer than its motors wait."""
-        tick_s, watchdog_s = self.control.period_s, self.control.watchdog_s
-        for side in SIDES:
-            own_s = self.robot_of(side).period_s
-            if own_s is None:
-                continue
-            ratio = own_s / tick_s
-            is_whole = ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6
-            if not is_whole or own_s > watchdog_s * (1 + 1e-9):
-                override = self.robot.left if side == "left" else self.robot.right
-                raise field_error(
-                    own_s,
-                    f"is not a whole multiple of control.period_s, which is {tick_s:g}"
-                    if not is_whole
-                    else f"is longer than control.watchdog_s, which is {watchdog_s:g}",
-                    f"whole multiples of {tick_s:g} s up to {watchdog_s:g} s",
-                    f"robot.{side}.period_s" if override.period_s is not None else "robot.period_s",
-                )
-
-    def _check_time(self) -> None:
-        period = self.control.period_s
-        if math.isinf(self.timeout_s):
-            raise field_error(
-                0.0,
-                "sets no time limit",
-                "a speed above 0, or a task.timeout_s",
-                self._slower_key(),
-            )
-        if self.timeout_s / period > _MOST_TICKS:
-            key, value = self._cause_of_timeout()
-            limit = f"at most {_MOST_TICKS * period:g} s (ten million periods)"
-            if key == "task.timeout_s":
-                problem = f"is too long for control periods of {period:g} s"
-                raise field_error(value, problem, limit, key)
-            raise field_error(
-                value,
-                f"leads to a time limit of {self.timeout_s:g} s, which is too long for control "
-                f"periods of {period:g} s",
-                f"a time limit of {limit}, or a task.timeout_s",
-                key,
-            )
-        radio = self.radio
-        if radio.longest_delay_s / period > MOST_DELAY_TICKS:
-            for sender in ("left", "right", "station"):
-                own = radio.of(sender)
-                if (own.latency_s + own.jitter_s) / period > MOST_DELAY_TICKS:
-                    break
-            is_own = radio.latency_s + radio.jitter_s < radio.longest_delay_s
-            raise field_error(
-                own.latency_s,
-                f"and a jitter_s of {own.jitter_s:g} are too long for control periods of "
-                f"{period:g} s",
-                f"latency_s + jitter_s at most {MOST_DELAY_TICKS * period:g} "
-                f"({MOST_DELAY_TICKS} periods)",
-                f"radio.{sender}.latency_s" if is_own else "radio.latency_s",
-            )
-
-    def _slower_key(self) -> str:
-        """The key that sets the speed of the slower robot."""
-        slower = min(SIDES, key=lambda side: self.robot_of(side).speed_m_s)
-        override = self.robot.left if slower == "left" else self.robot.right
-        return f"robot.{key_of_side(override, slower, 'speed_m_s')}"
-
-    def _cause_of_timeout(self) -> tuple[str, float]:
-        """The key to blame for a time limit that is too long, and its value.
-
-        It is the first one whose default would make the limit short enough.
-        """
-        if self.task.timeout_s is not None:
-            return "task.timeout_s", self.task.timeout_s
-        robots, default = [self.robot_of(side) for side in SIDES], RobotParameters()
-        speed = min(robot.speed_m_s for robot in robots)
-        speedup_s = max(robot.speed_m_s / robot.acceleration_m_s2 for robot in robots)
-        distance, period = self.task.distance_m, self.control.period_s
-        with_default_speed = _time_limit(distance, default.speed_m_s, speedup_s)
-        with_default_distance = _time_limit(Task().distance_m, speed, speedup_s)
-        causes = (
-            (self._slower_key(), speed, with_default_speed / period),
-            ("task.distance_m", distance, with_default_distance / period),
-            ("control.period_s", period, self.timeout_s / Control().period_s),
-        )
-        for key, value, ticks in causes:
-            if ticks <= _MOST_TICKS:
-                return key, value
-        return self._slower_key(), speed
-
-    def _check_start(self) -> None:
-        heights = []
-        for side, place in zip(SIDES, (self.start.left_m, self.start.right_m), strict=True):
-            palm = self.palm_of(side)
-            half = palm.length_m / 2
-            if abs(place) > half:
-                raise field_error(
-                    place,
-                    "is not on the palm",
-                    f"a number in m, from {-half:g} to {half:g}",
-                    f"start.{side}_m",
-                )
-            angle = math.radians(palm.steep_deg)
-            heights.append(place * math.sin(angle) + palm.pivot_offset_m * math.cos(angle))
-        width = self.object.width_m
-        if abs(heights[1] - heights[0]) > MOST_LEAN * width:
-            raise field_error(
-                [self.start.left_m, self.start.right_m],
-                f"puts the contacts at heights {heights[0]:g} and {heights[1]:g} m, too far apart "
-                f"for an object that is {width:g} m wide between them",
-                "left_m and right_m at more equal heights",
-                "start",
-            )
-
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene
 """Whatever `load_scene` accepts as a scene: a built-in name, a TOML file, a table or a `Scene`."""
-
-
-def _time_limit(distance_m: float, speed_m_s: float, speedup_s: float) -> float:
-    """The default time limit [s]: twice the time at the slower speed.
-
-    The second half is at least twice the time in which the robots reach their speed.
-    """
-    if speed_m_s <= 0:
-        return math.inf
-    nominal_s = distance_m / speed_m_s
-    return nominal_s + max(nominal_s, 2 * speedup_s)
 
 
 def _other(side: Side) -> Side:

@@ -11,7 +11,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
-from palmbots.scene.fields import Range, from_list, whole
+from palmbots.scene.core_keys import Optionally
+from palmbots.scene.fields import OneOf, Range, from_list, whole
 from palmbots.scene.key_reference import field_meanings
 from palmbots.scene.object_library import by_name
 from palmbots.scene.scene import Scene
@@ -35,7 +36,11 @@ class _SceneSchema(GenerateJsonSchema):
         check: Any = schema["function"]["function"]
         if check is by_name:
             return {"anyOf": [inner, {"type": "string", "description": "An object or file."}]}
-        return inner | _limits(check)
+        limits = _limits(check)
+        if isinstance(check, Optionally):  # they are those of the value, not of null
+            inner["anyOf"] = [{**inner["anyOf"][0], **limits}, *inner["anyOf"][1:]]
+            return inner
+        return inner | limits
 
     def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
         """The schema of a table, with the meanings of its keys."""
@@ -55,7 +60,11 @@ class _SceneSchema(GenerateJsonSchema):
 def _limits(check: Any) -> dict[str, Any]:
     """The limits of a validator, in the words of JSON Schema."""
     limits: dict[str, Any] = {}
-    if isinstance(check, Range):
+    if isinstance(check, Optionally):
+        check = check.check
+    if isinstance(check, OneOf):
+        limits = {"enum": list(check.words)}
+    elif isinstance(check, Range):
         limits = {
             "minimum": check.least,
             "exclusiveMinimum": check.above,

@@ -4,7 +4,7 @@
 None means "not set". A dump leaves such keys out, so that it is valid TOML.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Optional
 
 from pydantic import (
@@ -32,6 +32,13 @@ class Section(BaseModel):
         return {k: v for k, v in dump(self).items() if v is not None and v != {}}
 
 
+def plain(value: Any) -> Any:
+    """A value of a section as plain tables and lists."""
+    if isinstance(value, BaseModel):
+        return value.model_dump()
+    return [plain(item) for item in value] if isinstance(value, tuple) else value
+
+
 def values_of_side(both: Section, override: Section) -> dict[str, Any]:
     """The keys of one side: the values for both sides, replaced where `override` sets them."""
     own = {name: getattr(override, name) for name in type(override).model_fields}
@@ -43,10 +50,14 @@ def key_of_side(override: Section, side: str, name: str) -> str:
     return name if getattr(override, name) is None else f"{side}.{name}"
 
 
-def override_of(model: type[Section], name: str) -> type[Section]:
-    """A table with the keys of `model`, none of which is set: what differs on one side."""
+def override_of(
+    model: type[Section], name: str, keys: Collection[str] | None = None
+) -> type[Section]:
+    """A table with `keys` (all) of `model`, none of which is set: what differs on one side."""
     fields: dict[str, Any] = {}
     for key, field in model.model_fields.items():
+        if keys is not None and key not in keys:
+            continue
         kind: Any = field.annotation
         for part in field.metadata:
             kind = Annotated[kind, part]

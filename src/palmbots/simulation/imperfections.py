@@ -23,14 +23,15 @@ from palmbots.drivers.hardware import (
     Voltage,
 )
 from palmbots.errors import PalmbotsError
+from palmbots.scene.core_keys import limits
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, Size, Switch, field_error
 from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, section_keys
 from palmbots.scene.overrides import merged, parse_override
-from palmbots.scene.robot_section import ClockError
 from palmbots.scene.section import Section, check_sides, override_of, values_of_side
 
+ClockError = Annotated[float, limits("robot.clock_ppm")]
 Rise = Annotated[float, BeforeValidator(Range("m", least=-0.1, most=0.1))]
 Drain = Annotated[float, BeforeValidator(Range("V/min", least=0, most=60))]
 

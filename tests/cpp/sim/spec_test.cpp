@@ -1,60 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
-// A spec is passed on as its bytes: equal specs have equal bytes, whatever the memory held before.
-#include "palmbots/sim/spec.hpp"
+// A spec is passed on as its numbers: the bytes give the same spec, and each member counts.
+#include "palmbots/sim/spec_bytes.hpp"
 
-#include <cstring>
-#include <memory>
-#include <new>
+#include <cstddef>
+#include <span>
+#include <vector>
 
 #include "support/check.hpp"
+#include "support/paper_spec.hpp"
 
 using namespace palmbots;
 
 namespace {
 
-struct Memory {
-  alignas(Spec) unsigned char bytes[sizeof(Spec)];
-};
-
-// Puts a value where another was. `litter` is what its memory held before it was made.
-template <class Value>
-void put(Value& to, unsigned char litter) {
-  alignas(Value) unsigned char room[sizeof(Value)];
-  std::memset(room, litter, sizeof room);
-  to = *new (room) Value{};
+std::vector<std::byte> bytes_of(const Spec& spec) {
+  std::vector<std::byte> bytes;
+  append_bytes(spec, bytes);
+  return bytes;
 }
 
-std::unique_ptr<Memory> spec_in(unsigned char litter) {
-  auto memory = std::make_unique<Memory>();
-  std::memset(memory->bytes, litter, sizeof memory->bytes);
-  Spec& spec = *new (memory->bytes) Spec;
-  for (auto& one : spec.outline.vertices) put(one, litter);
-  for (auto& one : spec.palms) put(one, litter);
-  for (auto& one : spec.robots) put(one, litter);
-  for (auto& one : spec.zones) put(one, litter);
-  for (auto& one : spec.outages) put(one, litter);
-  for (auto& one : spec.message_faults) put(one, litter);
-  for (auto& one : spec.faults) put(one, litter);
-  for (auto& one : spec.bumps) put(one, litter);
-  for (auto& one : spec.pushes) put(one, litter);
-  for (auto& one : spec.directions) put(one, litter);
-  return memory;
+// A spec with a record in every list.
+Spec full_spec() {
+  Spec spec = paper_spec();
+  spec.outage_count = spec.message_fault_count = spec.fault_count = 1;
+  spec.bump_count = spec.push_count = 2;
+  return spec;
 }
 
-void test_equal_specs_have_equal_bytes() {
-  const auto one = spec_in(0x00);
-  const auto other = spec_in(0xff);
-  for (std::size_t i = 0; i < sizeof(Spec); ++i) CHECK(one->bytes[i] == other->bytes[i]);
+void test_bytes_give_the_spec() {
+  const auto bytes = bytes_of(full_spec());
+  std::span<const std::byte> rest(bytes);
+  const auto spec = take_spec(rest);
+  CHECK(spec.has_value() && rest.empty());
+  CHECK(bytes_of(*spec) == bytes);
+  std::span<const std::byte> part = std::span(bytes).first(bytes.size() - 1);
+  CHECK(!take_spec(part).has_value());
 }
 
-// The members of each part fill it: there is no room for padding between them, or behind.
-static_assert(sizeof(ZoneSpec) == 3 * 8 && sizeof(PushSpec) == 4 * 8);
-static_assert(sizeof(FaultSpec) == 6 * 8 && sizeof(OutageSpec) == 3 * 8);
-static_assert(sizeof(MessageFaultSpec) == 3 * 8 && sizeof(BumpSpec) == 3 * 8);
+void test_every_member_is_in_the_bytes() {
+  std::size_t members = 0;
+  Spec spec = full_spec();
+  const auto before = bytes_of(spec);
+  detail::for_each_member(
+      spec,
+      [&](const Key& key, void* record) {
+        const double value = key.get(record);
+        const bool is_infinite = value + 1 == value;
+        key.put(record, key.kind == KeyKind::flag ? 1 - value : is_infinite ? 0 : value + 1);
+        CHECK(bytes_of(spec) != before);
+        key.put(record, value);
+        CHECK(bytes_of(spec) == before);
+        ++members;
+      },
+      [](const RecordList& list, const void* owner) { return list.count(owner); });
+  CHECK(members > 120);
+}
 
 }  // namespace
 
 int main() {
-  test_equal_specs_have_equal_bytes();
+  test_bytes_give_the_spec();
+  test_every_member_is_in_the_bytes();
   return 0;
 }

@@ -11,6 +11,7 @@
 
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/team_registry.hpp"
+#include "support/read_spec.hpp"
 
 namespace {
 
@@ -32,8 +33,9 @@ std::uint64_t hash_named(const Spec& spec, std::uint64_t seed, std::string_view 
 }  // namespace
 
 int main(int count, char** words) {
-  Spec spec;
-  if (count != 4 || std::fread(&spec, sizeof spec, 1, stdin) != 1) return 2;
+  const auto given = read_spec();
+  if (count != 4 || !given) return 2;
+  const Spec& spec = *given;
   const std::uint64_t seed = std::strtoull(words[2], nullptr, 10);
   const std::uint64_t hash = std::string_view(words[3]) == "float"
                                  ? hash_named<float>(spec, seed, words[1])

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots._core import crossing_edges
 from palmbots.cli.main import run
-from palmbots.scene.polygon import crossing_edges
 from palmbots.stability.certificates.checker.outline_validity import crosses_itself
 from palmbots.stability.certificates.checker.scene_comparison import _in_hull
 from palmbots.stability.certificates.prover import certify

@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 import palmbots._core as _core
+from palmbots._core import hull
 from palmbots.mujoco.mjcf import layout
 from palmbots.scene.extrusion import gyration
-from palmbots.scene.polygon import Point, hull
+from palmbots.scene.object_frame import Point
 from palmbots.scene.scene import Scene
 
 _STEP, _THICK = 0.005, 0.01

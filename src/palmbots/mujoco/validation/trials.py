@@ -168,5 +168,5 @@ def tilted(
 def spec_of(scene: Scene) -> _core.Spec:
     """The spec of the core, with the pair at rest."""
     spec = to_spec(scene)
-    spec.inertia = 0.0
+    spec.inertia = False
     return spec

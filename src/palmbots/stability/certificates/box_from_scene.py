@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from palmbots._core import crossing_edges
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.object_frame import Corner, object_frame
 from palmbots.scene.palm_section import PalmParameters
-from palmbots.scene.polygon import crossing_edges
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.certificates.parameter_box import Box, Ends, exact

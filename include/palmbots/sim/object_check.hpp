@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether an object can rest on its two contact vertices.
+//
+// The outline must be a simple polygon. With both contact vertices level, each must be a corner of
+// the lower side of the convex hull, so that it can touch a floor. The centre of mass must lie inside
+// the convex hull (the centroid of an L or a U lies outside its outline), above the line between the
+// contacts and between them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/polygon.hpp"
+#include "palmbots/sim/scene_object.hpp"
+#include "palmbots/sim/scene_problem.hpp"
+#include "palmbots/sim/scene_values.hpp"
+
+namespace palmbots {
+
+inline constexpr double least_width = 0.001;  // between the contacts [m]
+
+namespace detail {
+
+// Reports the first fault of the object only: the others may follow from it.
+inline void check_object(const SceneValues& scene, Problems& problems) {
+  const SceneObject object = object_of(scene);
+  const std::size_t count = object.vertices.size();
+  if (const auto bad = crossing_edges(object.vertices)) {
+    const auto& [i, j] = *bad;
+    report(problems, "object.vertices_m", common,
+           i == j
+               ? "repeats vertex {0} as the next one"
+               : "crosses itself: the edge from vertex {0} to {1} meets the edge from vertex {2} "
+                 "to {3}",
+           "a simple polygon, whose edges share nothing but the vertices between them",
+           {double(i), double((i + 1) % count), double(j), double((j + 1) % count)});
+    return;
+  }
+  if (!object.has_contacts) {
+    report(problems, "object.contacts", common,
+           "is not set, and the outline has no level lower side: vertex {0} alone is "
+           "lowest",
+           "[left, right], two indices into object.vertices_m", {double(object.contacts[left])});
+    return;
+  }
+  for (const double k : {scene.of<"object.contacts[0]">(), scene.of<"object.contacts[1]">()}) {
+    if (k < double(count) || !scene.has<"object.contacts[0]">()) continue;
+    report(problems, "object.contacts", common, "names vertex {0}, but there are {1}",
+           "two different whole numbers from 0 to {2}", {k, double(count), double(count - 1)});
+    return;
+  }
+  const auto& [l, r] = object.contacts;
+  const double dx = object.vertices[r].x - object.vertices[l].x;
+  const double dy = object.vertices[r].y - object.vertices[l].y;
+  if (dx * dx + dy * dy < least_width * least_width) {
+    report(problems, "object.contacts", common, "names contacts at the same place",
+           "two vertices at least {0} m apart", {least_width});
+    return;
+  }
+  const std::vector<bool> lower = lower_vertices(object.vertices, l, r);
+  for (const std::size_t side : {left, right}) {
+    if (lower[object.contacts[side]]) continue;
+    constexpr std::array<const char*, 2> texts = {
+        "cannot support the object: with both level and the left one on the left, vertex {0} "
+        "(left) "
+        "is not a corner of its lower side",
+        "cannot support the object: with both level and the left one on the left, vertex {0} "
+        "(right) is not a corner of its lower side"};
+    report(problems, "object.contacts", common, texts[side],
+           "[left, right], two lower corners of the outline's convex hull",
+           {double(object.contacts[side])});
+    return;
+  }
+  if (!is_in_hull(object.com, object.vertices)) {
+    report(problems, "object.com_m", common, "is outside the convex hull of the outline",
+           "a point inside it");
+    return;
+  }
+  const ObjectSpec frame = object_frame(object);
+  if (!(frame.com_left > 0 && frame.com_right > 0 && frame.com_height > 0)) {
+    report(problems, "object.com_m", common,
+           object.is_centroid
+               ? "is the centroid of the outline, which is not above the line between "
+                 "the contact vertices"
+               : "is not above the line between the contact vertices",
+           "a point above that line and between its ends", {}, {object.com.x, object.com.y});
+  }
+  const Key& mass = key_at(find_key("object.mass_kg"));
+  if (object.is_default_mass && !mass.allows(object.mass)) {
+    report(problems, "object.mass_kg", common,
+           "is not set, and the outline at {0} kg/m³ has {1} kg", "a number in kg, from {2} to {3}",
+           {default_density, object.mass, mass.least, mass.most});
+  }
+}
+
+}  // namespace detail
+
+}  // namespace palmbots

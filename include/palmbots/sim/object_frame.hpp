@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The object frame: coordinates of the object relative to its two contact vertices.
+//
+// Frame: origin at the left contact vertex, x towards the right one, y up, metres. Every coordinate
+// along x is given twice, from the left and from the right contact, by the same formula. A mirrored
+// object therefore has the same numbers, swapped, to the last bit. For the same reason a height is
+// the mean of the heights above both contacts.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "palmbots/sim/polygon.hpp"
+#include "palmbots/sim/task_spec.hpp"
+
+namespace palmbots {
+
+// An outline as a scene states it: vertices, the two that rest on the palms, and the COM [m].
+struct GivenObject {
+  std::vector<Point> vertices;
+  std::array<std::size_t, 2> contacts{};
+  Point com{};
+};
+
+// The object of a simple polygon, counter-clockwise from the left contact vertex on.
+inline ObjectSpec object_frame(const GivenObject& given) {
+  const Point l = given.vertices[given.contacts[left]];
+  const Point r = given.vertices[given.contacts[right]];
+  const double dx = r.x - l.x;
+  const double dy = r.y - l.y;
+  const double width = std::sqrt(dx * dx + dy * dy);
+  const double ex = dx / width;
+  const double ey = dy / width;
+  // Adding 0.0 turns −0.0 into 0.0; a mirrored object could differ in this bit only.
+  const auto corner = [&](const Point& p) {
+    const double lx = p.x - l.x;
+    const double ly = p.y - l.y;
+    const double rx = r.x - p.x;
+    const double ry = r.y - p.y;
+    return Vertex<double>{{(lx * ex + ly * ey) + 0.0, (rx * ex + ry * ey) + 0.0},
+                          0.5 * ((ly * ex - lx * ey) + (rx * ey - ry * ex)) + 0.0};
+  };
+  const std::size_t n = given.vertices.size();
+  const bool is_counter_clockwise = winding(given.vertices) > 0;
+  ObjectSpec object;
+  object.width = width;
+  object.outline.count = n;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i =
+        is_counter_clockwise ? (given.contacts[left] + k) % n : (given.contacts[left] + n - k) % n;
+    object.outline.vertices[k] = corner(given.vertices[i]);
+    if (i == given.contacts[right]) object.outline.contact = {0, k};
+  }
+  object.outline.vertices[0] = {{0.0, width}, 0.0};  // exact, whatever the rounding above
+  object.outline.vertices[object.outline.contact[right]] = {{width, 0.0}, 0.0};
+  const Vertex<double> com = corner(given.com);
+  object.com_left = com.along[left];
+  object.com_right = com.along[right];
+  object.com_height = com.height;
+  return object;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections `palm`, `robot`, `tactile` and `control` of a scene. Lengths in m, angles in rad,
+// speeds in m/s, times in s.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/robot/tactile_sensor.hpp"
+#include "palmbots/sim/scene_key.hpp"
+
+namespace palmbots {
+
+struct PalmSpec {
+  double length = 0.15;
+  double offset = 0;  // of the surface from the pivot
+  double friction = 0.3;
+  double shallow = 5 * radians_per_degree<double>;
+  double steep = 15 * radians_per_degree<double>;
+  double rate = 50 * radians_per_degree<double>;  // [rad/s]
+};
+inline constexpr Key palm_keys[] = {
+    number<&PalmSpec::length>("length_m", Unit::m, 0.001, 10),
+    number<&PalmSpec::offset>("pivot_offset_m", Unit::m, -1, 1),
+    number<&PalmSpec::friction>("friction", Unit::none, 0.001, 100),
+    source_number("friction_angle_deg", Unit::degrees, 0.1, 89),
+    between(number<&PalmSpec::shallow>("shallow_deg", Unit::degrees, -80, 80)),
+    between(number<&PalmSpec::steep>("steep_deg", Unit::degrees, -80, 80)),
+    number<&PalmSpec::rate>("rate_deg_s", Unit::degrees_s, 0.1, 100000),
+};
+
+struct RobotSpec {
+  double speed = 0.06;
+  double correction = 0.03;
+  double acceleration = 0.5;  // [m/s²]
+  double max_speed = 0.2;
+  double noise = 0.01;     // stationary standard deviation
+  double noise_tau = 0.5;  // correlation time of the noise
+  double bias = 0;
+  double clock_drift = 0;    // share by which its clock runs too fast
+  std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
+};
+inline constexpr Key robot_keys[] = {
+    number<&RobotSpec::speed>("speed_m_s", Unit::m_s, 0, 10),
+    number<&RobotSpec::correction>("correction_m_s", Unit::m_s, 0, 10),
+    number<&RobotSpec::acceleration>("acceleration_m_s2", Unit::m_s2, 0.001, 1000),
+    number<&RobotSpec::max_speed>("max_speed_m_s", Unit::m_s, 0, 10),
+    number<&RobotSpec::noise>("noise_m_s", Unit::m_s, 0, 1),
+    number<&RobotSpec::noise_tau>("noise_tau_s", Unit::s, 0.001, 1000),
+    number<&RobotSpec::bias>("bias_m_s", Unit::m_s, -1, 1),
+    number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
+    source_number("period_s", Unit::s, 0.0001, 1),
+    derived<&RobotSpec::stride>(),
+};
+
+// A stretch of the palm in which the sensor reads one sign (`Sign`), as in Zone.
+struct ZoneSpec {
+  std::int64_t sign = 0;
+  double from = 0;  // closed
+  double to = 0;    // closed
+};
+inline constexpr Key zone_keys[] = {
+    word<&ZoneSpec::sign>("sign", sign_words),
+    number<&ZoneSpec::from>("from_m", Unit::m, -10, 10),
+    number<&ZoneSpec::to>("to_m", Unit::m, -10, 10),
+};
+
+struct TactileSpec {
+  std::array<ZoneSpec, max_zones> zones{};
+  std::size_t zone_count = 0;
+  double false_rate = 0;
+};
+inline constexpr Key tactile_keys[] = {
+    source_number("zero_half_width_m", Unit::m, 0, 10, 0.005),
+    number<&TactileSpec::false_rate>("false_rate", Unit::none, 0, 1),
+};
+inline constexpr RecordList tactile_lists[] = {
+    records<&TactileSpec::zones, &TactileSpec::zone_count>("zones", zone_keys),
+};
+
+struct ControlSpec {
+  double period = 0.01;
+  double watchdog = 0.1;        // time without a step after which a robot is stopped and reboots
+  bool brake = true;            // a robot may stop as a correction
+  bool start_by_touch = false;  // the follower starts first
+};
+inline constexpr Choices start_words(0, "together", "touch");
+inline constexpr Key control_keys[] = {
+    number<&ControlSpec::period>("period_s", Unit::s, 0.0001, 1),
+    number<&ControlSpec::watchdog>("watchdog_s", Unit::s, 0.001, 1e6),
+    flag<&ControlSpec::brake>("brake"),
+    word<&ControlSpec::start_by_touch>("start", start_words),
+};
+
+}  // namespace palmbots

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which relations between the keys of a scene do not hold. Each value alone is within the limits of
+// its key already.
+//
+// The texts contain {0}, {1} … in place of numbers, because a host formats numbers as its language
+// does.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "palmbots/base/scalar.hpp"
+#include "palmbots/sim/object_check.hpp"
+#include "palmbots/sim/scene_problem.hpp"
+#include "palmbots/sim/scene_values.hpp"
+#include "palmbots/sim/spec_of_scene.hpp"
+
+namespace palmbots {
+
+inline constexpr double most_carry_ticks = 1e7;  // a carry counts its ticks in 32 bits
+inline constexpr double most_delay_ticks = 200;  // a link buffers so many
+// Most of the distance between its contacts by which an object may rise from one to the other.
+inline constexpr double most_lean = 0.99;
+
+namespace detail {
+
+// Where the value that counts for a holder stands: in its own table or in that of all.
+template <Name path>
+std::size_t place_of(const SceneValues& scene, std::size_t holder) {
+  return scene.has<path>(own(holder)) ? own(holder) : common;
+}
+
+inline void check_palms(const SceneValues& scene, Problems& problems) {
+  for (const std::size_t place : {common, own(left), own(right)}) {
+    if (!scene.has<"palm.friction">(place) || !scene.has<"palm.friction_angle_deg">(place))
+      continue;
+    report(problems, "palm.friction_angle_deg", place, "is given beside friction, which is {0}",
+           "one of the two", {scene.of<"palm.friction">(place)});
+  }
+  for (const std::size_t side : {left, right}) {
+    const double steep = scene.of<"palm.steep_deg">(own(side));
+    const double shallow = scene.of<"palm.shallow_deg">(own(side));
+    if (steep <= shallow) {
+      report(problems, "palm.steep_deg", place_of<"palm.steep_deg">(scene, side),
+             "is not more than shallow_deg, which is {0}",
+             "a number in degrees, more than {0} and less than 80", {shallow});
+    }
+    const double steepest = larger(std::abs(steep), std::abs(shallow));
+    const double friction = friction_of(scene, side);
+    const double most = 1 / tangent(steepest * radians_per_degree<double>);  // infinite if level
+    if (friction >= most) {
+      report(problems, "palm.friction", place_of<"palm.friction">(scene, side),
+             "is too large for a palm at {0} degrees",
+             "less than {1} (friction angle + palm angle below 90 degrees)", {steepest, most},
+             {friction});
+    }
+  }
+}
+
+inline void check_robots(const SceneValues& scene, Problems& problems) {
+  for (const std::size_t side : {left, right}) {
+    const double most = scene.of<"robot.max_speed_m_s">(own(side));
+    if (scene.of<"robot.speed_m_s">(own(side)) > most) {
+      report(problems, "robot.speed_m_s", place_of<"robot.speed_m_s">(scene, side),
+             "is more than max_speed_m_s", "a number in m/s, from 0 to {0}", {most});
+    }
+  }
+}
+
+// A robot's period is no time between two ticks, and no longer than its motors wait.
+inline void check_periods(const SceneValues& scene, Problems& problems) {
+  const double tick = scene.of<"control.period_s">();
+  const double watchdog = scene.of<"control.watchdog_s">();
+  for (const std::size_t side : {left, right}) {
+    const double period = scene.of<"robot.period_s">(own(side));
+    if (!(period == period)) continue;
+    const double ratio = period / tick;
+    const bool is_whole = ratio > 0.5 && std::abs(ratio - std::nearbyint(ratio)) < 1e-6;
+    if (is_whole && period <= watchdog * (1 + 1e-9)) continue;
+    report(problems, "robot.period_s", place_of<"robot.period_s">(scene, side),
+           is_whole ? "is longer than control.watchdog_s, which is {1}"
+                    : "is not a whole multiple of control.period_s, which is {0}",
+           "whole multiples of {0} s up to {1} s", {tick, watchdog});
+  }
+}
+
+inline void check_zones(const SceneValues& scene, Problems& problems) {
+  const auto& zones = scene.list<"tactile.zones">();
+  constexpr std::size_t sign = SceneValues::key<"tactile.zones", "sign">;
+  constexpr std::size_t from = SceneValues::key<"tactile.zones", "from_m">;
+  constexpr std::size_t to = SceneValues::key<"tactile.zones", "to_m">;
+  for (std::size_t k = 0; k < zones.size(); ++k) {
+    if (zones[k][to] > zones[k][from]) continue;
+    report(problems, "tactile.zones[].to_m", k, "is not more than from_m, which is {0}",
+           "a number in m, more than {0} and at most 10", {zones[k][from]});
+  }
+  for (const auto& minus : zones) {
+    for (std::size_t k = 0; k < zones.size(); ++k) {
+      const auto& plus = zones[k];
+      if (minus[sign] != -1 || plus[sign] != 1) continue;
+      if (minus[to] <= plus[from] || plus[to] <= minus[from]) continue;
+      report(problems, "tactile.zones[]", k, "overlaps the zone - from {0} to {1}",
+             "zones + and - that do not overlap each other", {minus[from], minus[to]});
+    }
+  }
+}
+
+inline void check_radio(const SceneValues& scene, Problems& problems) {
+  const auto& outages = scene.list<"radio.outages">();
+  for (std::size_t k = 0; k < outages.size(); ++k) {
+    const double from = outages[k][SceneValues::key<"radio.outages", "start_s">];
+    if (outages[k][SceneValues::key<"radio.outages", "end_s">] > from) continue;
+    report(problems, "radio.outages[].end_s", k, "is not more than start_s, which is {0}",
+           "a number in s, more than {0}", {from});
+  }
+  const auto& script = scene.list<"radio.script">();
+  for (std::size_t k = 0; k < script.size(); ++k) {
+    const double receiver = script[k][SceneValues::key<"radio.script", "receiver">];
+    const double delay = script[k][SceneValues::key<"radio.script", "delay_s">];
+    const bool is_station = script[k][SceneValues::key<"radio.script", "sender">] == 2;
+    const bool is_lost = script[k][SceneValues::key<"radio.script", "effect">] == 0;
+    if ((receiver == receiver) != is_station) {
+      report(problems, "radio.script[]", k, is_station ? "has no receiver" : "has a receiver",
+             "receiver = \"left\" or \"right\" with the sender station, not with a robot");
+    }
+    if ((delay == delay) == is_lost) {
+      report(problems, "radio.script[]", k, is_lost ? "has a delay" : "has no delay",
+             "delay_s with the effect delayed or duplicated, not with lost");
+    }
+  }
+}
+
+inline void check_delays(const SceneValues& scene, Problems& problems) {
+  const double tick = scene.of<"control.period_s">();
+  for (std::size_t sender = 0; sender < sender_words.count; ++sender) {
+    const double latency = scene.of<"radio.latency_s">(own(sender));
+    const double jitter = scene.of<"radio.jitter_s">(own(sender));
+    if ((latency + jitter) / tick <= most_delay_ticks) continue;
+    report(problems, "radio.latency_s", place_of<"radio.latency_s">(scene, sender),
+           "and a jitter_s of {0} are too long for control periods of {1} s",
+           "latency_s + jitter_s at most {2} ({3} periods)",
+           {jitter, tick, most_delay_ticks * tick, most_delay_ticks});
+    return;
+  }
+}
+
+// The keys of a fault that depend on its kind: those that it needs, and those that it may have.
+struct KeysOfKind {
+  std::string_view needs;
+  std::string_view may_have;
+  const char* allowed;
+};
+inline constexpr std::array<KeysOfKind, fault_words.count> keys_of_kind = {{
+    {"robot", "loses_boot_counter limp_deg",
+     "with kind reboot, besides at_s and duration_s: robot"},
+    {"robot", "", "with kind freeze, besides at_s and duration_s: robot"},
+    {"robot stuck_at", "", "with kind stuck, besides at_s and duration_s: robot, stuck_at"},
+    {"robot probability", "",
+     "with kind intermittent, besides at_s and duration_s: robot, probability"},
+    {"", "",
+     "with kind station-down, besides at_s and duration_s: none of robot, stuck_at and "
+     "probability"},
+    {"robot ppm", "", "with kind clock-rate, besides at_s and duration_s: robot, ppm"},
+    {"robot", "", "with kind clock-jump, besides at_s and duration_s: robot"},
+}};
+
+inline void check_disturbances(const SceneValues& scene, Problems& problems) {
+  const auto& faults = scene.list<"faults.script">();
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    const auto kind =
+        static_cast<std::size_t>(faults[k][SceneValues::key<"faults.script", "kind">]);
+    const auto& [needs, may_have, allowed] = keys_of_kind[kind];
+    bool is_right = true;
+    for (std::size_t i = 0; i < std::size(fault_keys); ++i) {
+      const Key& key = fault_keys[i];
+      if (key.name.empty() || key.initial == key.initial) continue;  // every fault has it
+      const bool is_given = faults[k][i] == faults[k][i];
+      const bool is_needed = needs.find(key.name) != needs.npos;
+      const bool is_allowed = is_needed || may_have.find(key.name) != may_have.npos;
+      is_right = is_right && (is_given ? is_allowed : !is_needed);
+    }
+    if (is_right) continue;
+    report(problems, "faults.script[]", k, "has the wrong keys", allowed);
+  }
+  const auto& bumps = scene.list<"bumps.script">();
+  for (std::size_t k = 0; k < bumps.size(); ++k) {
+    const double place = bumps[k][SceneValues::key<"bumps.script", "at_m">];
+    const double time = bumps[k][SceneValues::key<"bumps.script", "at_s">];
+    if ((place == place) != (time == time)) continue;
+    report(problems, "bumps.script[]", k,
+           place == place ? "has a place and a time" : "has no place and no time",
+           "exactly one of at_m and at_s");
+  }
+}
+
+// Blames a time limit that is infinite or too long on one key: the first one whose default would
+// make it short enough.
+inline void check_time(const SceneValues& scene, Problems& problems) {
+  const double period = scene.of<"control.period_s">();
+  const double limit = time_limit_of(scene);
+  const auto speed_of = [&](std::size_t side) { return scene.of<"robot.speed_m_s">(own(side)); };
+  const std::size_t slower = speed_of(right) < speed_of(left) ? right : left;
+  const std::size_t place = place_of<"robot.speed_m_s">(scene, slower);
+  if (std::isinf(limit)) {
+    report(problems, "robot.speed_m_s", place, "sets no time limit",
+           "a speed above 0, or a task.timeout_s");
+    return;
+  }
+  if (limit / period <= most_carry_ticks) return;
+  const double most = most_carry_ticks * period;
+  if (scene.has<"task.timeout_s">()) {
+    report(problems, "task.timeout_s", common, "is too long for control periods of {0} s",
+           "at most {1} s (ten million periods)", {period, most});
+    return;
+  }
+  const SceneValues defaults;
+  double speedup = 0;
+  for (const std::size_t side : {left, right}) {
+    speedup = larger(speedup, speed_of(side) / scene.of<"robot.acceleration_m_s2">(own(side)));
+  }
+  const double distance = scene.of<"task.distance_m">();
+  const double usual_speed = defaults.of<"robot.speed_m_s">();
+  const double usual_distance = defaults.of<"task.distance_m">();
+  const char* key = "robot.speed_m_s";
+  std::size_t blamed = place;
+  if (default_time_limit(distance, usual_speed, speedup) / period > most_carry_ticks) {
+    if (default_time_limit(usual_distance, speed_of(slower), speedup) / period <=
+        most_carry_ticks) {
+      key = "task.distance_m";
+      blamed = common;
+    } else if (limit / defaults.of<"control.period_s">() <= most_carry_ticks) {
+      key = "control.period_s";
+      blamed = common;
+    }
+  }
+  report(problems, key, blamed,
+         "leads to a time limit of {0} s, which is too long for control periods of {1} s",
+         "a time limit of at most {2} s (ten million periods), or a task.timeout_s",
+         {limit, period, most});
+}
+
+// The object must reach from palm to palm at the start.
+inline void check_start(const SceneValues& scene, Problems& problems) {
+  const std::array<double, 2> start = {scene.of<"start.left_m">(), scene.of<"start.right_m">()};
+  std::array<double, 2> heights{};
+  for (const std::size_t side : {left, right}) {
+    const double half = scene.of<"palm.length_m">(own(side)) / 2;
+    if (std::abs(start[side]) > half) {
+      report(problems, side == left ? "start.left_m" : "start.right_m", common,
+             "is not on the palm", "a number in m, from {0} to {1}", {-half, half});
+    }
+    const auto angle = sin_cos(scene.of<"palm.steep_deg">(own(side)) * radians_per_degree<double>);
+    heights[side] =
+        start[side] * angle.sin + scene.of<"palm.pivot_offset_m">(own(side)) * angle.cos;
+  }
+  const SceneObject object = object_of(scene);
+  const Point& l = object.vertices[object.contacts[left]];
+  const Point& r = object.vertices[object.contacts[right]];
+  const double width = std::sqrt((r.x - l.x) * (r.x - l.x) + (r.y - l.y) * (r.y - l.y));
+  if (std::abs(heights[right] - heights[left]) <= most_lean * width) return;
+  report(problems, "start", common,
+         "puts the contacts at heights {0} and {1} m, too far apart for an object "
+         "that is {2} m wide between them",
+         "left_m and right_m at more equal heights", {heights[left], heights[right], width},
+         {start[left], start[right]});
+}
+
+}  // namespace detail
+
+// Every relation that does not hold, in the order in which they are to be reported.
+inline Problems check(const SceneValues& scene) {
+  Problems problems;
+  detail::check_object(scene, problems);
+  detail::check_palms(scene, problems);
+  detail::check_robots(scene, problems);
+  detail::check_zones(scene, problems);
+  detail::check_radio(scene, problems);
+  detail::check_disturbances(scene, problems);
+  detail::check_time(scene, problems);
+  detail::check_delays(scene, problems);
+  detail::check_periods(scene, problems);
+  detail::check_start(scene, problems);
+  return problems;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The object of a scene. An outline that is given without contacts, centre of mass or mass brings its
+// own: the ends of its level lower side, its centroid, and the mass at the density of the paper's box.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/polygon.hpp"
+#include "palmbots/sim/scene_values.hpp"
+
+namespace palmbots {
+
+inline constexpr double default_density = 125;  // of the paper's box [kg/m³]
+
+struct SceneObject : GivenObject {
+  double mass = 0;  // [kg]
+  bool is_simple = true;
+  bool has_contacts = true;  // false: a single vertex is lowest, the left contact
+  bool is_centroid = false;  // the centre of mass
+  bool is_default_mass = false;
+};
+
+namespace detail {
+
+// Hides rounding, so that the COM of a 0.6 m box is 0.3.
+inline double to_picometre(double value) { return std::nearbyint(value * 1e12) / 1e12; }
+
+}  // namespace detail
+
+// The object of a scene. Contacts that are no vertices become others.
+inline SceneObject object_of(const SceneValues& scene) {
+  constexpr double level = 1e-9;  // vertices at most this far above the lowest one are level [m]
+  SceneObject object;
+  for (const auto& vertex : scene.list<"object.vertices_m">()) {
+    object.vertices.push_back({vertex[0], vertex[1]});
+  }
+  const std::size_t n = object.vertices.size();
+  object.contacts = {static_cast<std::size_t>(scene.of<"object.contacts[0]">()) % n,
+                     static_cast<std::size_t>(scene.of<"object.contacts[1]">()) % n};
+  object.com = {scene.of<"object.com_m[0]">(), scene.of<"object.com_m[1]">()};
+  object.mass = scene.of<"object.mass_kg">();
+  object.is_simple = !crossing_edges(object.vertices);
+  if (!object.is_simple || !scene.has_list<"object.vertices_m">()) return object;
+  if (!scene.has<"object.contacts[0]">()) {
+    const auto [l, r] = bottom_ends(object.vertices, level);
+    object.contacts = {l, r};
+    object.has_contacts = l != r;
+  }
+  const auto [area, centroid] = area_and_centroid(object.vertices);
+  if (!scene.has<"object.com_m[0]">()) {
+    object.com = {detail::to_picometre(centroid.x), detail::to_picometre(centroid.y)};
+    object.is_centroid = true;
+  }
+  if (!scene.has<"object.mass_kg">()) {
+    object.mass = detail::to_picometre(default_density * area * scene.of<"object.depth_m">());
+    object.is_default_mass = true;
+  }
+  return object;
+}
+
+}  // namespace palmbots

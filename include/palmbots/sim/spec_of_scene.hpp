@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// The spec of a scene: conversion of units, resolution of left and right, and what follows from the
+// keys: the object's frame, zones, strides, slope, time limit, safe reach.
+//
+// Only + − × ÷ √ and the core's own tangent are used, because the numbers reach the trace. The spec
+// of a mirrored scene is the mirror image of the scene's spec to the last bit.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "palmbots/base/scalar.hpp"
+#include "palmbots/sim/build.hpp"
+#include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/scene_object.hpp"
+#include "palmbots/sim/scene_values.hpp"
+
+namespace palmbots {
+
+namespace detail {
+
+// Converts a number to SI units; a value that is not set leaves the member's initial value.
+inline void put_number(const Key& key, void* record, double value) {
+  if (key.put != nullptr && value == value) key.put(record, value * scale_of(key.unit));
+}
+
+inline void put_numbers(const SceneValues& scene, Spec& spec) {
+  for (const Section& section : sections) {
+    for (const Key& key : section.keys) {
+      if (key.name.empty()) continue;
+      const std::size_t at = common_key(section, key);
+      for (std::size_t holder = 0; holder < section.holder_count(); ++holder) {
+        double value = section.holders == Holders::senders ? unset : scene.at(at, common);
+        if (section.holders != Holders::one) {
+          if (const double single = scene.at(at, own(holder)); single == single) value = single;
+        }
+        put_number(key, section.at(spec, holder), value);
+      }
+    }
+  }
+}
+
+inline void put_lists(const SceneValues& scene, Spec& spec) {
+  std::size_t number = 0;
+  for (const Section& section : sections) {
+    void* owner = section.at(spec, 0);
+    for (const RecordList& list : section.lists) {
+      const auto& records = scene.list(number++);
+      list.resize(owner, records.size());
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        for (std::size_t k = 0; k < list.keys.size(); ++k) {
+          put_number(list.keys[k], list.at(owner, i), records[i][k]);
+        }
+      }
+    }
+  }
+}
+
+inline std::uint32_t side_of(double word) {
+  return word == word ? static_cast<std::uint32_t>(word) : 0;
+}
+
+// The coefficient of friction, for a palm whose own keys or those of both palms give an angle.
+inline double friction_of(const SceneValues& scene, std::size_t side) {
+  const std::size_t place = own(side);
+  const bool is_angle =
+      scene.has<"palm.friction_angle_deg">(place) ||
+      (scene.has<"palm.friction_angle_deg">() && !scene.has<"palm.friction">(place));
+  if (!is_angle) return scene.of<"palm.friction">(place);
+  return tangent(scene.of<"palm.friction_angle_deg">(place) * radians_per_degree<double>);
+}
+
+inline std::uint64_t stride_of(const SceneValues& scene, std::size_t side) {
+  const double period = scene.of<"robot.period_s">(own(side));
+  const double ratio = std::nearbyint(period / scene.of<"control.period_s">());
+  return ratio > 1 ? static_cast<std::uint64_t>(ratio) : 1;  // not set: 1
+}
+
+// Without zones: one about the pivot that reads 0, and − and + beyond it.
+inline void derive_zones(const SceneValues& scene, Spec& spec) {
+  if (scene.has_list<"tactile.zones">()) return;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double half = scene.of<"tactile.zero_half_width_m">();
+  spec.zones[0] = {-1, -infinity, -half};
+  spec.zones[1] = {0, -half, half};
+  spec.zones[2] = {1, half, infinity};
+  spec.zone_count = 3;
+}
+
+inline void derive_messages(const SceneValues& scene, Spec& spec) {
+  for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
+    const auto& given = scene.list<"radio.script">()[i];
+    const std::uint32_t sender = side_of(given[SceneValues::key<"radio.script", "sender">]);
+    const std::uint32_t to = side_of(given[SceneValues::key<"radio.script", "receiver">]);
+    MessageFaultSpec& fault = spec.message_faults[i];
+    fault.link = sender == 2 ? 2 + to : sender;
+    if (fault.late < 0) fault.late = 0;
+  }
+}
+
+inline void derive_faults(const SceneValues& scene, Spec& spec) {
+  for (std::size_t i = 0; i < spec.fault_count; ++i) {
+    const auto& given = scene.list<"faults.script">()[i];
+    FaultSpec& fault = spec.faults[i];
+    const double probability = given[SceneValues::key<"faults.script", "probability">];
+    const double ppm = given[SceneValues::key<"faults.script", "ppm">];
+    const double limp = given[SceneValues::key<"faults.script", "limp_deg">];
+    const double reads = given[SceneValues::key<"faults.script", "stuck_at">];
+    fault.side = side_of(given[SceneValues::key<"faults.script", "robot">]);
+    if (reads == reads) fault.reads = static_cast<std::int64_t>(reads);
+    if (probability == probability) fault.rate = probability;
+    if (ppm == ppm) fault.rate = ppm * 1e-6;
+    if (fault.kind == FaultKind::clock_jump) fault.rate = fault.lasts;
+    if (given[SceneValues::key<"faults.script", "loses_boot_counter">] == 1) {
+      fault.marks |= loses_boot_counter;
+    }
+    if (limp == limp) {
+      fault.rate = limp * radians_per_degree<double>;
+      fault.marks |= palm_goes_limp;
+    }
+  }
+  for (std::size_t i = 0; i < spec.bump_count; ++i) {
+    const auto& given = scene.list<"bumps.script">()[i];
+    const double time = given[SceneValues::key<"bumps.script", "at_s">];
+    spec.bumps[i].by_time = time == time;
+    spec.bumps[i].at = time == time ? time : given[SceneValues::key<"bumps.script", "at_m">];
+  }
+}
+
+}  // namespace detail
+
+// The default time limit [s]: twice the time at the slower speed. The second half is at least twice
+// the time in which the robots reach their speed.
+inline double default_time_limit(double distance, double speed, double speedup) {
+  if (!(speed > 0)) return std::numeric_limits<double>::infinity();
+  const double nominal = distance / speed;
+  return nominal + (nominal > 2 * speedup ? nominal : 2 * speedup);
+}
+
+// The time limit of a carry [s].
+inline double time_limit_of(const SceneValues& scene) {
+  if (scene.has<"task.timeout_s">()) return scene.of<"task.timeout_s">();
+  double speed = std::numeric_limits<double>::infinity();
+  double speedup = 0;
+  for (const std::size_t side : {left, right}) {
+    const double own_speed = scene.of<"robot.speed_m_s">(own(side));
+    speed = smaller(speed, own_speed);
+    speedup = larger(speedup, own_speed / scene.of<"robot.acceleration_m_s2">(own(side)));
+  }
+  return default_time_limit(scene.of<"task.distance_m">(), speed, speedup);
+}
+
+// The spec of a scene that passes all checks.
+inline Spec spec_of(const SceneValues& scene) {
+  Spec spec;
+  detail::put_numbers(scene, spec);
+  detail::put_lists(scene, spec);
+  static_cast<ObjectSpec&>(spec) = object_frame(object_of(scene));
+  for (const std::size_t side : {left, right}) {
+    spec.palms[side].friction = detail::friction_of(scene, side);
+    spec.robots[side].stride = detail::stride_of(scene, side);
+  }
+  detail::derive_zones(scene, spec);
+  detail::derive_messages(scene, spec);
+  detail::derive_faults(scene, spec);
+  spec.direction = scene.of<"task.direction">() == 1 ? -1 : 1;
+  // Uphill in the direction of travel pulls the object back: towards −x when travelling forward.
+  spec.slope =
+      spec.direction * tangent(scene.of<"task.slope_deg">() * radians_per_degree<double>) + 0.0;
+  const double ticks = std::nearbyint(time_limit_of(scene) / spec.period);
+  constexpr double most = 1e15;  // of a scene that the checks refuse
+  spec.timeout_ticks = ticks > 1 ? static_cast<std::uint64_t>(ticks < most ? ticks : most) : 1;
+  spec.safe_reach = may_go_limp(spec) ? -1.0 : safe_reach(spec);  // a limp palm may turn anywhere
+  return spec;
+}
+
+}  // namespace palmbots

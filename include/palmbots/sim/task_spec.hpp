@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections `object`, `start` and `task` of a scene: what is carried, and how far. Lengths in m,
+// times in s.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "palmbots/mechanics/clearance.hpp"
+#include "palmbots/sim/scene_key.hpp"
+
+namespace palmbots {
+
+// The object in the frame of its two contact vertices: origin at the left one, x towards the right
+// one.
+struct ObjectSpec {
+  double width = 0;
+  double com_left = 0;   // of the centre of mass from the left contact, along x
+  double com_right = 0;  // from the right contact
+  double com_height = 0;
+  Outline<double> outline{};
+};
+
+namespace detail {
+
+// A number of a vertex of the outline: its distance from a contact, or its height.
+template <std::size_t Which, class Corner>
+constexpr auto& number_of(Corner& vertex) {
+  if constexpr (Which < 2) {
+    return vertex.along[Which];
+  } else {
+    return vertex.height;
+  }
+}
+
+template <std::size_t Which>
+constexpr Key vertex_key() {
+  Key key;
+  key.member = "vertex";
+  key.get = [](const void* v) { return number_of<Which>(*static_cast<const Vertex<double>*>(v)); };
+  key.put = [](void* v, double value) {
+    number_of<Which>(*static_cast<Vertex<double>*>(v)) = value;
+  };
+  return key;
+}
+
+constexpr Key contact_right_key() {
+  Key key;
+  key.member = "contact_right";
+  key.kind = KeyKind::whole;
+  key.get = [](const void* object) {
+    return double(static_cast<const ObjectSpec*>(object)->outline.contact[right]);
+  };
+  key.put = [](void* object, double value) {
+    static_cast<ObjectSpec*>(object)->outline.contact = {0, static_cast<std::size_t>(value)};
+  };
+  return key;
+}
+
+constexpr Key contact_key(std::string_view name, double initial) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  return source_whole(name, 0, none, initial);
+}
+
+}  // namespace detail
+
+inline constexpr Key vertex_keys[] = {
+    source_number("[0]", Unit::m, -10, 10, 0),
+    source_number("[1]", Unit::m, -10, 10, 0),
+    detail::vertex_key<left>(),
+    detail::vertex_key<right>(),
+    detail::vertex_key<2>(),
+};
+inline constexpr double default_vertices[] = {0, 0, 0.25, 0, 0.25, 0.16, 0, 0.16};
+inline constexpr Key object_keys[] = {
+    detail::contact_key("contacts[0]", 0),
+    detail::contact_key("contacts[1]", 1),
+    source_number("com_m[0]", Unit::m, -10, 10, 0.125),
+    source_number("com_m[1]", Unit::m, -10, 10, 0.04),
+    source_number("mass_kg", Unit::kg, 0.001, 1000, 0.5),
+    source_number("depth_m", Unit::m, 0.001, 10, 0.1),
+    derived<&ObjectSpec::width>(),
+    derived<&ObjectSpec::com_left>(),
+    derived<&ObjectSpec::com_right>(),
+    derived<&ObjectSpec::com_height>(),
+    detail::contact_right_key(),
+};
+inline constexpr RecordList object_lists[] = {{
+    "vertices_m",
+    "outline",
+    max_outline,
+    vertex_keys,
+    default_vertices,
+    [](const void* object) { return static_cast<const ObjectSpec*>(object)->outline.count; },
+    [](void* object, std::size_t n) { static_cast<ObjectSpec*>(object)->outline.count = n; },
+    [](void* object, std::size_t k) -> void* {
+      return &static_cast<ObjectSpec*>(object)->outline.vertices[k];
+    },
+}};
+
+struct StartSpec {
+  double start[2]{};  // contact coordinates
+};
+
+namespace detail {
+
+template <std::size_t Side>
+constexpr Key start_key(std::string_view name) {
+  Key key = source_number(name, Unit::m, -10, 10, 0);
+  key.member = "start";
+  key.get = [](const void* start) { return static_cast<const StartSpec*>(start)->start[Side]; };
+  key.put = [](void* start, double p) { static_cast<StartSpec*>(start)->start[Side] = p; };
+  return key;
+}
+
+}  // namespace detail
+
+inline constexpr Key start_keys[] = {
+    detail::start_key<left>("left_m"),
+    detail::start_key<right>("right_m"),
+};
+
+struct TaskSpec {
+  double distance = 1.5;
+  double slope = 0;           // specific force towards −x
+  bool inertia = true;        // false: accelerations have no effect, as the paper assumes
+  double inertia_lag = 0.05;  // time constant of their average
+  double direction = 1;       // +1: the right robot leads, −1: the left one
+  std::uint64_t timeout_ticks = 5000;
+  double safe_reach = -1;  // see ModelParams; −1: unknown
+};
+inline constexpr Choices direction_words(0, "forward", "backward");
+inline constexpr Key task_keys[] = {
+    number<&TaskSpec::distance>("distance_m", Unit::m, 0.001, 10000),
+    between(source_number("slope_deg", Unit::degrees, -80, 80, 0)),
+    source_number("timeout_s", Unit::s, 0.001, 1e6),
+    source_word("direction", direction_words, 0),
+    flag<&TaskSpec::inertia>("inertia"),
+    number<&TaskSpec::inertia_lag>("inertia_tau_s", Unit::s, 0, 1000),
+    derived<&TaskSpec::slope>(),
+    derived<&TaskSpec::direction>(),
+    derived<&TaskSpec::timeout_ticks>(),
+    derived<&TaskSpec::safe_reach>(),
+};
+
+}  // namespace palmbots

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Apart from core.cpp, because it runs once for each scene and is compiled to be small.
+#include "page_scene.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/sim/scene_check.hpp"
+#include "palmbots/sim/scene_object.hpp"
+#include "palmbots/sim/scene_values.hpp"
+#include "palmbots/sim/spec_of_scene.hpp"
+
+namespace palmbots::page {
+
+PageScene read_scene(std::string_view lines, NumberStream in) {
+  SceneValues values;
+  while (!lines.empty()) {
+    const std::size_t end = lines.find('\n');
+    const std::string_view line = lines.substr(0, end);
+    lines.remove_prefix(end == lines.npos ? lines.size() : end + 1);
+    const std::size_t place = in.whole();
+    const double value = in.next();
+    const std::size_t equals = line.find('=');
+    if (equals != line.npos) {
+      values.set(line.substr(0, equals), place, line.substr(equals + 1));
+    } else if (line.ends_with('#')) {
+      values.begin_list(line.substr(0, line.size() - 1), static_cast<std::size_t>(value));
+    } else {
+      values.set(line, place, value);
+    }
+  }
+  PageScene scene;
+  scene.problems = check(values);
+  scene.spec = spec_of(values);
+  const SceneObject object = object_of(values);
+  scene.object = {double(object.contacts[left]), double(object.contacts[right]), object.com.x,
+                  object.com.y};
+  scene.timeout = time_limit_of(values);
+  scene.spec.timeout_ticks =
+      std::min(scene.spec.timeout_ticks, static_cast<std::uint64_t>(most_ticks));
+  return scene;
+}
+
+}  // namespace palmbots::page

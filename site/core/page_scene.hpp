@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene of the page: its values as given, what is wrong with them, and the Spec to carry.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "number_stream.hpp"
+#include "palmbots/sim/scene_problem.hpp"
+#include "palmbots/sim/spec.hpp"
+
+namespace palmbots::page {
+
+// Longest carry that the page records [ticks]: twenty minutes at the default period. The page refuses
+// a scene with a longer time limit, so that no carry is cut.
+inline constexpr double most_ticks = 120000;
+
+struct PageScene {
+  Problems problems;
+  Spec spec;
+  std::array<double, 4> object{};  // contacts, and centre of mass [m]
+  double timeout = 0;  // time limit of a carry [s], which may exceed what the page records
+
+  double longest_timeout() const { return most_ticks * spec.period; }
+  bool is_too_long() const { return !(std::nearbyint(timeout / spec.period) <= most_ticks); }
+};
+
+// The values that site/src/shared/scene.ts writes: a line of text for each value and two numbers,
+// its place and the value. A line is the name of a key, with `=WORD` behind it if the value is a
+// word. A name that ends with # begins a list of so many records.
+PageScene read_scene(std::string_view lines, NumberStream in);
+
+}  // namespace palmbots::page

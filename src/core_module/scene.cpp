@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes: the table of their keys, the relations between the values of a scene, and its Spec.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "bindings.hpp"
+#include "palmbots/sim/scene_check.hpp"
+#include "palmbots/sim/spec_of_scene.hpp"
+
+namespace palmbots::bindings {
+
+namespace {
+
+// Takes the values of a table of a scene, of a list or of a key. `place` is that of a holder, or the
+// index of a record.
+void take(SceneValues& scene, nb::handle value, const std::string& path, std::size_t place) {
+  if (value.is_none()) return;
+  if (nb::isinstance<nb::str>(value)) {
+    scene.set(path, place, nb::cast<std::string>(value));
+  } else if (nb::isinstance<nb::dict>(value)) {
+    const bool is_shared = detail::has_holders(path);
+    for (const auto& [name, inner] : nb::borrow<nb::dict>(value)) {
+      const std::string key = nb::cast<std::string>(name);
+      const std::size_t holder = detail::holder_of(key);
+      if (is_shared && holder != detail::no_key) {
+        take(scene, inner, path, own(holder));
+      } else {
+        take(scene, inner, path.empty() ? key : path + "." + key, place);
+      }
+    }
+  } else if (nb::isinstance<nb::tuple>(value) || nb::isinstance<nb::list>(value)) {
+    const bool is_list = detail::find_list(path) != detail::no_key;
+    if (is_list) scene.begin_list(path, nb::len(value));
+    std::size_t i = 0;
+    for (nb::handle item : value) {
+      if (is_list) {
+        take(scene, item, path + "[]", i++);
+      } else {
+        take(scene, item, path + "[" + std::to_string(i++) + "]", place);
+      }
+    }
+  } else if (nb::isinstance<nb::float_>(value) || nb::isinstance<nb::int_>(value)) {
+    scene.set(path, place, nb::cast<double>(value));
+  }
+}
+
+SceneValues values_of(const nb::dict& table) {
+  SceneValues scene;
+  take(scene, table, "", common);
+  return scene;
+}
+
+// A key as in a scene file: "palm.left.friction", "radio.outages[2].end_s".
+std::string key_text(const Problem& problem) {
+  const std::string name(problem.key);
+  if (const std::size_t bracket = name.find("[]"); bracket != name.npos) {
+    return name.substr(0, bracket + 1) + std::to_string(problem.place) + name.substr(bracket + 1);
+  }
+  if (problem.place == common) return name;
+  const std::size_t dot = name.find('.') + 1;
+  return name.substr(0, dot) + std::string(sender_words.words[problem.place - 1]) + "." +
+         name.substr(dot);
+}
+
+// A text of a problem with its numbers.
+std::string filled_in(std::string_view text, const Numbers& numbers) {
+  std::string filled;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '{') {
+      filled += text[i];
+      continue;
+    }
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%g", numbers.values[std::size_t(text[i + 1] - '0')]);
+    filled += digits;
+    i += 2;
+  }
+  return filled;
+}
+
+nb::object value_of(const Key& key, double value) {
+  if (!key.allows(value)) return nb::none();
+  switch (key.kind) {
+    case KeyKind::number: return nb::float_(value);
+    case KeyKind::whole: return nb::int_(static_cast<std::int64_t>(value));
+    case KeyKind::flag: return nb::bool_(value != 0);
+    case KeyKind::word: {
+      const std::string_view word = key.words->words[static_cast<std::size_t>(value - key.least)];
+      return nb::str(word.data(), word.size());
+    }
+  }
+  return nb::none();
+}
+
+nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
+  constexpr const char* kinds[] = {"number", "whole", "flag", "word"};
+  nb::dict row;
+  row["name"] = path;
+  row["kind"] = kinds[static_cast<std::size_t>(key.kind)];
+  row["unit"] = std::string(unit_names[static_cast<std::size_t>(key.unit)]);
+  row["least"] = key.least;
+  row["most"] = std::isinf(key.most) ? nb::object(nb::none()) : nb::object(nb::float_(key.most));
+  row["is_open"] = key.is_open;
+  nb::list words;
+  for (std::size_t k = 0; key.words != nullptr && k < key.words->count; ++k) {
+    words.append(nb::str(key.words->words[k].data(), key.words->words[k].size()));
+  }
+  row["words"] = nb::tuple(words);
+  row["default"] = value_of(key, key.initial);
+  row["per_side"] = has_holders;
+  return row;
+}
+
+// The rows of the table.
+nb::list scene_keys() {
+  nb::list rows;
+  for (const Section& section : sections) {
+    const std::string table(section.name);
+    if (section.holders != Holders::senders) {
+      for (const Key& key : section.keys) {
+        if (key.name.empty()) continue;
+        const std::string path = table + "." + std::string(key.name);
+        rows.append(row_of(key, path, section.holders == Holders::sides));
+      }
+    }
+    for (const RecordList& list : section.lists) {
+      const std::string name = table + "." + std::string(list.name) + "[]";
+      for (const Key& key : list.keys) {
+        if (key.name.empty()) continue;
+        const std::string dot = key.name.starts_with('[') ? "" : ".";
+        rows.append(row_of(key, name + dot + std::string(key.name), false));
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+  m.def("scene_keys", &scene_keys,
+        "The keys of a scene that the core reads, in its table's order: name (`[]` stands for the "
+        "records of a list), kind, unit, limits, words and default (None: not set).");
+  m.def(
+      "scene_lists",
+      [] {
+        nb::dict lists;
+        for (const Section& section : sections) {
+          for (const RecordList& list : section.lists) {
+            const std::string name = std::string(section.name) + "." + std::string(list.name);
+            nb::list initial;
+            for (const double number : list.initial) initial.append(number);
+            lists[name.c_str()] = nb::make_tuple(list.most, initial);
+          }
+        }
+        return lists;
+      },
+      "The lists of a scene: how many records each may have, and the numbers of the default.");
+  m.def(
+      "complete_object",
+      [](const nb::dict& table) {
+        const SceneObject object = object_of(values_of(table));
+        nb::dict found;
+        found["contacts"] = nb::make_tuple(object.contacts[left], object.contacts[right]);
+        found["com_m"] = nb::make_tuple(object.com.x, object.com.y);
+        found["mass_kg"] = object.mass;
+        return found;
+      },
+      nb::arg("scene"),
+      "The keys of the object that follow from its outline where they are not set.");
+  m.def(
+      "check_scene",
+      [](const nb::dict& table) {
+        std::vector<std::tuple<std::string, std::vector<double>, std::string, std::string>> found;
+        for (const Problem& p : check(values_of(table))) {
+          const auto value = p.value.all();
+          found.emplace_back(key_text(p), std::vector<double>(value.begin(), value.end()),
+                             filled_in(p.problem, p.numbers), filled_in(p.allowed, p.numbers));
+        }
+        return found;
+      },
+      nb::arg("scene"),
+      "The relations between the given values of a scene that do not hold: (key, value, problem, "
+      "allowed). Without a value, it is that of the key.");
+  m.def(
+      "spec_of_scene", [](const nb::dict& table) { return spec_of(values_of(table)); },
+      nb::arg("scene"), "The spec of the given values of a scene.");
+  m.def(
+      "time_limit", [](const nb::dict& table) { return time_limit_of(values_of(table)); },
+      nb::arg("scene"), "The time limit of a carry [s].");
+}
+
+}  // namespace palmbots::bindings

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of keys in the core, and the sections of a scene in Python, which take it up."""
+
+import random
+from collections.abc import Iterator
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel
+
+import palmbots._core as _core
+from palmbots.scene.core_keys import OUTSIDE_CORE, ROWS
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from random_keys import holders_of, names_in, random_keys
+
+POINTS = {"object.vertices_m": ("[][0]", "[][1]")} | {
+    f"object.{name}": ("[0]", "[1]") for name in ("contacts", "com_m")
+}
+
+
+def models_in(kind: Any) -> Iterator[type[BaseModel]]:
+    """The tables that a field holds."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        yield kind
+    for part in get_args(kind):
+        yield from models_in(part)
+
+
+def keys_of(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    """The keys of a scene by the names of the core's table."""
+    for name, field in model.model_fields.items():
+        path = prefix + name
+        tables = list(models_in(field.annotation))
+        if path.startswith(OUTSIDE_CORE) or name in ("left", "right", "station"):
+            continue
+        if path in POINTS:
+            yield from (path + entry for entry in POINTS[path])
+        elif tables:
+            is_list = "tuple" in str(field.annotation)
+            yield from keys_of(tables[0], f"{path}[]." if is_list else f"{path}.")
+        else:
+            yield path
+
+
+def test_every_key_of_a_scene_is_in_the_table_or_outside_the_core() -> None:
+    assert set(keys_of(Scene)) == set(ROWS)
+
+
+def test_the_default_scene_is_that_of_the_core() -> None:
+    assert to_spec(Scene()).to_bytes() == _core.spec_of_scene({}).to_bytes()
+
+
+def test_random_scenes_have_every_key() -> None:
+    draw = random.Random(1)
+    found = {name for _ in range(30) for name in names_in(random_keys(draw))}
+    assert found >= set(ROWS)
+
+
+CHECKED_ONLY = ("object.mass_kg", "object.depth_m")
+"""Keys that decide only whether the object is accepted."""
+
+
+@pytest.mark.parametrize("name", [n for n in ROWS if "[" not in n and n not in CHECKED_ONLY])
+def test_every_key_reaches_the_spec(name: str) -> None:
+    """Its value changes the bytes, for all and for each robot or sender alone."""
+    draw = random.Random(2)
+    seen: set[bytes] = set()
+    for given in holders_of(name):
+        keys: dict[str, Any] = {}
+        while given not in keys or keys[given] == ROWS[name]["default"]:
+            keys = random_keys(draw)
+        with_it = to_spec(load_scene("paper", {given: keys[given]} | _needed(name, keys)))
+        without = to_spec(load_scene("paper", _needed(name, keys)))
+        assert with_it.to_bytes() != without.to_bytes(), given
+        seen.add(with_it.to_bytes())
+    assert len(seen) == len(holders_of(name))
+
+
+def _needed(name: str, keys: dict[str, Any]) -> dict[str, Any]:
+    """The other key without which a value may be refused."""
+    is_period = name in ("robot.period_s", "control.period_s")
+    needed = ("control.watchdog_s", "control.period_s") if is_period else ()
+    return {key: keys[key] for key in needed if key in keys and key != name}

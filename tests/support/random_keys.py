@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes with random values for every key that the core reads, drawn from its table.
+
+A value is near the default of its key, so that a carry lasts. It is drawn again until it agrees
+with the keys before it, as the core checks.
+"""
+
+import random
+from collections.abc import Iterator
+from typing import Any
+
+import palmbots._core as _core
+from palmbots.scene.core_keys import ROWS
+
+Keys = dict[str, Any]
+
+# How far a value may be from a default of 0, by unit; and values of keys that are not set.
+NEAR_ZERO = {
+    "": 0.04, "m": 0.004, "s": 0.03, "m/s": 0.003, "degrees": 2.0, "parts per million": 200.0,
+    "bumps per metre": 3.0,
+}  # fmt: skip
+INSTEAD_OF_NONE = {"": 0.3, "m": 0.2, "s": 0.5, "degrees": 15.0, "parts per million": 5000.0}
+HOLDERS = {"palm": ("left", "right"), "robot": ("left", "right")}
+SENDERS = ("left", "right", "station")
+OUTLINE = {  # the rows of an outline say nothing about its shape
+    "object.vertices_m": lambda draw: [
+        [0.02, draw.uniform(-0.01, 0.01)], [0.28, 0.0], [0.27, draw.uniform(0.1, 0.2)], [0.0, 0.17],
+    ],
+    "object.contacts": lambda draw: [0, 1],
+    "object.com_m": lambda draw: [draw.uniform(0.14, 0.16), draw.uniform(0.04, 0.06)],
+}  # fmt: skip
+
+
+def value_of(row: dict[str, Any], draw: random.Random) -> Any:
+    """A random value of a key."""
+    if row["kind"] == "flag":
+        return draw.choice((True, False))
+    if row["kind"] == "word":
+        return draw.choice(row["words"])
+    least, most = row["least"], row["most"]
+    if row["kind"] == "whole":
+        return draw.randint(int(least), int(min(most, least + 3)))
+    usual = INSTEAD_OF_NONE[row["unit"]] if row["default"] is None else row["default"]
+    # The default of a key of a record is only the least that there may be.
+    if "[]" in row["name"] and row["default"] is not None and row["unit"] == "s":
+        usual = 0.4
+    if usual == 0:
+        drawn = draw.uniform(-NEAR_ZERO[row["unit"]], NEAR_ZERO[row["unit"]])
+    else:
+        drawn = usual * draw.uniform(0.8, 1.25)
+    return min(max(drawn, least), most)
+
+
+def holders_of(name: str) -> tuple[str, ...]:
+    """The dotted names under which a key may be given."""
+    section, _, key = name.partition(".")
+    if name in ("radio.latency_s", "radio.jitter_s", "radio.loss"):
+        return (name, *(f"radio.{sender}.{key}" for sender in SENDERS))
+    return (name, *(f"{section}.{side}.{key}" for side in HOLDERS.get(section, ())))
+
+
+def _nested(keys: Keys) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    for name, value in keys.items():
+        at = table
+        *tables, last = name.split(".")
+        for part in tables:
+            at = at.setdefault(part, {})
+        at[last] = value
+    return table
+
+
+def _agrees(keys: Keys) -> bool:
+    return not _core.check_scene(_nested(keys))
+
+
+def _record(name: str, draw: random.Random) -> Keys:
+    rows = [row for row in ROWS.values() if row["name"].startswith(f"{name}[].")]
+    return {
+        row["name"].rpartition(".")[2]: value_of(row, draw)
+        for row in rows
+        if row["default"] is not None or draw.random() < 0.5
+    }
+
+
+def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
+    """Keys of a valid scene; each key that the core reads is in it with a probability `share`."""
+    keys: Keys = {name: make(draw) for name, make in OUTLINE.items()}
+    keys["object.mass_kg"] = 0.5
+    names = [n for n in ROWS if "[" not in n and n not in keys]
+    lists = sorted({n.partition("[]")[0] for n in ROWS if "[]." in n})
+    for name in draw.sample(names, len(names)):
+        if draw.random() >= share:
+            continue
+        given = draw.choice(holders_of(name))
+        for _ in range(20):
+            value = value_of(ROWS[name], draw)
+            if name == "robot.period_s":  # a multiple of another key
+                value = draw.choice((2, 3)) * keys.get("control.period_s", 0.01)
+            if name == "task.timeout_s":  # long enough for a carry
+                value = draw.uniform(5, 12)
+            if _agrees({**keys, given: value}):
+                keys[given] = value
+                break
+    for name in lists:
+        records: list[Keys] = []
+        while len(records) < 2:
+            record = _record(name, draw)
+            if _agrees({**keys, name: [*records, record]}):
+                records.append(record)
+        if draw.random() < share:
+            keys[name] = records
+    keys["task.distance_m"] = draw.uniform(0.2, 0.5)
+    return keys
+
+
+def names_in(keys: Keys) -> Iterator[str]:
+    """The rows of which a scene has values."""
+    for name, value in keys.items():
+        parts = name.split(".")
+        common = ".".join(part for part in parts if part not in SENDERS)
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            for record in value:
+                yield from (f"{name}[].{key}" for key in record)
+        elif isinstance(value, list):
+            yield from (row for row in ROWS if row.startswith(f"{name}["))
+        else:
+            yield common
