@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
-from commands import Run, assert_refused
+from commands import FUNCTIONS, Run, assert_refused
 from palmbots.cli.main import build_app
 
 BAD: list[tuple[list[str], list[str]]] = [
@@ -195,14 +195,14 @@ def test_empty_output_name_is_refused(
 
 # Command with an output, and the function that does the work.
 WORK = {
+    **{
+        (one.name, "--out"): (one.function.__module__, one.function.__name__)
+        for one in FUNCTIONS
+        if one.figure
+    },
     ("carry", "--out"): ("palmbots.simulation.single", "carry"),
-    ("compare", "--out"): ("palmbots.simulation.sweep", "compare"),
     ("design", "--out"): ("palmbots.stability.palm_angles", "design"),
     ("analyze", "--figures"): ("palmbots.stability.analysis", "analyze"),
-    ("validate", "--out"): ("palmbots.mujoco.validation.validation", "validate"),
-    ("bound", "--out"): ("palmbots.optimum.drop_bound", "bound"),
-    ("noise-limit", "--out"): ("palmbots.simulation.noise_limit", "noise_limit"),
-    ("speed-limits", "--out"): ("palmbots.mujoco.validation.speed_limits", "speed_limits"),
 }
 PROOF = ("palmbots.stability.certificates.prover", "certify")
 

@@ -12,7 +12,7 @@ import pytest
 from typer.main import get_command
 
 import palmbots._core as core
-from commands import Run
+from commands import FUNCTIONS, Run
 from palmbots.cli.main import build_app
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -22,18 +22,12 @@ LINE = "palmbots: interrupted (no partial files were written)\n"
 
 # Where each command spends its time: module, function, further arguments.
 WORK: dict[str, tuple[str, str, list[str]]] = {
+    **{one.name: (one.function.__module__, one.function.__name__, []) for one in FUNCTIONS},
     "carry": ("palmbots.simulation.single", "carry", []),
-    "modes": ("palmbots.mechanics.mode_analysis", "modes", []),
     "analyze": ("palmbots.stability.analysis", "analyze", []),
     "certify": ("palmbots.stability.certificates.prover", "certify", []),
     "check": ("palmbots.stability.certificates.checker.verify", "check", ["x.json"]),
     "design": ("palmbots.stability.palm_angles", "design", []),
-    "compare": ("palmbots.simulation.sweep", "compare", []),
-    "drop-rate": ("palmbots.simulation.rare_events", "estimate_drop_rate", []),
-    "bound": ("palmbots.optimum.drop_bound", "bound", []),
-    "noise-limit": ("palmbots.simulation.noise_limit", "noise_limit", []),
-    "speed-limits": ("palmbots.mujoco.validation.speed_limits", "speed_limits", []),
-    "validate": ("palmbots.mujoco.validation.validation", "validate", []),
     "export": ("palmbots.mujoco.mjcf", "mjcf", ["--mjcf", "x.xml"]),
     "replay": ("palmbots.logs.replaying", "replay", ["x.mcap"]),
     "derive": ("palmbots.derivation.local_rules", "derive", []),

@@ -8,9 +8,19 @@ import pytest
 
 from json_output import read_json
 from palmbots.cli import main as cli
+from palmbots.cli.declared_commands import commands_of, declared_commands
 
 Run = Callable[..., CompletedProcess[str]]
 """``run("carry", "--json")``: the exit status, stdout and stderr of ``palmbots carry --json``."""
+
+
+FUNCTIONS = [
+    one
+    for name in declared_commands()
+    for one in commands_of(name)
+    if not one.function.__module__.startswith("palmbots.cli.")
+]
+"""The commands around public functions."""
 
 
 def runner(capsys: pytest.CaptureFixture[str]) -> Run:

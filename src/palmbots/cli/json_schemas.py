@@ -2,17 +2,16 @@
 """JSON Schemas (draft 2020-12) of a scene, of a log, and of what commands print with `--json`."""
 
 import json
-from importlib import import_module
 from typing import Any
+
+from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def schema_names() -> list[str]:
     """What there are schemas of: ``scene``, ``log``, and the names of commands."""
-    from palmbots.cli.main import command_names
-
-    return ["scene", "log", *command_names()]
+    return ["scene", "log", *sorted(declared_commands())]
 
 
 def schema_of(name: str) -> dict[str, Any]:
@@ -22,7 +21,6 @@ def schema_of(name: str) -> dict[str, Any]:
         PalmbotsError: there is no schema of that name.
     """
     from palmbots._util.arguments import one_of
-    from palmbots.cli.main import command_module
 
     one_of("NAME", name, tuple(schema_names()))
     if name == "scene":
@@ -37,8 +35,7 @@ def schema_of(name: str) -> dict[str, Any]:
     title = {"$schema": _DIALECT, "title": f"What palmbots {name} --json prints"}
     from palmbots._util.result_schema import result_schema
 
-    places = (place.partition(":") for place in command_module(name).RESULTS)
-    kinds = [getattr(import_module(module), kind) for module, _, kind in places]
+    kinds = dict.fromkeys(kind for one in commands_of(name) for kind in results_of(one))
     return title | with_scene(result_schema(*kinds))
 
 

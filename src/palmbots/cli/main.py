@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs one command: collects the commands, parses the arguments, and refuses bad input.
 
-Each command is a module of `palmbots.cli.commands` with four names: `COMMAND`, the function or the
-group of commands, `ORDER`, its place in ``palmbots --help``, `EXAMPLE`, and `RESULTS`, the kinds of
-results that ``--json`` prints, as ``module:Class``. The file ``drop_rate_command.py`` defines
-``palmbots drop-rate``.
+A command is a function with a declaration (`palmbots._util.command`). Most are public functions,
+of which `palmbots.cli.function_commands` makes commands. Those of `palmbots.cli.commands` run
+processes or screens, or write several files: they take their options from Typer themselves, and
+return the exit status.
 
 Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
 command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
@@ -12,10 +12,8 @@ with one line, 130 after Ctrl-C, and 141 where the pipe on stdout is closed (``p
 -1``). Closed streams, as in ``palmbots modes >&-``, discard what is written to them.
 """
 
-import importlib
 import io
 import os
-import pkgutil
 import signal
 import sys
 from functools import cache
@@ -31,11 +29,12 @@ from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
+from palmbots.cli.declared_commands import commands_of, declared_commands, is_command
+from palmbots.cli.function_commands import typer_function
 from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots.cli.options import FAILED as FAILED
 from palmbots.errors import PalmbotsError, one_line
 
-_SUFFIX = "_command"
 # The base of all usage errors. Typer contains a copy of click under a private name.
 _UsageError: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 _NUMBERS = {"int_parsing": "a whole number", "float_parsing": "a number"}
@@ -72,7 +71,7 @@ def run(arguments: list[str]) -> int:
     os.environ["MPLBACKEND"] = "agg"
     try:
         with hold_warnings():
-            app = build_app(arguments[0] if arguments else None)
+            app = build_app(arguments[0] if arguments else None, listed=True)
             status = app(args=arguments, prog_name="palmbots", standalone_mode=False)
         if status == INTERRUPTED:  # Typer's answer to a KeyboardInterrupt; commands never return it
             return _interrupted()
@@ -110,39 +109,31 @@ class _Command(TyperCommand):
         super().format_help(ctx, formatter)
 
 
+class _Group(TyperGroup):
+    """Lists the commands in their order, and makes those that were only listed."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return sorted(self.commands, key=[*declared_commands()].index)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if args[0] in self.commands:  # also when the shell completes what follows
+            made: Any = get_command(build_app(args[0]))
+            self.commands[args[0]] = made.commands[args[0]]
+        return super().resolve_command(ctx, args)
+
+
 @cache
-def command_names() -> tuple[str, ...]:
-    """The names of all commands."""
-    files = (module.name for module in pkgutil.iter_modules(commands.__path__))
-    names = (name.removesuffix(_SUFFIX) for name in files if name.endswith(_SUFFIX))
-    return tuple(name.replace("_", "-") for name in names)
-
-
-def command_module(name: str) -> Any:
-    """The module that defines a command."""
-    return importlib.import_module(f"{commands.__name__}.{name.replace('-', '_')}{_SUFFIX}")
-
-
-@cache
-def build_app(wanted: str | None = None) -> typer.Typer:
+def build_app(wanted: str | None = None, *, listed: bool = False) -> typer.Typer:
     """The application with all commands.
 
     Args:
         wanted: if there is a command of this name, the application has no other one: it starts
             sooner, because the options of a command take time to collect.
+        listed: the others have no options either, and their modules are not imported.
     """
-    modules = command_names()
-    found = {name: command_module(name) for name in ([wanted] if wanted in modules else modules)}
-
-    class OrderedGroup(TyperGroup):
-        """Lists the commands by their `ORDER`."""
-
-        def list_commands(self, ctx: Any) -> list[str]:
-            return sorted(self.commands, key=lambda name: found[name].ORDER)
-
     app = typer.Typer(
         name="palmbots",
-        cls=OrderedGroup,
+        cls=_Group,
         help="Simulate two mobile robots that carry an object between two tilting palms.",
         epilog="Shell completion: palmbots --install-completion",
         rich_markup_mode=None,
@@ -150,13 +141,30 @@ def build_app(wanted: str | None = None) -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=True)(_root)
-    for name, module in found.items():
-        epilog = f"Example: {module.EXAMPLE}"
-        if isinstance(module.COMMAND, typer.Typer):
-            app.add_typer(module.COMMAND, name=name, epilog=epilog)
+    if wanted is not None and is_command(wanted):
+        _add(app, wanted)
+        return app
+    for name, one in declared_commands().items():
+        if listed:
+            app.command(name, help=one.summary)(_root)
         else:
-            app.command(name, cls=_Command, epilog=epilog)(module.COMMAND)
+            _add(app, name)
     return app
+
+
+def _add(app: typer.Typer, name: str) -> None:
+    """Add a command, or a group of commands."""
+    found = commands_of(name)
+    if found[0].name != name:
+        help = declared_commands()[name].summary
+        group = typer.Typer(help=help, epilog=f"Example: {found[0].example}")
+        app.add_typer(group, name=name)
+        app = group
+    for one in found:
+        is_own = one.function.__module__.startswith(commands.__name__)
+        function = one.function if is_own else typer_function(one)
+        last = one.name.rpartition(" ")[2]
+        app.command(last, cls=_Command, epilog=f"Example: {one.example}")(function)
 
 
 def _root(
@@ -184,14 +192,15 @@ def _usage_message(error: Any) -> str:
 
 
 def _with_option_name(message: str, arguments: list[str]) -> str:
-    """The message with the option that was given in place of the Python argument it stands for:
-    ``--slope-deg: value is …``, not ``slope_deg: value is …``."""
-    group: Any = get_command(build_app(arguments[0] if arguments else None))
+    """The message with the option that was given, or should have been, in place of the Python
+    argument it stands for: ``--slope-deg: value is …``, not ``slope_deg: value is …``."""
+    group: Any = get_command(build_app(arguments[0] if arguments else None, listed=True))
     command = group.commands.get(arguments[0]) if arguments else None
     name, _, rest = message.partition(":")
     for parameter in getattr(command, "params", ()):
         given = any(word.split("=")[0] in parameter.opts for word in arguments)
-        if parameter.name == name and parameter.opts[0].startswith("--") and given:
+        is_meant = given or rest.startswith(" none given")
+        if parameter.name == name and parameter.opts[0].startswith("--") and is_meant:
             return f"{parameter.opts[0]}:{rest}"
     return message
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN, Overrides
+from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
@@ -220,6 +221,14 @@ class ContactModes(Result):
         return mode_lines(self)
 
 
+@command(
+    order=20,
+    example="palmbots modes --theta-left-deg 5 --p-left-m -0.02",
+    p_left_m=Option(),
+    p_right_m=Option(),
+    theta_left_deg=Option(),
+    theta_right_deg=Option(),
+)
 def modes(
     scene: SceneLike = "paper",
     *,
@@ -229,14 +238,16 @@ def modes(
     theta_right_deg: float | None = None,
     overrides: Overrides = None,
 ) -> ContactModes:
-    """The contact modes of one state of a scene.
+    """Report the contact modes of one state.
+
+    The report states which of the nine modes balance, and which occur when the palms close or open.
 
     Args:
         scene: as in `palmbots.carry`.
-        p_left_m: contact coordinate, outward from the foot of the pivot.
-        p_right_m: the same on the right.
-        theta_left_deg: palm angle; None: the scene's steep angle.
-        theta_right_deg: the same on the right.
+        p_left_m: left contact coordinate, outward. It is 0 at the foot of the pivot.
+        p_right_m: right contact coordinate, outward.
+        theta_left_deg: left palm angle; None: the scene's steep angle.
+        theta_right_deg: right palm angle; None: the scene's steep angle.
         overrides: scene keys to set.
 
     Raises:

@@ -10,7 +10,8 @@ from statistics import NormalDist
 from typing import Any
 
 from palmbots._types import Overrides
-from palmbots._util.arguments import one_of, show
+from palmbots._util.arguments import one_of
+from palmbots._util.command import Option, command
 from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
@@ -119,6 +120,14 @@ _NUMBERS = (
 _MEANING = {"corrections": "corrections only", "stopping": "robots may stop"}
 
 
+@command(
+    order=97,
+    example="palmbots bound --speeds stopping",
+    progress="solving",
+    figure="bound.png",
+    speeds=Option(metavar="NAME", help="corrections or stopping."),
+    drop_rate=Option(percent=True, least=0.001, most=0.5),
+)
 def bound(
     scene: SceneLike = "paper",
     speeds: str = "corrections",
@@ -127,20 +136,27 @@ def bound(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Bound:
-    """Compute what no controller can beat, whatever it knows.
+    """Compute what no controller can beat.
 
-    With ``corrections`` the bound holds for controllers whose carries take at least their nominal
-    time; with ``stopping``, for all. Results are kept in the user's cache folder, by a hash of the
-    scene.
+    The result is the greatest noise at which any controller can drop as few as 1 % of carries, and
+    the least drop rate at the scene's own noise.
+
+    The admissible speeds: with ``corrections``, the robots keep their nominal speed and add opposite
+    corrections; with ``stopping``, they may also stop.
 
     Args:
         scene: as in `palmbots.carry`.
         speeds: the admissible speeds. ``corrections``: nominal speed with equal and opposite
             corrections. ``stopping``: each robot from its correction backwards to nominal speed
             plus correction.
-        drop_rate: the fraction of carries that drop at σ*, 0.001 to 0.5.
+        drop_rate: share of carries that drop at the limit.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
+
+    Note:
+        With ``corrections`` the bound holds for controllers whose carries take at least their
+        nominal time; with ``stopping``, for all. Results are kept in the user's cache folder, by a
+        hash of the scene.
 
     Raises:
         SceneError: the scene is invalid, or has a curved path, bumps, or different correlation
@@ -149,8 +165,6 @@ def bound(
             given one between 0.0001 and 1 m/s of noise.
     """
     one_of("speeds", speeds, SPEEDS)
-    if not 0.001 <= drop_rate <= 0.5:
-        raise PalmbotsError(f"drop_rate: value is {show(drop_rate)}; allowed: 0.001 to 0.5")
     base = load_scene(scene, overrides)
     refuse_unfit(base)
     if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):

@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 
 from palmbots._types import Interval, Overrides
-from palmbots._util.arguments import seed_of, show, whole_number
+from palmbots._util.arguments import seed_of, whole_number
+from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.probit import Counts, Crossing, crossing, information
 from palmbots._util.report import Item, Line, Table, bold, quiet
@@ -112,6 +113,14 @@ class NoiseLimit(Result):
         )
 
 
+@command(
+    order=95,
+    example="palmbots noise-limit -c resilient --set radio.loss=0.2",
+    progress="carrying",
+    figure="noise_limit.png",
+    drop_rate=Option(percent=True, least=0.001, most=0.5),
+    relative_half_width=Option("--relative-error-percent", percent=True, least=0.001, most=0.1),
+)
 def noise_limit(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",
@@ -123,23 +132,25 @@ def noise_limit(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> NoiseLimit:
-    """Find the speed noise at which a controller drops a given fraction of carries.
+    """Find the noise at which 1 % of carries drop the object.
 
-    The noise is ``robot.noise_m_s`` of the scene; a robot that overrides it keeps its own. Carry i
-    has the seed seed + i at whatever noise it runs. The result depends on the arguments, not on the
-    number of threads.
+    The noise is the scene key ``robot.noise_m_s``; the estimate has a 95 % interval.
 
     Args:
         scene: as in `palmbots.carry`.
         controller: as in `palmbots.carry`. A Python controller runs one carry after the other, so
             it needs a greater `relative_half_width`.
-        drop_rate: the fraction of carries that drops, 0.001 to 0.5.
-        relative_half_width: wanted half-width of the 95 % interval, as a fraction of the noise. The
-            interval may be a little wider, because the number of carries is an estimate.
+        drop_rate: share of carries that drop at the limit.
+        relative_half_width: half-width of the 95 % interval, relative to the noise. The interval
+            may be a little wider, because the number of carries is an estimate.
         seed: random seed.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
+
+    Note:
+        A robot that overrides the noise keeps its own. Carry i has the seed seed + i at whatever
+        noise it runs. The result depends on the arguments, not on the number of threads.
 
     Raises:
         SceneError: the scene cannot be read, is invalid, or is refused by the controller.
@@ -147,12 +158,6 @@ def noise_limit(
             between 0.0001 and 1 m/s of noise.
     """
     entry = resolve(controller)
-    if not 0.001 <= drop_rate <= 0.5:
-        raise PalmbotsError(f"drop_rate: value is {show(drop_rate)}; allowed: 0.001 to 0.5")
-    if not 0.001 <= relative_half_width <= 0.1:
-        raise PalmbotsError(
-            f"relative_half_width: value is {show(relative_half_width)}; allowed: 0.001 to 0.1"
-        )
     seed = seed_of(seed)
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     base = load_scene(scene, overrides)

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import Interval, Overrides
-from palmbots._util.arguments import seed_of, show, whole_number
+from palmbots._util.arguments import seed_of, whole_number
+from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import student_t95
 from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
@@ -90,33 +91,43 @@ class DropRate(Result):
         )
 
 
+@command(
+    "drop-rate",
+    order=90,
+    example="palmbots drop-rate --set robot.noise_m_s=0.012 --relative-error-percent 20",
+    progress="splitting",
+    relative_half_width=Option("--relative-error-percent", percent=True, least=0.01, most=1.0),
+    effort=Option(least=10, most=100_000),
+)
 def estimate_drop_rate(
     scene: SceneLike = "paper",
     controller: ControllerLike = "distributed",
     *,
-    seed: int = 0,
     relative_half_width: float = 0.2,
     effort: int = EFFORT,
+    seed: int = 0,
     threads: int | None = None,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> DropRate:
-    """Estimate the drop rate of a scene, even if it is far below one in a million.
+    """Estimate a drop rate, down to one in a billion.
 
-    Runs in double precision. The result depends on the arguments, not on the number of threads.
+    The method is multilevel splitting; the estimate has a 95 % interval.
 
     Args:
         scene: as in `palmbots.carry`.
         controller: the name of a shipped one, or a policy file. Splitting copies a carry that is
             under way, and a Python controller cannot be copied.
+        relative_half_width: half-width of the 95 % interval, relative to the rate. The interval
+            may be wider: the number of replicates is an estimate too, and at most 10000 count.
+        effort: carries in each stage of the splitting.
         seed: random seed.
-        relative_half_width: wanted half-width of the 95 % interval, as a fraction of the rate. The
-            interval may be wider: the number of replicates is an estimate too, and at most 10000
-            count.
-        effort: carries in each stage of a replicate.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
+
+    Note:
+        Runs in double precision. The result depends on the arguments, not on the number of threads.
 
     Raises:
         SceneError: the scene cannot be read, is invalid, or is refused by the controller.
@@ -129,11 +140,6 @@ def estimate_drop_rate(
             f"controller: {entry.name} is in Python, and a drop rate needs copies of carries that "
             "are under way; use compare or study, or a shipped controller"
         )
-    if not 0.01 <= relative_half_width <= 1:
-        raise PalmbotsError(
-            f"relative_half_width: value is {show(relative_half_width)}; allowed: 0.01 to 1"
-        )
-    effort = whole_number("effort", effort, 10, 100_000)
     seed = seed_of(seed)
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     prepared = prepare(load_scene(scene, overrides), entry)

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._types import Interval, MaybeNaN, Overrides
-from palmbots._util.arguments import one_of, seed_of, show, whole_number
+from palmbots._util.arguments import one_of, seed_of, show
+from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
@@ -220,6 +221,16 @@ def _marked(rows: Sequence[Row]) -> list[tuple[bool, Row]]:
     return [(row.controller == one, row) for row, one in zip(rows, before, strict=False)]
 
 
+@command(
+    order=70,
+    example="palmbots compare --sweep robot.noise_m_s --values 0.01,0.02,0.03",
+    progress="comparing",
+    figure="compare.png",
+    key=Option("--sweep", metavar="KEY"),
+    values=Option(metavar="A,B,…"),
+    controllers=Option(metavar="A,B,…"),
+    carries=Option("--carries -n", least=1, most=10**8),
+)
 def compare(
     scene: SceneLike = "paper",
     *,
@@ -232,15 +243,18 @@ def compare(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Comparison:
-    """Run every controller at every value of a numeric scene key, with the same seeds.
+    """Compare controllers over a numeric scene key.
+
+    The default key is the radio latency.
 
     Args:
         scene: as in `palmbots.carry`.
-        key: the scene key to sweep, a number, such as ``radio.latency_s`` or ``object.com_m[0]``.
-        values: its values; None: eight radio latencies.
-        controllers: which ones, as in `palmbots.carry`; None: all shipped ones. One in Python runs
-            about 1000 times slower, so lower `carries` with it.
-        carries: carries per controller and value; the seeds are seed, seed + 1, …
+        key: vary this numeric scene key. Examples are ``radio.latency_s`` and ``object.com_m[0]``.
+        values: values of the key; None: latencies.
+        controllers: controllers to compare; None: all shipped. They are named as in
+            `palmbots.carry`. One in Python runs about 1000 times slower, so lower `carries` with
+            it.
+        carries: carries per controller and value. All have the seeds seed, seed + 1, …
         seed: the first seed.
         precision: ``double`` or ``float``.
         overrides: further scene keys to set.
@@ -248,12 +262,11 @@ def compare(
 
     Raises:
         SceneError: a scene cannot be read or is invalid.
-        PalmbotsError: another argument is not allowed.
+        PalmbotsError: another argument is not allowed, or no controller takes any of the scenes.
     """
     entries = [resolve(c) for c in (shipped_names() if controllers is None else controllers)]
     _each_once("controllers", [entry.name for entry in entries])
     one_of("precision", precision, PRECISIONS)
-    carries = whole_number("carries", carries, 1, 10**8)
     seed = seed_of(seed)
     if not isinstance(key, str):
         raise SceneError(f"sweep: {show(key)} is not a key; allowed: a dotted key")
@@ -279,7 +292,10 @@ def compare(
         else:
             rows.append(_cell(prepared, key, value, carries, seed, precision, report))
         report(1.0)
-    return Comparison(scene=base, key=key, seed=seed, rows=tuple(rows), refusals=tuple(refusals))
+    found = Comparison(scene=base, key=key, seed=seed, rows=tuple(rows), refusals=tuple(refusals))
+    if not rows:
+        raise PalmbotsError(found.refusal_lines()[0])
+    return found
 
 
 def _each_once(what: str, given: Sequence[object]) -> None:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, cast
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_output, load, print_result
 from palmbots.cli.options import (
     DONE,
@@ -17,11 +18,12 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-ORDER = 30
-EXAMPLE = "palmbots analyze --set palm.friction=0.4 --figures out"
-RESULTS = ("palmbots.stability.analysis:Analysis",)
 
-
+@command(
+    order=30,
+    example="palmbots analyze --set palm.friction=0.4 --figures out",
+    results=("palmbots.stability.analysis:Analysis",),
+)
 def analyze(
     scene: SceneArgument = "paper",
     figures: Annotated[
@@ -68,6 +70,3 @@ def analyze(
         written = save_all(result, figures, kind=cast("Any", file_format), p_m=state)
     print_result(result, as_json=as_json, about=scene, written=written)
     return DONE
-
-
-COMMAND = analyze

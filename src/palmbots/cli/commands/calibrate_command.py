@@ -5,15 +5,17 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_rate, print_result, warn
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-ORDER = 207
-EXAMPLE = "palmbots calibrate pair.toml --side left"
-RESULTS = ("palmbots.pair.calibration_run:CalibrationRun",)
 
-
+@command(
+    order=207,
+    example="palmbots calibrate pair.toml --side left",
+    results=("palmbots.pair.calibration_run:CalibrationRun",),
+)
 def calibrate(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     side: Annotated[str, typer.Option("--side", metavar="SIDE", help="left or right.")],
@@ -65,6 +67,3 @@ def calibrate(
         warn(line)
     print_result(run, as_json=as_json)
     return DONE
-
-
-COMMAND = calibrate

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress
 from palmbots.cli._run import check_output, controller_of, load, print_result
@@ -28,12 +29,15 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.simulation.result import Carry
 
-ORDER = 10
-EXAMPLE = "palmbots carry paper --controller centralized --seed 3 --out out"
-RESULTS = ("palmbots.cli.carried:Carried",)
+
 _ANIMATIONS = ("gif", "mp4")
 
 
+@command(
+    order=10,
+    example="palmbots carry paper --controller centralized --seed 3 --out out",
+    results=("palmbots.cli.carried:Carried",),
+)
 def carry(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "distributed",
@@ -202,6 +206,3 @@ def _remove_outdated(out: Path, written: list[Path]) -> list[Path]:
     ]
     outdated = [out / name for name in names if out / name not in written]
     return [path for path in outdated if remove(path)]
-
-
-COMMAND = carry

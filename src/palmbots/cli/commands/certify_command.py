@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import load, print_result, set_aside_certificate
 from palmbots.cli.options import (
     DONE,
@@ -17,13 +18,14 @@ from palmbots.cli.options import (
     output_option,
 )
 
-ORDER = 40
-EXAMPLE = "palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json"
-RESULTS = ("palmbots.stability.certificates.prover:Certificate",)
-
 Interval = tuple[float, float] | None
 
 
+@command(
+    order=40,
+    example="palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json",
+    results=("palmbots.stability.certificates.prover:Certificate",),
+)
 def certify(
     scene: SceneArgument = "paper",
     com_x_m: Annotated[
@@ -120,6 +122,3 @@ def certify(
         set_aside_certificate(out)
     print_result(result, as_json=as_json, written=written)
     return DONE if result.verdict == "holds" else FAILED
-
-
-COMMAND = certify

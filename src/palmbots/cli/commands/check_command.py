@@ -6,14 +6,16 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import load, print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument
 
-ORDER = 50
-EXAMPLE = "palmbots check box.json"
-RESULTS = ("palmbots.stability.certificates.checker.verify:CheckResult",)
 
-
+@command(
+    order=50,
+    example="palmbots check box.json",
+    results=("palmbots.stability.certificates.checker.verify:CheckResult",),
+)
 def check(
     certificate: Annotated[Path, input_argument("CERTIFICATE", "JSON file of palmbots certify.")],
     scene: Annotated[
@@ -33,6 +35,3 @@ def check(
     result = verify(certificate, None if scene is None else load(scene, None))
     print_result(result, as_json=as_json, about=str(certificate))
     return DONE if result.valid else FAILED
-
-
-COMMAND = check

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots controllers`."""
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 180
-EXAMPLE = "palmbots controllers"
-RESULTS = ("palmbots.cli.answers:ControllerList",)
 
-
+@command(
+    order=180, example="palmbots controllers", results=("palmbots.cli.answers:ControllerList",)
+)
 def controllers(as_json: JsonOption = False) -> int:
     """List the controllers, and how much noise they tolerate.
 
@@ -21,6 +21,3 @@ def controllers(as_json: JsonOption = False) -> int:
     listed = ControllerList(tuple(map(ListedController.of, controller_names())))
     print_result(listed, as_json=as_json)
     return DONE
-
-
-COMMAND = controllers

@@ -6,19 +6,21 @@ from typing import Annotated
 import typer
 
 from palmbots._types import BySide
+from palmbots._util.command import command
 from palmbots.cli._progress import progress
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption
 from palmbots.errors import PalmbotsError
 
-ORDER = 140
-EXAMPLE = "palmbots derive --policy examples/policies/both-drive.toml"
-RESULTS = (
-    "palmbots.derivation.derived_rules:DerivedRules",
-    "palmbots.derivation.derived_policy:DerivedPolicy",
+
+@command(
+    order=140,
+    example="palmbots derive --policy examples/policies/both-drive.toml",
+    results=(
+        "palmbots.derivation.derived_rules:DerivedRules",
+        "palmbots.derivation.derived_policy:DerivedPolicy",
+    ),
 )
-
-
 def derive(
     policy: Annotated[
         str,
@@ -94,6 +96,3 @@ def _derive_file(policy: str, controllers: str | None, as_json: bool) -> int:
     shown = DerivedPolicy(policy, table, rules, tuple(reasons), sides, found)
     print_result(shown, as_json=as_json)
     return DONE if found is not None and found.holds else FAILED
-
-
-COMMAND = derive

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._progress import progress
 from palmbots.cli._run import (
     check_output,
@@ -29,13 +30,14 @@ from palmbots.cli.options import (
     output_option,
 )
 
-ORDER = 60
-EXAMPLE = "palmbots design --friction 0.3 0.4 --region palm --out out"
-RESULTS = ("palmbots.stability.design_result:Design",)
-
 Interval = tuple[float, float] | None
 
 
+@command(
+    order=60,
+    example="palmbots design --friction 0.3 0.4 --region palm --out out",
+    results=("palmbots.stability.design_result:Design",),
+)
 def design(
     scene: SceneArgument = "paper",
     maximize: Annotated[
@@ -162,6 +164,3 @@ def _region(text: str) -> Any:
             "separated by a comma, as in -0.05,0.05"
         ) from None
     return low, high
-
-
-COMMAND = design

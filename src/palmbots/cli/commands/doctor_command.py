@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._progress import progress
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, FAILED, JsonOption
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
     from palmbots.pair.pair_file import Pair
     from palmbots.scene.scene import Scene
 
-ORDER = 208
-EXAMPLE = "palmbots doctor pair.toml"
-RESULTS = ("palmbots.pair.diagnosis:Diagnosis",)
 _CLOCK_S = 3.0
 
 
+@command(
+    order=208, example="palmbots doctor pair.toml", results=("palmbots.pair.diagnosis:Diagnosis",)
+)
 def doctor(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     seconds: Annotated[float, typer.Option("--seconds", help="How long to measure.")] = 30.0,
@@ -115,6 +116,3 @@ def _check_robot(pair: "Pair", scene: "Scene", side: str, *, as_json: bool) -> i
     is_well = all(check.is_well for check in checks)
     print_result(Diagnosis(is_well, tuple(checks)), as_json=as_json)
     return DONE if is_well else FAILED
-
-
-COMMAND = doctor

@@ -7,15 +7,17 @@ from typing import Annotated
 import typer
 
 from palmbots._types import SIDES
+from palmbots._util.command import command
 from palmbots.cli._run import load, print_result
 from palmbots.cli.options import DONE, JsonOption, SceneArgument, SetOption, output_option
 from palmbots.errors import PalmbotsError
 
-ORDER = 120
-EXAMPLE = "palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left"
-RESULTS = ("palmbots.cli.answers:Exported",)
 
-
+@command(
+    order=120,
+    example="palmbots export paper --mjcf paper.xml --urdf left.urdf --robot left",
+    results=("palmbots.cli.answers:Exported",),
+)
 def export(
     scene: SceneArgument = "paper",
     mjcf: Annotated[
@@ -57,6 +59,3 @@ def export(
     written = tuple(texts)
     print_result(Exported(written, mjcf, urdf, chosen), as_json=as_json, written=written)
     return DONE
-
-
-COMMAND = export

@@ -6,14 +6,16 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 214
-EXAMPLE = "palmbots firmware pair.toml --out images"
-RESULTS = ("palmbots.cli.answers:Files",)
 
-
+@command(
+    order=214,
+    example="palmbots firmware pair.toml --out images",
+    results=("palmbots.cli.answers:Files",),
+)
 def firmware(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     out: Annotated[Path, typer.Option("--out", help="Folder for the images.")] = Path("firmware"),
@@ -30,6 +32,3 @@ def firmware(
     files = write_images(pair, out)
     print_result(Files(tuple(files)), as_json=as_json, written=files)
     return DONE
-
-
-COMMAND = firmware

@@ -6,14 +6,14 @@ from typing import Annotated, Optional
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 216
-EXAMPLE = "palmbots flash images/left.hex"
-RESULTS = ("palmbots.cli.answers:Files",)
 
-
+@command(
+    order=216, example="palmbots flash images/left.hex", results=("palmbots.cli.answers:Files",)
+)
 def flash(
     image: Annotated[Path, typer.Argument(metavar="IMAGE", help="A .hex of palmbots firmware.")],
     drive: Annotated[
@@ -36,6 +36,3 @@ def flash(
     file = flashing.flash(image, drive, again=again)
     print_result(Files((file,)), as_json=as_json, written=[file])
     return DONE
-
-
-COMMAND = flash

@@ -1,22 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command group `palmbots init`: files to start from."""
+"""Write a file to start from.
+
+The commands within `palmbots init`.
+"""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-ORDER = 190
-EXAMPLE = "palmbots init scene my.toml"
-RESULTS = ("palmbots.cli.answers:Files",)
-COMMAND = typer.Typer(help="Write a file to start from.")
+_FILES = ("palmbots.cli.answers:Files",)
 
 
-@COMMAND.command("scene", epilog=f"Example: {EXAMPLE}")
+@command("init scene", order=190, example="palmbots init scene my.toml", results=_FILES)
 def init_scene(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
     as_json: JsonOption = False,
@@ -36,7 +37,7 @@ def init_scene(
     return DONE
 
 
-@COMMAND.command("pair", epilog="Example: palmbots init pair pair.toml")
+@command("init pair", order=190, example="palmbots init pair pair.toml", results=_FILES)
 def init_pair(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
     as_json: JsonOption = False,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
@@ -14,11 +15,8 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.scene.key_reference import SceneKey
 
-ORDER = 170
-EXAMPLE = "palmbots keys radio"
-RESULTS = ("palmbots.cli.answers:KeyList",)
 
-
+@command(order=170, example="palmbots keys radio", results=("palmbots.cli.answers:KeyList",))
 def keys(
     pattern: Annotated[
         str,
@@ -57,6 +55,3 @@ def _matching(keys: Sequence["SceneKey"], pattern: str) -> list["SceneKey"]:
             f"{', '.join(sections)}"
         )
     return found
-
-
-COMMAND = keys

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots objects`."""
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 160
-EXAMPLE = "palmbots objects"
-RESULTS = ("palmbots.cli.answers:ObjectList",)
 
-
+@command(order=160, example="palmbots objects", results=("palmbots.cli.answers:ObjectList",))
 def objects(as_json: JsonOption = False) -> int:
     """List the built-in objects.
 
@@ -19,6 +17,3 @@ def objects(as_json: JsonOption = False) -> int:
 
     print_result(ObjectList.of(built_in_meanings("objects")), as_json=as_json)
     return DONE
-
-
-COMMAND = objects

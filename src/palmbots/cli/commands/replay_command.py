@@ -4,16 +4,18 @@
 from pathlib import Path
 from typing import Annotated
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_output, print_result
 from palmbots.cli._warnings import warn
 from palmbots.cli.options import DONE, FAILED, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
-ORDER = 130
-EXAMPLE = "palmbots replay out/carry.mcap"
-RESULTS = ("palmbots.logs.replaying:ReplayResult", "palmbots.views.run_replay:RunReplay")
 
-
+@command(
+    order=130,
+    example="palmbots replay out/carry.mcap",
+    results=("palmbots.logs.replaying:ReplayResult", "palmbots.views.run_replay:RunReplay"),
+)
 def replay(
     logs: Annotated[list[Path], input_argument("LOG...", "MCAP logs, or folders with them.")],
     out: Annotated[
@@ -57,6 +59,3 @@ def _replay_carry(log: Path, *, as_json: bool) -> int:
     result = run_again(log)
     print_result(result, as_json=as_json, about=str(log))
     return DONE if result.identical else FAILED
-
-
-COMMAND = replay

@@ -5,14 +5,16 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_rate, print_json
 from palmbots.cli.options import DONE, JsonOption, LogOption, NoLogOption
 
-ORDER = 205
-EXAMPLE = "palmbots robot pair.toml --side left"
-RESULTS = ("palmbots.robot.robot_loop:RobotEnd",)
 
-
+@command(
+    order=205,
+    example="palmbots robot pair.toml --side left",
+    results=("palmbots.robot.robot_loop:RobotEnd",),
+)
 def robot(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     side: Annotated[str, typer.Option("--side", metavar="SIDE", help="left or right.")],
@@ -52,6 +54,3 @@ def _say(line: str) -> None:
     from palmbots.cli._streams import say
 
     say(f"palmbots: {line}")
-
-
-COMMAND = robot

@@ -7,15 +7,17 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-ORDER = 209
-EXAMPLE = "palmbots ros2 pair.toml --side left"
-RESULTS = ("palmbots.cli.answers:Published",)
 
-
+@command(
+    order=209,
+    example="palmbots ros2 pair.toml --side left",
+    results=("palmbots.cli.answers:Published",),
+)
 def ros2(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     side: Annotated[str, typer.Option("--side", metavar="SIDE", help="left or right.")],
@@ -57,6 +59,3 @@ def ros2(
 
 def _end(number: int, _: object) -> None:
     raise SystemExit(128 + number)
-
-
-COMMAND = ros2

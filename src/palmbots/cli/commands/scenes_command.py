@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots scenes`."""
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 150
-EXAMPLE = "palmbots scenes"
-RESULTS = ("palmbots.cli.answers:SceneList",)
 
-
+@command(order=150, example="palmbots scenes", results=("palmbots.cli.answers:SceneList",))
 def scenes(as_json: JsonOption = False) -> int:
     """List the built-in scenes.
 
@@ -19,6 +17,3 @@ def scenes(as_json: JsonOption = False) -> int:
 
     print_result(SceneList.of(built_in_meanings("scenes")), as_json=as_json)
     return DONE
-
-
-COMMAND = scenes

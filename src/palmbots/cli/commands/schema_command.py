@@ -6,14 +6,12 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, JsonOption
 
-ORDER = 180
-EXAMPLE = "palmbots schema scene"
-RESULTS = ("palmbots.cli.answers:SchemaTable",)
 
-
+@command(order=180, example="palmbots schema scene", results=("palmbots.cli.answers:SchemaTable",))
 def schema(
     name: Annotated[
         str, typer.Argument(metavar="NAME", help="scene, log, or a command that has --json.")
@@ -32,6 +30,3 @@ def schema(
     else:
         print(json.dumps(found, indent=2, ensure_ascii=False))
     return DONE
-
-
-COMMAND = schema

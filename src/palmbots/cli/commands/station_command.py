@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import print_json
 from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption, NoLogOption
 from palmbots.errors import PalmbotsError
@@ -14,13 +15,15 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.station.station_client import StationClient
 
-ORDER = 207
-EXAMPLE = "palmbots station pair.toml"
-RESULTS = ("palmbots.station.station_loop:StationEnd",)
 _RESTARTS_WITHIN_S = 10.0
 _LAST_LINES = 10
 
 
+@command(
+    order=207,
+    example="palmbots station pair.toml",
+    results=("palmbots.station.station_loop:StationEnd",),
+)
 def station(
     pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
     auto: Annotated[
@@ -115,6 +118,3 @@ def _show(
     for line in client.lines[-_LAST_LINES:]:  # the screen is gone, and its lines with it
         print(line)
     return end
-
-
-COMMAND = station

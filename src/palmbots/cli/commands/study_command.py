@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._progress import staged_progress
 from palmbots.cli._run import check_output, interruption_line, print_result
 from palmbots.cli._warnings import print_held_warnings, warn
@@ -18,14 +19,15 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.studies.study_file import Plan
 
-ORDER = 80
-EXAMPLE = "palmbots study centralized-vs-distributed --carries 100 --out out --plot"
-RESULTS = (
-    "palmbots.studies.study_runner:StudyResult",
-    "palmbots.studies.cost_estimate:Cost",
+
+@command(
+    order=80,
+    example="palmbots study centralized-vs-distributed --carries 100 --out out --plot",
+    results=(
+        "palmbots.studies.study_runner:StudyResult",
+        "palmbots.studies.cost_estimate:Cost",
+    ),
 )
-
-
 def study(
     source: Annotated[
         str, typer.Argument(metavar="FILE", help="TOML study file or built-in study name.")
@@ -140,6 +142,3 @@ def _print_cost(plan: "Plan", threads: int | None, chunk_size: int | None, as_js
         cost = estimate_cost(points, layout_of(points, chunk_size), number)
     print_result(cost, as_json=as_json)
     return DONE
-
-
-COMMAND = study

@@ -12,6 +12,7 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots._util.optional_imports import require
 from palmbots.cli._run import check_rate, controller_of, load
 from palmbots.cli._streams import say
@@ -28,14 +29,16 @@ from palmbots.cli.options import (
 )
 from palmbots.errors import PalmbotsError
 
-ORDER = 200
-EXAMPLE = "palmbots up paper --controller resilient --lockstep"
-RESULTS = ("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry")
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
 _SCREEN = ("--attach", *_WAIT)
 _PLAIN = ("--watch", "--plain", *_WAIT)
 
 
+@command(
+    order=200,
+    example="palmbots up paper --controller resilient --lockstep",
+    results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+)
 def up(
     scene: SceneArgument = "paper",
     controller: ControllerOption = "resilient",
@@ -166,6 +169,3 @@ def _output(has_screen: bool) -> Iterator[tuple[Path | None, Callable[[str], Non
                 _say(line)
             if file.exists():
                 print(file.read_text(encoding="utf-8"), end="")
-
-
-COMMAND = up

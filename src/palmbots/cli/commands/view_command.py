@@ -7,16 +7,19 @@ from typing import Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_rate, print_result
 from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
 from palmbots.errors import PalmbotsError
 
-ORDER = 135
-EXAMPLE = "palmbots view out/carry.mcap --serve 127.0.0.1:8765"
-RESULTS = ("palmbots.cli.answers:Files",)
 _RESTARTS_WITHIN_S = 10.0
 
 
+@command(
+    order=135,
+    example="palmbots view out/carry.mcap --serve 127.0.0.1:8765",
+    results=("palmbots.cli.answers:Files",),
+)
 def view(
     sources: Annotated[
         list[Path], input_argument("SOURCE...", "MCAP logs, folders with them, or a pair.toml.")
@@ -112,6 +115,3 @@ def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: boo
 def _print_address(address: str, *, quiet: bool) -> None:
     if not quiet:
         print(f"serves ws://{address}; palmbots view ... --layout FILE writes a layout", flush=True)
-
-
-COMMAND = view

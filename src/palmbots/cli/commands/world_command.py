@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palmbots._util.command import command
 from palmbots.cli._run import check_rate, controller_of, load, print_json, print_result, warn
 from palmbots.cli.options import (
     DONE,
@@ -22,11 +23,12 @@ from palmbots.errors import PalmbotsError
 if TYPE_CHECKING:
     from palmbots.scene.scene import Scene
 
-ORDER = 210
-EXAMPLE = "palmbots world paper --serve 127.0.0.1:7400 --lockstep"
-RESULTS = ("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry")
 
-
+@command(
+    order=210,
+    example="palmbots world paper --serve 127.0.0.1:7400 --lockstep",
+    results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+)
 def world(
     scene: SceneArgument = "paper",
     serve: Annotated[
@@ -166,6 +168,3 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     with listen(serve, "--serve") as door:
         run_bench(scene, door, imperfections, lines=lines, on_line=on_line, seed=seed, rate=rate)
     return DONE
-
-
-COMMAND = world

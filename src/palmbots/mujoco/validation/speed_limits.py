@@ -18,10 +18,10 @@ from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.arguments import show
+from palmbots._util.command import Option, command
 from palmbots._util.report import Item, Table, bold, quiet
 from palmbots._util.results import Result
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import SceneError
 from palmbots.mujoco.carry_runner import WORLD
 from palmbots.mujoco.settings import DEFAULT
 from palmbots.mujoco.validation import trials
@@ -115,17 +115,28 @@ class SpeedLimits(Result):
         yield quiet("pairs of numbers: quasistatic, mujoco")
 
 
+@command(
+    "speed-limits",
+    order=100,
+    example="palmbots speed-limits --carries 2 --out out",
+    progress="accelerating",
+    figure="speed.png",
+    carries=Option(least=1, most=1000),
+)
 def find_speed_limits(
     scene: SceneLike = "paper",
     *,
     carries: int = 4,
     on_progress: Callable[[float], None] | None = None,
 ) -> SpeedLimits:
-    """Find both limits.
+    """Find the limits of quasistatic mechanics.
+
+    The report states the largest acceleration at which the same contact slides as at constant
+    speed, and compares both worlds at several speeds.
 
     Args:
         scene: the trials set its friction and contacts.
-        carries: number of carries at each speed, from seed 0.
+        carries: carries at each speed. They have the seeds 0, 1, …
         on_progress: called with the completed fraction.
 
     Raises:
@@ -134,8 +145,6 @@ def find_speed_limits(
     """
     base = load_scene(scene)
     check_scene(WORLD, base)
-    if not 1 <= carries <= 1000:
-        raise PalmbotsError(f"carries: value is {show(carries)}; allowed: 1 to 1000")
     cells = [(f, c, w) for f in FRICTIONS for c in (True, False) for w in (True, False)]
     limits, paces = [], []
     total = len(cells) + 2.0 * carries * len(FACTORS)

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from palmbots._util.arguments import show
+from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item
@@ -158,6 +159,15 @@ class Validation(Result):
         return validation_lines(self)
 
 
+@command(
+    order=110,
+    example="palmbots validate --states 100 --carries 3 --out out",
+    progress="validating",
+    figure="validation.png",
+    failure=("holds", "the worlds disagree"),
+    states=Option(),
+    carries=Option(),
+)
 def validate(
     scene: SceneLike = "paper",
     *,
@@ -166,14 +176,14 @@ def validate(
     carries: int = 12,
     on_progress: Callable[[float], None] | None = None,
 ) -> Validation:
-    """Compare MuJoCo with the quasistatic world.
+    """Compare the MuJoCo world with the quasistatic one.
 
     Args:
         scene: object, size of the palms and robots; the trials set angles, friction, COM and
             contacts.
         controller: of the paired carries; a name or a class with a ``step``.
-        states: number of states to try, spread over the grid; None: all of them.
-        carries: number of paired carries, from seed 0.
+        states: number of grid states to try; None: all. They are spread over the grid.
+        carries: number of paired carries. They have the seeds 0, 1, …
         on_progress: called with the completed fraction.
 
     Raises:
