@@ -22,11 +22,17 @@ LINE = "palmbots: interrupted (no partial files were written)\n"
 
 # Where each command spends its time: module, function, further arguments.
 WORK: dict[str, tuple[str, str, list[str]]] = {
-    **{one.name: (one.function.__module__, one.function.__name__, []) for one in FUNCTIONS},
+    **{
+        one.name: (
+            one.function.__module__,
+            one.function.__name__,
+            [key for key, option in one.options.items() if option.is_file],
+        )
+        for one in FUNCTIONS
+    },
     "carry": ("palmbots.simulation.single", "carry", []),
     "analyze": ("palmbots.stability.analysis", "analyze", []),
     "certify": ("palmbots.stability.certificates.prover", "certify", []),
-    "check": ("palmbots.stability.certificates.checker.verify", "check", ["x.json"]),
     "design": ("palmbots.stability.palm_angles", "design", []),
     "export": ("palmbots.mujoco.mjcf", "mjcf", ["--mjcf", "x.xml"]),
     "replay": ("palmbots.logs.replaying", "replay", ["x.mcap"]),

@@ -20,8 +20,8 @@ import pytest
 import palmbots as pb
 from palmbots._util.result_schema import result_schema
 from palmbots._util.results import Result
+from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
 from palmbots.cli.json_schemas import with_scene
-from palmbots.cli.main import command_module, command_names
 from palmbots.control import bounds_of
 from palmbots.learn import EpisodeResult
 from palmbots.mujoco.drift_budget import DriftBudget
@@ -82,9 +82,10 @@ def all_results(of: type = Result) -> set[type]:
 def printed_alone() -> set[str]:
     """The results that only commands have; tests/cli/test_json_contract.py tests them."""
     of_commands = {
-        place.partition(":")[2]
-        for name in command_names()
-        for place in command_module(name).RESULTS
+        kind.__name__
+        for name in declared_commands()
+        for one in commands_of(name)
+        for kind in results_of(one)
     }
     return of_commands - set(EXAMPLES)
 

@@ -30,6 +30,8 @@ class Option:
     """Empty: the first sentence on the parameter in ``Args:``, in which "; None: …" reads
     "[default: …]"."""
     metavar: str | None = None
+    is_file: bool = False
+    """An argument without a name: a file to read, of which the result is about."""
     percent: bool = False
     """Given in percent: the parameter is a fraction, and the option's name ends in -percent."""
     least: float | None = None

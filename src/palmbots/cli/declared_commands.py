@@ -40,7 +40,8 @@ class Declared:
 def declared_commands() -> dict[str, Declared]:
     """All commands and groups, by name, in the order of ``palmbots --help``."""
     found = sorted(_declarations(), key=lambda one: (one.order, one.name))
-    return {one.name: one for one in reversed(found)}
+    names = dict.fromkeys(one.name for one in found)
+    return {name: next(one for one in found if one.name == name) for name in names}
 
 
 def is_command(name: str) -> bool:

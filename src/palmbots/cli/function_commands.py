@@ -31,6 +31,7 @@ from palmbots.cli.options import (
     SeedOption,
     SetOption,
     UnprovedOption,
+    input_argument,
     output_option,
 )
 
@@ -70,7 +71,7 @@ def typer_function(command: Command) -> Callable[..., int]:
             shown[key] = _COMMON[key], parameter.default
         if key in ("controller", "controllers"):
             shown["unproved"] = UnprovedOption, False
-    if "scene" in shown:
+    if "scene" in shown and "scene" not in given:
         shown.setdefault("overrides", (SetOption, None))
     if command.figure:
         help = f"Write {command.figure} to this folder."
@@ -108,9 +109,10 @@ def _run(command: Command, given: dict[str, _Given], chosen: dict[str, Any]) -> 
     for key, one in given.items():
         scale = 100 if one.option.percent else 1
         chosen[key] = one.read(one.option.checked(one.name, chosen[key], scale))
-    about = chosen.get("scene", "")
-    if "scene" in chosen:
-        chosen["scene"] = load(about, changes)
+    files = [str(chosen[key]) for key, one in given.items() if one.option.is_file]
+    about = " ".join(files) or chosen.get("scene", "")
+    if chosen.get("scene") is not None:
+        chosen["scene"] = load(chosen["scene"], changes)
     resolve = partial(controller_of, quiet=as_json)
     if "controller" in chosen:
         chosen["controller"] = resolve(chosen["controller"], unproved=unproved)
@@ -134,14 +136,16 @@ def _given(command: Command, key: str) -> _Given:
     """The option that a parameter becomes."""
     option = command.options[key]
     parameter = inspect.signature(command.function).parameters[key]
-    required = parameter.default is parameter.empty
-    default: Any = ... if required else parameter.default
+    default: Any = parameter.default
     name = f"--{key.replace('_', '-')}{'-percent' if option.percent else ''}"
     names = option.names.split() or [name]
     if option.percent:
         default = 100 * default
-    kind, read = _kind(annotation_of(command, key), option, names[0])
     help = option.help or _argument_help(command, key)
+    if option.is_file:
+        file: Any = input_argument(option.metavar or key.upper(), help)
+        return _Given(option, key, Annotated[Path, file], default, lambda value: value)
+    kind, read = _kind(str if key == "scene" else annotation_of(command, key), option, names[0])
     annotation = Annotated[
         kind | None if default is None else kind,
         typer.Option(*names, metavar=option.metavar, help=help),

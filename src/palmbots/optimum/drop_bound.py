@@ -141,8 +141,8 @@ def bound(
     The result is the greatest noise at which any controller can drop as few as 1 % of carries, and
     the least drop rate at the scene's own noise.
 
-    The admissible speeds: with ``corrections``, the robots keep their nominal speed and add opposite
-    corrections; with ``stopping``, they may also stop.
+    With ``corrections`` as speeds, the robots keep their nominal speed and add opposite
+    corrections. With ``stopping`` they may also stop.
 
     Args:
         scene: as in `palmbots.carry`.

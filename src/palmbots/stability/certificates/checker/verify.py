@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from os import PathLike
 
+from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item, Line, Table, quiet, verdict
 from palmbots._util.results import Result
@@ -79,13 +80,22 @@ class CheckResult(Result):
             yield Line(f"the scene is not in the box: {'; '.join(self.outside)}", indent=2)
 
 
+@command(
+    order=50,
+    example="palmbots check box.json",
+    failure=("valid", "the certificate does not prove its claim"),
+    certificate=Option(is_file=True),
+    scene=Option(metavar="SCENE"),
+)
 def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> CheckResult:
-    """Verify a certificate file.
+    """Verify a certificate independently of the prover.
+
+    The checker shares no code with the prover and computes in exact arithmetic.
 
     Args:
-        certificate: the file.
-        scene: a scene with which to compare the box, in any form that `load_scene` reads. The
-            certificate is valid only if the box has the scene's outline and contains its values.
+        certificate: JSON file of ``palmbots certify``.
+        scene: require that the box contains this scene. It may have any form that `load_scene`
+            reads; the box must have its outline and contain its values.
             None: the box is compared with the scene that the certificate states; its values may lie
             outside of the box (`CheckResult.outside`), but the outline must be the same.
 
