@@ -35,7 +35,7 @@ def test_bound_of_the_default_scene() -> None:
     assert found.opening_speed_m_s == pytest.approx(0.06)
     assert found.front == ()
     assert fractions == sorted(fractions) and fractions[-1] == 1
-    assert repr(found).startswith("σ* ≤ 3.9")
+    assert repr(found).startswith("σ* at most 3.9")
 
 
 def test_stopping_counts_the_time() -> None:
