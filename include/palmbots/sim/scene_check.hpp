@@ -89,9 +89,9 @@ inline void check_periods(const SceneValues& scene, Problems& problems) {
 
 inline void check_zones(const SceneValues& scene, Problems& problems) {
   const auto& zones = scene.list<"tactile.zones">();
-  constexpr std::size_t sign = SceneValues::key<"tactile.zones", "sign">;
-  constexpr std::size_t from = SceneValues::key<"tactile.zones", "from_m">;
-  constexpr std::size_t to = SceneValues::key<"tactile.zones", "to_m">;
+  constexpr std::size_t sign = SceneValues::place_in_record<"tactile.zones", "sign">;
+  constexpr std::size_t from = SceneValues::place_in_record<"tactile.zones", "from_m">;
+  constexpr std::size_t to = SceneValues::place_in_record<"tactile.zones", "to_m">;
   for (std::size_t k = 0; k < zones.size(); ++k) {
     if (zones[k][to] > zones[k][from]) continue;
     report(problems, "tactile.zones[].to_m", k, "is not more than from_m, which is {0}",
@@ -111,17 +111,17 @@ inline void check_zones(const SceneValues& scene, Problems& problems) {
 inline void check_radio(const SceneValues& scene, Problems& problems) {
   const auto& outages = scene.list<"radio.outages">();
   for (std::size_t k = 0; k < outages.size(); ++k) {
-    const double from = outages[k][SceneValues::key<"radio.outages", "start_s">];
-    if (outages[k][SceneValues::key<"radio.outages", "end_s">] > from) continue;
+    const double from = outages[k][SceneValues::place_in_record<"radio.outages", "start_s">];
+    if (outages[k][SceneValues::place_in_record<"radio.outages", "end_s">] > from) continue;
     report(problems, "radio.outages[].end_s", k, "is not more than start_s, which is {0}",
            "a number in s, more than {0}", {from});
   }
   const auto& script = scene.list<"radio.script">();
   for (std::size_t k = 0; k < script.size(); ++k) {
-    const double receiver = script[k][SceneValues::key<"radio.script", "receiver">];
-    const double delay = script[k][SceneValues::key<"radio.script", "delay_s">];
-    const bool is_station = script[k][SceneValues::key<"radio.script", "sender">] == 2;
-    const bool is_lost = script[k][SceneValues::key<"radio.script", "effect">] == 0;
+    const double receiver = script[k][SceneValues::place_in_record<"radio.script", "receiver">];
+    const double delay = script[k][SceneValues::place_in_record<"radio.script", "delay_s">];
+    const bool is_station = script[k][SceneValues::place_in_record<"radio.script", "sender">] == 2;
+    const bool is_lost = script[k][SceneValues::place_in_record<"radio.script", "effect">] == 0;
     if ((receiver == receiver) != is_station) {
       report(problems, "radio.script[]", k, is_station ? "has no receiver" : "has a receiver",
              "receiver = \"left\" or \"right\" with the sender station, not with a robot");
@@ -171,7 +171,7 @@ inline void check_disturbances(const SceneValues& scene, Problems& problems) {
   const auto& faults = scene.list<"faults.script">();
   for (std::size_t k = 0; k < faults.size(); ++k) {
     const auto kind =
-        static_cast<std::size_t>(faults[k][SceneValues::key<"faults.script", "kind">]);
+        static_cast<std::size_t>(faults[k][SceneValues::place_in_record<"faults.script", "kind">]);
     const auto& [needs, may_have, allowed] = keys_of_kind[kind];
     bool is_right = true;
     for (std::size_t i = 0; i < std::size(fault_keys); ++i) {
@@ -187,8 +187,8 @@ inline void check_disturbances(const SceneValues& scene, Problems& problems) {
   }
   const auto& bumps = scene.list<"bumps.script">();
   for (std::size_t k = 0; k < bumps.size(); ++k) {
-    const double place = bumps[k][SceneValues::key<"bumps.script", "at_m">];
-    const double time = bumps[k][SceneValues::key<"bumps.script", "at_s">];
+    const double place = bumps[k][SceneValues::place_in_record<"bumps.script", "at_m">];
+    const double time = bumps[k][SceneValues::place_in_record<"bumps.script", "at_s">];
     if ((place == place) != (time == time)) continue;
     report(problems, "bumps.script[]", k,
            place == place ? "has a place and a time" : "has no place and no time",

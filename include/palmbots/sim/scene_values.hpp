@@ -131,7 +131,7 @@ constexpr double number_of(const Key& key, std::string_view word) {
 
 class SceneValues {
   template <detail::Name path>
-  static constexpr std::size_t index = [] {
+  static constexpr std::size_t key_index = [] {
     constexpr std::size_t found = detail::find_key(path.view());
     static_assert(found != detail::no_key);
     return found;
@@ -185,15 +185,15 @@ class SceneValues {
 
   template <detail::Name path>
   bool has(std::size_t place = common) const {
-    const double value = numbers_[index<path>][place];
+    const double value = numbers_[key_index<path>][place];
     return value == value;
   }
 
   // The value that counts for a holder: its own, that of all, or the default.
   template <detail::Name path>
   double of(std::size_t place = common) const {
-    constexpr double initial = detail::key_at(index<path>).initial;
-    return first_set(numbers_[index<path>], place, initial);
+    constexpr double initial = detail::key_at(key_index<path>).initial;
+    return first_set(numbers_[key_index<path>], place, initial);
   }
 
   template <detail::Name path>
@@ -208,7 +208,7 @@ class SceneValues {
 
   // The place of a key within the records of its list.
   template <detail::Name path, detail::Name name>
-  static constexpr std::size_t key = [] {
+  static constexpr std::size_t place_in_record = [] {
     constexpr std::size_t found = detail::find_in(detail::list_at(list_index<path>), name.view());
     static_assert(found != detail::no_key);
     return found;

@@ -92,8 +92,10 @@ inline void derive_zones(const SceneValues& scene, Spec& spec) {
 inline void derive_messages(const SceneValues& scene, Spec& spec) {
   for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
     const auto& given = scene.list<"radio.script">()[i];
-    const std::uint32_t sender = side_of(given[SceneValues::key<"radio.script", "sender">]);
-    const std::uint32_t to = side_of(given[SceneValues::key<"radio.script", "receiver">]);
+    const std::uint32_t sender =
+        side_of(given[SceneValues::place_in_record<"radio.script", "sender">]);
+    const std::uint32_t to =
+        side_of(given[SceneValues::place_in_record<"radio.script", "receiver">]);
     MessageFaultSpec& fault = spec.message_faults[i];
     fault.link = sender == 2 ? 2 + to : sender;
     if (fault.late < 0) fault.late = 0;
@@ -104,16 +106,16 @@ inline void derive_faults(const SceneValues& scene, Spec& spec) {
   for (std::size_t i = 0; i < spec.fault_count; ++i) {
     const auto& given = scene.list<"faults.script">()[i];
     FaultSpec& fault = spec.faults[i];
-    const double probability = given[SceneValues::key<"faults.script", "probability">];
-    const double ppm = given[SceneValues::key<"faults.script", "ppm">];
-    const double limp = given[SceneValues::key<"faults.script", "limp_deg">];
-    const double reads = given[SceneValues::key<"faults.script", "stuck_at">];
-    fault.side = side_of(given[SceneValues::key<"faults.script", "robot">]);
+    const double probability = given[SceneValues::place_in_record<"faults.script", "probability">];
+    const double ppm = given[SceneValues::place_in_record<"faults.script", "ppm">];
+    const double limp = given[SceneValues::place_in_record<"faults.script", "limp_deg">];
+    const double reads = given[SceneValues::place_in_record<"faults.script", "stuck_at">];
+    fault.side = side_of(given[SceneValues::place_in_record<"faults.script", "robot">]);
     if (reads == reads) fault.reads = static_cast<std::int64_t>(reads);
     if (probability == probability) fault.rate = probability;
     if (ppm == ppm) fault.rate = ppm * 1e-6;
     if (fault.kind == FaultKind::clock_jump) fault.rate = fault.lasts;
-    if (given[SceneValues::key<"faults.script", "loses_boot_counter">] == 1) {
+    if (given[SceneValues::place_in_record<"faults.script", "loses_boot_counter">] == 1) {
       fault.marks |= loses_boot_counter;
     }
     if (limp == limp) {
@@ -123,9 +125,10 @@ inline void derive_faults(const SceneValues& scene, Spec& spec) {
   }
   for (std::size_t i = 0; i < spec.bump_count; ++i) {
     const auto& given = scene.list<"bumps.script">()[i];
-    const double time = given[SceneValues::key<"bumps.script", "at_s">];
+    const double time = given[SceneValues::place_in_record<"bumps.script", "at_s">];
     spec.bumps[i].by_time = time == time;
-    spec.bumps[i].at = time == time ? time : given[SceneValues::key<"bumps.script", "at_m">];
+    spec.bumps[i].at =
+        time == time ? time : given[SceneValues::place_in_record<"bumps.script", "at_m">];
   }
 }
 
