@@ -9,6 +9,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 
@@ -206,7 +207,7 @@ def test_lost_messages_leave_the_distributed_algorithm_waiting() -> None:
         carry = carried("distributed", seed=seed, radio__loss=1.0)
         assert carry.outcome in ("delivered", "dropped")
         assert carry.messages == carry.messages_lost > 0
-        for side, column_ in (("left", 0), ("right", 1)):
+        for column_, side in enumerate(SIDES):
             sent = [ltr for ltr in carry.message_log if ltr.sender == side]
             assert len(sent) <= 1  # no answer, no second message
             if sent:

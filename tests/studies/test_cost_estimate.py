@@ -53,7 +53,7 @@ def test_cost_follows_the_measured_time_of_each_controller(
     monkeypatch.setattr(explain.time, "perf_counter", lambda: now[0])
     points = design_points(load_plan(table))
     cost = explain.estimate_cost(points, layout_of(points, 500), threads)
-    assert cost.by_controller == pytest.approx({"none": 1.0, "distributed": 3.0})
+    assert cost.ms_a_carry == pytest.approx({"none": 1.0, "distributed": 3.0})
     assert cost.seconds == pytest.approx((3000 * 1e-3 + 3000 * 3e-3) / threads)
     wide = 1 + 1 + 8 + 2 * 3 * 4 + 2 * 4  # bytes a carry, as the columns of results have them
     assert 0.5 * wide * 6000 < cost.disk_bytes < 1.0 * wide * 6000 + 1000 * 6 * cost.chunks

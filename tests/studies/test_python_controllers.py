@@ -120,7 +120,7 @@ def test_other_source_is_another_study(tmp_path: Path) -> None:
 def test_cost_of_a_controller_in_python_is_measured_by_single_carries() -> None:
     points = design_points(load_plan({**TABLE, "controllers": ["distributed", Table2]}))
     cost = estimate_cost(points, layout_of(points, None), 1)
-    assert cost.by_controller["Table2"] > 3 * cost.by_controller["distributed"]
+    assert cost.ms_a_carry["Table2"] > 3 * cost.ms_a_carry["distributed"]
 
 
 def test_invalid_controller_is_refused(tmp_path: Path) -> None:
