@@ -180,9 +180,10 @@ def test_one_is_singular(here: Run) -> None:
 def test_files_of_an_earlier_carry_are_removed(
     here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("animation", "carry_figure"):  # what they draw does not matter here
+    writers = {"animation": "save_animation", "carry_figure": "save"}
+    for name, writer in writers.items():  # what they draw does not matter here
         module = importlib.import_module(f"palmbots.viz.{name}")
-        monkeypatch.setattr(module, "save", lambda result, path, **_: path.write_text("new"))
+        monkeypatch.setattr(module, writer, lambda result, path, **_: path.write_text("new"))
     earlier = ("carry.mp4", "message_sequence.png", "plan.png", "carry-3d.png", "carry-3d.gif")
     for name in earlier:
         (tmp_path / name).write_text("of an earlier carry")

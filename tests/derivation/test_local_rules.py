@@ -306,7 +306,7 @@ def test_json_contains_the_derivation(capsys: pytest.CaptureFixture[str]) -> Non
     assert status == cli.DONE
     assert done["is_table_2"] is True
     assert done["rules"]["a"]["lines"] == list(printed("a"))
-    assert done["rules"]["d"]["from"] == [[3, 1], [4, 1], [7, 1], [8, 1]]
+    assert done["rules"]["d"]["sources"] == [[3, 1], [4, 1], [7, 1], [8, 1]]
     assert done["policy"][0] == {
         "case": 1,
         "signs": [1, 0],

@@ -130,7 +130,7 @@ def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
         replace(held, carries=(*done.carries, replace(pair, outcome=("delivered", "dropped")))),
     ):
         assert not spoilt.holds
-    assert replace(held, pairs=(replace(pair, outcome=("dropped", "dropped")),)).holds
+    assert replace(held, carries=(replace(pair, outcome=("dropped", "dropped")),)).holds
 
 
 def test_delivery_rates_are_reported(done: Validation) -> None:

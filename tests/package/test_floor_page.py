@@ -2,7 +2,6 @@
 """The lists of docs/guide/floor.md: every fault code, and only lines that a program prints."""
 
 import ast
-import itertools
 import re
 from functools import cache
 from pathlib import Path
@@ -28,8 +27,7 @@ def first_column(name: str) -> list[str]:
 def templates() -> set[str]:
     """All texts in the sources, with … where a value is inserted."""
     found = set()
-    rooms = [ROOT / "src" / "palmbots" / room for room in ("drivers", "links", "runtime", "scene")]
-    for file in itertools.chain(*(room.rglob("*.py") for room in rooms)):
+    for file in (ROOT / "src" / "palmbots").rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.JoinedStr):
                 parts = (p.value if isinstance(p, ast.Constant) else "…" for p in node.values)

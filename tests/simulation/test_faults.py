@@ -127,7 +127,7 @@ def test_random_reboots_are_uniform_over_robots_and_time() -> None:
         ({"kind": "stuck", "robot": "left", "at_s": 1.0, "duration_s": 1.0}, "robot, stuck_at"),
         (
             {"kind": "intermittent", "robot": "left", "at_s": 1.0, "duration_s": 1.0},
-            "probability, robot",
+            "robot, probability",
         ),
         (
             {"kind": "station-down", "robot": "left", "at_s": 1.0, "duration_s": 1.0},

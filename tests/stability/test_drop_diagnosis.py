@@ -54,7 +54,7 @@ def test_drop_prints_the_command_that_reports_the_reason(
     assert cli.run([*command[1:], "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["properties"]
     fails = {n for n, sides in found.items() if not all(s["holds"] for s in sides.values())}
-    assert set(re.findall(r"\d", lacks)) <= fails
+    assert {("turning", "closing", "opening")[int(n)] for n in re.findall(r"\d", lacks)} <= fails
 
 
 def test_hint_covers_the_mujoco_world_but_no_curved_path(
@@ -141,7 +141,7 @@ def test_failed_start_by_touch_prints_why_the_leader_feels_nothing(
     command = shlex.split(line.split("; run: ")[1])
     assert command[:2] == ["palmbots", "analyze"]
     assert cli.run([*command[1:], "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["properties"]["1"]
+    found = json.loads(capsys.readouterr().out)["properties"]["closing"]
     assert not found[leader]["holds"]
 
 
