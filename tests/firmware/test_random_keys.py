@@ -36,8 +36,10 @@ def reaching(controller: str, draw: random.Random) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     for name in (name for name in ROWS if "[" not in name):
         for given in holders_of(name):
-            for _ in range(10):
+            for _ in range(20):
                 value = value_of(ROWS[name], draw)
+                if value == ROWS[name]["default"]:
+                    continue
                 value = round(value, 4) if isinstance(value, float) else value  # whole µs
                 try:
                     if settings(controller, {given: value}) != usual:
