@@ -23,7 +23,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
 ROOT = Path(__file__).resolve().parent.parent
 KINDS = ("code", "comments", "blank", "data", "generated", "prose")
@@ -132,12 +132,12 @@ def main() -> int:
     shown = {row: n for row, n in sorted(rows.items()) if row.removesuffix(", all") in tops
              or not row.endswith(", all")}  # fmt: skip
     shown["all"] = shown.pop("all")
-    table = Table("folder", *(header := ("files", *KINDS, "sum")))
+    table = Table(Column("folder", no_wrap=True), *(header := ("files", *KINDS, "sum")))
     cells = [[row, *(n[k] for k in header[:-1]), sum(n[k] for k in KINDS)]
              for row, n in shown.items()]  # fmt: skip
     for row in cells:
         table.add_row(*map(str, row))
-    Console(soft_wrap=True).print(table)
+    Console(width=120).print(table)
     if given.csv:
         with given.csv.open("w", newline="") as stream:
             csv.writer(stream).writerows([["folder", *header], *cells])
