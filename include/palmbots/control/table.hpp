@@ -16,8 +16,8 @@
 //   Limit, limits, name_of(Limit)   the time limits to which its states refer, numbered from 0
 //   seconds(Limit, TableTiming)     how long each one is
 //   mail                            how a robot hears its partner (Mail)
-//   started_by_touch(is_leader)     optional: the state at the start if only the follower starts by
-//                                   itself, and the leader when it feels that
+//   started_by_touch(is_leader)     optional: the state at the start if the follower starts by itself
+//                                   and the leader starts when its contact slides
 //   Memory<B, Count>                optional: what a robot remembers besides its state and times, and
 //                                   what follows from that (control/lease_state.hpp)
 //   idle                            … the state of a robot that neither corrects nor assists
@@ -27,9 +27,9 @@
 // MAIL. With *beacons* a robot has one word in each state: its message. A word is sent at once when
 // it changes, and repeated in every beacon period. A robot acts on its partner's newest word while
 // that word is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired,
-// it hears silence. With a *queue* a row may send a message, once. It waits at the partner until a
-// row reads it: a robot hears the oldest message that it has not read, and a row that names what it
-// hears reads it.
+// it hears silence. With a *queue* a row may send a message, once. The message waits at the partner
+// until a row of the partner reads it. A robot hears the oldest message that it has not read. A row
+// that names what it hears reads that message.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 //
 // A new controller is one header in control/ and one row here. The simulator (sim/team_registry.hpp),
 // robots and boards make their programs from the rows, and `_core.controllers()` exports them.
-// Commands, figures, docs and tests iterate over them. Freestanding.
+// Commands, figures, docs and tests iterate over the rows. This header is freestanding.
 #pragma once
 
 #include <array>

@@ -4,8 +4,9 @@
 //
 // A row stands below the structure whose member it names, so that one file states a key completely.
 // The rows serve the bindings, the conversion of units, the page's input, the bytes of a spec, the
-// checks and the documentation. A member's initial value is the default of its key. An initial value
-// outside the limits means that the key is not set; in a record, any other key is required.
+// checks and the documentation. A member's initial value is the default of its key. If it is outside
+// the limits (NaN, for example), the key is optional and not set by default. In a record, every key
+// whose initial value is within the limits is required.
 #pragma once
 
 #include <algorithm>

@@ -31,13 +31,13 @@ class Option:
     "[default: …]"."""
     metavar: str | None = None
     is_file: bool = False
-    """An argument without a name: a file to read, of which the result is about."""
+    """A positional argument: the file that the result is about."""
     percent: bool = False
     """Given in percent: the parameter is a fraction, and the option's name ends in -percent."""
     least: float | None = None
     most: float | None = None
-    """Limits of the parameter, of which callers in Python get the same refusal; whole limits allow
-    whole numbers only. None: the function itself checks."""
+    """Limits of the parameter, which also hold for callers in Python. Whole limits allow whole
+    numbers only. None: the function itself checks."""
 
     def checked(self, name: str, value: Any, scale: int = 1) -> Any:
         """The value, if it is within the limits.
