@@ -114,7 +114,12 @@ def command(
     """
 
     def declare(function: Callable[P, T]) -> Callable[P, T]:
-        limited = {key: one for key, one in options.items() if one.least is not None}
+        limited = {
+            key: one for key, one in options.items() if (one.least, one.most) != (None, None)
+        }
+        for key, one in limited.items():  # else a call could pass the check by
+            assert one.least is not None and one.most is not None, key
+            assert key in (getattr(function, "__kwdefaults__", None) or {}), f"{key}: keyword-only"
 
         @wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> T:
