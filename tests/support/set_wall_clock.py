@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A wall clock that a test sets for its processes; that of the machine is not touched."""
 
+import time
 from pathlib import Path
 
 import pytest
+
+_KEPT_S = 1  # libfaketime reads its file again when more whole seconds than this have passed
 
 # libfaketime 0.9.10 refuses to sleep until an absolute time, as Python does, if it leaves the
 # monotonic clock alone.
@@ -26,16 +29,21 @@ class WallClock:
         folder.mkdir()
         (folder / "sitecustomize.py").write_text(_SLEEP)
         self._stamp = folder / "stamp"
-        self.set("+0")
+        self._stamp.write_text("+0")
         self.environment = {
             "LD_PRELOAD": str(found[0]),
             "FAKETIME_TIMESTAMP_FILE": str(self._stamp),
-            "FAKETIME_CACHE_DURATION": "1",  # s: it reads the file in every call otherwise
+            "FAKETIME_CACHE_DURATION": str(_KEPT_S),  # it reads the file in every call otherwise
             "FAKETIME_DONT_FAKE_MONOTONIC": "1",
             "PYTHONPATH": str(folder),
         }
         """For the processes."""
 
     def set(self, offset: str) -> None:
-        """Set the clock to this distance from the right time, as in ``-1h``."""
+        """Set the clock to this distance from the right time, as in ``-1h``.
+
+        When it returns, every process sees it: where a test grants the time, a whole carry may take
+        less than the time for which libfaketime keeps what it has read.
+        """
         self._stamp.write_text(offset)
+        time.sleep(_KEPT_S + 1.1)
