@@ -303,34 +303,3 @@ def test_sensor_that_never_reads_zero_keeps_the_robots_standing() -> None:
     carry = carried({"faults.script": stuck, "task.timeout_s": 5.0})
     assert set(column(carry, "sign")[:-1, 0]) == {-1}
     assert carry.distance_m < 0.05
-
-
-# --- symmetry ---
-
-
-@pytest.mark.parametrize("controller", ["centralized", "distributed", "resilient"])
-@pytest.mark.parametrize("seed", range(3))
-def test_carries_with_faults_are_mirrored(controller: str, seed: int) -> None:
-    """A fault belongs to the robot that leads or follows, not to a side."""
-    keys = lossy(0.05) | {
-        "radio.airtime_s": 0.001,
-        "radio.outages": [{"sender": "left", "start_s": 4.0, "end_s": 5.0}],
-        "robot.left.clock_ppm": 3000.0,
-        "faults.script": [
-            {"kind": "freeze", "robot": "right", "at_s": 2.0, "duration_s": 0.3},
-            {
-                "kind": "intermittent",
-                "robot": "left",
-                "at_s": 6.0,
-                "duration_s": 2.0,
-                "probability": 0.1,
-            },
-        ],
-    }
-    scene = pb.load_scene("paper", keys)
-    there = pb.carry(scene, controller, seed=seed)
-    back = pb.carry(scene.mirrored(), controller, seed=seed)
-    assert there.time_s == back.time_s
-    for name in ("contact", "palm", "sign"):
-        np.testing.assert_array_equal(column(there, name), column(back, name)[:, ::-1])
-    assert there.messages_lost == back.messages_lost

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import palmbots as pb
 import palmbots._core as _core
@@ -17,7 +15,6 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import Columns, run_seeds
 from sign_rules import Clock, SignRobot
-from strategies import scenes
 
 NAMES = ("silent", "shared-sign")
 WORDS = {
@@ -111,21 +108,6 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
     states -= {"start_wait"} if not (by_touch and leads) else set()
     states -= {"start_push"} if not (by_touch and not leads) else set()
     assert seen == states
-
-
-@pytest.mark.parametrize("controller", NAMES)
-@settings(max_examples=30)
-@given(scene=scenes(), seed=st.integers(0, 2**64 - 1))
-def test_mirrored_scene_gives_the_mirrored_carry(controller: str, scene: Scene, seed: int) -> None:
-    """Also where robots stop: which one leads is mirrored too."""
-    there = pb.carry(scene, controller, seed=seed)
-    back = pb.carry(scene.mirrored(), controller, seed=seed)
-    assert (there.outcome, there.reason, there.time_s) == (back.outcome, back.reason, back.time_s)
-    assert there.trace is not None
-    assert back.trace is not None
-    for name in ("contact", "palm"):
-        one, other = there.trace[name].to_numpy(), back.trace[name].to_numpy()
-        np.testing.assert_array_equal(one, other[:, ::-1], err_msg=name)
 
 
 def drops(columns: Columns) -> int:

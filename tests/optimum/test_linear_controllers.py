@@ -56,15 +56,6 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
     assert any("no robot can run it" in line for line in run.warnings)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_mirrored_scenes_have_mirrored_carries(name: str) -> None:
-    keys = SHORT | {"robot.noise_m_s": 0.04}
-    one = pb.carry("paper", name, seed=4, overrides=keys)
-    two = pb.carry("paper", name, seed=4, overrides=keys | {"task.direction": "backward"})
-    assert one.trace is not None and two.trace is not None
-    assert np.array_equal(one.trace["contact"].to_numpy(), two.trace["contact"].to_numpy()[:, ::-1])
-
-
 def test_single_carries_and_batches_have_the_same_results() -> None:
     scene = pb.load_scene("paper", SHORT | {"robot.noise_m_s": 0.05})
     run = run_seeds(to_spec(scene), "kalman", 3, 8)

@@ -68,16 +68,6 @@ def test_object_is_delivered_with_every_seed(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_mirrored_object_is_carried_alike(name: str) -> None:
-    scene = load_scene("paper", {"object": name})
-    mirror = scene.mirrored()
-    assert mirror.mirrored() == scene
-    there, back = pb.carry(scene, seed=3), pb.carry(mirror, seed=3)
-    assert (there.outcome, there.time_s) == (back.outcome, back.time_s)
-    assert there.contact_rms_m["left"] == back.contact_rms_m["right"]
-
-
-@pytest.mark.parametrize("name", NAMES)
 def test_name_in_file_table_and_override_gives_one_scene(name: str, tmp_path: Path) -> None:
     wanted = load_scene("paper", {"object": name})
     path = tmp_path / "mine.toml"

@@ -148,26 +148,6 @@ def bits(frame) -> list[str]:
 
 
 @given(objects())
-def test_frame_of_a_mirrored_object_is_mirrored_exactly(item):
-    vertices = [(x, y) for x, y in item["vertices_m"]]
-    left, right = item["contacts"]
-    com = tuple(item["com_m"])
-    frame = object_frame(vertices, (left, right), com)
-    mirror = object_frame([(-x, y) for x, y in vertices], (right, left), (-com[0], com[1]))
-
-    n = len(vertices)
-    assert mirror.width.hex() == frame.width.hex()
-    assert mirror.contact_right == frame.contact_right
-    pairs = [(mirror.com, frame.com)] + [
-        (mirror.outline[k], frame.outline[(frame.contact_right - k) % n]) for k in range(n)
-    ]
-    for image, corner in pairs:
-        assert image.from_left.hex() == corner.from_right.hex()
-        assert image.from_right.hex() == corner.from_left.hex()
-        assert image.height.hex() == corner.height.hex()
-
-
-@given(objects())
 def test_the_frame_keeps_shape_and_winding(item):
     vertices = item["vertices_m"]
     left, right = item["contacts"]

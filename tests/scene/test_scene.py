@@ -130,12 +130,6 @@ def test_mirrored_scene_exchanges_the_sides():
 
 
 @given(scenes())
-def test_mirroring_twice_returns_the_scene(scene):
-    assert scene.mirrored() != scene
-    assert scene.mirrored().mirrored() == scene
-
-
-@given(scenes())
 def test_dump_toml_and_json_load_as_the_same_scene(scene):
     table = scene.model_dump()
     assert load_scene(table) == scene

@@ -4,19 +4,13 @@
 import math
 
 import pytest
-from hypothesis import given
 
 import palmbots._core as _core
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
-from strategies import scenes
 
 PALM = ("length", "offset", "friction", "shallow", "steep", "rate")
 ROBOT = ("speed", "correction", "acceleration", "max_speed", "noise", "noise_tau", "bias")
-SHARED = (
-    "width", "com_height", "contact_right", "zones", "false_rate", "period", "latency", "jitter",
-    "loss", "distance", "inertia", "inertia_lag", "timeout_ticks", "bump_rate", "bump_max",
-)  # fmt: skip
 
 
 def bits(value) -> object:
@@ -176,30 +170,3 @@ def test_uphill_slope_pulls_against_the_direction_of_travel(direction, sign):
     assert spec.direction == sign
     assert spec.slope == sign * _core.tangent(3 * (math.pi / 180))  # > 0: towards −x
     assert spec.slope == pytest.approx(sign * math.tan(math.radians(3)), rel=1e-15)
-
-
-@given(scenes())
-def test_spec_of_mirrored_scene_is_mirrored_to_the_bit(scene):
-    spec, image = to_spec(scene), to_spec(scene.mirrored())
-    for name in SHARED:
-        assert bits(getattr(image, name)) == bits(getattr(spec, name)), name
-    for name in ("palms", "robots", "start"):
-        assert bits(getattr(image, name)) == bits(getattr(spec, name)[::-1]), name
-    assert bits((image.com_left, image.com_right)) == bits((spec.com_right, spec.com_left))
-    assert image.direction == -spec.direction
-    assert bits(image.slope) == bits(0.0 - spec.slope)
-    assert bits(image.bumps) == bits([(1 - side, *rest) for side, *rest in spec.bumps])
-    # The mirrored outline runs the other way round, so it starts at the right contact.
-    n = len(spec.outline)
-    expected = [
-        (from_right, from_left, height)
-        for from_left, from_right, height in (
-            spec.outline[(spec.contact_right - k) % n] for k in range(n)
-        )
-    ]
-    assert bits(image.outline) == bits(expected)
-
-
-@given(scenes())
-def test_mirroring_twice_changes_no_bit(scene):
-    assert to_spec(scene.mirrored().mirrored()).to_bytes() == to_spec(scene).to_bytes()

@@ -20,7 +20,6 @@ from table2_transcript import Deed, Robot, tick
 
 CONTROLLERS = ("none", "centralized", "distributed")
 REASONS = {"off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting"}
-IMAGE = dict(zip("12345678", "21435687", strict=True))
 MESSAGES = (None, "TiltUp", "TiltDown", "Ack")
 
 controllers = st.sampled_from(CONTROLLERS)
@@ -45,43 +44,6 @@ def busy(controller: str, seed: int = 0, **keys: object) -> pb.simulation.Carry:
     }
     keys = {key.replace("__", "."): value for key, value in keys.items()}
     return pb.carry("paper", controller, seed=seed, overrides=disturbed | keys)
-
-
-@many
-@given(scenes(), controllers, precisions, seeds)
-def test_mirrored_scene_gives_the_mirrored_carry(
-    scene: Scene, controller: str, precision: str, seed: int
-) -> None:
-    there = pb.carry(scene, controller, precision=precision, seed=seed)
-    back = pb.carry(scene.mirrored(), controller, precision=precision, seed=seed)
-    assert (there.outcome, there.reason) == (back.outcome, back.reason)
-    assert (there.time_s, there.distance_m) == (back.time_s, back.distance_m)
-    assert (there.messages, there.messages_lost) == (back.messages, back.messages_lost)
-    for here, image in (("left", "right"), ("right", "left")):
-        for measure in ("contact_rms_m", "contact_peak_m", "waiting_s"):
-            assert getattr(there, measure)[here] == getattr(back, measure)[image]
-    a, b = columns(there), columns(back)
-    for name in ("contact", "palm", "sign", "motion"):
-        np.testing.assert_array_equal(a[name], b[name][:, ::-1], err_msg=name)
-    for name in ("speed", "commanded"):
-        np.testing.assert_array_equal(a[name], -b[name][:, ::-1], err_msg=name)
-    for name in ("midpoint", "object"):
-        np.testing.assert_array_equal(a[name], -b[name], err_msg=name)
-    for name in ("separation", "time"):
-        np.testing.assert_array_equal(a[name], b[name], err_msg=name)
-    image_case = np.vectorize(lambda name: IMAGE.get(name, name), otypes=["U1"])(b["case"][:, ::-1])
-    np.testing.assert_array_equal(a["case"], image_case)
-
-
-def test_bumps_in_one_tick_are_mirrored() -> None:
-    """Both robots are bumped in one tick, and one bump ends the carry. The mirrored scene gives the
-    mirrored carry."""
-    keys = {"robot.noise_m_s": 0.0, "bumps.rate_per_m": 100.0, "bumps.max_shift_m": 0.2}
-    scene = pb.load_scene("paper", keys)
-    for seed in range(150):
-        there = columns(pb.carry(scene, "none", seed=seed))
-        back = columns(pb.carry(scene.mirrored(), "none", seed=seed))
-        np.testing.assert_array_equal(there["contact"], back["contact"][:, ::-1])
 
 
 @many

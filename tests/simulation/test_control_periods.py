@@ -80,16 +80,6 @@ def test_no_object_is_dropped_when_robots_reboot_and_lose_messages(seed: int) ->
     assert done.outcome == "delivered"
 
 
-@pytest.mark.parametrize("controller", ["resilient", "distributed", "shared-sign"])
-def test_the_mirrored_scene_carries_in_the_mirror(controller: str) -> None:
-    scene = pb.load_scene("paper", LONGER | {"radio.loss": 0.02})
-    mirrored = scene.mirrored()
-    one, other = (pb.carry(s, controller, seed=2, record=True).trace for s in (scene, mirrored))
-    assert one is not None and other is not None
-    assert np.array_equal(one["palm"][:, 0], other["palm"][:, 1])
-    assert np.array_equal(one["contact"][:, 0], other["contact"][:, 1])
-
-
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_carries_side_by_side_are_single_ones(controller: str) -> None:
     scenes = [pb.load_scene("paper", o) for o in (LONGER, {}, {"robot.period_s": 0.02})]

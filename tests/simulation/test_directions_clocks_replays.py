@@ -73,21 +73,6 @@ def test_losses_of_a_direction_have_its_rate() -> None:
         assert abs(count / sent - rate) < 4 * math.sqrt(rate * (1 - rate) / sent)
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
-def test_the_mirrored_scene_carries_in_the_mirror(controller: str) -> None:
-    overrides: dict[str, Any] = {
-        "radio.left.latency_s": 0.09, "radio.right.loss": 0.1, "radio.replay": 0.2,
-        "faults.script": [
-            {"kind": "clock-rate", "robot": "left", "at_s": 2, "duration_s": 5, "ppm": 9000.0},
-            {"kind": "reboot", "robot": "right", "at_s": 9, "duration_s": 0.4, "limp_deg": 8.0},
-        ],
-    }  # fmt: skip
-    scene = pb.load_scene("paper", overrides)
-    one, other = (pb.carry(s, controller, seed=2, record=True) for s in (scene, scene.mirrored()))
-    assert np.array_equal(trace_of(one)["palm"][:, 0], trace_of(other)["palm"][:, 1])
-    assert np.array_equal(trace_of(one)["contact"][:, 0], trace_of(other)["contact"][:, 1])
-
-
 def test_the_lease_covers_the_slowest_direction() -> None:
     slow = pb.load_scene("paper", {"radio.latency_s": 0.12})
     one = pb.load_scene("paper", {"radio.right.latency_s": 0.12})

@@ -102,17 +102,6 @@ def test_sessions_change_nothing_without_copies_overtaking_and_boots() -> None:
         assert with_sessions.links == bare.links
 
 
-def test_mirrored_scene_has_a_mirrored_script() -> None:
-    scene = pb.load_scene(
-        "paper",
-        ASSISTED | {"radio.script": [{"sender": "left", "message": 1, "effect": "lost"}]},
-    )
-    there = pb.carry(scene, "distributed")
-    back = pb.carry(scene.mirrored(), "distributed")
-    exchanged = {"left": "right", "right": "left"}
-    assert [(exchanged[s], letter, took) for s, letter, took in transits(back)] == transits(there)
-
-
 # --- the packets of a station: one from and to each robot in each control period ---
 
 
@@ -155,14 +144,6 @@ def test_a_late_command_holds_up_those_after_it() -> None:
     assert shallow_since_s(late, "left") == pytest.approx(0.35 + 0.05 + 0.6, abs=0.0101)
     other = commanded({**fault, "receiver": "right"})
     assert shallow_since_s(other, "left") == usual
-
-
-def test_a_mirrored_scene_has_the_mirrored_packets() -> None:
-    fault = {"sender": "station", "receiver": "left", "message": 31, "effect": "lost"}
-    scene = pb.load_scene("paper", ASSISTED | {"radio.script": [fault]})
-    there = pb.carry(scene, "centralized").links
-    back = pb.carry(scene.mirrored(), "centralized").links
-    assert there["station_to_left"].lost == back["station_to_right"].lost == 1
 
 
 @pytest.mark.parametrize(

@@ -71,16 +71,6 @@ def test_a_push_moves_the_robots_of_the_mujoco_world() -> None:
     assert moved - still == pytest.approx(0.25 * 0.04, abs=5e-4)
 
 
-@pytest.mark.parametrize("controller", ["distributed", "shared-sign"])
-def test_a_mirrored_push_gives_the_mirrored_trace(controller: str) -> None:
-    scene = load_scene("paper", {**SHORT, "bumps.pushes": PUSHES})
-    one = pb.carry(scene, controller, seed=2).trace
-    two = pb.carry(scene.mirrored(), controller, seed=2).trace
-    assert one is not None and two is not None
-    there, back = one["contact"].to_numpy(), two["contact"].to_numpy()
-    assert there.tobytes() == np.ascontiguousarray(back[:, ::-1]).tobytes()
-
-
 @pytest.mark.parametrize("controller", shipped_names())
 def test_batches_have_the_same_bits(controller: str) -> None:
     scene = load_scene("paper", {**SHORT, "bumps.pushes": PUSHES})

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import palmbots._core as _core
 from integrator import SlowWorld
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 
 STEEP, SHALLOW = math.radians(15), math.radians(5)
@@ -224,22 +224,6 @@ rigs = st.fixed_dictionaries(
         "task.slope_deg": st.sampled_from([0.0, 1.0]),
     }
 )
-
-
-@settings(max_examples=150)
-@given(rigs, motions)
-def test_a_mirrored_world_moves_mirrored_to_the_bit(keys, script) -> None:
-    scene: Scene = load_scene("paper", keys)
-    there, back = _core.World(to_spec(scene)), _core.World(to_spec(scene.mirrored()))
-    for change, left, right, push in script:
-        a = there.advance(change, (left, right), push)
-        b = back.advance(change, (right, left), -push)
-        assert a[:2] == b[:2]
-        assert a[2:4] == b[2:4][::-1]
-        assert there.contacts == back.contacts[::-1]
-        assert there.separation == back.separation
-        if a[0]:
-            break
 
 
 # A contact right at the pivot of a palm that turns: which way it goes is a rounding error.
