@@ -196,9 +196,9 @@ def test_empty_output_name_is_refused(
 # Command with an output, and the function that does the work.
 WORK = {
     **{
-        (one.name, "--out"): (one.function.__module__, one.function.__name__)
+        (one.name, "--out"): (one.module, one.function_name)
         for one in FUNCTIONS
-        if one.figure
+        if one.declaration.figure
     },
     ("carry", "--out"): ("palmbots.simulation.single", "carry"),
     ("design", "--out"): ("palmbots.stability.palm_angles", "design"),

@@ -13,6 +13,7 @@ from typer.main import get_command
 
 import palmbots._core as core
 from commands import FUNCTIONS, Run
+from palmbots.cli.declared_commands import REQUIRED
 from palmbots.cli.main import build_app
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -24,9 +25,12 @@ LINE = "palmbots: interrupted (no partial files were written)\n"
 WORK: dict[str, tuple[str, str, list[str]]] = {
     **{
         one.name: (
-            one.function.__module__,
-            one.function.__name__,
-            [key for key, option in one.options.items() if option.is_file],
+            one.module,
+            one.function_name,
+            [
+                *one.name.split()[1:],
+                *(key for key, it in one.parameters.items() if it.default is REQUIRED),
+            ],
         )
         for one in FUNCTIONS
     },

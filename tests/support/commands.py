@@ -18,7 +18,7 @@ FUNCTIONS = [
     one
     for name in declared_commands()
     for one in commands_of(name)
-    if not one.function.__module__.startswith("palmbots.cli.")
+    if not one.module.startswith("palmbots.cli.")
 ]
 """The commands around public functions."""
 

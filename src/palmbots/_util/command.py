@@ -2,11 +2,14 @@
 """Commands of the command line, each declared at the function that does its work.
 
 The docstring of the function is the help of the command: the text above ``Args:``. Its parameters
-become options where `command` names them. ``scene``, ``overrides``, ``controller``,
-``controllers``, ``seed``, ``precision`` and ``on_progress`` need no declaration. What only
-callers in Python need to know stands in ``Note:``. `palmbots.cli.declared_commands` reads the
-declarations without importing their modules, so a declaration stands at the start of a line and
-gives name, order and example as literals.
+become options where `command` names them, or where `palmbots.cli.options` has an option of their
+name. Annotations state what an option may be: a ``Literal`` is one of these words, a sequence is
+given as A,B,…, and an interval as two numbers. What only callers in Python need to know stands in
+``Note:``. A function that writes the result to files declares its options with `writes`.
+
+`palmbots.cli.declared_commands` reads the declarations as text, without importing their modules. So
+a declaration stands at the start of a line and consists of literals, and so do the defaults of
+options.
 """
 
 from collections.abc import Callable
@@ -30,8 +33,12 @@ class Option:
     """Empty: the first sentence on the parameter in ``Args:``, in which "; None: …" reads
     "[default: …]"."""
     metavar: str | None = None
+    is_argument: bool = False
+    """Positional."""
     is_file: bool = False
     """A positional argument: the file that the result is about."""
+    is_hidden: bool = False
+    """For other programs of the package only."""
     percent: bool = False
     """Given in percent: the parameter is a fraction, and the option's name ends in -percent."""
     least: float | None = None
@@ -65,58 +72,18 @@ class Option:
         return value
 
 
-@dataclass(frozen=True)
-class Command:
-    """A command, as its function declares it."""
+class _Declaration:
+    """What all declarations have: options, whose limits hold in Python, too."""
 
-    function: Callable[..., Any]
-    name: str
-    order: int
-    example: str
-    progress: str
-    """What the work is called while it lasts; empty: it is quick."""
-    figure: str
-    """File of the result's figure in the folder of ``--out``; empty: there is none."""
-    failure: tuple[str, str]
-    """A property of the result, and what it means that it is false, which is exit status 1."""
-    results: tuple[str, ...]
-    """The kinds of results, as ``module:Class``; empty: the one that the function returns."""
-    options: dict[str, Option]
+    def __init__(self, name: str, options: dict[str, Option]) -> None:
+        self.name, self.options = name, options
 
-
-COMMANDS: dict[str, Command] = {}
-"""Those whose modules are imported, by name."""
-
-
-def command(
-    name: str = "",
-    *,
-    order: int,
-    example: str,
-    progress: str = "",
-    figure: str = "",
-    failure: tuple[str, str] = ("", ""),
-    results: tuple[str, ...] = (),
-    **options: Option,
-) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Declare a command around the function below.
-
-    Args:
-        name: of the command; empty: the function's. Two words: a command within a group.
-        order: its place in ``palmbots --help``.
-        example: one line, shown in its help.
-        progress: what the work is called while it lasts.
-        figure: file of the result's figure.
-        failure: the property of the result that decides the exit status, and what its absence
-            means.
-        results: what ``--json`` prints, where the function does not return it.
-        options: the options, by parameter.
-    """
-
-    def declare(function: Callable[P, T]) -> Callable[P, T]:
+    def __call__(self, function: Callable[P, T]) -> Callable[P, T]:
         limited = {
-            key: one for key, one in options.items() if (one.least, one.most) != (None, None)
+            key: one for key, one in self.options.items() if (one.least, one.most) != (None, None)
         }
+        if not limited:
+            return function
         for key, one in limited.items():  # else a call could pass the check by
             assert one.least is not None and one.most is not None, key
             assert key in (getattr(function, "__kwdefaults__", None) or {}), f"{key}: keyword-only"
@@ -128,11 +95,57 @@ def command(
                     kwargs[key] = one.checked(key, kwargs[key])
             return function(*args, **kwargs)
 
-        known = name or function.__name__.replace("_", "-")
-        made = checked if limited else function
-        COMMANDS[known] = Command(
-            made, known, order, example, progress, figure, failure, results, options
-        )
-        return made
+        return checked
 
-    return declare
+
+class command(_Declaration):  # used as a decorator
+    """Declare a command around the function below.
+
+    A function that returns an ``int`` runs processes or a screen: it prints what it has to, and
+    returns the exit status. All its parameters are options.
+
+    Args:
+        name: of the command; empty: the function's. Two words: a command within a group.
+        order: its place in ``palmbots --help``.
+        example: one line, shown in its help.
+        progress: what the work is called while it lasts; empty: it is quick.
+        figure: file of the result's figure in the folder of ``--out``; empty: there is none.
+        failure: a property of the result, and what it means that it is false, which is exit
+            status 1.
+        results: what ``--json`` prints, as ``module:Class``, where the function does not return
+            it.
+        options: the options, by parameter.
+    """
+
+    def __init__(
+        self,
+        name: str = "",
+        *,
+        order: int,
+        example: str,
+        progress: str = "",
+        figure: str = "",
+        failure: tuple[str, str] = ("", ""),
+        results: tuple[str, ...] = (),
+        **options: Option,
+    ) -> None:
+        super().__init__(name, options)
+        self.order, self.example, self.progress = order, example, progress
+        self.figure, self.failure, self.results = figure, failure, results
+
+
+class writes(_Declaration):  # used as a decorator
+    """Declare that the function below writes the result of a command.
+
+    Its parameters are the result, the file or folder to write, and further options. It returns the
+    files, and lines for people.
+
+    Args:
+        name: of the command.
+        progress: what the work is called while it lasts; empty: it is quick.
+        options: the options, by parameter.
+    """
+
+    def __init__(self, name: str, *, progress: str = "", **options: Option) -> None:
+        super().__init__(name, options)
+        self.progress = progress

@@ -197,6 +197,20 @@ def number_list(option: str, text: str) -> list[float]:
         ) from None
 
 
+def interval_or_word(option: str, words: Sequence[str], text: str) -> Any:
+    """An option that is a word, or the two ends of an interval, as in ``--region -0.05,0.05``."""
+    if text in words:
+        return text
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        raise PalmbotsError(
+            f"{option}: value is {show(text)}; allowed: {', '.join(words)}, or two numbers "
+            "separated by a comma, as in -0.05,0.05"
+        ) from None
+    return low, high
+
+
 def set_aside_certificate(path: Path) -> None:
     """Rename an older certificate that could be mistaken for the result of this run."""
     from palmbots._util.atomic_files import set_aside

@@ -1,103 +1,204 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which commands there are, read from the source of the package.
+"""Which commands there are and what options they have, read from the source of the package.
 
-``palmbots --help`` and Ctrl-C must not wait for the modules of all commands. So the declarations
-(`palmbots._util.command`) are found as text: a line that begins with ``@command(``, and what
-follows it up to the end of the docstring.
+``palmbots --help``, ``palmbots NAME --help`` and Ctrl-C must not wait for the modules that do the
+work. So the declarations (`palmbots._util.command`) are read as text: a line that begins with
+``@command(`` or ``@writes(``, and what follows it up to the end of the docstring.
 """
 
+import ast
 import importlib
 import inspect
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import palmbots
-from palmbots._util.command import COMMANDS, Command
+from palmbots._util.command import Option, command, writes
 from palmbots.cli import commands
 
-_MARK, _QUOTES = "\n@command(", '"""'
-_NAME = re.compile(r'\s*"([^"]+)"')
+_MARK, _QUOTES = re.compile(r"^@(?:command|writes)\(", re.MULTILINE), '"""'
+_MARKS = (b"\n@command(", b"\n@writes(")
+_NAME = re.compile(r'@\w+\(\s*"([^"]+)"')
 _ORDER = re.compile(r"\border=(\d+)")
 _FUNCTION = re.compile(r"^def (\w+)\(", re.MULTILINE)
+
+REQUIRED: Any = inspect.Parameter.empty
+"""In place of a default: the parameter has none."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a declared function."""
+
+    annotation: str
+    default: Any
 
 
 @dataclass(frozen=True)
 class Declared:
-    """What the list of commands shows of one, and where the rest stands."""
+    """A function with a declaration, as its source has it."""
 
-    name: str
     module: str
-    order: int
-    summary: str
-    """The first line of its docstring; of a group, that of its module."""
+    text: str
+    """From the declaration to the end of the docstring."""
+    source: str
+    """Of the whole module."""
+
+    @cached_property
+    def function_name(self) -> str:
+        """The name of the function."""
+        found = _FUNCTION.search(self.text)
+        assert found is not None, self.module
+        return found[1]
+
+    @cached_property
+    def name(self) -> str:
+        """Of the command; two words: a command within a group."""
+        given = _NAME.match(self.text)
+        return given[1] if given else self.function_name.replace("_", "-")
+
+    @property
+    def group(self) -> str:
+        """The first word of the name, which stands in ``palmbots --help``."""
+        return self.name.partition(" ")[0]
+
+    @property
+    def order(self) -> int | None:
+        """Its place in ``palmbots --help``; None: it writes the result of a command."""
+        found = _ORDER.search(self.text) if self.text.startswith("@command") else None
+        return int(found[1]) if found else None
+
+    @property
+    def summary(self) -> str:
+        """The first line of its docstring; of a group, that of its module."""
+        text = self.source if " " in self.name else self.text
+        return text.split(_QUOTES, 2)[1].partition("\n")[0]
+
+    @cached_property
+    def _node(self) -> ast.FunctionDef:
+        (node,) = ast.parse(self.text).body
+        assert isinstance(node, ast.FunctionDef)
+        return node
+
+    @cached_property
+    def declaration(self) -> Any:
+        """The `command` or `writes` above the function."""
+        known = {"command": command, "writes": writes, "Option": Option}
+        return eval(ast.unparse(self._node.decorator_list[0]), known)
+
+    @property
+    def options(self) -> dict[str, Option]:
+        """The options that the declaration has, by parameter."""
+        return self.declaration.options
+
+    @cached_property
+    def docstring(self) -> str:
+        """The docstring, without its indentation."""
+        return ast.get_docstring(self._node) or ""
+
+    @cached_property
+    def parameters(self) -> dict[str, Parameter]:
+        """The parameters of the function in their order."""
+        given = self._node.args
+        plain = [*given.posonlyargs, *given.args]
+        defaults = [*[None] * (len(plain) - len(given.defaults)), *given.defaults]
+        pairs = zip([*plain, *given.kwonlyargs], [*defaults, *given.kw_defaults], strict=True)
+        return {
+            one.arg: Parameter(ast.unparse(one.annotation or ast.Name("str")), self._value(default))
+            for one, default in pairs
+        }
+
+    @property
+    def returned(self) -> str:
+        """What the function returns."""
+        return ast.unparse(self._node.returns or ast.Name("Any"))
+
+    def _value(self, default: ast.expr | None) -> Any:
+        """A default: a literal, or a constant of the module."""
+        if default is None:
+            return REQUIRED
+        if isinstance(default, ast.Name):
+            found = re.search(rf"^{default.id}\b.* = (.*)$", self.source, re.MULTILINE)
+            return ast.literal_eval(found[1]) if found else None
+        return ast.literal_eval(default)
+
+    def load(self) -> Callable[..., Any]:
+        """The function itself."""
+        return getattr(importlib.import_module(self.module), self.function_name)
 
 
 @cache
 def declared_commands() -> dict[str, Declared]:
-    """All commands and groups, by name, in the order of ``palmbots --help``."""
-    found = sorted(_declarations(), key=lambda one: (one.order, one.name))
-    names = dict.fromkeys(one.name for one in found)
-    return {name: next(one for one in found if one.name == name) for name in names}
+    """The commands, by name, in the order of ``palmbots --help``; of a group, its first one."""
+    found: dict[str, Declared] = {}
+    for one in sorted(_commands(_declarations()), key=lambda one: (one.order or 0, one.name)):
+        found.setdefault(one.group, one)
+    return found
 
 
 def is_command(name: str) -> bool:
     """Whether there is a command or group of this name."""
-    return _own_module(name) is not None or name in declared_commands()
+    return os.path.exists(_own_file(name)) or name in declared_commands()
 
 
-def commands_of(name: str) -> list[Command]:
-    """The command of this name, or those of this group, with their functions."""
-    importlib.import_module(_own_module(name) or declared_commands()[name].module)
-    return [one for key, one in COMMANDS.items() if key.partition(" ")[0] == name]
+def commands_of(name: str) -> list[Declared]:
+    """The command of this name, or those of this group."""
+    own = _own_file(name)  # no search then
+    found = _in_file(own) if os.path.exists(own) else _declarations()
+    return [one for one in _commands(found) if one.group == name]
 
 
-def _own_module(name: str) -> str | None:
-    """The module of a command with code of its own, which has a name like it: no search then."""
-    module = f"{name.replace('-', '_')}_command"
-    is_there = os.path.exists(os.path.join(commands.__path__[0], f"{module}.py"))
-    return f"{commands.__name__}.{module}" if is_there else None
+def writer_of(one: Declared) -> Declared | None:
+    """What writes the result of a command; None: nothing does."""
+    found = (other for other in _declarations() if other.order is None and other.name == one.name)
+    return next(found, None)
 
 
-def _declarations() -> Iterator[Declared]:
-    root = os.path.dirname(str(palmbots.__file__))
-    for folder, _, files in os.walk(root):
-        for file in files:
-            if not file.endswith(".py"):
-                continue
-            path = os.path.join(folder, file)
-            with open(path, "rb") as source:
-                data = source.read()
-            if _MARK.encode() in data:
-                place = os.path.relpath(path, os.path.dirname(root)).removesuffix(".py")
-                yield from _declared(data.decode(), place.replace(os.sep, "."))
-
-
-def _declared(text: str, module: str) -> Iterator[Declared]:
-    first, *others = text.split(_MARK)
-    for one in others:
-        head, docstring, _ = one.split(_QUOTES, 2)
-        given, order, function = _NAME.match(head), _ORDER.search(head), _FUNCTION.search(head)
-        assert order is not None and function is not None, module
-        name = given[1] if given else function[1].replace("_", "-")
-        group, _, within = name.partition(" ")
-        shown = first.split(_QUOTES)[1] if within else docstring
-        yield Declared(group, module, int(order[1]), shown.partition("\n")[0])
-
-
-def results_of(command: Command) -> list[Any]:
+def results_of(one: Declared) -> list[Any]:
     """The kinds of results that a command prints with ``--json``."""
-    places = [place.partition(":") for place in command.results]
+    places = [place.partition(":") for place in one.declaration.results]
     if places:
         return [getattr(importlib.import_module(module), kind) for module, _, kind in places]
-    return [kind for kind in (annotation_of(command, "return"),) if kind is not int]
+    if one.returned == "int":
+        return []
+    scope = vars(importlib.import_module(one.module))
+    return [eval(one.returned, dict(scope))]
 
 
-def annotation_of(command: Command, parameter: str) -> Any:
-    """The type of a parameter of its function; of ``return``, the type of the result."""
-    function: Any = inspect.unwrap(command.function)
-    given = function.__annotations__[parameter]
-    return eval(given, function.__globals__) if isinstance(given, str) else given
+def _commands(found: Iterable[Declared]) -> list[Declared]:
+    return [one for one in found if one.order is not None]
+
+
+def _own_file(name: str) -> str:
+    """The file of a command with code of its own, which is named like it."""
+    return os.path.join(commands.__path__[0], f"{name.replace('-', '_')}_command.py")
+
+
+@cache
+def _declarations() -> tuple[Declared, ...]:
+    folders = os.walk(os.path.dirname(str(palmbots.__file__)))
+    return tuple(
+        one
+        for folder, _, files in folders
+        for file in files
+        if file.endswith(".py")
+        for one in _in_file(os.path.join(folder, file))
+    )
+
+
+def _in_file(path: str) -> Iterator[Declared]:
+    with open(path, "rb") as source:
+        data = source.read()
+    if not any(mark in data for mark in _MARKS):
+        return
+    text = data.decode()
+    root = os.path.dirname(os.path.dirname(str(palmbots.__file__)))
+    module = os.path.relpath(path, root).removesuffix(".py").replace(os.sep, ".")
+    for mark in _MARK.finditer(text):
+        opened = text.index(_QUOTES, mark.start())
+        end = text.index(_QUOTES, opened + 3) + 3
+        yield Declared(module, text[mark.start() : end], text)

@@ -156,15 +156,15 @@ def _add(app: typer.Typer, name: str) -> None:
     """Add a command, or a group of commands."""
     found = commands_of(name)
     if found[0].name != name:
-        help = declared_commands()[name].summary
-        group = typer.Typer(help=help, epilog=f"Example: {found[0].example}")
+        help = found[0].summary
+        group = typer.Typer(help=help, epilog=f"Example: {found[0].declaration.example}")
         app.add_typer(group, name=name)
         app = group
     for one in found:
-        is_own = one.function.__module__.startswith(commands.__name__)
-        function = one.function if is_own else typer_function(one)
+        is_own = one.module.startswith(commands.__name__)
+        function = one.load() if is_own else typer_function(one)
         last = one.name.rpartition(" ")[2]
-        app.command(last, cls=_Command, epilog=f"Example: {one.example}")(function)
+        app.command(last, cls=_Command, epilog=f"Example: {one.declaration.example}")(function)
 
 
 def _root(

@@ -6,12 +6,14 @@ from typing import Annotated, Any
 
 import typer
 
+from palmbots._util.command import Option
+
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 CLOSED_PIPE = 141
 """The pipe on stdout is closed: what a shell reports of programs that SIGPIPE ends."""
 
 
-def _path(text: str) -> Path:
+def output_path(text: str) -> Path:
     """Parser of an option that names a file or folder to write.
 
     An empty name would mean the working directory. It usually results from an unset variable of the
@@ -22,7 +24,7 @@ def _path(text: str) -> Path:
     return Path(text)
 
 
-def _input_path(text: str) -> Path:
+def input_path(text: str) -> Path:
     """Parser of an argument that names a file to read."""
     if not text:
         raise typer.BadParameter('value is ""; allowed: the name of a file')
@@ -31,12 +33,12 @@ def _input_path(text: str) -> Path:
 
 def input_argument(metavar: str, help: str) -> Any:
     """An argument that names a file to read."""
-    return typer.Argument(parser=_input_path, metavar=metavar, help=help)
+    return typer.Argument(parser=input_path, metavar=metavar, help=help)
 
 
 def output_option(help: str, *names: str, metavar: str = "DIR") -> Any:
     """An option that names what to write; `names` defaults to ``--out``."""
-    return typer.Option(*(names or ("--out",)), parser=_path, metavar=metavar, help=help)
+    return typer.Option(*(names or ("--out",)), parser=output_path, metavar=metavar, help=help)
 
 
 def interval_option(name: str, meaning: str) -> Any:
@@ -88,3 +90,25 @@ LogOption = Annotated[
     Path | None, output_option("Folder for the log [default: log_folder of PAIR].", "--log")
 ]
 NoLogOption = Annotated[bool, typer.Option("--no-log", help="Write no log.")]
+
+SHARED = {
+    "scene": Option(
+        help="Built-in scene (see palmbots scenes) or TOML file.",
+        metavar="SCENE",
+        is_argument=True,
+    ),
+    "overrides": Option(
+        "--set", "Override a scene key (repeatable); list them: palmbots keys.", "KEY=VALUE"
+    ),
+    "controller": Option(
+        "--controller -c",
+        "Name (see palmbots controllers), module:Class, FILE.py:Class, or a policy FILE.toml or "
+        "FILE.toml@station.",
+        "NAME",
+    ),
+    "unproved": Option(help="Run a policy even if the check of its derived algorithm fails."),
+    "seed": Option(help="Random seed."),
+    "precision": Option(help="double or float.", metavar="NAME"),
+    "as_json": Option("--json", "Print one JSON object and nothing else."),
+}
+"""Options of parameters with these names, in all commands."""

@@ -14,10 +14,13 @@ from palmbots.cli._run import print_result
 from palmbots.cli.options import DONE, JsonOption
 from palmbots.errors import PalmbotsError
 
-_FILES = ("palmbots.cli.answers:Files",)
 
-
-@command("init scene", order=190, example="palmbots init scene my.toml", results=_FILES)
+@command(
+    "init scene",
+    order=190,
+    example="palmbots init scene my.toml",
+    results=("palmbots.cli.answers:Files",),
+)
 def init_scene(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
     as_json: JsonOption = False,
@@ -37,7 +40,12 @@ def init_scene(
     return DONE
 
 
-@command("init pair", order=190, example="palmbots init pair pair.toml", results=_FILES)
+@command(
+    "init pair",
+    order=190,
+    example="palmbots init pair pair.toml",
+    results=("palmbots.cli.answers:Files",),
+)
 def init_pair(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="New TOML file.")],
     as_json: JsonOption = False,
