@@ -19,7 +19,7 @@ from palmbots.derivation.policy_file import read_policy
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import OUTCOMES, run_batch, run_seeds
+from palmbots.simulation.batch import OUTCOMES, run_seeds
 
 POLICIES = Path(__file__).parents[2] / "examples" / "policies"
 EXAMPLES = sorted(POLICIES.glob("*.toml"))
@@ -150,24 +150,6 @@ def test_assistant_drives_only_in_the_policy_that_says_so() -> None:
         nominal = load_scene("paper").robot_of("left").speed_m_s
         moved = np.abs(trace["commanded"].to_numpy()[serves] - nominal) > 1e-9
         assert moved.any() == drives
-
-
-def test_batches_are_single_carries_for_any_number_of_threads() -> None:
-    scene = load_scene("paper", NOISY)
-    spec, n = to_spec(scene), 150
-    one = run_seeds(spec, BOTH_DRIVE, 5, n, threads=1)
-    two = run_seeds(spec, BOTH_DRIVE, 5, n, threads=3)
-    raw = run_batch(spec.to_bytes(), np.zeros(n, np.uint32),
-                    np.arange(5, 5 + n, dtype=np.uint64), BOTH_DRIVE)  # fmt: skip
-    for name, column in one.items():
-        assert np.array_equal(column, two[name])
-        assert np.array_equal(column, raw[name])
-    assert one["finished"].all()
-    for i in (0, 70, 149):
-        single = pb.carry(scene, BOTH_DRIVE, seed=5 + i, record=False)
-        assert OUTCOMES[one["outcome"][i]] == single.outcome
-        assert one["time_s"][i] == single.time_s
-        assert one["messages"][i] == single.messages
 
 
 def test_batch_stops_at_once_and_keeps_what_is_done() -> None:

@@ -9,8 +9,6 @@ import pytest
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
-from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import run_seeds
 
 POLICIES = sorted((Path(__file__).parents[2] / "examples" / "policies").glob("*.toml"))
 SIGN = {-1: "-", 0: "0", 1: "+"}
@@ -65,12 +63,9 @@ def test_robots_drive_only_when_the_palms_are_there() -> None:
     assert not any(turning[k].any() for k in started)
 
 
-def test_batches_and_logs(tmp_path: Path) -> None:
+def test_logs_replay(tmp_path: Path) -> None:
     name = f"{POLICIES[-1]}@station"
     scene = pb.load_scene("paper", {"task.distance_m": 0.3})
-    columns = run_seeds(to_spec(scene), name, 0, 5, threads=2)
-    for seed in range(5):
-        assert columns["time_s"][seed] == pb.carry(scene, name, seed=seed).time_s
     pb.write_log(pb.carry(scene, name, seed=2), tmp_path / "carry.mcap")
     assert pb.replay(tmp_path / "carry.mcap").identical
 

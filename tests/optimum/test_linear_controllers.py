@@ -56,13 +56,6 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
     assert any("no robot can run it" in line for line in run.warnings)
 
 
-def test_single_carries_and_batches_have_the_same_results() -> None:
-    scene = pb.load_scene("paper", SHORT | {"robot.noise_m_s": 0.05})
-    run = run_seeds(to_spec(scene), "kalman", 3, 8)
-    for i in range(8):
-        assert pb.carry(scene, "kalman", seed=3 + i, record=False).time_s == run["time_s"][i]
-
-
 def test_exact_coordinates_help_and_stopping_helps() -> None:
     """At a noise at which signs are not enough, on the same seeds."""
     noise = {"robot.noise_m_s": 0.05}

@@ -80,14 +80,6 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
     assert any("no robot can run it" in line for line in run.warnings)
 
 
-def test_single_carries_and_batches_have_the_same_results() -> None:
-    scene = pb.load_scene("paper", {"robot.noise_m_s": 0.05, "task.distance_m": 0.5})
-    run = columns(scene, "optimal", 8, first=3)
-    for i in range(8):
-        one = pb.carry(scene, "optimal", seed=3 + i, record=False)
-        assert one.time_s == run["time_s"][i]
-
-
 def test_noise_limit_of_the_reference_is_below_the_bound() -> None:
     short = {"task.distance_m": 0.3}
     limit = pb.noise_limit("paper", "optimal", relative_half_width=0.05, overrides=short)

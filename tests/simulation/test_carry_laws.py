@@ -257,16 +257,6 @@ def test_trace_and_messages_determine_every_step_of_table_2() -> None:
             assert carry.waiting_s[side] == pytest.approx(waited * period)
 
 
-def test_seed_determines_the_carry() -> None:
-    first, again, other = busy("distributed", 1), busy("distributed", 1), busy("distributed", 2)
-    assert first.trace_hash == again.trace_hash
-    assert first.trace is not None
-    assert again.trace is not None
-    assert first.trace.identical(again.trace)
-    assert first.summary() == again.summary()
-    assert first.trace_hash != other.trace_hash
-
-
 def test_separation_and_midpoint_integrate_the_speeds() -> None:
     """Separation and midpoint are the integral of the speeds."""
     rows = columns(pb.carry("paper", seed=3))

@@ -10,8 +10,6 @@ import pytest
 import palmbots as pb
 from palmbots.control.registry import shipped_names
 from palmbots.control.resilient_timing import bounds_of
-from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import run_batch
 
 CONTROLLERS = shipped_names("robots", "station")
 LONGER = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
@@ -78,15 +76,3 @@ def test_no_object_is_dropped_when_robots_reboot_and_lose_messages(seed: int) ->
     }  # fmt: skip
     done = carried("resilient", overrides, seed)
     assert done.outcome == "delivered"
-
-
-@pytest.mark.parametrize("controller", CONTROLLERS)
-def test_carries_side_by_side_are_single_ones(controller: str) -> None:
-    scenes = [pb.load_scene("paper", o) for o in (LONGER, {}, {"robot.period_s": 0.02})]
-    index = np.arange(24, dtype=np.int64) % 3
-    seeds = np.arange(24, dtype=np.uint64)
-    columns = run_batch([to_spec(s) for s in scenes], index, seeds, controller)
-    for row in range(24):
-        done = pb.carry(scenes[index[row]], controller, seed=row)
-        assert columns["time_s"][row] == done.time_s
-        assert tuple(columns["contact_rms_m"][row]) == tuple(done.contact_rms_m.values())

@@ -9,8 +9,6 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.registry import resolve, shipped_names
-from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import run_batch
 
 CONTROLLERS = shipped_names("robots", "station")
 TALKING = tuple(name for name in shipped_names("robots") if resolve(name).uses_radio)
@@ -199,41 +197,7 @@ def test_limp_palms_in_mujoco() -> None:
     check_limp_palm(np.degrees(trace_of(done)["palm"].to_numpy()[:, 0]), 101, 200, 0.6)
 
 
-# --- many carries at once -------------------------------------------------------------------------
-
-HARD = [
-    {"radio.left.latency_s": 0.09, "radio.right.loss": 0.2},
-    {"radio.replay": 0.3, "radio.jitter_s": 0.02},
-    {"faults.script": [
-        {"kind": "clock-rate", "robot": "right", "at_s": 2, "duration_s": 5, "ppm": 30000.0},
-        {"kind": "clock-jump", "robot": "left", "at_s": 8, "duration_s": 1.5},
-    ]},
-    reboot(loses_boot_counter=True),
-    reboot(limp_deg=6.0),
-    {},
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("precision", ["double", "float"])
-@pytest.mark.parametrize("controller", CONTROLLERS)
-def test_side_by_side_the_results_are_those_of_single_carries(
-    controller: str, precision: str
-) -> None:
-    scenes = [pb.load_scene("paper", overrides) for overrides in HARD]
-    specs = [to_spec(scene) for scene in scenes]
-    index = np.repeat(np.arange(len(specs)), 3)
-    seeds = np.tile(np.arange(3), len(specs))
-    columns = run_batch(specs, index, seeds, controller, precision)
-    # Without the palm that goes limp, they run in lanes.
-    short = run_batch(specs[:4], index[:12], seeds[:12], controller, precision)
-    for name, column in short.items():
-        assert np.array_equal(column, columns[name][:12]), name
-    for row, (which, seed) in enumerate(zip(index, seeds, strict=True)):
-        done = pb.carry(scenes[which], controller, seed=int(seed), precision=precision)
-        assert columns["time_s"][row] == done.time_s
-        assert columns["distance_m"][row] == done.distance_m
-        assert columns["messages"][row] == done.messages
-        assert tuple(columns["contact_rms_m"][row]) == tuple(done.contact_rms_m.values())
+# --- refusals -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -157,21 +157,6 @@ def test_controller_none_sends_no_messages() -> None:
     assert rows[0].rms_m == rows[1].rms_m
 
 
-def test_batch_of_seeds_equals_single_carries() -> None:
-    scene = pb.load_scene("paper", {"robot.noise_m_s": 0.02})
-    for controller in ("none", "centralized", "distributed"):
-        for precision in ("double", "float"):
-            bulk = run_seeds(to_spec(scene), controller, 3, 6, precision)
-            for i in range(6):
-                one = pb.carry(scene, controller, seed=3 + i, precision=precision, record=False)
-                outcome = ("running", "delivered", "dropped", "stalled")[bulk["outcome"][i]]
-                assert outcome == one.outcome
-                assert bulk["time_s"][i] == one.time_s
-                assert tuple(bulk["contact_rms_m"][i]) == tuple(one.contact_rms_m.values())
-                assert tuple(bulk["contact_peak_m"][i]) == tuple(one.contact_peak_m.values())
-                assert bulk["corrections"][i] == len(one.corrections)
-
-
 @pytest.mark.parametrize("n", [1, 12, 200])
 def test_wilson_solves_the_score_equation(n: int) -> None:
     """The ends are the rates p whose distance from events / n is 1.96 √(p (1 − p) / n)."""
