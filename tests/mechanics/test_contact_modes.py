@@ -98,6 +98,19 @@ def test_occurring_mode_is_balanced_and_consistent(drawn, balanced) -> None:
     assert counted > 0.3 * STATES
 
 
+def test_occurring_mode_balances_where_ends_of_intervals_coincide() -> None:
+    """Level palms, no friction, contacts at the pivots, equal palms, the COM at their middle."""
+    friction, theta, p = (0.0, 0.3, 0.5), (0.0, 0.1, 0.3), (-0.05, 0.0, 0.05)
+    grid = np.meshgrid((0.0625, 0.125), theta, theta, friction, friction, p, p)
+    keys = (f"{key}_{side}" for key in ("theta", "friction", "p") for side in ("left", "right"))
+    columns = dict(zip(("com_x", *keys), grid, strict=True))
+    result = pb.modes_batch(width=0.25, com_y=0.04, **columns)
+    for happens in (result.closing, result.opening):
+        states = np.nonzero(happens >= 0)
+        assert len(states[0]) > 500
+        assert result.feasible[*states, happens[states]].all()
+
+
 def test_counts_of_modes_in_the_paper() -> None:
     """Figure 3(b): the left palm shallow, the palms pushed together."""
     result = pb.modes("paper", theta_left_deg=5)

@@ -114,6 +114,8 @@ def _walk(cursor: Any, path: Path, header: str, source: bytes) -> Iterator[Mutan
             continue
         if child.kind in _FIXED or _is_constant(child, source):
             continue
+        if cursor.kind == _K.IF_STMT and _is_chosen_early(cursor, child, source):
+            continue
         change = _change(child, source)
         if change is not None:
             start, end = child.extent.start.offset, child.extent.end.offset
@@ -126,11 +128,16 @@ def _text(cursor: Any, source: bytes) -> str:
 
 
 def _is_constant(cursor: Any, source: bytes) -> bool:
-    """A constant that the compiler computes, or a branch that it chooses."""
-    text = _text(cursor, source)
-    if cursor.kind == _K.VAR_DECL:
-        return "constexpr" in text.partition("=")[0].partition("{")[0]
-    return cursor.kind == _K.IF_STMT and text.startswith("if constexpr")
+    """A constant that the compiler computes."""
+    if cursor.kind != _K.VAR_DECL:
+        return False
+    return "constexpr" in _text(cursor, source).partition("=")[0].partition("{")[0]
+
+
+def _is_chosen_early(statement: Any, part: Any, source: bytes) -> bool:
+    """Whether the part is the condition of a branch that the compiler chooses."""
+    before = source[statement.extent.start.offset : part.extent.start.offset].decode()
+    return before.startswith("if constexpr") and before.endswith("(")
 
 
 def _change(cursor: Any, source: bytes) -> tuple[str, tuple[tuple[int, int], ...]] | None:

@@ -1,30 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
 """How many small defects of the core the tests find: the mutation score, with its interval.
 
-    .venv/bin/python tests/soak/mutation_score.py [--rooms world,sim] [--seconds 3000]
+    .venv/bin/python tests/soak/mutation_score.py [--rooms world,sim] [--seconds 3000] [--again]
     .venv/bin/python tests/soak/mutation_score.py --draw TREE
 
 The sample of mutants is mutants.csv, drawn with seed 2 from the headers of commit 05d8b30: 200 of
 the rooms mechanics, control and wire together, and 50 of each of world, sim, stability and runtime.
-A mutant is found again by the text of its line, in its header or another one; a mutant whose line
-no longer exists is "gone". Those of the chosen rooms are compiled into copies of the headers, once.
-Tests then run once per mutant, until the first of them fails: the C++
-programs, with sanitizers as in `make test`, and the files of Python tests of the mutant's own room
-and of those that use it. A first run without a mutant records which tests reach which mutants, so
-that only those run. If a test takes ten times its usual time, the mutant has "timed out". It then
-counts neither as killed nor as survived, because a busy machine has the same effect.
+A mutant is found again by the text of its line, in its header or another one. Where the line has
+changed, look for the same defect in the code that took its place, and edit the row: `drawn_as`
+keeps what was drawn, and `room` stays that of the draw. A mutant without such code is "gone". Once
+a tenth of a group is gone, draw as many from the present headers of its rooms, with the same seed.
+A row says in `equivalent` why a mutant has no effect that a test could find, if that is proven.
 
-Results are kept in build/mutation/results.csv, and a further run goes on from there. When all are
-there, they are copied to benchmarks/results/mutation.csv. A mutant that is gone or does not compile
-is left out, and the report says how many these are. "not reached" survived, too: no test runs the
-code, or only the compiler does.
+The mutants of the chosen rooms are compiled into copies of the headers, once. Tests then run once
+per mutant, until the first of them fails: the C++ programs, with sanitizers as in `make test`, and
+the files of Python tests of the room in which the mutant is, and of those that use it. A first run
+without a mutant records which tests reach which mutants, so that only those run. If a test takes
+ten times its usual time, of the processor or ten times as much on the clock, the mutant has "timed
+out". It counts neither as killed nor as survived, because a very busy machine has the same effect.
+
+Results are kept in build/mutation/results.csv, and a further run goes on from there; with --again
+it tries those anew that were not killed. When all are there, they are copied to
+benchmarks/results/mutation.csv. A mutant that is gone or does not compile is left out, and the
+report says how many these are. "not reached" survived, too: no test runs the code, or only the
+compiler does.
 """
 
 import argparse
 import csv
+import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -52,19 +60,19 @@ SAMPLES: dict[tuple[str, ...], int] = {
 ROOMS = tuple(room for rooms in SAMPLES for room in rooms)
 # Where the Python tests of a room's code are.
 PYTHON_ROOMS = {
-    "mechanics": ("mechanics", "stability", "world"),
-    "control": ("control", "derivation", "simulation"),
+    "mechanics": ("mechanics", "stability", "world", "laws"),
+    "control": ("control", "derivation", "simulation", "laws"),
     "wire": ("wire", "drivers", "links"),
-    "world": ("world", "simulation"),
-    "sim": ("simulation",),
+    "world": ("world", "simulation", "laws"),
+    "sim": ("simulation", "scene", "laws"),
     "stability": ("stability",),
-    "runtime": ("robot", "station", "simulation"),
+    "runtime": ("robot", "station", "pair", "simulation"),
 }
 SANITIZERS = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
-LONGEST_S = 20.0  # a program or file that takes longer is left out
+LONGEST_S = 20  # a program or file that takes longer is left out
 FIELDS = ("number", "mutant", "result", "by")
 BUILD_TRIES = 8
-PATIENCE, LEAST_S = 10.0, 20.0
+PATIENCE, LEAST_S = 10, 20
 _PLACE = re.compile(r"include/(palmbots/\w+/\w+\.hpp):(\d+):\d+: error:")
 
 
@@ -85,6 +93,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(description="Measure the mutation score.")
     parser.add_argument("--rooms", default="mechanics,control,wire", help=f"of {', '.join(ROOMS)}")
     parser.add_argument("--seconds", type=float, default=1e9, help="stop after this time")
+    parser.add_argument("--again", action="store_true", help="try what was not killed anew")
     parser.add_argument("--draw", type=Path, metavar="TREE", help="only write mutants.csv anew")
     options = parser.parse_args(words)
     if options.draw:
@@ -92,13 +101,15 @@ def main(words: list[str]) -> int:
     until = time.monotonic() + options.seconds
     rooms = options.rooms.split(",")
     with LIST.open(newline="") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["header"].split("/")[1] in rooms]
+        rows = [row for row in csv.DictReader(stream) if row["room"] in rooms]
     listed = {int(row["number"]): row for row in rows}
     chosen = mutants.found_again(ROOT / "include", listed)
     names = {
         number: f"{row['header']}:{row['line']} {row['operator']} @{row['column']}"
         for number, row in listed.items()
     }
+    if options.again:
+        _forget(lambda row: row["result"] not in ("killed", "does not compile"))
     done = _done(names)
     for number in sorted(listed.keys() - chosen.keys() - done.keys()):
         done[number] = _note(number, names[number], "gone", "")
@@ -118,7 +129,7 @@ def main(words: list[str]) -> int:
             elif units_of is _python_units:
                 kind = "survived" if number in reached else "not reached"
                 done[number] = _note(number, names[number], kind, "")
-    return _report(done, len(listed))
+    return _report(done, listed)
 
 
 def _draw(include: Path) -> int:
@@ -131,7 +142,10 @@ def _draw(include: Path) -> int:
             for path in sorted((include / "palmbots" / room).glob("*.hpp"))
             for mutant in mutants.mutants_of(include, str(path.relative_to(include)))
         ]
-        drawn += [mutant.row(include) for mutant in mutants.sample(every, size, SEED)]
+        drawn += [
+            {"room": _room(mutant)} | mutant.row(include) | {"drawn_as": "", "equivalent": ""}
+            for mutant in mutants.sample(every, size, SEED)
+        ]
         print(f"{', '.join(rooms)}: {min(size, len(every))} of {len(every)}")
     with LIST.open("w", newline="") as stream:
         writer = csv.DictWriter(stream, ("number", *drawn[0]))
@@ -163,6 +177,17 @@ def _done(names: dict[int, str]) -> dict[int, str]:
     with RESULTS.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     return {n: r["result"] for r in rows if names.get(n := int(r["number"])) == r["mutant"]}
+
+
+def _forget(is_old: Callable[[dict[str, str]], bool]) -> None:
+    """Remove these results of an earlier run."""
+    if RESULTS.exists():
+        with RESULTS.open(newline="") as stream:
+            kept = [row for row in csv.DictReader(stream) if not is_old(row)]
+        with RESULTS.open("w", newline="") as stream:
+            writer = csv.DictWriter(stream, list(FIELDS))
+            writer.writeheader()
+            writer.writerows(kept)
 
 
 def _note(number: int, name: str, result: str, by: str) -> str:
@@ -230,11 +255,12 @@ def _program_units() -> list[Unit]:
 def _python_units() -> list[Unit]:
     python = str(core_copy.environment(WORK))
     command = (python, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider")
+    tests = ROOT / "tests"
     return [
-        Unit(f"{folder}/{path.name}", (*command, str(path.relative_to(ROOT))), (room,))
-        for room, folders in PYTHON_ROOMS.items()
-        for folder in folders
-        for path in sorted((ROOT / "tests" / folder).glob("test_*.py"))
+        Unit(str(path.relative_to(tests)), (*command, str(path)), rooms)
+        for folder in sorted({folder for folders in PYTHON_ROOMS.values() for folder in folders})
+        if (rooms := tuple(room for room, folders in PYTHON_ROOMS.items() if folder in folders))
+        for path in sorted((tests / folder).rglob("test_*.py"))
     ]
 
 
@@ -261,17 +287,18 @@ def _recorded(units: list[Unit]) -> list[Unit]:
 
 def _run(unit: Unit, limit_s: float, environment: dict[str, str]) -> int | None:
     try:
-        return subprocess.run(
-            unit.command,
+        status = subprocess.run(
+            ("prlimit", f"--cpu={math.ceil(limit_s)}", *unit.command),
             cwd=ROOT,
             env=os.environ | environment,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            timeout=limit_s,
+            timeout=PATIENCE * limit_s,
             check=False,
         ).returncode
     except subprocess.TimeoutExpired:
         return None
+    return None if status in (-signal.SIGXCPU, -signal.SIGKILL) else status
 
 
 def _killed(number: int, units: list[Unit]) -> tuple[str, str]:
@@ -286,21 +313,31 @@ def _killed(number: int, units: list[Unit]) -> tuple[str, str]:
     return "", ""
 
 
-def _report(done: dict[int, str], size: int) -> int:
-    results = list(done.values())
-    killed, unreached = results.count("killed"), results.count("not reached")
-    tried = killed + results.count("survived") + unreached
-    low, high = wilson(killed, tried) if tried else (0.0, 1.0)
-    print(
-        f"mutation score {100 * killed / max(1, tried):.0f} % (95 % interval {100 * low:.0f} to "
-        f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {size}; "
-        f"{unreached} are reached by no test, {results.count('timed out')} timed out, "
-        f"{results.count('gone')} are gone, and {results.count('does not compile')} do not compile"
-    )
-    if len(done) < size:
+def _report(done: dict[int, str], listed: dict[int, dict[str, str]]) -> int:
+    for rooms in SAMPLES:
+        for some in (rooms, *((room,) for room in rooms if len(rooms) > 1)):
+            numbers = [number for number, row in listed.items() if row["room"] in some]
+            if numbers:
+                print(f"{', '.join(some)}: {_score(done, numbers, listed)}")
+    if len(done) < len(listed):
         return 1
     shutil.copy2(RESULTS, PUBLISHED)
     return 0
+
+
+def _score(done: dict[int, str], numbers: list[int], listed: dict[int, dict[str, str]]) -> str:
+    results = [done[number] for number in numbers if number in done]
+    killed, unreached = results.count("killed"), results.count("not reached")
+    tried = killed + results.count("survived") + unreached
+    low, high = wilson(killed, tried) if tried else (0.0, 1.0)
+    equivalent = sum(bool(listed[n]["equivalent"]) for n in numbers if done.get(n) != "killed")
+    return (
+        f"mutation score {100 * killed / max(1, tried):.0f} % (95 % interval {100 * low:.0f} to "
+        f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {len(numbers)}; "
+        f"{equivalent} of the others are equivalent, {unreached} are reached by no test, "
+        f"{results.count('timed out')} timed out, {results.count('gone')} are gone, and "
+        f"{results.count('does not compile')} do not compile"
+    )
 
 
 if __name__ == "__main__":

@@ -56,7 +56,7 @@ struct HeardBits {
 template <class Table>
 void table_on_every_input() {
   using Robot = TableRobot<Table>;
-  constexpr TableRowMasks<Table> masks;
+  TableRowMasks<Table> masks;  // made at run time, so that the sanitizers see how
   for (int n = 0; n < Table::states * 3 * 64; ++n) {
     const auto state = static_cast<typename Table::State>(n % Table::states);
     const auto sign = static_cast<Sign>(n / Table::states % 3 - 1);
@@ -90,6 +90,36 @@ void table_on_every_input() {
       CHECK(masks.send(row) == ran.send && masks.reads(row) == (ran.heard != any_word));
     }
   }
+}
+
+// What is_sound() refuses.
+struct LimitThatIsNotThere : ThirdTable {
+  static constexpr TableOutput outputs[states] = {
+      {' ', {}, M::ack},    {' ', {}, M::ack, 0}, {' ', {}, M::ack},
+      {' ', {}, M::ack, 1}, {' ', {}, M::ack, 2},
+  };
+};
+struct StateWithoutWord : ThirdTable {
+  static constexpr TableOutput outputs[states] = {
+      {' ', {}, M::ack},    {' ', {}, M::ack, 0}, {' ', {}},
+      {' ', {}, M::ack, 1}, {' ', {}, M::ack, 1},
+  };
+};
+struct RowThatSendsBesidesBeacons : ThirdTable {
+  static constexpr TableRow<State> rows[] = {{S::calm, P::any, any_word, {}, S::asks, M::ack}};
+};
+struct RowThatWaitsForNoLimit : ThirdTable {
+  static constexpr TableRow<State> rows[] = {{S::waits, P::any, any_word, If::timed_out, S::calm}};
+};
+
+void unsound_tables_are_refused() {
+  CHECK(is_sound<ThirdTable>() && is_sound<Distributed>() && is_sound<Resilient>());
+  CHECK(is_sound<Silent>() && is_sound<SharedSign>());
+  CHECK(!is_sound<LimitThatIsNotThere>());
+  CHECK(!is_sound<StateWithoutWord>());
+  CHECK(!is_sound<RowThatSendsBesidesBeacons>());
+  CHECK(!is_sound<RowThatWaitsForNoLimit>());
+  CHECK(!TableRobot<Distributed>().stopped());  // without a clock it never waits to be joined
 }
 
 // What a robot commands and says.
@@ -223,6 +253,7 @@ int main() {
   table_on_every_input<Silent>();
   table_on_every_input<SharedSign>();
   table_on_every_input<ThirdTable>();
+  unsound_tables_are_refused();
   leases_count_alike();
   stations_on_every_input();
 }

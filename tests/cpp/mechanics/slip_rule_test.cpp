@@ -219,6 +219,24 @@ void the_properties_of_the_paper() {
   }
 }
 
+// The moment of weight and sideways force about the other contact, and about one at mean height.
+void the_moment_arms_are_those_of_the_com() {
+  std::mt19937 chance(3);
+  for (int again = 0; again < 1000; ++again) {
+    const Case c = random_case(chance);
+    const Moments<double> moments = c.moments();
+    const auto [x, y] = c.com();
+    const auto [dx, dy] = c.between;
+    const PerSide<double> arms{dx - x + c.s * (y - dy), x - c.s * y};
+    const PerSide<double> mean{dx - x + c.s * (y - 0.5 * dy), x - c.s * (y - 0.5 * dy)};
+    for (const std::size_t side : {left, right}) {
+      const double rise = side == left ? dy : -dy;
+      CHECK(std::abs(moments.moment_arm(side, dx, rise) - c.width * arms[side]) < 1e-12);
+      CHECK(std::abs(moments.arm(side, dx, rise) - c.width * mean[side]) < 1e-12);
+    }
+  }
+}
+
 void closing_slides_up() {
   CHECK(direction_of(-1e-300) == SlipDirection::up);
   CHECK(direction_of(1e-300) == SlipDirection::down);
@@ -232,5 +250,6 @@ int main() {
   the_ends_are_equal_along_the_tied_slope();
   a_tie_goes_on_as_the_regions_say();
   the_properties_of_the_paper();
+  the_moment_arms_are_those_of_the_com();
   closing_slides_up();
 }
