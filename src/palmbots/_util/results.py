@@ -3,6 +3,7 @@
 
 import os
 from collections.abc import Callable, Iterator
+from pkgutil import resolve_name
 from typing import Any
 
 from palmbots._util.arguments import one_of
@@ -29,6 +30,9 @@ class Result:
     """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
     more_figures: tuple[str, ...] = ()
     """Names of the other figures in `FIGURES` that `plot` draws on request."""
+    text: str | None = None
+    """``module:function`` that yields the `lines` of this kind of result; None: it has no module
+    of its own for them."""
 
     def lines(self) -> Iterator[Item]:
         """What people read, in Python, in notebooks and in a terminal.
@@ -36,8 +40,9 @@ class Result:
         The first line states the result. Unless a kind of result has lines of its own, a table of
         its short values follows.
         """
-        yield type(self).__name__
-        yield Table(self.value_rows())
+        if self.text is not None:
+            return resolve_name(self.text)(self)
+        return iter((type(self).__name__, Table(self.value_rows())))
 
     def value_rows(self, *names: str) -> list[tuple[str, str]]:
         """Short values with their labels and units.

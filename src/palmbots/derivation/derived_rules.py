@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `palmbots derive` finds: the rules of a policy, and how controllers refine it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from palmbots._types import SIDES
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.derivation.local_rules import Derivation
 from palmbots.derivation.permissions import LEVELS
@@ -123,6 +122,8 @@ def sorted_departures(found: Refinement) -> list[Departure]:
 class DerivedRules(Result):
     """The rules that follow from a policy of the paper."""
 
+    text = "palmbots.derivation.rule_lines:rule_lines"
+
     name: str
     """Of the policy."""
     derivation: Derivation = field(metadata=NOT_IN_JSON)
@@ -206,9 +207,3 @@ class DerivedRules(Result):
     def holds(self) -> bool:
         """Whether these are the rules of Table 2, and the policy has no error."""
         return self.is_table_2 and not self.findings
-
-    def lines(self) -> Iterator[Item]:
-        """The rules with their sources, then each controller compared with the policy."""
-        from palmbots.derivation.rule_lines import rule_lines
-
-        return rule_lines(self)

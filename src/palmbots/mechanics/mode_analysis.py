@@ -183,6 +183,8 @@ def feasible_modes(
 class ContactModes(Result):
     """One state. Modes are pairs (left, right) of ST, SL (to the left), SR (to the right)."""
 
+    text = "palmbots.mechanics.mode_lines:mode_lines"
+
     scene: Scene
     p_left_m: float
     p_right_m: float
@@ -213,12 +215,6 @@ class ContactModes(Result):
     contact ST, SL, SR or BR (it leaves the palm). There may be none, or several."""
     motions_opening: tuple[Motions, ...] | None = None
     """The same when they are driven apart."""
-
-    def lines(self) -> Iterator[Item]:
-        """The nine modes as a 3 × 3 table, and those that occur."""
-        from palmbots.mechanics.mode_lines import mode_lines
-
-        return mode_lines(self)
 
 
 @command(

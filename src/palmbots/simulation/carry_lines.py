@@ -29,12 +29,14 @@ REASONS = {
 }
 
 
-def carry_lines(carry: "Carry", warnings: Sequence[str], hint: str | None = None) -> Iterator[Item]:
+def carry_lines(
+    carry: "Carry", warnings: Sequence[str] | None = None, hint: str | None = None
+) -> Iterator[Item]:
     """The outcome, its reason, contacts, corrections, messages.
 
     Args:
         carry: the carry.
-        warnings: those of its warnings that are not printed yet.
+        warnings: those of its warnings that are not printed yet; None: all.
         hint: a sentence on the reason of the outcome, and after "; run: " a command.
     """
     yield _head(carry)
@@ -58,7 +60,7 @@ def carry_lines(carry: "Carry", warnings: Sequence[str], hint: str | None = None
         yield from _bounds(carry.bounds)
     yield from _further_contacts(carry)
     yield _messages(carry)
-    yield from map(warning, warnings)
+    yield from map(warning, carry.warnings if warnings is None else warnings)
     yield from _recommendation(carry)
 
 

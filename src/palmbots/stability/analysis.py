@@ -16,7 +16,6 @@ from typing import Any, Generic, TypeVar
 
 from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
@@ -115,6 +114,8 @@ class ByProperty(ByMotion[T], Generic[T]):
 class Analysis(Result):
     """The result of `analyze`. Each range varies one quantity; all others are as in the scene."""
 
+    text = "palmbots.stability.analysis_lines:analysis_lines"
+
     scene: Scene
     problem: StabilityProblem = field(metadata=NOT_IN_JSON)
     properties: ByProperty[PropertyReport]
@@ -182,12 +183,6 @@ class Analysis(Result):
     def max_acceleration_m_s2(self) -> float | None:
         """The largest acceleration, in either direction, at which both properties hold."""
         return None if self.slope is None else largest_acceleration(self.problem, self.slope)
-
-    def lines(self) -> Iterator[Item]:
-        """Whether the properties hold, their margins, and the ranges in which they hold."""
-        from palmbots.stability.analysis_lines import analysis_lines
-
-        return analysis_lines(self)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw one figure of the analysis.

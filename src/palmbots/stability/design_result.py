@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from palmbots._types import Interval
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
@@ -64,6 +63,8 @@ class ReactionTimes:
 @dataclass(frozen=True, repr=False)
 class Design(Result):
     """The best pair of angles with its tolerance, its noise limit and a certificate."""
+
+    text = "palmbots.stability.design_lines:design_lines"
 
     scene: Scene
     """As given, with its own angles."""
@@ -150,12 +151,6 @@ class Design(Result):
                 f"robot.noise_m_s is {noise:g}, but more than 1 % of carries drop the object above "
                 f"{mine.sigma_star_m_s:.3g} m/s"
             )
-
-    def lines(self) -> Iterator[Item]:
-        """The angles, what they tolerate beside the scene's own, and how to use them."""
-        from palmbots.stability.design_lines import design_lines
-
-        return design_lines(self)
 
     @property
     def shown_unit(self) -> str:

@@ -7,7 +7,7 @@ import contextlib
 import functools
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -18,7 +18,6 @@ from palmbots._util.arguments import whole_number
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import FIGURES, Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
@@ -80,6 +79,7 @@ class StudyResult(Result):
     """A finished study."""
 
     figure = "study"
+    text = "palmbots.studies.study_lines:study_lines"
 
     points: Points = field(metadata=NOT_IN_JSON)
     output: Path
@@ -170,12 +170,6 @@ class StudyResult(Result):
             for name, (numbers, ends) in self.values.items()
             if name != "carries"
         }
-
-    def lines(self) -> Iterator[Item]:
-        """The cells, totals, refusals and sensitivities."""
-        from palmbots.studies.study_lines import study_lines
-
-        return study_lines(self)
 
 
 def thread_count(threads: int | None) -> int:

@@ -16,14 +16,13 @@ from __future__ import annotations
 import importlib.util
 import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from palmbots._util.arguments import show
 from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import wilson
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
@@ -123,6 +122,7 @@ class Validation(Result):
     """The comparison of MuJoCo with the quasistatic world."""
 
     figure = "validation"
+    text = "palmbots.mujoco.validation.validation_lines:validation_lines"
 
     scene: Scene
     controller: str
@@ -151,12 +151,6 @@ class Validation(Result):
     def differences(self) -> tuple[Trial, ...]:
         """The states in which another contact slides."""
         return tuple(trial for trial in self.trials if trial.cause is not None)
-
-    def lines(self) -> Iterator[Item]:
-        """How well the MuJoCo world agrees with the quasistatic one."""
-        from palmbots.mujoco.validation.validation_lines import validation_lines
-
-        return validation_lines(self)
 
 
 @command(

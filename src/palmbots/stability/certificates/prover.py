@@ -14,7 +14,7 @@ Source: docs/theory/stability.md.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal
@@ -24,7 +24,6 @@ from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -51,6 +50,8 @@ Claims = Sequence[str] | None
 @dataclass(frozen=True, repr=False)
 class Certificate(Result):
     """The result of a proof; `data` is the content of the file."""
+
+    text = "palmbots.stability.certificates.certificate_lines:certificate_lines"
 
     verdict: Verdict
     data: dict[str, Any] = field(metadata=NOT_IN_JSON)
@@ -88,12 +89,6 @@ class Certificate(Result):
     def scene(self) -> Scene:
         """The scene that the certificate states."""
         return load_scene(self.data["scene"])
-
-    def lines(self) -> Iterator[Item]:
-        """What was proved, or where it fails."""
-        from palmbots.stability.certificates.certificate_lines import certificate_lines
-
-        return certificate_lines(self)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the certificate, the whole file or nothing."""
