@@ -23,7 +23,6 @@ from palmbots.control.interface import (
     StepOutput,
 )
 from palmbots.control.registry import (
-    check,
     controller_names,
     describe,
     recover,
@@ -33,6 +32,7 @@ from palmbots.control.registry import (
     shipped_names,
     unregister,
 )
+from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 
@@ -83,7 +83,7 @@ def test_shipped_controllers_are_those_of_the_core() -> None:
         assert entry.for_core(to_spec(pb.load_scene("paper"))) == name
         carry = pb.carry("paper", name, overrides={"task.distance_m": 0.3}, record=False)
         assert (carry.messages > 0) == entry.uses_radio
-        assert (carry.bounds is not None) == (entry.timing_check is not None)
+        assert (carry.bounds is not None) == entry.has_time_bounds
         cases = {correction.case for correction in carry.corrections}
         assert cases <= set(entry.cases)
 
@@ -190,14 +190,11 @@ def test_controller_that_raises_is_named_and_keeps_its_cause() -> None:
 def test_only_resilient_has_a_timing_check() -> None:
     late = pb.load_scene("paper", {"radio.latency_s": 0.6})
     for name in ("none", "centralized", "distributed"):
-        assert check(name, late) is None
         assert refusal(name, late) is None
     with pytest.raises(SceneError, match=r"radio\.lease_s"):
-        check("resilient", late)
+        bounds_of(late)
     assert "radio.lease_s" in (refusal("resilient", late) or "")
-    bounds = check("resilient", pb.load_scene("paper"))
-    assert bounds is not None
-    assert bounds == pb.carry("paper", "resilient", record=False).bounds
+    assert bounds_of(pb.load_scene("paper")) == pb.carry("paper", "resilient", record=False).bounds
 
 
 def test_python_class_named_like_a_shipped_controller_is_not_mistaken_for_it() -> None:

@@ -25,7 +25,7 @@ from palmbots.control.python_source import (
     load_class,
     source_of,
 )
-from palmbots.control.resilient_timing import Bounds, bounds_of
+from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
 
@@ -53,8 +53,8 @@ class ControllerEntry:
     """A robot that hears nothing stops."""
     drives_by_both_signs: bool = False
     """The wheels of both robots follow both signs, so that a motion ends a radio delay late."""
-    timing_check: Callable[[Scene], Bounds] | None = None
-    """Computes the time bounds in a scene; raises `SceneError` where they cannot be kept."""
+    has_time_bounds: bool = False
+    """Relies on the time bounds that `bounds_of` computes, and refuses scenes without any."""
     cases: Mapping[str, str] = field(default_factory=dict)
     """What each case in the trace means."""
     states: Mapping[str, str] = field(default_factory=dict)
@@ -90,7 +90,7 @@ class ControllerEntry:
             "a station that both robots can reach by radio": self.team == "station",
             "a radio between the robots": self.uses_radio and self.team == "robots",
             "a time for start and end on which the robots agree": alone,
-            "a radio and control period that its time bounds admit": self.timing_check is not None,
+            "a radio and control period that its time bounds admit": self.has_time_bounds,
             late: self.team == "station" or self.drives_by_both_signs,
         }
         return tuple(need for need, applies in needs.items() if applies)
@@ -138,8 +138,7 @@ _CONTROLLERS: Registry[ControllerEntry] = Registry("controller")
 
 _rows: list[dict[str, Any]] = _core.controllers()
 for _row in _rows:
-    _timing_check = bounds_of if _row.pop("has_time_bounds") else None
-    _CONTROLLERS.register(_row["name"], ControllerEntry(timing_check=_timing_check, **_row))
+    _CONTROLLERS.register(_row["name"], ControllerEntry(**_row))
 
 _SHIPPED = _CONTROLLERS.names()
 
@@ -319,16 +318,6 @@ def describe(name: str) -> ControllerEntry:
     return ControllerEntry(name, "a controller in Python")
 
 
-def check(controller: ControllerLike, scene: Scene) -> Bounds | None:
-    """The time bounds on which a controller relies in a scene; None: it relies on none.
-
-    Raises:
-        SceneError: the controller cannot keep its bounds in this scene; the message says why.
-    """
-    entry = resolve(controller)
-    return None if entry.timing_check is None else entry.timing_check(scene)
-
-
 def refuse_reference(entry: ControllerEntry, where: str) -> None:
     """Raise `PalmbotsError` for a reference, `where` robots or only shipped controllers carry."""
     if entry.is_reference:
@@ -341,7 +330,8 @@ def refuse_reference(entry: ControllerEntry, where: str) -> None:
 def refusal(controller: ControllerLike, scene: Scene) -> str | None:
     """Why a controller refuses a scene, in one line; None: it accepts the scene."""
     try:
-        check(controller, scene)
+        if resolve(controller).has_time_bounds:
+            bounds_of(scene)
     except SceneError as error:
         return str(error)
     return None

@@ -14,7 +14,7 @@ from palmbots._types import SIDES, MaybeNaN, Side
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import refusal, resolve, shipped_names
-from palmbots.errors import SceneError
+from palmbots.control.resilient_timing import bounds_of
 from palmbots.links.link import Link
 from palmbots.links.packet_statistics import PacketStatistics, quantile
 from palmbots.pair.pair_file import Pair
@@ -165,11 +165,8 @@ def _verdict(name: str, scene: Scene, loss: float, lease_s: float) -> str:
     why = refusal(entry, scene)
     if why is not None:
         return why
-    if entry.timing_check is not None:
-        try:
-            own_s = entry.timing_check(scene).lease_s
-        except SceneError as error:
-            return str(error)
+    if entry.has_time_bounds:
+        own_s = bounds_of(scene).lease_s
         if own_s < lease_s:
             return f"its lease of {own_s:.2f} s is shorter than {lease_s:.2f} s: it will stop often"
     if entry.assisted_cases and loss > 0:

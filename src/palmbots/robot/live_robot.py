@@ -15,7 +15,8 @@ from palmbots._types import Side
 from palmbots._util import process_clock
 from palmbots._util.end_signal import ended_by_signal
 from palmbots.clocks.control_clock import control_clock
-from palmbots.control.registry import ControllerEntry, check
+from palmbots.control.registry import ControllerEntry
+from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_driver, open_pair_link
 from palmbots.pair.pair_file import Pair
@@ -170,8 +171,7 @@ def core_settings(
     """The arguments of the core's `RuntimeSettings`, in control ticks. The station lives in real
     time."""
     limits = pair.settings.limits
-    bounds = check(entry, scene)
-    lease_s = _LEASE_S if bounds is None else bounds.lease_s
+    lease_s = bounds_of(scene).lease_s if entry.has_time_bounds else _LEASE_S
     period_s = scene.control.period_s
 
     def ticks(seconds: float) -> int:

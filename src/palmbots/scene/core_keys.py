@@ -9,7 +9,7 @@ the keys of a scene that the core does not read; their fields have limits of the
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticUndefined
 
 import palmbots._core as _core
@@ -96,12 +96,3 @@ def records(name: str, *, is_optional: bool = False) -> Any:
     needed = ", ".join(row["name"].rpartition(".")[2] for row in rows if row["default"] is not None)
     check = from_list(f"a list of at most {most} tables {{{needed}}}", 0, most)
     return _field(Optionally(check), None) if is_optional else _field(check, ())
-
-
-def as_given(value: object) -> Any:
-    """The tables of a section without the keys that have their default."""
-    if isinstance(value, BaseModel):
-        return {name: as_given(getattr(value, name)) for name in value.model_fields_set}
-    if isinstance(value, tuple):
-        return tuple(as_given(item) for item in value)
-    return value

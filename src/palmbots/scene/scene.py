@@ -11,14 +11,13 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BeforeValidator, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
 from palmbots._util.arguments import show
 from palmbots._util.toml_writer import toml_text
 from palmbots.errors import SceneError
-from palmbots.scene.core_keys import as_given
 from palmbots.scene.error_messages import validation_error
 from palmbots.scene.faults_section import Faults
 from palmbots.scene.fields import field_error
@@ -146,6 +145,15 @@ class Scene(Section):
                 f"a number in m, from {least:g} to 10000",
                 "task.path.radius_m",
             )
+
+
+def as_given(value: object) -> Any:
+    """The tables of a section without the keys that have their default."""
+    if isinstance(value, BaseModel):
+        return {name: as_given(getattr(value, name)) for name in value.model_fields_set}
+    if isinstance(value, tuple):
+        return tuple(as_given(item) for item in value)
+    return value
 
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene

@@ -10,8 +10,7 @@ spec to the last bit.
 import palmbots._core as _core
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
-from palmbots.scene.core_keys import as_given
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, as_given
 
 
 def refuse_curved(scene: Scene) -> None:

@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Preparing carries: the checks and conversions that come before anything runs, done once."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import palmbots._core as _core
+from palmbots._util.arguments import one_of, show
 from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import (
     ControllerEntry,
     ControllerLike,
-    check,
     describe,
     refuse_reference,
     resolve,
 )
-from palmbots.control.resilient_timing import Bounds
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.control.resilient_timing import Bounds, bounds_of
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.worlds import WorldEntry, check_scene, world_entry
+from palmbots.simulation.worlds import PRECISIONS, WorldEntry, world_entry, world_names
 
 _CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
 
@@ -45,23 +47,22 @@ class Prepared:
 
 
 def prepare(
-    scene: Scene | str,
+    scene: Scene,
     controller: ControllerLike = "distributed",
     world: str | WorldEntry = "quasistatic",
 ) -> Prepared:
     """Check a scene against a controller and a world, and convert it for the core.
 
     Raises:
-        SceneError: the scene cannot be read, or the world or the controller refuses it.
+        SceneError: the world or the controller refuses the scene.
         PalmbotsError: there is no such controller or world.
     """
-    scene = load_scene(scene)
     place = world_entry(world) if isinstance(world, str) else world
     entry = resolve(controller)
     check_scene(place, scene)
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
-    timing = check(entry, scene)
+    timing = bounds_of(scene) if entry.has_time_bounds else None
     spec = to_spec(scene, unrolled=place.supports_curved)
     if not entry.uses_clock:
         # Its robots measure no time: their clocks run like that of the carry, also in programs.
@@ -70,3 +71,37 @@ def prepare(
             for kind, side, at, lasts, reads, value, marks in spec.faults
         ]
     return Prepared(scene, entry, place, spec, timing)
+
+
+def check_precision(world: WorldEntry, precision: str) -> None:
+    """Raise `PalmbotsError` for a precision that does not exist, or that this world lacks."""
+    one_of("precision", precision, PRECISIONS)
+    one_of(f"precision (world {world.name})", precision, world.precisions)
+
+
+def check_scene(world: WorldEntry, scene: Scene) -> None:
+    """Raise `SceneError` for a scene that needs something which this world does not support."""
+    if scene.task.path.is_curved and not world.supports_curved:
+        others = _others(lambda entry: entry.supports_curved)
+        raise SceneError(
+            f"task.path.kind: {show(scene.task.path.kind)} is a curved path, and the {world.name} "
+            f"world and its mechanics are planar; allowed: straight{others}"
+        )
+    if (scene.bumps.script or scene.bumps.rate_per_m > 0) and not world.supports_bumps:
+        others = _others(lambda entry: entry.supports_bumps)
+        raise SceneError(
+            f"bumps: the {world.name} world cannot shift contacts; allowed: no bumps "
+            f"(mujoco.ridges has bumps of the floor){others}"
+        )
+
+
+def _others(supports: Callable[[WorldEntry], bool]) -> str:
+    """The worlds that do support it, as the end of a message."""
+    names = []
+    for name in world_names():
+        try:
+            if supports(world_entry(name)):
+                names.append(name)
+        except (ImportError, PalmbotsError):  # a registered world that cannot be loaded here
+            continue
+    return f", or carry --world {' or '.join(names)}" if names else ""

@@ -2,13 +2,11 @@
 """The result of a carry: outcome, corrections, messages, warnings, trace."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from palmbots._types import SIDES, BySide
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots._util.text import letter_label
 from palmbots._version import __version__
@@ -16,7 +14,6 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import Bounds
 from palmbots.scene.scene import Scene
-from palmbots.simulation.carry_lines import carry_lines
 from palmbots.simulation.prepare import Prepared
 from palmbots.simulation.trace import trace_dataset
 from palmbots.simulation.warnings import warnings_after
@@ -92,6 +89,7 @@ class Carry(Result):
 
     figure = "carry"
     more_figures = ("message_sequence",)
+    text = "palmbots.simulation.carry_lines:carry_lines"
 
     scene: Scene
     controller: str
@@ -147,10 +145,6 @@ class Carry(Result):
         """The angle by which the outline is turned to rest on its contact vertices."""
         return self.scene.object.rest_angle_deg
 
-    def lines(self) -> Iterator[Item]:
-        """The outcome, contacts, corrections, time bounds, messages and warnings."""
-        return carry_lines(self, self.warnings)
-
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
 
@@ -161,6 +155,14 @@ class Carry(Result):
             PalmbotsError: the carry has no trace, or there is no such figure.
         """
         return super().plot(figure, **options)
+
+
+# Values of the core's record that a `Carry` has under the same name.
+_AS_MEASURED = (
+    "outcome", "reason", "time_s", "distance_m", "correction_count", "messages", "messages_lost",
+    "trace_hash",
+)  # fmt: skip
+_BY_SIDE = ("contact_rms_m", "contact_peak_m", "waiting_s")
 
 
 def make_carry(
@@ -174,8 +176,12 @@ def make_carry(
 ) -> Carry:
     """The result of a carry that a world has run, with its trace if `record`."""
     measured, entry = run.measured, prepared.controller
+    trace = trace_dataset(measured.trace, run.trace) if record else None
+    values: dict[str, Any] = {name: getattr(measured, name) for name in _AS_MEASURED}
+    values |= {name: BySide.of(getattr(measured, name)) for name in _BY_SIDE}
     events = measured.contact_events if run.contact_events is None else run.contact_events
     return Carry(
+        **values,
         scene=prepared.scene,
         controller=entry.name,
         world=prepared.world.name,
@@ -183,30 +189,19 @@ def make_carry(
         seed=seed,
         forks=forks,
         version=__version__,
-        outcome=measured.outcome,
-        reason=measured.reason,
-        time_s=measured.time_s,
-        distance_m=measured.distance_m,
-        contact_rms_m=BySide.of(measured.contact_rms_m),
-        contact_peak_m=BySide.of(measured.contact_peak_m),
         corrections=_corrections(measured.corrections),
-        correction_count=measured.correction_count,
         contact_events=tuple(
             ContactEvent(SIDES[side], kind, start, end) for side, kind, start, end in events
         ),
-        messages=measured.messages,
-        messages_lost=measured.messages_lost,
         links=_links(measured.links, entry),
         bounds=prepared.timing,
-        waiting_s=BySide.of(measured.waiting_s),
         bump_count=measured.bumps,
         warnings=(
             *prepared.warnings,
             *run.warnings,
             *warnings_after(measured, prepared.scene, entry),
         ),
-        trace_hash=measured.trace_hash,
-        trace=trace_dataset(measured.trace, run.trace) if record else None,
+        trace=trace,
         message_log=tuple(
             Message(sent, None if math.isnan(got) else got, SIDES[sender], SIDES[receiver], kind)
             for sent, got, sender, receiver, kind in measured.message_log

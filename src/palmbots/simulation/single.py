@@ -12,9 +12,9 @@ from palmbots._util.arguments import seed_of, show
 from palmbots.control.registry import ControllerLike
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import SceneLike, load_scene
-from palmbots.simulation.prepare import prepare
+from palmbots.simulation.prepare import check_precision, prepare
 from palmbots.simulation.result import Carry, make_carry
-from palmbots.simulation.worlds import WorldEntry, check_precision, world_entry
+from palmbots.simulation.worlds import WorldEntry, world_entry
 
 _LATEST_FORK_S = 1_000_000
 

@@ -11,10 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from palmbots._util.arguments import one_of, show
 from palmbots._util.named_registry import Registry
-from palmbots.errors import PalmbotsError, SceneError
-from palmbots.scene.scene import Scene
 from palmbots.simulation.driven_world import DrivenWorld
 
 PRECISIONS = ("double", "float")
@@ -99,37 +96,3 @@ def world_entry(name: str) -> WorldEntry:
         PalmbotsError: there is no such world.
     """
     return _WORLDS.get(name)
-
-
-def check_precision(world: WorldEntry, precision: str) -> None:
-    """Raise `PalmbotsError` for a precision that does not exist, or that this world lacks."""
-    one_of("precision", precision, PRECISIONS)
-    one_of(f"precision (world {world.name})", precision, world.precisions)
-
-
-def check_scene(world: WorldEntry, scene: Scene) -> None:
-    """Raise `SceneError` for a scene that needs something which this world does not support."""
-    if scene.task.path.is_curved and not world.supports_curved:
-        others = _others(lambda entry: entry.supports_curved)
-        raise SceneError(
-            f"task.path.kind: {show(scene.task.path.kind)} is a curved path, and the {world.name} "
-            f"world and its mechanics are planar; allowed: straight{others}"
-        )
-    if (scene.bumps.script or scene.bumps.rate_per_m > 0) and not world.supports_bumps:
-        others = _others(lambda entry: entry.supports_bumps)
-        raise SceneError(
-            f"bumps: the {world.name} world cannot shift contacts; allowed: no bumps "
-            f"(mujoco.ridges has bumps of the floor){others}"
-        )
-
-
-def _others(supports: Callable[[WorldEntry], bool]) -> str:
-    """The worlds that do support it, as the end of a message."""
-    names = []
-    for name in world_names():
-        try:
-            if supports(world_entry(name)):
-                names.append(name)
-        except (ImportError, PalmbotsError):  # a registered world that cannot be loaded here
-            continue
-    return f", or carry --world {' or '.join(names)}" if names else ""

@@ -86,9 +86,8 @@ def carry(
     from palmbots._util.report import Line
     from palmbots.cli.carried import Carried
     from palmbots.control.dead_band import warnings_before
-    from palmbots.simulation.prepare import prepare
+    from palmbots.simulation.prepare import check_precision, prepare
     from palmbots.simulation.single import carry as run_carry
-    from palmbots.simulation.worlds import check_precision
     from palmbots.stability.scene_limits import self_check
 
     _check_options(animation, video, view, world, out)

@@ -81,11 +81,12 @@ def up(
     Exit status 1: the object was not delivered.
     """
     from palmbots._util.arguments import seed_of
-    from palmbots.control.registry import check
+    from palmbots.control.resilient_timing import bounds_of
     from palmbots.links.impairment import Impairment
     from palmbots.pair.launcher import run_live, run_lockstep
     from palmbots.simulation.lockstep_world import remote
-    from palmbots.simulation.worlds import check_precision, check_scene, world_entry
+    from palmbots.simulation.prepare import check_precision, check_scene
+    from palmbots.simulation.worlds import world_entry
 
     chosen = load(scene, changes)
     entry = controller_of(controller, quiet=as_json)
@@ -93,7 +94,8 @@ def up(
     check_scene(place, chosen)
     check_precision(place, precision)
     remote(entry, lambda *_: [])
-    check(entry, chosen)
+    if entry.has_time_bounds:
+        bounds_of(chosen)  # refuses a scene
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
     given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}

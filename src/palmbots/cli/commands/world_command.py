@@ -94,8 +94,9 @@ def _lockstep(
     from palmbots.links.greeting import scene_number
     from palmbots.links.local_connection import listen
     from palmbots.simulation.lockstep_world import Programs, ends_of, remote
+    from palmbots.simulation.prepare import check_precision
     from palmbots.simulation.single import carry
-    from palmbots.simulation.worlds import check_precision, world_entry
+    from palmbots.simulation.worlds import world_entry
     from palmbots.stability.scene_limits import self_check
 
     entry = controller_of(controller, quiet=as_json)

@@ -28,8 +28,8 @@ from palmbots.mujoco.validation import trials
 from palmbots.mujoco.validation.trials import Slides, State
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.simulation.prepare import check_scene
 from palmbots.simulation.single import carry
-from palmbots.simulation.worlds import check_scene
 from palmbots.stability.analysis import analyze
 
 FRICTIONS = (0.15, 0.2, 0.3, 0.4, 0.5, 0.65)
