@@ -5,6 +5,7 @@ Every fault is real: bits of real files are flipped, files are truncated, remove
 real processes are killed.
 """
 
+import itertools
 import os
 import random
 import re
@@ -70,14 +71,14 @@ ARRAYS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("fault", [flip, truncate, remove])
-def test_damaged_file_is_reported(copy: Path, fault: Callable[[Path, random.Random], None]) -> None:
+def test_damaged_file_is_reported(copy: Path) -> None:
     """One bit, one cut or one missing file, in any array; by the folder and by the store alone."""
     rng = random.Random(0)
     alone = copy.parent / "alone"
     shutil.copytree(copy / "results.zarr", alone)
-    for k, name in enumerate(ARRAYS):
-        place, store = ((copy, copy / "results.zarr"), (alone, alone))[k % 2]
+    places = itertools.cycle([(copy, copy / "results.zarr"), (alone, alone)])
+    faults = itertools.cycle([flip, truncate, remove])
+    for name, (place, store), fault in zip(ARRAYS, places, faults, strict=False):
         file = rng.choice(
             sorted(path for path in (store / name / "c").rglob("*") if path.is_file())
         )
