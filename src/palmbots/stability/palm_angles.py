@@ -21,6 +21,7 @@ import numpy as np
 
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, two_numbers
+from palmbots._util.optional_imports import require
 from palmbots.control.registry import (
     ControllerEntry,
     ControllerLike,
@@ -111,6 +112,7 @@ def design(
         SceneError: the scene cannot be read or is not valid.
         PalmbotsError: an argument is out of range, no pair of angles qualifies, or the controller
             refuses all of them.
+        MissingExtra: python-flint is not installed.
     """
     chosen = load_scene(scene, overrides)
     one_of("maximize", maximize, (NOISE, *QUANTITIES))
@@ -133,6 +135,7 @@ def design(
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
+    require("flint", "certify")  # what the certificate needs is missed before the work, not after it
     found = evaluate(problem, quantity, limits, uncertainty, implied)
     report(0.05)
 
