@@ -135,7 +135,7 @@ def design(
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
-    require("flint", "certify")  # what the certificate needs is missed before the work, not after it
+    require("flint", "certify")  # of the certificate: missed before the work, not after it
     found = evaluate(problem, quantity, limits, uncertainty, implied)
     report(0.05)
 
