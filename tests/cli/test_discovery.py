@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from commands import Run, assert_refused
+from commands import Run
 from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import tolerated_noise
 from palmbots.scene.error_messages import dotted_keys
@@ -61,7 +61,6 @@ def test_keys_takes_a_part_or_a_pattern(here: Run) -> None:
     assert names("latency") == ["radio.latency_s"]
     assert names("start.*_m") == ["start.left_m", "start.right_m"]
     assert names("NOISE") == ["robot.noise_m_s", "robot.noise_tau_s"]
-    assert_refused(here("keys", "nonsense"), "nonsense", "matches no key", "radio")
 
 
 def test_controllers_lists_those_of_the_help(here: Run) -> None:
@@ -107,22 +106,6 @@ def test_keys_that_are_not_set_are_shown_as_comments(here: Run, tmp_path: Path) 
     for key in scene_keys():
         if key.default is None:
             assert f"# {key.name.rpartition('.')[2]} =" in lines
-
-
-def test_init_scene_never_overwrites(here: Run, tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text("[task]\n")
-    assert_refused(here("init", "scene", str(path)), "mine.toml", "never overwritten")
-    assert path.read_text() == "[task]\n"
-    (tmp_path / "link.toml").symlink_to(tmp_path / "nowhere.toml")
-    assert_refused(here("init", "scene", str(tmp_path / "link.toml")), "never overwritten")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["link.toml", "mine.toml"]
-
-
-def test_init_scene_that_cannot_be_written_leaves_nothing(here: Run, tmp_path: Path) -> None:
-    assert_refused(here("init", "scene", str(tmp_path / "none" / "a.toml")), "cannot be written")
-    assert_refused(here("init", "scene", str(tmp_path / "a.txt")), ".toml")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_shell_completion_knows_the_commands() -> None:

@@ -22,21 +22,6 @@ def pair(tmp_path: Path) -> Path:
     return init_pair(tmp_path / "pair.toml")[0]
 
 
-def with_key(pair: Path, key: str, value: str, scene: bool = False) -> None:
-    """Set a key of pair.toml, or of a scene that it names."""
-    table, _, name = key.rpartition(".")
-    file = pair
-    if scene:
-        file = pair.parent / "scene.toml"
-        file.write_text(f"[{table}]\n{name} = {value}\n")
-        table, name, value = "pair", "scene", '"scene.toml"'
-    lines = pair.read_text().splitlines()
-    start = lines.index(f"[{table}]")
-    place = next(i for i, line in enumerate(lines) if i > start and line.startswith(f"{name} = "))
-    lines[place] = f"{name} = {value}"
-    pair.write_text("\n".join(lines) + "\n")
-
-
 def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -> None:
     done = here("firmware", str(pair), "--out", str(tmp_path / "images"), "--json")
     assert done.returncode == 0, done.stderr
@@ -72,40 +57,6 @@ def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> 
     assert first == 1
     assert next_first == last + 1
     assert read_state(load_pair(pair).state_file("left")).epoch == 2 * last
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "in_scene", "line"),
-    [
-        ("board.name", '"uno"', False, 'board.name: "uno" is not known'),
-        ("board.channel", "101", False, "board.channel: 101 is too large"),
-        (
-            "board.wheels",
-            '"motor-board"',
-            False,
-            "board.motor_timeout_s: value is 0: a motor board",
-        ),
-        ("pair.key_file", '"none.key"', False, "none.key: cannot be read"),
-        ("pair.controller", '"centralized"', False, "pair.controller: centralized needs a station"),
-        ("pair.controller", '"none"', False, "controller: none has no programs"),
-        ("hardware.battery_low_v", "7.4", False, "hardware.battery_low_v: value is 7.4"),
-        ("hardware.servo_zero_deg", "-100.0", False, "palm.steep_deg: the servo of the left robot"),
-        ("hardware.stopping_s", "0.2", False, "hardware.stopping_s: value is 0.2"),
-        ("control.period_s", "0.001", True, "control.period_s: value is 0.001"),
-        ("control.watchdog_s", "0.05", True, "control.watchdog_s: value is 0.05"),
-        ("radio.lease_s", "0.1", True, "radio.lease_s: "),
-        ("robot.period_s", "0.02", True, "robot.left.period_s: value is 0.02; allowed on a board"),
-    ],
-)
-def test_a_pair_that_cannot_work_is_refused(
-    pair: Path, tmp_path: Path, key: str, value: str, in_scene: bool, line: str, here: Run
-) -> None:
-    with_key(pair, key, value, in_scene)
-    before = (tmp_path / "pair-state" / "left.json").read_text()
-    done = here("firmware", str(pair), "--out", str(tmp_path / "images"))
-    assert_refused(done, line)
-    assert not (tmp_path / "images").exists()
-    assert (tmp_path / "pair-state" / "left.json").read_text() == before
 
 
 @pytest.fixture

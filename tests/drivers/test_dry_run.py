@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-import palmbots as pb
 from palmbots.drivers import dry_run
 from palmbots.drivers.driver import Drive, DriverSettings, RawAccess
 from palmbots.drivers.driver_registry import open_driver
@@ -52,23 +51,3 @@ def test_it_states_each_command_once_with_the_speed_limit() -> None:
         "right robot, dry run: palm at 20.0 degrees, wheels at rest",
         "right robot, dry run: wheels at rest",
     ]
-
-
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        ({"scrpt": []}, "driver.options.scrpt: is an unknown key; allowed: script"),
-        ({"script": 5}, "driver.options.script: 5 is wrong; allowed: a list of pairs [time in s, "),
-        ({"script": [[1]]}, "driver.options.script: [1] is wrong; "),
-        ({"script": [[1, 2]]}, "driver.options.script: [1, 2] is wrong; "),
-        ({"script": [[1, True]]}, "driver.options.script: [1, true] is wrong; "),
-        ({"script": [[1, 0.5]]}, "driver.options.script: [1, 0.5] is wrong; "),
-        ({"script": [[2, 1], [1, 0]]}, "driver.options.script: [1, 0] is wrong; "),
-        ({"script": [[-1, 1]]}, "driver.options.script: [-1, 1] is wrong; "),
-        ({"script": [[math.nan, 1]]}, "driver.options.script: [nan, 1] is wrong; "),
-    ],
-)
-def test_a_wrong_option_is_refused_in_one_line(options: dict[str, Any], line: str) -> None:
-    with pytest.raises(pb.PalmbotsError) as refused:
-        open_driver("dry-run", settings(**options))
-    assert str(refused.value).startswith(line)

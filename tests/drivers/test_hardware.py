@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
 from palmbots.drivers.driver import Drive, RawCommand, RawReading
 from palmbots.drivers.hardware import (
@@ -26,7 +25,6 @@ from palmbots.drivers.hardware import (
     wheel_rates,
 )
 from palmbots.drivers.hardware_io import HardwareIo
-from palmbots.scene.error_messages import validation_message
 
 PERIOD_S = 0.01
 
@@ -203,38 +201,3 @@ def test_keys_of_one_robot_override_those_of_both() -> None:
     hardware = Hardware.model_validate({"trim": 0.01, "left": {"trim": -0.02}, "right": {}})
     assert (hardware.of("left").trim, hardware.of("right").trim) == (-0.02, 0.01)
     assert set(type(hardware.left).model_fields) == set(HardwareParameters.model_fields)
-
-
-@pytest.mark.parametrize(
-    ("table", "line"),
-    [
-        ({"trm": 1}, "trm: 1 is the value of an unknown key; did you mean trim?"),
-        (
-            {"left": {"trm": 1}},
-            "left.trm: 1 is the value of an unknown key; did you mean",
-        ),
-        ({"wheel_radius_m": 40}, "wheel_radius_m: 40 is too large; allowed: a number in m, from "),
-        (
-            {"servo_scale": 0},
-            "servo_scale: 0.0 is too close to 0; allowed: a number, ",
-        ),
-        (
-            {"right": {"dead_zone_m_s": 0.02}},
-            "stiction_m_s: 0.0 is less than dead_zone_m_s, ",
-        ),
-        (
-            {"right": {"dead_zone_m_s": 0.02, "stiction_m_s": 0.01}},
-            "right.stiction_m_s: 0.01 is less than dead_zone_m_s, which is 0.02; allowed: ",
-        ),
-        ({"servo_max_deg": 0}, "servo_max_deg: 0.0 is not more than servo_min_deg, which is 0; "),
-        ({"servo_min_pulse_s": 0.0025}, "servo_max_pulse_s: 0.0025 is not more than "),
-        ({"switches": []}, "switches: [] has 0 items; allowed: a list of 1 to 16 tables"),
-        ({"left": {"switches": [{"sign": "x"}]}}, 'left.switches[0].sign: "x" is not known; '),
-    ],
-)
-def test_faults_are_one_line(table: dict[str, Any], line: str) -> None:
-    with pytest.raises(ValidationError) as error:
-        Hardware.model_validate(table)
-    message = validation_message(error.value, Hardware)
-    assert message.startswith(line)
-    assert "\n" not in message

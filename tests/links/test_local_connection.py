@@ -61,28 +61,6 @@ def test_what_is_no_frame_is_refused(ends: tuple[Connection, Connection]) -> Non
     far.close()
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
-        "",
-        "7400",
-        "host:",
-        ":7400",
-        "host:port",
-        "h:99999",
-        "unix:",
-        "unix:a\0b",
-        "h:" + "9" * 5000,
-        "a\0b:80",
-        "a..b:80",
-    ],
-)
-def test_addresses_are_checked(address: str) -> None:
-    for use in (listen, lambda a: connect(a, "world", 0)):
-        with pytest.raises(pb.PalmbotsError, match=r"^address: value is .*; allowed: HOST:PORT, "):
-            use(address)
-
-
 def test_the_socket_of_a_file_goes_with_the_door(tmp_path: Path) -> None:
     address = f"unix:{tmp_path / 's'}"
     door = listen(address)

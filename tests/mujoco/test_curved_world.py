@@ -10,7 +10,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.logs.replaying import replay
-from palmbots.mujoco.curved_world import CurvedWorld, line_of, world_of
+from palmbots.mujoco.curved_world import CurvedWorld, world_of
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
 
@@ -182,23 +182,6 @@ def test_controllers_are_unchanged(controller: str) -> None:
     scene = load_scene(scene_with(radius_m=2.0), {"task.distance_m": 0.6})
     done = pb.carry(scene, controller, world="mujoco", seed=2, record=False)
     assert done.outcome == "delivered"
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"task.slope_deg": 2.0}, "task.slope_deg: 2 would tilt palms sideways"),
-        ({"mujoco.ridges": [{"at_m": 0.4, "height_m": 0.003}]}, "mujoco.ridges: lie across"),
-        (
-            {"mujoco.axle_m": 0.2, "task.path.radius_m": 0.5},
-            "0.5 is too tight for robots whose wheels stand 0.65 m apart",
-        ),
-        ({"object": "plank", "task.path.radius_m": 0.26}, "too tight for robots"),
-    ],
-)
-def test_slope_and_ridges_on_a_curved_path_are_refused(keys: dict[str, Any], message: str) -> None:
-    with pytest.raises(pb.SceneError, match=message):
-        line_of(load_scene(scene_with(), keys))
 
 
 def test_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.special import fresnel
 
 from palmbots.cli import main as cli
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import PalmbotsError
 from palmbots.mujoco.path_curve import Curve, curve_of
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import load_scene
@@ -170,69 +170,6 @@ def test_file_of_waypoints_is_stored_as_points(tmp_path: File) -> None:
     assert load_scene(beside).task.path == scene.task.path
     file.unlink()
     assert load_scene(scene.model_dump()) == scene
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("0,0\n1,1\n", "has 2 points; allowed: 3 to 10000 points"),
-        ("0,0\n1;1\n2,2\n", 'has "1;1" in line 2, which is not a point'),
-        ("0,0\n1,1,1\n2,2\n", 'has "1,1,1" in line 2, which is not a point'),
-        ("0,0\n1,nan\n2,2\n", "is not finite"),
-        (b"\xff\xfe\x00", "it is not UTF-8 text"),
-        ("1" * 200_000, "is not a CSV file"),
-        ("# a comment\n" * 100_000, "is larger than 1 MiB"),
-        (None, "No such file or directory"),
-    ],
-)
-def test_bad_files_are_refused_in_one_line(
-    text: str | bytes | None, message: str, tmp_path: File
-) -> None:
-    file = tmp_path / "way.csv"
-    if text is not None:
-        file.write_bytes(text.encode() if isinstance(text, str) else text)
-    with pytest.raises(SceneError) as refusal:
-        load_scene("paper", {"task.path.file": str(file)})
-    assert message in str(refusal.value) and "\n" not in str(refusal.value)
-
-
-def test_endless_file_is_refused() -> None:
-    with pytest.raises(SceneError, match=r"task.path.file: ./dev/zero. is not a CSV file"):
-        load_scene("paper", {"task.path.file": "/dev/zero"})
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"waypoints_m": [[0, 0], [1, 0]]}, "has 2 items; allowed: a list of 3 to 10000"),
-        ({"waypoints_m": [[0, 0], [1, 0], [1, 0.001]]}, "is 0.001 m from the waypoint before it"),
-        ({"kind": "waypoints"}, "waypoints_m: null is not set"),
-        ({"kind": "arc", "radius_m": 0.2}, "too tight for robots 0.25 m apart"),
-        ({"radius_m": 1.0}, "given to a path of kind straight; allowed: radius_m with kind = arc"),
-        ({"kind": "arc", "waypoints_m": [[0, 0], [1, 0], [2, 1]]}, "given to a path of kind arc"),
-        ({"kind": "circle"}, "'straight', 'arc', 's' or 'waypoints'"),
-        ({"kind": "arc", "turn": "up"}, "'left' or 'right'"),
-        ({"kind": "arc", "radius": 1.0}, "did you mean task.path.radius_m?"),
-    ],
-)
-def test_bad_paths_are_refused_in_one_line(keys: dict[str, Any], message: str) -> None:
-    with pytest.raises(SceneError) as refusal:
-        load_scene("paper", {f"task.path.{key}": value for key, value in keys.items()})
-    assert str(refusal.value).startswith("overrides: task.path.")
-    assert message in str(refusal.value)
-
-
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [
-        ([[0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]], "too tight for robots 0.25 m apart"),
-        ([[0, 0], [1, 0], [0, 0]], "turns back on the spot"),
-        ([[-999, 0], [0, 300], [999, 0]], "lead 2086 m far; allowed: at most 2000"),
-    ],
-)
-def test_waypoints_with_too_small_radii_are_refused(points: list, message: str) -> None:
-    with pytest.raises(SceneError, match=message):
-        curve(waypoints_m=points)
 
 
 def test_missing_scipy_is_reported_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,13 +50,6 @@ def test_a_second_calibration_replaces_the_first_and_keeps_both_backups(file: Pa
     assert len([*file.parent.glob("pair.toml.before*")]) == 3
 
 
-def test_values_that_do_not_fit_change_nothing(file: Path) -> None:
-    before = sorted(path.name for path in file.parent.iterdir()), file.read_text()
-    with pytest.raises(pb.PalmbotsError, match=r"hardware\.left\.trim: 3\.0 is too large; allowed"):
-        write_hardware(file, "left", {"trim": 3.0})
-    assert (sorted(path.name for path in file.parent.iterdir()), file.read_text()) == before
-
-
 def test_a_full_disk_changes_nothing(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import palmbots.pair.pair_edit as pair_edit
 
@@ -72,11 +65,3 @@ def test_a_full_disk_changes_nothing(file: Path, monkeypatch: pytest.MonkeyPatch
     with pytest.raises(pb.PalmbotsError, match="No space left"):
         write_hardware(file, "left", {"trim": 0.01})
     assert file.read_text() == before
-
-
-def test_a_damaged_file_is_one_line(file: Path) -> None:
-    file.write_text("[hardware\n")
-    with pytest.raises(pb.PalmbotsError) as error:
-        write_hardware(file, "left", {"trim": 0.01})
-    assert "not valid TOML" in str(error.value)
-    assert "\n" not in str(error.value)

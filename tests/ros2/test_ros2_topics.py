@@ -6,7 +6,6 @@ import sys
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
 import palmbots as pb
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -50,38 +49,6 @@ def test_topics_are_in_the_namespace_unless_they_are_absolute() -> None:
     assert settings.topic("left", settings.odom) == "/left/odom"
 
 
-@pytest.mark.parametrize(
-    "name", ["", "a b", "1st", "a//b", "a/", "a__b", "_a", "/", "ä", "a.b", "~a", 5, "a/2b"]
-)
-def test_names_that_ros_2_does_not_allow_are_refused(name: Any) -> None:
-    with pytest.raises(ValidationError):
-        Ros2Table(cmd_vel=name)
-    assert Ros2Table(odom="").odom == ""
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "line"),
-    [
-        ('"cmd_vel"', '"cmd vel"', 'ros2.cmd_vel: "cmd vel" is no name; allowed: a ROS 2 name '),
-        ('\nodom = "odom"', '\nodom = "a b"', 'ros2.odom: "a b" is no name; allowed: a ROS 2 name'),
-        ("domain_id = -1", "domain_id = 233", "ros2.domain_id: 233 is no domain; allowed: 0 to "),
-        ("domain_id = -1", "domain_id = true", "ros2.domain_id: true is no domain; allowed: 0 to "),
-        ("rate_hz = 50.0", "rate_hz = 0", "ros2.rate_hz: "),
-        ('"TwistStamped"', '"Spin"', "ros2.cmd_vel_type: "),
-        ("rate_hz = ", "rate = ", "ros2.rate: 50.0 is the value of an unknown key; did you mean "),
-    ],
-)
-def test_faults_of_the_keys_are_one_line(old: str, new: str, line: str, tmp_path: Any) -> None:
-    file = init_pair(tmp_path / "pair.toml")[0]
-    text = file.read_text(encoding="utf-8")
-    assert old in text
-    file.write_text(text.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(pb.PalmbotsError) as caught:
-        load_pair(file)
-    assert str(caught.value).startswith(f"{file}: {line}")
-    assert "\n" not in str(caught.value)
-
-
 def test_settings_of_ros_2_may_differ_between_the_robots(tmp_path: Any) -> None:
     pair = load_pair(init_pair(tmp_path / "pair.toml")[0])
     scene = pb.load_scene(pair.scene())
@@ -94,10 +61,6 @@ def test_the_domain(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (Ros2Table().domain(), Ros2Table(domain_id=7).domain()) == (0, 7)
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
     assert (Ros2Table().domain(), Ros2Table(domain_id=7).domain()) == (42, 7)
-    for text in ("x", "-1", "233", "9" * 5000, "1.5"):
-        monkeypatch.setenv("ROS_DOMAIN_ID", text)
-        with pytest.raises(pb.PalmbotsError, match=r"^ROS_DOMAIN_ID: value is .*; allowed: 0 to 2"):
-            Ros2Table().domain()
 
 
 @pytest.mark.parametrize("command", ["ros2", "robot"])

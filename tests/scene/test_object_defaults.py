@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.errors import SceneError
 from palmbots.scene.overrides import parse_overrides
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.variations import with_values
@@ -104,34 +103,6 @@ def test_other_overrides_leave_the_object_alone() -> None:
 def test_default_box_is_unchanged() -> None:
     assert Scene().object.com_m == (0.125, 0.04) and Scene().object.mass_kg == 0.5
     assert load_scene({"object": {}}) == load_scene("paper") == Scene()
-
-
-@pytest.mark.parametrize(
-    ("given", "line"),
-    [
-        (
-            {"vertices_m": [[0.1, 0], [0.25, 0.1], [0, 0.1]]},
-            "object.contacts: null is not set, and the outline has no level lower side: vertex 0 "
-            "alone is lowest; allowed: [left, right], two indices into object.vertices_m",
-        ),
-        (
-            {"vertices_m": [[0, 0], [0.1, 0], [0.4, 0.3], [0.35, 0.35]]},
-            "object.com_m: [0.211538461538, 0.162820512821] is the centroid of the outline, which "
-            "is not above the line between the contact vertices; allowed: a point above that line "
-            "and between its ends",
-        ),
-        (
-            {"vertices_m": [[0, 0], [0.01, 0], [0.01, 0.01]], "depth_m": 0.01},
-            "object.mass_kg: null is not set, and the outline at 125 kg/m³ has 6.25e-05 kg; "
-            "allowed: a number in kg, from 0.001 to 1000",
-        ),
-    ],
-)
-def test_outline_without_a_usable_default_is_refused(given: dict, line: str) -> None:
-    for source, overrides, called in (({"object": given}, None, "scene"), ({}, given, "overrides")):
-        with pytest.raises(SceneError) as error:
-            load_scene(source, overrides and {"object": overrides})
-        assert str(error.value) == f"{called}: {line}"
 
 
 @pytest.mark.parametrize("vertices", [L_SHAPE, U_SHAPE, TRAY, FRAME])

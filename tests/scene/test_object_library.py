@@ -9,13 +9,11 @@ import pytest
 import palmbots as pb
 from palmbots import read_log, write_log
 from palmbots._core import crossing_edges
-from palmbots.errors import SceneError
 from palmbots.scene.object_section import Object
 from palmbots.scene.scene import Scene, load_scene
 
 FOLDER = Path(pb.__file__).parent / "scene" / "data" / "objects"
 NAMES = ["box", "box-strips", "l-shape", "plank", "trapezoid", "tray"]
-KNOWN = "allowed: box, box-strips, l-shape, plank, trapezoid, tray, a file or a table"
 
 
 def area_and_centre(vertices) -> tuple[float, float, float]:
@@ -96,29 +94,6 @@ def test_dumps_and_logs_contain_the_table(tmp_path: Path) -> None:
     assert load_scene(read_log(tmp_path / "carry.mcap").scene) == result.scene
 
 
-@pytest.mark.parametrize(
-    ("overrides", "line"),
-    [
-        ({"object": "try"}, f'object: "try" is not a known object (did you mean tray?); {KNOWN}'),
-        ({"object": "xyz"}, f'object: "xyz" is not a known object; {KNOWN}'),
-        ({"object": "xyz", "object.mass_kg": 2}, f'object: "xyz" is not a known object; {KNOWN}'),
-        (
-            {"object": "tray\n"},
-            f'object: "tray\\n" is not a known object (did you mean tray?); {KNOWN}',
-        ),
-        (
-            {"object": 3},
-            "object: 3 is not a table; allowed: a table with the keys vertices_m, contacts, "
-            "com_m, mass_kg, depth_m",
-        ),
-    ],
-)
-def test_unknown_object_is_refused_in_one_line(overrides: dict, line: str) -> None:
-    with pytest.raises(SceneError) as error:
-        load_scene("paper", overrides)
-    assert str(error.value) == f"overrides: {line}"
-
-
 CRATE = "[object]\nvertices_m = [[0, 0], [0.4, 0], [0.4, 0.12], [0, 0.12]]\ndepth_m = 0.3\n"
 
 
@@ -143,38 +118,3 @@ def test_name_of_the_package_goes_before_a_file(tmp_path: Path, monkeypatch) -> 
     (tmp_path / "tray").write_text(CRATE)
     assert load_scene({"object": "tray"}).object.depth_m == 0.1
     assert load_scene({"object": "./tray"}).object.depth_m == 0.3
-
-
-FORM = "allowed: a TOML file with the table [object] alone"
-
-
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        (None, "cannot be used: no such file"),
-        ("\xff" * (1 << 20), "cannot be used: is larger than 1 MiB"),
-        ("[object", "cannot be used: line 1, end of the file: not valid TOML: Expected ']' at the "
-         "end of a table declaration"),
-        (CRATE + "[task]\n", "contains something else"),
-        ("", "contains something else"),
-        ("object = 3", "contains something else"),
-        ("[object]\nmas_kg = 1", "cannot be used: object.mas_kg: 1 is the value of an unknown key; "
-         "did you mean mass_kg? allowed at the top: vertices_m, contacts, com_m, mass_kg, depth_m"),
-        ("[object]\nmass_kg = -1", "cannot be used: object.mass_kg: -1 is too small; allowed: a "
-         "number in kg, from 0.001 to 1000"),
-    ],
-)  # fmt: skip
-def test_bad_object_file_is_refused_in_one_line(
-    text: str | None, problem: str, tmp_path: Path, monkeypatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "a").mkdir()
-    if text is not None:
-        (tmp_path / "a" / "crate.toml").write_text(text)
-    (tmp_path / "a" / "scene.toml").write_text('object = "crate.toml"\n')
-    with pytest.raises(SceneError) as error:
-        load_scene("a/scene.toml")
-    assert str(error.value) == f'a/scene.toml: object: "a/crate.toml" {problem}; {FORM}'
-    with pytest.raises(SceneError) as error:
-        load_scene("paper", {"object": "a/crate.toml"}, called="--set")
-    assert str(error.value) == f'--set object: "a/crate.toml" {problem}; {FORM}'

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes: what they hold, where they come from, and one clear line for everything that is wrong."""
+"""Scenes: what they hold and where they come from."""
 
 import json
 import math
 import tomllib
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,14 +21,6 @@ from strategies import scene_tables, scenes
 PAPER = Scene()
 
 KEYS = sorted(dotted_keys(Scene))
-
-
-def refusal(source, overrides=None) -> str:
-    with pytest.raises(SceneError) as error:
-        load_scene(source, overrides)
-    line = str(error.value)
-    assert line.isprintable(), "a message is one line"
-    return line
 
 
 # --- What a scene holds ---------------------------------------------------------------------------
@@ -173,57 +166,6 @@ def test_built_in_name_takes_precedence_over_a_file(tmp_path, monkeypatch):
     assert load_scene("./paper").radio.loss == 0.25
 
 
-def test_unreadable_file_is_refused_in_one_line(tmp_path):
-    names = "built-in scenes: figure8, paper, paper-offset"
-    assert refusal("papr") == f"papr: no such scene or file; did you mean paper? {names}"
-    assert refusal("") == (
-        'scene: value is ""; allowed: figure8, paper, paper-offset, or a TOML file'
-    )
-    assert refusal("x/y.toml") == f"x/y.toml: no such scene or file; {names}"
-    assert refusal(tmp_path) == f"{tmp_path}: is a folder; allowed: a scene file in TOML"
-    assert refusal("a\0b") == "a\\x00b: cannot be read: embedded null byte"
-    assert refusal("/dev/zero") == "/dev/zero: is larger than 1 MiB; allowed: a scene file in TOML"
-    assert refusal("/proc/self/mem") == "/proc/self/mem: cannot be read: Input/output error"
-    assert refusal("paper/x.toml") == f"paper/x.toml: no such scene or file; {names}"
-
-
-@pytest.mark.parametrize(
-    ("data", "line"),
-    [
-        (
-            b"[radio]\nloss = \xff\n",
-            "line 2 is not UTF-8 (byte 0xff); allowed: a scene file in TOML, saved as UTF-8",
-        ),
-        (b"[radio]\nloss = \n", "line 2, column 8: not valid TOML: Invalid value"),
-        (
-            b"[radio]\nloss = 1\nloss = 2\n",
-            "line 3, column 9: not valid TOML: Cannot overwrite a value",
-        ),
-        (
-            b"[radio]\nloss = [1,\n",
-            "line 3, end of the file: not valid TOML: Invalid value",
-        ),
-        (b"a = " + b"[" * 5000, "not valid TOML: lists nested too deeply"),
-        (
-            b"[radio]\nloss = 0" + b"x",
-            "line 2, column 9: not valid TOML: Expected newline or end of document after a "
-            "statement",
-        ),
-    ],
-)
-def test_invalid_toml_is_refused_with_its_place(tmp_path, data, line):
-    path = tmp_path / "bad.toml"
-    path.write_bytes(data)
-    assert refusal(path) == f"{path}: {line}"
-
-
-def test_source_of_wrong_type_is_refused():
-    allowed = "allowed: a built-in name, a path, a table or a Scene"
-    assert refusal(3) == f"3: is not a scene; {allowed}"
-    assert refusal(None) == f"null: is not a scene; {allowed}"
-    assert refusal("paper", [1]) == "overrides: [1] is not a table; allowed: {key: value}"
-
-
 # --- Friction, as a coefficient or as an angle ----------------------------------------------------
 
 
@@ -237,20 +179,6 @@ def test_friction_angle_sets_the_coefficient():
     own = load_scene("paper", {"palm.friction": 0.5, "palm.left.friction_angle_deg": 10.0})
     assert own.palm_of("left").friction == pytest.approx(math.tan(math.radians(10)), rel=1e-15)
     assert own.palm_of("right").friction == 0.5
-    with pytest.raises(SceneError, match="friction_angle_deg"):
-        load_scene("paper", {"palm.friction_angle_deg": 95.0})
-
-
-def test_friction_angle_and_coefficient_exclude_each_other_in_one_table():
-    both = {"friction": 0.4, "friction_angle_deg": 20.0}
-    line = (
-        "friction_angle_deg: 20.0 is given beside friction, which is 0.4; allowed: one of the two"
-    )
-    assert refusal({"palm": both}) == f"scene: palm.{line}"
-    assert refusal({"palm": {"left": both}}) == f"scene: palm.left.{line}"
-    assert refusal("paper", {"palm": both}) == f"overrides: palm.{line}"
-    dotted = {f"palm.right.{key}": value for key, value in both.items()}
-    assert refusal("paper", dotted) == f"overrides: palm.right.{line}"
 
 
 def test_override_of_one_way_to_give_friction_replaces_the_other():
@@ -313,3 +241,11 @@ def test_commands_print_a_warning_for_an_empty_scene(tmp_path, capsys, monkeypat
     assert cli.run(["study", "a.toml", "--estimate-cost"]) == 0
     line = "palmbots: warning: a.toml: nothing is set; this study runs the scene paper\n"
     assert capsys.readouterr().err == line
+
+
+def test_numpy_numbers_are_accepted():
+    for number in (np.float64(0.5), np.float32(0.5)):
+        assert load_scene("paper", {"radio.loss": number}).radio.loss == 0.5
+    one = load_scene("paper", {"radio.loss": np.int64(1), "object.contacts": [np.int8(0), 1]})
+    assert type(one.radio.loss) is float
+    assert type(one.object.contacts[0]) is int

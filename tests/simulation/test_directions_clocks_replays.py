@@ -195,32 +195,3 @@ def test_limp_palms_in_mujoco() -> None:
     scene = pb.load_scene("paper", limp | {"task.distance_m": 0.2, "task.timeout_s": 8.0})
     done = pb.carry(scene, "resilient", seed=0, world="mujoco", record=True)
     check_limp_palm(np.degrees(trace_of(done)["palm"].to_numpy()[:, 0]), 101, 200, 0.6)
-
-
-# --- refusals -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("overrides", "line"),
-    [
-        ({"radio.left.loss": 2}, "radio.left.loss: 2 is too large; allowed: "),
-        (
-            {"radio.left.los": 0.1},
-            "radio.left.los: 0.1 is the value of an unknown key; did you mean ",
-        ),
-        ({"radio.replay": -1}, "radio.replay: -1 is too small; allowed: "),
-        (
-            {"radio.right.latency_s": 3.0},
-            "radio.right.latency_s: 3.0 and a jitter_s of 0 are too long for control periods of ",
-        ),
-        (reboot(ppm=5.0), "faults.script[0]: "),
-        (reboot(kind="clock-rate"), "faults.script[0]: "),
-        (reboot(kind="freeze", limp_deg=5.0), "faults.script[0]: "),
-        (reboot(kind="clock-jump", loses_boot_counter=True), "faults.script[0]: "),
-    ],
-)
-def test_faults_are_one_line(overrides: dict[str, Any], line: str) -> None:
-    with pytest.raises(pb.SceneError) as error:
-        pb.load_scene("paper", overrides)
-    assert line in str(error.value)
-    assert "\n" not in str(error.value)

@@ -8,7 +8,6 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import wilson
-from palmbots.errors import SceneError
 from palmbots.simulation.result import Carry
 
 CALM: dict[str, Any] = {"robot.noise_m_s": 0.0}
@@ -118,34 +117,6 @@ def test_random_reboots_are_uniform_over_robots_and_time() -> None:
     assert np.mean(sides) == pytest.approx(0.5, abs=4 * 0.5 / np.sqrt(n))
     assert np.mean(starts) == pytest.approx(12.5, abs=4 * 7.2 / np.sqrt(n))
     assert np.std(starts) == pytest.approx(7.2, abs=1.2)
-
-
-@pytest.mark.parametrize(
-    ("fault", "needs"),
-    [
-        ({"kind": "reboot", "at_s": 1.0, "duration_s": 1.0}, "robot"),
-        ({"kind": "stuck", "robot": "left", "at_s": 1.0, "duration_s": 1.0}, "robot, stuck_at"),
-        (
-            {"kind": "intermittent", "robot": "left", "at_s": 1.0, "duration_s": 1.0},
-            "robot, probability",
-        ),
-        (
-            {"kind": "station-down", "robot": "left", "at_s": 1.0, "duration_s": 1.0},
-            "none of robot",
-        ),
-        (
-            {"kind": "reboot", "robot": "left", "at_s": 1.0, "duration_s": 1.0, "probability": 0.1},
-            "robot",
-        ),
-    ],
-)
-def test_fault_with_missing_keys_is_refused(fault: dict[str, Any], needs: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        broken("none", fault)
-    message = str(caught.value)
-    assert message.startswith("overrides: faults.script[0]")
-    assert needs in message
-    assert "\n" not in message
 
 
 def test_slow_clock_sends_fewer_beacons() -> None:

@@ -243,23 +243,3 @@ def test_imperfections_come_from_a_file_and_from_single_keys(tmp_path: Path) -> 
     found = load_imperfections([str(file), "left.trim=0.03", "right.wheel_scale=0.9"])
     assert (found.of("left").trim, found.of("left").wheel_scale) == (0.03, 1.02)
     assert (found.of("right").trim, found.of("right").wheel_scale) == (0.0, 0.9)
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("left.trim", "--imperfect left.trim: is not of the form KEY=VALUE; allowed: "),
-        (
-            "left.trm=1",
-            "--imperfect left.trm: 1 is the value of an unknown key; did you mean left.trim?",
-        ),
-        ("trim=1", "--imperfect trim: 1 is too large; allowed: a number, from -0.2 to 0.2"),
-        ("left.dead_zone_m_s=0.1", "--imperfect stiction_m_s: 0.0 is less than dead_zone_m_s, "),
-        ("servo_scale=0", "--imperfect servo_scale: 0.0 is too close to 0; allowed: "),
-        ("no.toml", "no.toml: no such file"),
-    ],
-)  # fmt: skip
-def test_faults_are_one_line(text: str, line: str) -> None:
-    with pytest.raises(pb.PalmbotsError) as error:
-        load_imperfections([text])
-    assert str(error.value).startswith(line)

@@ -146,25 +146,6 @@ def test_a_late_command_holds_up_those_after_it() -> None:
     assert shallow_since_s(other, "left") == usual
 
 
-@pytest.mark.parametrize(
-    ("mishap", "says"),
-    [
-        ({"sender": "left", "message": 0, "effect": "lost"}, "message.*is too small"),
-        ({"sender": "left", "message": 1, "effect": "delayed"}, "has no delay"),
-        ({"sender": "left", "message": 1, "effect": "lost", "delay_s": 1.0}, "has a delay"),
-        ({"sender": "left", "message": 1, "effect": "eaten"}, "effect"),
-        ({"sender": "world", "message": 1, "effect": "lost"}, "sender"),
-        ({"sender": "station", "message": 1, "effect": "lost"}, "has no receiver"),
-        ({"sender": "left", "receiver": "right", "message": 1, "effect": "lost"}, "has a receiver"),
-    ],
-)
-def test_bad_input_is_one_line(mishap: dict[str, Any], says: str) -> None:
-    with pytest.raises(pb.SceneError, match=says) as error:
-        pb.load_scene("paper", {"radio.script": [mishap]})
-    assert "radio.script" in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 # --- damaged packets ---
 
 

@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.errors import SceneError
-from palmbots.scene.scene import load_scene
 
 PUSHES = [
     {"robot": "left", "at_s": 0.5, "duration_s": 0.25, "speed_m_s": 0.08},
@@ -66,13 +64,3 @@ def test_a_push_moves_the_robots_of_the_mujoco_world() -> None:
         ends.append(float(trace["separation"][-1]))
     still, moved = ends
     assert moved - still == pytest.approx(0.25 * 0.04, abs=5e-4)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "named"),
-    [({"speed_m_s": 3.0}, "speed_m_s"), ({"robot": "up"}, "robot"), ({"at_s": -1.0}, "at_s")],
-)
-def test_a_bad_push_is_refused(wrong: dict[str, object], named: str) -> None:
-    with pytest.raises(SceneError, match=named) as refused:
-        load_scene("paper", {"bumps.pushes": [{**PUSHES[0], **wrong}]})
-    assert "\n" not in str(refused.value)

@@ -12,8 +12,12 @@ import palmbots as pb
 from palmbots.errors import PalmbotsError
 from site_pages import ROOT, Open, assert_reproduced, command_of, hash_of
 
-BAD = tomllib.loads((ROOT / "tests" / "scene" / "bad_scenes.toml").read_text("utf-8"))["bad"]
+REFUSALS = ROOT / "tests" / "laws" / "refusals" / "scenes.toml"
+BAD = tomllib.loads(REFUSALS.read_text("utf-8"))["scenes"]["rows"]
 MORE_BAD = (
+    "[palm]\nlength_m = 150", '[palm]\nlength_m = "15 cm"', "[palm]\nfriction = true",
+    "[radio]\nloss = nan", "[robot.left]\nspeed_m_s = -inf", "[palm.right]\nlength_m = -0.15",
+    "[palm]\nsteep_deg = 80", '[task]\ndirection = "left"', "[task]\ninertia = 1",
     '[task.path]\nkind = "s"', "[task.path]\nradius_m = 3", '[control]\nstart = "never"',
     '[faults]\nscript = [{kind = "bogus", robot = "left", at_s = 1, duration_s = 1}]',
     '[faults]\nscript = [{kind = "stuck", robot = "left", at_s = 1, duration_s = 1}]',
@@ -44,7 +48,7 @@ def give(page: Page, folder: Path, text: str) -> None:
 def test_every_bad_scene_is_refused_in_one_line(open_page: Open, tmp_path: Path) -> None:
     page = open_page("#carry?t=1")
     before = page.locator("#hash").inner_text()
-    for text in (*(entry["scene"] for entry in BAD), *MORE_BAD):
+    for text in (*(scene for scene, _ in BAD), *MORE_BAD):
         give(page, tmp_path, text)
         line = page.locator(".failure").inner_text()
         assert line.startswith("own.toml: "), text
@@ -62,14 +66,14 @@ def test_the_line_is_that_of_the_package(open_page: Open, tmp_path: Path) -> Non
     """Where, what and what is allowed, but for the page's own limits and the keys it suggests."""
     page = open_page("#carry?t=1")
     same = 0
-    for entry in BAD:
-        give(page, tmp_path, entry["scene"])
+    for scene, line in BAD:
+        give(page, tmp_path, scene)
         shown = page.locator(".failure").inner_text().removeprefix("own.toml: ")
-        key = entry["line"].split(":")[0]
+        key = line.split(":")[0]
         # The page looks at the time limit last, and has its own.
-        is_about_time = "time limit" in entry["line"]
-        assert shown.split(":")[0] == key or is_about_time, (shown, entry["line"])
-        same += shown.split(";")[0] == entry["line"].split(";")[0]
+        is_about_time = "time limit" in line
+        assert shown.split(":")[0] == key or is_about_time, (shown, line)
+        same += shown.split(";")[0] == line.split(";")[0]
         page.get_by_role("button", name="close").click()
         expect(page.locator(".failure")).to_have_count(0)
     assert same > len(BAD) / 2

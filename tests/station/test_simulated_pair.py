@@ -255,19 +255,3 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
     monkeypatch.setattr(state_keeper, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)
-
-
-@pytest.mark.parametrize(
-    ("controller", "line"),
-    [
-        ("centralized", "controller: centralized needs a station that decides; "),
-        ("none", "controller: none has no programs; "),
-        ("optimal", "controller: optimal reads the state of the world; "),
-    ],
-)
-def test_a_controller_that_no_robot_runs_is_refused(
-    controller: str, line: str, tmp_path: Path
-) -> None:
-    pair = load_pair(init_pair(tmp_path / "pair.toml", controller=controller)[0])
-    with pytest.raises(pb.PalmbotsError, match=f"^{line}"):
-        live_robot.run_live_robot(pair, "left")

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-import palmbots as pb
 import serial_oracle
 from palmbots.wire.serial_frames import (
     FRAME_NUMBERS,
@@ -97,28 +96,6 @@ def test_damage_is_counted_and_the_next_frame_is_found() -> None:
         good = serial_oracle.frame(20, b"good")
         assert decoder.take(bytes(frame) + good)[-1] == (20, b"good")
     assert decoder.damaged > 490
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        BoardCommand(256, True, True, 100),
-        BoardCommand(0, True, True, 70000),
-        BoardCommand(0, True, True, 100, 32768),
-        BoardCommand(0, True, True, 100, 0, 0, -32769),
-        BoardReading(left_count=2**31),
-        BoardIdentity(switches=-1),
-        BridgeReport(sent=2**32),
-    ],
-)
-def test_numbers_that_do_not_fit_are_refused(content: Content) -> None:
-    with pytest.raises(pb.PalmbotsError, match="does not fit into its field"):
-        frame_of(content)
-
-
-def test_content_that_is_too_long_is_refused() -> None:
-    with pytest.raises(pb.PalmbotsError, match=r"^frame: has 65 bytes; allowed: at most 64$"):
-        encode_frame("packet", bytes(65))
 
 
 @pytest.mark.parametrize(

@@ -136,8 +136,6 @@ def test_each_receiver_has_its_own_sequence_which_may_skip_numbers() -> None:
     assert left.send("station")[8:12] == (1).to_bytes(4, "little")
     left.skip_to("right", 500)  # has been used
     assert left.send("right")[8:12] == (501).to_bytes(4, "little")
-    with pytest.raises(pb.PalmbotsError, match=r"^sequence: value is 0; allowed: 1 to 4294967295$"):
-        left.skip_to("right", 0)
 
 
 def test_claimed_epoch_shows_an_end_that_its_counter_is_behind() -> None:
@@ -147,8 +145,6 @@ def test_claimed_epoch_shows_an_end_that_its_counter_is_behind() -> None:
     assert station.claimed_epoch("left") == 0
     assert station.receive(robot.send("station")).verdict == "no_session"
     assert (station.claimed_epoch("left"), station.claimed_epoch("right")) == (9, 0)
-    with pytest.raises(pb.PalmbotsError, match=r'^other: value is "up"; allowed: '):
-        station.claimed_epoch("up")  # type: ignore[arg-type]
 
 
 def test_packets_of_an_earlier_epoch_are_stale() -> None:
@@ -166,97 +162,3 @@ def test_used_up_sequence_numbers_are_refused() -> None:
     left._core = SimpleNamespace(send=lambda *_: None)  # type: ignore[assignment]
     with pytest.raises(pb.PalmbotsError, match=r"^sequence: all 4294967295 are used up; needed: "):
         left.send("right")
-
-
-GOOD = wire.Packet("left", "right", PAIR, epoch=1, sequence=1)
-
-LEGAL = "allowed: Hello, State, Status, Operate, Report, Command"
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"epoch": 0}, "epoch: value is 0; allowed: 1 to 16777215"),
-        ({"epoch": 2**24}, "epoch: value is 16777216; allowed: 1 to 16777215"),
-        ({"acknowledged": (0, 1)}, "acknowledged epoch: value is 0; allowed: 1 to 16777215"),
-        ({"acknowledged": (1, 0)}, "acknowledged sequence: value is 0; allowed: 1 to 4294967295"),
-        (
-            {"body": wire.State("morse", "")},  # type: ignore[arg-type]
-            'language: value is "morse"; allowed: "none", "messages", "beacons", "signs"',
-        ),
-        (
-            {"body": wire.State("messages", "Closing")},
-            'word of messages: value is "Closing"; allowed: "TiltUp", "TiltDown", "Ack"',
-        ),
-        (
-            {"body": wire.State("none", "Ack")},
-            'word of none: value is "Ack"; allowed: ""',
-        ),
-        (
-            {"body": wire.Operate("go"), "sender": "station"},  # type: ignore[arg-type]
-            'operation: value is "go"; allowed: "arm", "disarm", "start", "stop", "e_stop", '
-            '"release"',
-        ),
-        ({"body": wire.Hello(-1)}, "settings: value is -1; allowed: 0 to 4294967295"),
-        (
-            {"body": wire.Status(case="e"), "receiver": "station"},
-            'case: value is "e"; allowed: " ", "a", "b", "c", "d", "1", "2", "3", "4", "5", "6", '
-            '"7", "8"',
-        ),
-        (
-            {"body": wire.Status(value=65536), "receiver": "station"},
-            "value: value is 65536; allowed: 0 to 65535",
-        ),
-        (
-            {"body": wire.Operate("stop")},
-            'sender of an operation: value is "left"; allowed: "station"',
-        ),
-        ({"sequence": 0}, "sequence: value is 0; allowed: 1 to 4294967295"),
-        ({"sequence": True}, "sequence: value is true; allowed: 1 to 4294967295"),
-        ({"pair": 65536}, "pair: value is 65536; allowed: 0 to 65535"),
-        ({"sender": "top"}, 'sender: value is "top"; allowed: "left", "right", "station"'),
-        ({"receiver": "left"}, 'receiver: value is "left"; allowed: "right", "station"'),
-        ({"body": "TiltUp"}, f'body: value is "TiltUp"; {LEGAL}'),
-        ({"body": None}, f"body: value is None; {LEGAL}"),
-        (
-            {"body": wire.State("beacons", "TiltUp"), "receiver": "station"},
-            'receiver: value is "station"; allowed: "right"',
-        ),
-        (
-            {"body": wire.Command("steep", "hold")},
-            'sender of a command: value is "left"; allowed: "station"',
-        ),
-        (
-            {"body": wire.Report(0, "steep", True)},
-            'receiver: value is "right"; allowed: "station"',
-        ),
-        (
-            {"body": wire.Report(2, "steep", True), "receiver": "station"},  # type: ignore[arg-type]
-            "sign: value is 2; allowed: -1, 0, 1",
-        ),
-        (
-            {"body": wire.Command("flat", "hold"), "sender": "station"},  # type: ignore[arg-type]
-            'palm: value is "flat"; allowed: "steep", "shallow"',
-        ),
-    ],
-)
-def test_packets_that_are_not_allowed_are_refused(change: dict[str, object], message: str) -> None:
-    with pytest.raises(pb.PalmbotsError) as error:
-        wire.encode(replace(GOOD, **change), KEY)  # type: ignore[arg-type]
-    assert str(error.value) == message
-
-
-def test_invalid_keys_and_roles_are_refused() -> None:
-    for key in (b"", KEY[:15], KEY + b"0", "0123456789abcdef"):
-        with pytest.raises(pb.PalmbotsError, match=r"^key: is not 16 bytes; allowed: "):
-            wire.encode(GOOD, key)  # type: ignore[arg-type]
-        with pytest.raises(pb.PalmbotsError, match=r"^key: "):
-            wire.decode(bytes(32), key, PAIR, "left")  # type: ignore[arg-type]
-        with pytest.raises(pb.PalmbotsError, match=r"^key: "):
-            wire.Endpoint(key, PAIR, "left", 1)  # type: ignore[arg-type]
-    with pytest.raises(pb.PalmbotsError, match=r'^role: value is "up"; allowed: "left", '):
-        wire.Endpoint(KEY, PAIR, "up", 1)  # type: ignore[arg-type]
-    with pytest.raises(pb.PalmbotsError, match=r"^epoch: value is 0; allowed: 1 to 16777215$"):
-        wire.Endpoint(KEY, PAIR, "left", 0)
-    with pytest.raises(pb.PalmbotsError, match=r'^sender of a state: value is "station"; '):
-        wire.Endpoint(KEY, PAIR, "station", 1).send("left", wire.State("messages", "Ack"))

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every command refuses, whatever it does: unknown options, texts that are no numbers, values
+outside the declared limits, wrong values of common options, and outputs that cannot be written.
+"""
+
+import importlib
+import inspect
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from typer.main import get_command
+
+from commands import FUNCTIONS, Run, assert_refused, runner
+from palmbots.cli.main import build_app
+from palmbots.control.registry import shipped_names
+from palmbots.errors import PalmbotsError
+from palmbots.simulation import world_names
+
+NUMBERS = {int: "a whole number", float: "a number"}
+COMMON = {  # a wrong value of an option that several commands have, and what is said
+    "--controller": ("magic", f'value is "magic"; allowed: {", ".join(shipped_names())}, '
+                     "module:Class, FILE.py:Class, FILE.toml, FILE.toml@station"),
+    "--world": ("moon", 'value is "moon"; did you mean mujoco? allowed: '
+                f'{", ".join(world_names())}'),
+    "--precision": ("half", 'value is "half"; allowed: double, float'),
+    "--seed": ("-1", "value is -1; allowed: a whole number from 0 to 2^64-1"),
+    "--format": ("gif", 'value is "gif"; allowed: png, svg, pdf'),
+    "--set": ("radio.los=0.1",
+              "radio.los: 0.1 is the value of an unknown key; did you mean radio.loss?"),
+}  # fmt: skip
+NEEDED = {"export": ("--urdf", "a"), "world": ("--lockstep",)}
+"""Options without which some of a command's options are not looked at."""
+
+
+@pytest.fixture
+def here(capsys: pytest.CaptureFixture[str]) -> Run:
+    """`palmbots`, run in this process."""
+    return runner(capsys)
+
+
+def options(
+    group: Any = None, prefix: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Every option of every command, with the words of the command."""
+    for name, command in (group or get_command(build_app())).commands.items():
+        if hasattr(command, "commands"):
+            yield from options(command, (*prefix, name))
+            continue
+        for parameter in command.params:
+            if parameter.param_type_name == "option":
+                yield (*prefix, name), parameter
+
+
+def numbers_of(option: Any) -> list[type]:
+    """The types of the numbers that an option takes; empty: it takes none."""
+    kind = option.type_descriptor.annotation
+    parts = get_args(kind) or (kind,)
+    found = [one for part in parts for one in get_args(part) or (part,)]
+    return [one for one in found if one in NUMBERS]
+
+
+OPTIONS = list(options())
+NUMERIC = [(words, one) for words, one in OPTIONS if numbers_of(one)]
+LIMITED = [(one, key, option) for one in FUNCTIONS for key, option in one.options.items()
+           if option.least is not None and option.most is not None]  # fmt: skip
+OUTPUTS = [(words, name) for words, one in OPTIONS if one.metavar in ("DIR", "FILE")
+           for name in one.opts]  # fmt: skip
+
+
+def test_options_are_found() -> None:
+    assert {words[0] for words, _ in NUMERIC} > {"carry", "certify", "doctor", "noise-limit"}
+    assert {one.name for one, *_ in LIMITED} >= {"noise-limit", "bound", "drop-rate"}
+    outputs = {(*words, option) for words, option in OUTPUTS}
+    assert outputs > {("carry", "--out"), ("certify", "-o"), ("analyze", "--figures")}
+    assert set(COMMON) <= {name for _, one in OPTIONS for name in one.opts}
+
+
+def test_every_command_refuses_an_unknown_option(here: Run) -> None:
+    for words in {words for words, _ in OPTIONS}:
+        path = " ".join(words)
+        done = here(*words, "--frobnicate")
+        assert_refused(done, f"palmbots {path}: No such option: --frobnicate")
+        assert done.stderr.endswith(f"; see palmbots {path} --help\n")
+
+
+def test_every_number_refuses_what_is_none(here: Run) -> None:
+    for words, option in NUMERIC:
+        kinds, name = numbers_of(option), option.opts[0]
+        for wrong in ("1cm", "", "1.5")[: 3 if kinds[0] is int else 2]:
+            fine = [] if len(kinds) == 1 else ["0.1"]
+            line = f'palmbots: {name}: value is "{wrong}"; allowed: {NUMBERS[kinds[-1]]}; see '
+            done = here(*words, name, *fine, wrong)
+            assert done.stderr == f"{line}palmbots {' '.join(words)} --help\n", done
+            assert_refused(done)
+
+
+def test_values_outside_the_declared_limits_are_refused(here: Run) -> None:
+    """By the command, and by the function that it calls."""
+    for command, key, option in LIMITED:
+        function, least, most = command.load(), option.least, option.most
+        assert least is not None and most is not None
+        scale, step = 100 if option.percent else 1, 1 if isinstance(least, int) else 1e-4
+        shown = str if isinstance(least, int) else "{:g}".format
+        usual = f"--{key.replace('_', '-')}{'-percent' * option.percent}"
+        name = (option.names.split() or [usual])[0]
+        parameters = inspect.signature(function).parameters.values()
+        needed = {one.name: "paper" for one in parameters if one.default is one.empty}
+        for value in (least - step, most + step):
+            typed = shown(scale * value)
+            limits = f"allowed: {shown(scale * least)} to {shown(scale * most)}"
+            done = here(command.name, name, typed)
+            assert_refused(done, f"palmbots: {name}: value is {typed}; {limits}\n")
+            with pytest.raises(PalmbotsError) as error:
+                function(**needed, **{key: value})
+            limits = f"allowed: {shown(least)} to {shown(most)}"
+            assert str(error.value) == f"{key}: value is {shown(value)}; {limits}"
+
+
+@pytest.mark.parametrize("name", COMMON)
+def test_common_options_are_refused_alike(
+    name: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    wrong, line = COMMON[name]
+    between = " " if name == "--set" else ": "
+    for words, option in OPTIONS:
+        if name in option.opts:
+            assert_refused(
+                here(*words, *NEEDED.get(words[0], ()), name, wrong),
+                f"palmbots: {name}{between}{line}",
+            )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("words", "option"), OUTPUTS)
+def test_empty_output_name_is_refused(
+    words: tuple[str, ...], option: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``--out "$DIR"`` with DIR unset must not mean the working directory."""
+    monkeypatch.chdir(tmp_path)
+    argument = ["study.toml"] if words == ("study",) else []
+    assert_refused(here(*words, *argument, option, ""), option, 'value is ""; allowed: a name')
+    assert list(tmp_path.iterdir()) == []
+
+
+# Command with an output, and the function that does the work.
+WORK = {
+    **{
+        (one.name, "--out"): (one.module, one.function_name)
+        for one in FUNCTIONS
+        if one.declaration.figure
+    },
+    ("carry", "--out"): ("palmbots.simulation.single", "carry"),
+    ("design", "--out"): ("palmbots.stability.palm_angles", "design"),
+    ("analyze", "--figures"): ("palmbots.stability.analysis", "analyze"),
+}
+PROOF = ("palmbots.stability.certificates.prover", "certify")
+
+
+def forbid_work(command: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(*_: object, **__: object) -> None:
+        pytest.fail("worked before the output was checked")
+
+    module, function = WORK.get(command, PROOF)
+    monkeypatch.setattr(importlib.import_module(module), function, work)
+
+
+@pytest.mark.parametrize("command", WORK, ids=" ".join)
+def test_impossible_folder_is_refused_before_the_work(
+    command: tuple[str, str], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A misspelt --out must not cost hours of carries."""
+    forbid_work(command, monkeypatch)
+    taken = tmp_path / "file"
+    taken.write_text("mine")
+    assert_refused(here(*command, str(taken)), "file", "cannot be used as a folder")
+    assert taken.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["none/box.json", "file/box.json", ".", "/dev/full"])
+def test_impossible_certificate_file_is_refused_before_the_proof(
+    name: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certify = ("certify", "--out")
+    forbid_work(certify, monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    assert_refused(here(*certify, name), f"palmbots: {name}: cannot be written: ")
