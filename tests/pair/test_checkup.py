@@ -44,14 +44,14 @@ def wrong(found: list[Check]) -> list[str]:
 
 
 def test_a_pair_that_is_well_has_no_complaint(tmp_path: Path) -> None:
-    found = checks(SimulatedPair(tmp_path, "resilient", Air(delay=2)))
+    found = checks(SimulatedPair(tmp_path, "resilient", Air(delay_ms=20)))
     assert wrong(found) == []
     assert {check.about for check in found} == {"key", "driver", "clock", "battery"}
 
 
 @pytest.mark.parametrize("rate", [0.98, 0.99])
 def test_a_clock_that_runs_wrong_is_measured(rate: float, tmp_path: Path) -> None:
-    pair = SimulatedPair(tmp_path, "resilient", Air(delay=3, jitter=2, seed=1))
+    pair = SimulatedPair(tmp_path, "resilient", Air(delay_ms=30, jitter_ms=20, seed=1))
     pair.clock_rate["left"] = rate
     found = checks(pair, 60)
     lines = wrong(found)

@@ -27,14 +27,14 @@ def measured(folder: Path, air: Air, seconds: float = 60.0) -> dict[str, LinkFig
 
 
 def test_a_perfect_radio_has_no_losses(tmp_path: Path) -> None:
-    for one in measured(tmp_path, Air(delay=3), 5).values():
+    for one in measured(tmp_path, Air(delay_ms=30), 5).values():
         assert (one.lost, one.loss, one.mode) == (0, 0.0, "disarmed")
         # There and back, and until the robot answers and the station looks.
         assert all(0.06 <= trip <= 0.06 + 0.11 for trip in one.round_trips_s)
 
 
 def test_losses_are_those_of_the_radio(tmp_path: Path) -> None:
-    for one in measured(tmp_path, Air(delay=2, loss=0.2, seed=3)).values():
+    for one in measured(tmp_path, Air(delay_ms=20, loss=0.2, seed=3)).values():
         sent = one.received + one.lost
         assert sent > 1000
         assert one.loss == pytest.approx(0.2, abs=4 * math.sqrt(0.2 * 0.8 / sent))
@@ -42,7 +42,7 @@ def test_losses_are_those_of_the_radio(tmp_path: Path) -> None:
 
 def test_a_robot_that_is_not_there_has_no_figures(tmp_path: Path) -> None:
     air = Air()
-    air.cut = {("left", "station")}
+    air.cut(("left", "station"))
     figures = measured(tmp_path, air, 3)
     assert figures["left"].received == 0
     assert math.isnan(figures["left"].round_trip_s(0.5))

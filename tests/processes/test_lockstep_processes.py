@@ -8,48 +8,42 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import palmbots as pb
 from cxx import ROOT
 from json_output import read_json
+from live_faults import SIMULATED, faults_of, scene_with
 from waiting import wait_until
 
-HARD_RADIO = (
-    "radio.loss=0.1", "radio.latency_s=0.03", "radio.jitter_s=0.04", "radio.reorder=true",
-    "radio.duplicate=0.1", "radio.corruption=0.05",
-)  # fmt: skip
-FAULTS = (
-    'faults.script=[{kind="reboot", robot="left", at_s=4.0, duration_s=0.5},'
-    ' {kind="freeze", robot="right", at_s=9.0, duration_s=0.1},'
-    ' {kind="reboot", robot="right", at_s=12.0, duration_s=0.3}]',
-)
-DRIFT = ("robot.left.clock_ppm=20000.0", "robot.right.clock_ppm=-15000.0")
-OTHERS = (
-    "radio.left.latency_s=0.09", "radio.right.loss=0.1", "radio.replay=0.3",
-    'faults.script=[{kind="clock-rate", robot="left", at_s=2.0, duration_s=6.0, ppm=20000.0},'
-    ' {kind="clock-jump", robot="right", at_s=5.0, duration_s=0.8},'
-    ' {kind="reboot", robot="left", at_s=9.0, duration_s=0.5, limp_deg=9.0},'
-    ' {kind="reboot", robot="right", at_s=14.0, duration_s=0.5, loses_boot_counter=true}]',
-    "task.timeout_s=20.0",
-)  # fmt: skip
-SHORT = ("task.distance_m=0.9",)  # long enough for all faults
-PERIODS = ("robot.left.period_s=0.03", "robot.right.period_s=0.02")
-CASES = {
-    "resilient": ("resilient", ()),
-    "resilient, everything": ("resilient", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
+EVERYTHING = scene_with(*faults_of(SIMULATED)) | {"radio.corruption": 0.05}
+OTHERS = {
+    "radio.left.latency_s": 0.09, "radio.right.loss": 0.1, "radio.replay": 0.3,
+    "faults.script": [
+        {"kind": "clock-rate", "robot": "left", "at_s": 2.0, "duration_s": 6.0, "ppm": 20000.0},
+        {"kind": "clock-jump", "robot": "right", "at_s": 5.0, "duration_s": 0.8},
+        {"kind": "reboot", "robot": "left", "at_s": 9.0, "duration_s": 0.5, "limp_deg": 9.0},
+        {"kind": "reboot", "robot": "right", "at_s": 14.0, "duration_s": 0.5,
+         "loses_boot_counter": True},
+    ],
+    "task.timeout_s": 20.0,
+}  # fmt: skip
+SHORT = {"task.distance_m": 0.9}  # long enough for all faults
+PERIODS = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "resilient": ("resilient", {}),
+    "resilient, everything": ("resilient", SHORT | EVERYTHING),
     "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
     "distributed, directions, replays, lost counter": ("distributed", OTHERS),
-    "shared-sign, everything": ("shared-sign", (*SHORT, *HARD_RADIO, *FAULTS, *DRIFT)),
-    "resilient, a period per robot, everything": (
-        "resilient",
-        (*SHORT, *HARD_RADIO, *FAULTS, *PERIODS),
-    ),
-    "centralized, a period per robot": ("centralized", (*SHORT, *PERIODS)),
-    "silent": ("silent", (*SHORT, *FAULTS)),
+    "shared-sign, everything": ("shared-sign", SHORT | EVERYTHING),
+    "resilient, a period per robot, everything": ("resilient", SHORT | EVERYTHING | PERIODS),
+    "centralized, a period per robot": ("centralized", SHORT | PERIODS),
+    "silent": ("silent", SHORT | EVERYTHING),
     "distributed": ("distributed", SHORT),
-    "distributed, losses": ("distributed", (*SHORT, "radio.loss=0.02")),
-    "centralized, everything": ("centralized", (*SHORT, *HARD_RADIO, *FAULTS)),
+    "distributed, losses": ("distributed", SHORT | {"radio.loss": 0.02}),
+    "centralized, everything": ("centralized", SHORT | EVERYTHING),
     "policy": ("examples/policies/table-1.toml", SHORT),
     "class in Python": ("CLASS", SHORT),
 }
@@ -81,12 +75,12 @@ EACH = [pytest.param(case, marks=pytest.mark.soak if case in LONG else ()) for c
 
 
 @pytest.mark.parametrize("case", EACH)
-def test_processes_carry_as_one_program(case: str, own_class: str) -> None:
+def test_processes_carry_as_one_program(case: str, own_class: str, tmp_path: Path) -> None:
     controller, overrides = CASES[case]
     controller = controller.replace("CLASS", own_class)
-    arguments = ["paper", "--controller", controller, "--seed", "3", "--json"]
-    for override in overrides:
-        arguments += ["--set", override]
+    scene = tmp_path / "scene.toml"
+    scene.write_text(pb.load_scene("paper", overrides).to_toml())
+    arguments = [str(scene), "--controller", controller, "--seed", "3", "--json"]
     status, expected, _ = palmbots(["carry", *arguments], ROOT)
     up_status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
     assert errors == ""

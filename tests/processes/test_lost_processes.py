@@ -66,21 +66,6 @@ def test_a_killed_station_starts_again_and_sees_the_end(pair: SteppedProcesses) 
     assert pair.lines().count("script: start") == 1, pair.lines()  # it is not carried again
 
 
-@pytest.mark.parametrize("how", ["suspended", "killed"])
-def test_without_a_station_both_robots_stop(how: str, pair: SteppedProcesses) -> None:
-    carrying(pair)
-    if how == "killed":
-        pair.kill("station")
-        pair.run(5.0)
-        pair.restart("station")
-    else:
-        pair.suspend("station")
-        pair.run(5.0)
-        pair.resume("station")
-    ends_with(pair, "station_lost")
-    assert says(pair, r"left: fault \(station_lost\)"), pair.report()
-
-
 def test_a_killed_world_voids_the_carry_and_another_one_can_begin(pair: SteppedProcesses) -> None:
     carrying(pair)
     pair.kill("world")

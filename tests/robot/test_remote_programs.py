@@ -7,6 +7,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from live_faults import SIMULATED, faults_of, scene_with
 from palmbots.control.registry import resolve
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import ends_of, establish_sessions, remote
@@ -14,19 +15,7 @@ from palmbots.simulation.lockstep_world import ends_of, establish_sessions, remo
 SIDES = ("left", "right")
 KEY = bytes(range(16))
 PAIR = 7
-HARD_RADIO = {
-    "radio.loss": 0.1, "radio.jitter_s": 0.04, "radio.latency_s": 0.03, "radio.reorder": True,
-    "radio.duplicate": 0.1, "radio.corruption": 0.05,
-}  # fmt: skip
-REBOOTS = {
-    "faults.script": [
-        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5},
-        {"kind": "freeze", "robot": "right", "at_s": 9.0, "duration_s": 0.1},
-        {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.3},
-    ]
-}
 STATION_LOST = {"faults.script": [{"kind": "station-down", "at_s": 5.0, "duration_s": 1.0}]}
-DRIFT = {"robot.left.clock_ppm": 20000.0, "robot.right.clock_ppm": -15000.0}
 DIRECTIONS = {
     "radio.left.latency_s": 0.09, "radio.left.loss": 0.1, "radio.right.jitter_s": 0.03,
     "radio.station.loss": 0.05,
@@ -100,42 +89,23 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
     return inside, outside
 
 
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(
-    "overrides",
-    [
-        {},
-        {"radio.loss": 0.1},
-        HARD_RADIO,
-        REBOOTS,
-        STATION_LOST,
-        DRIFT,
-        HARD_RADIO | REBOOTS | DRIFT,
-        DIRECTIONS,
-        REPLAY,
-        CLOCKS,
-        LOST,
-        PERIODS,
-        HARD_RADIO | DIRECTIONS | REPLAY | CLOCKS,
-        HARD_RADIO | REBOOTS | DRIFT | PERIODS,
-    ],
-    ids=[
-        "plain",
-        "loss",
-        "hard-radio",
-        "reboots",
-        "station-lost",
-        "drift",
-        "everything",
-        "directions",
-        "replay",
-        "clocks",
-        "lost",
-        "periods",
-        "everything else",
-        "everything with periods",
-    ],
-)
+LIVE = {name: scene_with(name) for name in faults_of(SIMULATED)}
+EVERYTHING = scene_with(*LIVE) | {"radio.corruption": 0.05}
+CASES = LIVE | {
+    "everything": EVERYTHING,
+    "station lost": STATION_LOST,
+    "directions": DIRECTIONS,
+    "replay": REPLAY,
+    "clocks": CLOCKS,
+    "lost": LOST,
+    "periods": PERIODS,
+    "everything with directions, replay and clocks": EVERYTHING | DIRECTIONS | REPLAY | CLOCKS,
+    "everything with periods": EVERYTHING | PERIODS,
+}
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize(
     "controller",
     [
@@ -147,10 +117,8 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
         "examples/policies/table-1.toml",
     ],
 )
-def test_programs_carry_as_inside_one_program(
-    controller: str, overrides: dict[str, Any], seed: int
-) -> None:
-    inside, outside = both_ways(controller, overrides, seed)
+def test_programs_carry_as_inside_one_program(controller: str, case: str, seed: int) -> None:
+    inside, outside = both_ways(controller, CASES[case], seed)
     assert outside.trace_hash == inside.trace_hash
     assert outside.summary() == inside.summary()
     assert outside.message_log == inside.message_log

@@ -25,9 +25,9 @@ def test_a_wish_does_not_arm_or_start_again_after_a_fault(wish: Any, tmp_path: P
     pair.wish("arm", "armed")
     if wish == "start":
         pair.wish("start", *CARRYING)
-    pair.air.cut = {("station", "left"), ("station", "right")}
+    pair.air.cut(("station", "left"), ("station", "right"))
     pair.run_until(("fault",), within=150)
-    pair.air.cut = set()
+    pair.air.cut()
     pair.run(600)
     assert pair.modes() == ("fault", "fault")
     pair.wish("arm", "armed")  # the operator may
@@ -36,12 +36,12 @@ def test_a_wish_does_not_arm_or_start_again_after_a_fault(wish: Any, tmp_path: P
 def test_a_refused_wish_lapses(tmp_path: Path) -> None:
     """What prevented it may end at any later time, when nobody expects a robot to arm."""
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
-    pair.air.cut = {("left", "right"), ("right", "left")}
+    pair.air.cut(("left", "right"), ("right", "left"))
     pair.station.wish("arm")
     pair.run(600)
     assert pair.modes() == ("disarmed", "disarmed")
     assert pair.station.has_lapsed()
-    pair.air.cut = set()
+    pair.air.cut()
     pair.run(300)
     assert pair.modes() == ("disarmed", "disarmed")
     late = [line for line in pair.lines if "no effect within 5 s" in line]
@@ -56,9 +56,9 @@ def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
     while done is None and set(pair.modes()) != {"armed"}:
         done = next(script)
         pair.run(STEP)
-    pair.air.cut = {("station", "left"), ("station", "right")}
+    pair.air.cut(("station", "left"), ("station", "right"))
     pair.run_until(("fault",), within=150)
-    pair.air.cut = set()
+    pair.air.cut()
     for _ in range(400):
         if done is not None:
             break
@@ -71,7 +71,7 @@ def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
 def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) -> None:
     """The robots hear the station, and never each other."""
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
-    pair.air.cut = {("left", "right"), ("right", "left")}
+    pair.air.cut(("left", "right"), ("right", "left"))
     assert pair.carry() is False
     assert pair.station.time_s() < 30
     assert sum("script: arm" in line for line in pair.lines) == 3
@@ -94,9 +94,9 @@ def test_a_station_that_was_killed_at_the_end_does_not_carry_again(
     if end == "done":
         pair.run_until(("done",), within=3000)  # the old station still answers
     else:
-        pair.air.cut = {("station", "left"), ("station", "right")}
+        pair.air.cut(("station", "left"), ("station", "right"))
         pair.run_until(("fault",), within=150)
-        pair.air.cut = set()
+        pair.air.cut()
     for _ in range(30):  # until the wheels rest
         pair.air.now += 1
         pair.move()

@@ -32,7 +32,7 @@ def test_only_endpoints_compute_the_tags_of_a_pair(
     monkeypatch.setattr(_core.wire, "encode", refuse)
     monkeypatch.setattr(_core.wire, "retagged", counted)
     pair = SimulatedPair(
-        tmp_path, "shared-sign", Air(delay=2, loss=0.1, duplicate=0.1), UP, logs=logs
+        tmp_path, "shared-sign", Air(delay_ms=20, loss=0.1, duplicate=0.1), UP, logs=logs
     )
     assert pair.carry()
     assert all(end.copies and end.received for end in pair.station.statistics.ends.values())

@@ -55,7 +55,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_the_logs_of_a_carry_are_verified(controller: str, tmp_path: Path, clock: Any) -> None:
-    air = Air(delay=3, loss=0.1, jitter=2, duplicate=0.1, seed=4)
+    air = Air(delay_ms=30, loss=0.1, jitter_ms=20, duplicate=0.1, seed=4)
     clock["air"] = air
     pair = LoggedPair(tmp_path, controller, air, UP, {"task.distance_m": 0.15})
     pair.carry()
@@ -99,7 +99,7 @@ def test_no_packet_of_a_log_has_the_tag_of_the_pair(tmp_path: Path) -> None:
 
 
 def test_every_boot_has_a_log_of_its_own(tmp_path: Path) -> None:
-    pair = LoggedPair(tmp_path, "resilient", Air(delay=2), UP)
+    pair = LoggedPair(tmp_path, "resilient", Air(delay_ms=20), UP)
     pair.start()
     pair.run(100)
     pair.boot("left")

@@ -5,10 +5,9 @@ What runs is what the processes of `palmbots up` run: the loop and the driver of
 motor board, and the station. Only radio, clocks, sockets and disks are replaced.
 """
 
-import random
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_args
@@ -17,6 +16,7 @@ from palmbots._types import SIDES, Side
 from palmbots.clocks.control_clock import JITTER_LIMITS_MS
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.link import Link
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -35,40 +35,40 @@ from palmbots.station.station_log import StationLog
 from palmbots.wire import Operation, RobotMode, Role
 
 _MOST_TICKS = 20_000
+_ROUNDING_S = 1e-6
 
 
-@dataclass
 class Air:
-    """A radio between the three ends: delay and jitter [ticks], loss and copies."""
+    """A radio between the three ends, on the time of the pair.
 
-    delay: int = 1
-    loss: float = 0.0
-    jitter: int = 0
-    duplicate: float = 0.0
-    seed: int = 0
-    now: int = 0
-    """Ticks since the start."""
-    under_way: list[tuple[int, str, str, bytes]] = field(default_factory=list)
-    cut: set[tuple[str, str]] = field(default_factory=set)
-    """Senders and receivers between which nothing arrives."""
+    Args:
+        seed: of the packets' fates.
+        impairment: numbers of `palmbots.links.impairment.Impairment`; a delay of 10 ms by default.
+    """
 
-    def __post_init__(self) -> None:
-        self._chance = random.Random(self.seed)
+    def __init__(self, seed: int = 0, **impairment: float) -> None:
+        packets = ImpairedPackets(Impairment(**({"delay_ms": 10.0} | impairment)), seed)
+        self.now = 0
+        """Control periods since the start."""
+        self.period_s = 0.01
+        """Of the pair, which sets it."""
+        self.cut = packets.cut
+        self._packets = packets
+        self._arrived: defaultdict[str, list[bytes]] = defaultdict(list)
+
+    @property
+    def _now_s(self) -> float:
+        return self.period_s * self.now
 
     def send(self, sender: str, receiver: str, data: bytes) -> None:
         """Send a packet, which may be lost, late or repeated."""
-        if self._chance.random() < self.loss or (sender, receiver) in self.cut:
-            return
-        for _ in range(2 if self._chance.random() < self.duplicate else 1):
-            due = self.now + self.delay + self._chance.randint(-self.jitter, self.jitter)
-            self.under_way.append((max(due, self.now + 1), sender, receiver, data))
+        self._packets.send(self._now_s, sender, receiver, data)
 
     def receive(self, receiver: str) -> list[bytes]:
         """The packets that have arrived."""
-        arrived = [p for p in self.under_way if p[2] == receiver and p[0] <= self.now]
-        arrived.sort(key=lambda packet: packet[0])
-        self.under_way = [p for p in self.under_way if p not in arrived]
-        return [data for *_, data in arrived]
+        for end, data in self._packets.due(self._now_s + _ROUNDING_S):
+            self._arrived[end].append(data)
+        return self._arrived.pop(receiver, [])
 
     def link(self, end: str) -> Link:
         """The link of one end."""
@@ -169,7 +169,7 @@ class SimulatedPair:
         file = folder / "pair.toml"
         init_pair(file, scene="scene.toml", controller=controller, values=dict(values or {}))
         self.pair, self.air = load_pair(file).with_logs(None, is_off=not logs), air
-        self.period_s = self.scene.control.period_s
+        self.period_s = air.period_s = self.scene.control.period_s
         watchdog = round(self.scene.control.watchdog_s / self.period_s)
         self.stage: Stage
         if imperfections is None:

@@ -150,7 +150,10 @@ def _span(ticks: dict[Side, list[tuple[float, Any]]]) -> tuple[float, float]:
 
 
 def _rows(ticks: list[tuple[float, Any]], times: Any) -> list[Any]:
-    """The newest tick at each of these times."""
+    """The newest tick at each of these times. After the wheels' last turn only the first tick at
+    rest counts: later ones belong to no carry, and their progress is 0."""
+    last = max(k for k, (_, tick) in enumerate(ticks) if tick.wheels)
+    ticks = ticks[: last + 2]
     instants = np.array([now for now, _ in ticks])
     places = np.clip(np.searchsorted(instants, times, side="right") - 1, 0, len(ticks) - 1)
     return [ticks[k][1] for k in places]
