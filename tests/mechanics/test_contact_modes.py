@@ -11,7 +11,7 @@ import palmbots as pb
 from palmbots.mechanics.mode_analysis import CONTACT_MODES as NAMES
 from statics_oracle import DOWN, MODES, STICK, UP, State, balanced_modes, random_state
 
-STATES = 2000
+STATES = 1000
 # Squeezes (in units of the weight) closer than this are equal but for rounding.
 NEAR = 1e-6
 

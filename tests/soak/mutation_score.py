@@ -70,7 +70,7 @@ PYTHON_ROOMS = {
 }
 SANITIZERS = "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all"
 LONGEST_S = 20  # a program or file that takes longer is left out
-FIELDS = ("number", "mutant", "result", "by")
+FIELDS: tuple[str, ...] = ("number", "mutant", "result", "by")
 BUILD_TRIES = 8
 PATIENCE, LEAST_S = 10, 20
 _PLACE = re.compile(r"include/(palmbots/\w+/\w+\.hpp):(\d+):\d+: error:")
@@ -185,7 +185,7 @@ def _forget(is_old: Callable[[dict[str, str]], bool]) -> None:
         with RESULTS.open(newline="") as stream:
             kept = [row for row in csv.DictReader(stream) if not is_old(row)]
         with RESULTS.open("w", newline="") as stream:
-            writer = csv.DictWriter(stream, list(FIELDS))
+            writer = csv.DictWriter(stream, FIELDS)
             writer.writeheader()
             writer.writerows(kept)
 
