@@ -30,7 +30,7 @@ class Result:
     """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
     more_figures: tuple[str, ...] = ()
     """Names of the other figures in `FIGURES` that `plot` draws on request."""
-    text: str | None = None
+    lines_of: str | None = None
     """``module:function`` that yields the `lines` of this kind of result; None: it has no module
     of its own for them."""
 
@@ -40,8 +40,8 @@ class Result:
         The first line states the result. Unless a kind of result has lines of its own, a table of
         its short values follows.
         """
-        if self.text is not None:
-            return resolve_name(self.text)(self)
+        if self.lines_of is not None:
+            return resolve_name(self.lines_of)(self)
         return iter((type(self).__name__, Table(self.value_rows())))
 
     def value_rows(self, *names: str) -> list[tuple[str, str]]:

@@ -122,7 +122,7 @@ def sorted_departures(found: Refinement) -> list[Departure]:
 class DerivedRules(Result):
     """The rules that follow from a policy of the paper."""
 
-    text = "palmbots.derivation.rule_lines:rule_lines"
+    lines_of = "palmbots.derivation.rule_lines:rule_lines"
 
     name: str
     """Of the policy."""

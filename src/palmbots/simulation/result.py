@@ -89,7 +89,7 @@ class Carry(Result):
 
     figure = "carry"
     more_figures = ("message_sequence",)
-    text = "palmbots.simulation.carry_lines:carry_lines"
+    lines_of = "palmbots.simulation.carry_lines:carry_lines"
 
     scene: Scene
     controller: str

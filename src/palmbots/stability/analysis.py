@@ -114,7 +114,7 @@ class ByProperty(ByMotion[T], Generic[T]):
 class Analysis(Result):
     """The result of `analyze`. Each range varies one quantity; all others are as in the scene."""
 
-    text = "palmbots.stability.analysis_lines:analysis_lines"
+    lines_of = "palmbots.stability.analysis_lines:analysis_lines"
 
     scene: Scene
     problem: StabilityProblem = field(metadata=NOT_IN_JSON)

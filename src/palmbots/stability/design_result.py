@@ -64,7 +64,7 @@ class ReactionTimes:
 class Design(Result):
     """The best pair of angles with its tolerance, its noise limit and a certificate."""
 
-    text = "palmbots.stability.design_lines:design_lines"
+    lines_of = "palmbots.stability.design_lines:design_lines"
 
     scene: Scene
     """As given, with its own angles."""

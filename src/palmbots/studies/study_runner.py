@@ -79,7 +79,7 @@ class StudyResult(Result):
     """A finished study."""
 
     figure = "study"
-    text = "palmbots.studies.study_lines:study_lines"
+    lines_of = "palmbots.studies.study_lines:study_lines"
 
     points: Points = field(metadata=NOT_IN_JSON)
     output: Path

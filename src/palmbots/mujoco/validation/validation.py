@@ -122,7 +122,7 @@ class Validation(Result):
     """The comparison of MuJoCo with the quasistatic world."""
 
     figure = "validation"
-    text = "palmbots.mujoco.validation.validation_lines:validation_lines"
+    lines_of = "palmbots.mujoco.validation.validation_lines:validation_lines"
 
     scene: Scene
     controller: str

@@ -51,7 +51,7 @@ Claims = Sequence[str] | None
 class Certificate(Result):
     """The result of a proof; `data` is the content of the file."""
 
-    text = "palmbots.stability.certificates.certificate_lines:certificate_lines"
+    lines_of = "palmbots.stability.certificates.certificate_lines:certificate_lines"
 
     verdict: Verdict
     data: dict[str, Any] = field(metadata=NOT_IN_JSON)
