@@ -14,16 +14,11 @@ from mcap_protobuf.decoder import DecoderFactory
 
 import palmbots as pb
 from palmbots import write_log
-from palmbots.logs.scene_updates import (
-    prism_triangles,
-    ros_string,
-    scene_update,
-    transforms,
-    triangulate,
-)
-from palmbots.logs.solids import Prism, contact_balls, solids, urdf
+from palmbots.logs.robot_description import urdf
+from palmbots.logs.scene_updates import ros_string, scene_update, transforms
 from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
+from palmbots.viz.solids import Prism, contact_balls, solids
 
 BOX = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0))
 ARROW = ((0.0, 0.0), (2.0, 1.0), (4.0, 0.0), (2.0, 4.0))
@@ -55,18 +50,10 @@ def done():
 
 
 @pytest.mark.parametrize("outline", [BOX, ARROW, ALONG, COMB])
-def test_triangles_cover_the_polygon(outline):
-    pieces = triangulate(outline)
-    assert len(pieces) == len(outline) - 2
-    assert all(area(piece) >= 0 for piece in pieces)
-    assert sum(area(piece) for piece in pieces) == pytest.approx(area(outline))
-
-
-@pytest.mark.parametrize("outline", [BOX, ARROW, ALONG, COMB])
 def test_prism_is_closed_and_faces_outward(outline):
     """Gauss: the volume under outward faces is area × depth only if all of them face outward."""
-    corners = np.array(prism_triangles(Prism(outline, 0.5))).reshape(-1, 3, 3)
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    corners, faces = Prism(outline, 0.5).mesh()
+    a, b, c = np.array(corners)[np.array(faces).T]
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(area(outline) * 0.5)
     normals = np.cross(b - a, c - a)

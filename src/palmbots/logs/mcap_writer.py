@@ -21,10 +21,11 @@ from palmbots._util.atomic_files import whole_file
 from palmbots.errors import PalmbotsError
 from palmbots.logs import scene_updates
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, state_channels, variables_of
-from palmbots.logs.solids import contact_balls, solids, urdf
+from palmbots.logs.robot_description import urdf
 from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.result import Carry
+from palmbots.viz.solids import contact_balls, solids
 
 if TYPE_CHECKING:
     import xarray as xr

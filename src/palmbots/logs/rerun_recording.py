@@ -14,10 +14,9 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
-from palmbots.logs.scene_updates import prism_triangles
-from palmbots.logs.solids import WORLD, Box, Cylinder, Prism, Solid, poses, solids
 from palmbots.scene.placement import Placement, placements
 from palmbots.scene.spec import to_spec
+from palmbots.viz.solids import WORLD, Box, Cylinder, Prism, Solid, poses, solids
 from palmbots.viz.style import DROP, SLIDES, ZERO
 
 if TYPE_CHECKING:
@@ -118,10 +117,10 @@ def _log_solid(rr: Any, recording: Any, part: Solid, number: int) -> None:
         )  # fmt: skip
         recording.log(place, wheel, static=True)
     elif isinstance(shape, Prism):
-        corners = np.array(prism_triangles(shape))
+        corners, faces = shape.mesh()
         mesh = rr.Mesh3D(
             vertex_positions=corners,
-            triangle_indices=np.arange(len(corners)).reshape(-1, 3),
+            triangle_indices=faces,
             vertex_colors=[_colour(colour)] * len(corners),
         )
         recording.log(place, mesh, static=True)

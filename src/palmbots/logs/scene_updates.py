@@ -22,8 +22,8 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from palmbots._types import SIDES
-from palmbots.logs.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector, poses
 from palmbots.scene.placement import Placement
+from palmbots.viz.solids import WORLD, Ball, Box, Cylinder, Solid, Vector, poses
 from palmbots.viz.style import SLIDES, ZERO
 
 
@@ -115,52 +115,10 @@ def _add(entity: SceneEntity, part: Solid) -> None:
         size = Vector3(x=2 * shape.radius, y=2 * shape.radius, z=2 * shape.radius)
         entity.spheres.add(pose=_pose((0.0, 0.0, 0.0), Quaternion(w=1.0)), size=size, color=colour)
     else:
+        corners, faces = shape.mesh()
+        points = (corners[i] for face in faces for i in face)
         entity.triangles.add(
             pose=_pose((0.0, 0.0, 0.0), Quaternion(w=1.0)),
-            points=[Point3(x=x, y=y, z=z) for x, y, z in prism_triangles(shape)],
+            points=[Point3(x=x, y=y, z=z) for x, y, z in points],
             color=colour,
         )
-
-
-def prism_triangles(prism: Prism) -> list[Vector]:
-    """Corners of the triangles of a prism, counter-clockwise seen from outside."""
-    half = prism.depth / 2
-    corners: list[Vector] = []
-    for a, b, c in triangulate(prism.outline):
-        near = [(x, -half, z) for x, z in (a, b, c)]  # seen from −y, x goes right and z up
-        far = [(x, half, z) for x, z in (c, b, a)]
-        corners += [*near, *far]
-    outline = prism.outline
-    for (ax, az), (bx, bz) in zip(outline, (*outline[1:], outline[0]), strict=True):
-        corners += [(ax, -half, az), (ax, half, az), (bx, half, bz)]
-        corners += [(ax, -half, az), (bx, half, bz), (bx, -half, bz)]
-    return corners
-
-
-def triangulate(
-    outline: tuple[tuple[float, float], ...],
-) -> list[tuple[tuple[float, float], tuple[float, float], tuple[float, float]]]:
-    """Triangulate a simple counter-clockwise polygon by ear clipping."""
-
-    def area(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    left = list(outline)
-    triangles = []
-    while len(left) > 3:
-        for k in range(len(left)):
-            a, b, c = left[k - 1], left[k], left[(k + 1) % len(left)]
-            others = (p for p in left if p not in (a, b, c))
-            if area(a, b, c) > 0 and not any(
-                area(a, b, p) >= 0 and area(b, c, p) >= 0 and area(c, a, p) >= 0 for p in others
-            ):
-                triangles.append((a, b, c))
-                break
-        else:  # only ears without area are left; one of them is removed
-            k = min(
-                range(len(left)),
-                key=lambda i: abs(area(left[i - 1], left[i], left[(i + 1) % len(left)])),
-            )
-        del left[k]
-    triangles.append((left[0], left[1], left[2]))
-    return triangles

@@ -22,11 +22,12 @@ from palmbots._types import SIDES, Side
 from palmbots._util.xml_attributes import numbers, rgb, rgba
 from palmbots.mujoco.robot_mjcf import TIP, add_robot
 from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
-from palmbots.scene.extrusion import gyration, triangles
+from palmbots.scene.extrusion import gyration
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
+from palmbots.viz.solids import Prism
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 
 _SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
@@ -113,7 +114,12 @@ def mjcf(
         assets, "material", name="floor", texture="grid", texrepeat="10 10", texuniform="true"
     )
     outline = [(x, y) for x, _, y in at.spec.outline]
-    _mesh(assets, outline, scene.object.depth_m)
+    corners, faces = Prism(tuple(outline), scene.object.depth_m).mesh()
+    ET.SubElement(
+        assets, "mesh", name="object", inertia="shell", smoothnormal="false",
+        vertex=numbers(*(c for corner in corners for c in corner)),
+        face=" ".join(str(i) for face in faces for i in face),
+    )  # fmt: skip
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(
         world,
@@ -166,22 +172,6 @@ def _ridges(world: ET.Element, scene: Scene) -> list[str]:
             euler=numbers(math.pi / 2, 0.0, 0.0),
         )  # fmt: skip
     return names
-
-
-def _mesh(assets: ET.Element, outline: list[tuple[float, float]], depth: float) -> None:
-    """The visible object: two ends and the sides."""
-    count = len(outline)
-    points = [(x, y, z) for y in (-depth / 2, depth / 2) for x, z in outline]
-    near = triangles(outline)
-    faces = [*near, *((c + count, b + count, a + count) for a, b, c in near)]
-    for k in range(count):
-        n = (k + 1) % count
-        faces += [(k, k + count, n), (n, k + count, n + count)]
-    ET.SubElement(
-        assets, "mesh", name="object", inertia="shell", smoothnormal="false",
-        vertex=numbers(*(c for p in points for c in p)),
-        face=" ".join(str(i) for f in faces for i in f),
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -13,21 +13,21 @@ from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
 from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.robot_dimensions import (
-    ARM_HALF_SPACING,
     BODY_GAP,
     BODY_SIZE,
     CASTER_RADIUS,
     GROUND_CLEARANCE,
     PALM_THICKNESS,
-    SHOULDER_INSET,
     WHEEL_INSET,
     WHEEL_WIDTH,
 )
 from palmbots.scene.scene import Scene
-from palmbots.viz.style import HUE, INK, PALE, QUIET
+from palmbots.viz import solids
+from palmbots.viz.style import HUE, INK, QUIET
 
 LIP = 0.004  # m, thickness of the lips along the sides of a palm
 TIP = 1e-4  # m, radius of the contact balls: almost a point
+_ORIGIN = (0.0, 0.0, 0.0)
 _WHEEL_KG = 0.05
 _AXLE = 0.2  # m, outward of the pivot, if the scene does not state it; assumed
 
@@ -63,12 +63,13 @@ def chassis(height: float, axle: float = _AXLE) -> Chassis:
     The wheels are `axle` outward of the pivot [m], the caster is on the other side of the COM.
     """
     low, middle = GROUND_CLEARANCE, BODY_GAP + BODY_SIZE / 2
+    x, z = solids.shoulder("right", -height)
     return Chassis(
         axle=0.05 if axle == _AXLE else axle - middle,
         caster=-0.07 if axle > middle + 0.02 else 0.07,
         track=BODY_SIZE + 2 * WHEEL_INSET,
         com=(0.02, low + 0.06),
-        shoulder=(SHOULDER_INSET - BODY_SIZE / 2, low + BODY_SIZE - SHOULDER_INSET),
+        shoulder=(x - middle, z + height),
         pivot=(-BODY_GAP - BODY_SIZE / 2, height),
     )
 
@@ -105,10 +106,7 @@ def add_robot(
         mass=numbers(keys.body_kg - 2 * wheel_kg(scene)),
         diaginertia=numbers(*box_inertia(keys.body_kg, BODY_SIZE, BODY_SIZE, BODY_SIZE)),
     )  # fmt: skip
-    ET.SubElement(
-        body, "geom", name=f"{side}_body", type="box", size=numbers(*(3 * [BODY_SIZE / 2])),
-        pos=numbers(0.0, 0.0, GROUND_CLEARANCE + BODY_SIZE / 2), rgba=rgba(PALE[side]),
-    )  # fmt: skip
+    _draw(body, solids.body(side, -height), (out * -frame.pivot[0], 0.0, -height), f"{side}_body")
     ET.SubElement(
         body, "geom", name=f"{side}_caster", type="sphere", size=numbers(CASTER_RADIUS),
         pos=numbers(out * frame.caster, 0.0, CASTER_RADIUS), rgba=rgba(QUIET),
@@ -136,10 +134,7 @@ def _wheels(
             wheel, "inertial", pos="0 0 0", mass=numbers(mass),
             diaginertia=numbers(*wheel_inertia(mass, radius)),
         )  # fmt: skip
-        ET.SubElement(
-            wheel, "geom", type="cylinder", size=numbers(radius, WHEEL_WIDTH / 2),
-            euler=numbers(math.pi / 2, 0.0, 0.0), rgba=rgba(INK),
-        )  # fmt: skip
+        _draw(wheel, solids.wheel(side, _ORIGIN, radius), _ORIGIN)
         ET.SubElement(  # a mark that makes the rotation visible
             wheel, "geom", type="box", size=numbers(radius * 0.8, WHEEL_WIDTH / 2 + 0.001, 0.003),
             rgba=rgba(QUIET),
@@ -178,11 +173,9 @@ def _arm(
         arm, "inertial", pos=numbers(out * x / 2, 0.0, z / 2), mass=numbers(mass),
         euler=numbers(0.0, -lean, 0.0), diaginertia=numbers(*box_inertia(mass, long, ARM, ARM)),
     )  # fmt: skip
-    for across in (-ARM_HALF_SPACING, ARM_HALF_SPACING):
-        ET.SubElement(
-            arm, "geom", type="capsule", size=numbers(ARM / 2), rgba=rgba(QUIET),
-            fromto=numbers(0.0, across, 0.0, out * x, across, z),
-        )  # fmt: skip
+    begins_x, begins_z = solids.shoulder(side, -frame.pivot[1])
+    for bar in solids.arm(side, -frame.pivot[1]):
+        _draw(arm, bar, (begins_x, 0.0, begins_z))
     ET.SubElement(
         actuators, "position", name=f"{side}_shoulder", joint=f"{side}_shoulder",
         kp=numbers(SHOULDER.kp), kv=numbers(SHOULDER.kv),
@@ -210,10 +203,7 @@ def _palm(
         body, "inertial", pos=numbers(*middle), mass=numbers(mass),
         diaginertia=numbers(*box_inertia(mass, 2 * half, 2 * wide, PALM_THICKNESS)),
     )  # fmt: skip
-    ET.SubElement(
-        body, "geom", name=f"{side}_plate", type="box", rgba=rgba(HUE[side]),
-        size=numbers(half, wide, PALM_THICKNESS / 2), pos=numbers(*middle),
-    )  # fmt: skip
+    _draw(body, solids.plate(side, palm), _ORIGIN, f"{side}_plate")
     # The contact plate is thicker, so that no shape can pass through it, and lies lower by the
     # radius of a ball, so that a vertex is on the surface of the palm when its ball touches.
     deep = 0.02
@@ -247,6 +237,22 @@ def _drive(actuators: ET.Element, joint: str, servo: Servo) -> None:
         gainprm=numbers(servo.kp), biastype="affine", biasprm=numbers(0.0, -servo.kp, 0.0),
     )  # fmt: skip
     ET.SubElement(actuators, "velocity", name=f"{joint}_speed", joint=joint, kv=numbers(servo.kv))
+
+
+def _draw(body: ET.Element, solid: solids.Solid, origin: solids.Vector, name: str = "") -> None:
+    """Add a visible solid to a body whose origin is there in the frame of the solid."""
+    shape = solid.shape
+    if isinstance(shape, solids.Box):
+        kind, size = "box", [edge / 2 for edge in shape.size]
+        turn = (0.0, -shape.turn, 0.0)
+    else:
+        assert isinstance(shape, solids.Cylinder)
+        kind, size, turn = "cylinder", [shape.radius, shape.length / 2], (math.pi / 2, 0.0, 0.0)
+    place = (a - b for a, b in zip(shape.centre, origin, strict=True))
+    ET.SubElement(
+        body, "geom", {"name": name} if name else {}, type=kind, size=numbers(*size),
+        pos=numbers(*place), euler=numbers(*turn), rgba=rgba(solid.colour),
+    )  # fmt: skip
 
 
 def wheel_kg(scene: Scene) -> float:

@@ -53,4 +53,4 @@ class Servo:
 WHEEL = Servo(kp=50.0**2, kv=2 * 50.0, armature=2e-3)
 SHOULDER = Servo(kp=300.0, kv=6.4, armature=0.03)
 WRIST = Servo(kp=100.0, kv=2.1, armature=0.01)
-ARM = 0.012  # m, radius of the arm in the drawing
+ARM = 0.012  # m, thickness of the arm, from which its inertia follows

@@ -90,20 +90,13 @@ def _add_shape(part: ET.Element, geom: ET.Element, turned: Callable[[str], Vecto
     """A shape of the model; no shape there is rotated about more than one axis."""
     kind, size = geom.attrib["type"], [float(value) for value in geom.attrib["size"].split()]
     place, turn = turned(geom.get("pos", "0 0 0")), turned(geom.get("euler", "0 0 0"))
-    if kind == "capsule":  # from one point to another in the plane of the arm
-        values = geom.attrib["fromto"].split()
-        start, end = turned(" ".join(values[:3])), turned(" ".join(values[3:]))
-        place = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
-        turn = (0.0, math.atan2(end[0] - start[0], end[2] - start[2]), 0.0)
-        size = [size[0], math.dist(start, end) / 2]
     shape = {
         "box": lambda: {"size": numbers(*(2 * edge for edge in size))},
         "sphere": lambda: {"radius": numbers(size[0])},
         "cylinder": lambda: {"radius": numbers(size[0]), "length": numbers(2 * size[1])},
     }
     _origin(part, place, turn)
-    name = "cylinder" if kind == "capsule" else kind
-    ET.SubElement(ET.SubElement(part, "geometry"), name, shape[name]())
+    ET.SubElement(ET.SubElement(part, "geometry"), kind, shape[kind]())
     if part.tag == "visual":
         colour = geom.attrib["rgba"]
         material = ET.SubElement(part, "material", name=f"colour_{colour.replace(' ', '_')}")

@@ -15,13 +15,14 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.logs import scene_updates
 from palmbots.logs.channels import CorrectionEvent, StateChannel, channels_of_worlds
+from palmbots.logs.robot_description import urdf
 from palmbots.logs.run_channels import LineEvent
-from palmbots.logs.solids import contact_balls, solids, urdf
 from palmbots.pair.pair_file import Pair
 from palmbots.scene.scene import load_scene
 from palmbots.station.station_client import StationClient
 from palmbots.views.estimated_carry import EstimatedCarry
 from palmbots.views.foxglove_server import FoxgloveServer
+from palmbots.viz.solids import contact_balls, solids
 
 _AGAIN_S = 2.0  # what does not change is sent again, for viewers that come later
 

@@ -19,16 +19,14 @@ from palmbots.scene.robot_dimensions import (
     BODY_SIZE,
     GROUND_CLEARANCE,
     PALM_THICKNESS,
-    SHOULDER_INSET,
-    WHEEL_RADIUS,
 )
+from palmbots.viz import solids
 from palmbots.viz.style import (
     BACKGROUND,
     FLOOR,
     HUE,
     INK,
     OBJECT,
-    PALE,
     QUIET,
     SLIDES,
     ZERO,
@@ -68,6 +66,7 @@ class WorldView:
     def __init__(self, spec: "Spec", placement: Placement) -> None:
         self.spec, self.placement = spec, placement
         self.floor = floor_level(spec)
+        self.robots = {side: solids.robot(side, self.floor) for side in SIDES}
         self._measure()
 
     def _measure(self) -> None:
@@ -170,31 +169,32 @@ class _Brush:
         return notes
 
     def robot(self, k: int, side: Side, busy: bool) -> None:
-        """Body, the arm that holds the pivot, and two wheels that turn as they roll."""
+        """Body, the arm that holds the pivot, and wheels that turn as they roll."""
         pivot = self._place.pivot[self._row, k]
-        outward = (-1.0, 1.0)[k]
-        near = pivot[0] + outward * BODY_GAP
-        far = near + outward * BODY_SIZE
-        low = self._floor + GROUND_CLEARANCE
-        top = low + BODY_SIZE
-        body = self._pixels((near, low), (far, low), (far, top), (near, top))
-        self._outlined(body, HUE[side] if busy else PALE[side], HUE[side], 4)
-
         scale = self._view.scale * _FINE
-        arm = self._pixels((near + outward * SHOULDER_INSET, top - SHOULDER_INSET), pivot)
-        self._draw.line(arm, QUIET, round(0.014 * scale))
-        for joint, radius in zip(arm, (0.011, 0.009), strict=True):
+        for solid in self._view.robots[side]:
+            shape = solid.shape
+            if isinstance(shape, solids.Cylinder):
+                self._wheel(shape, pivot)
+            elif isinstance(shape, solids.Box):
+                corners = self._pixels(*(pivot + np.array(shape.corners())))
+                if shape.turn:
+                    self._draw.polygon(corners, solid.colour)
+                else:
+                    self._outlined(corners, HUE[side] if busy else solid.colour, HUE[side], 4)
+        ends = self._pixels(pivot + np.array(solids.shoulder(side, self._floor)), pivot)
+        for joint, radius in zip(ends, (0.011, 0.009), strict=True):
             self._disc(joint, radius * scale, QUIET, INK, 2)
 
-        turned = -pivot[0] / WHEEL_RADIUS
-        for share in (0.25, 0.75):
-            hub = np.array([near + share * (far - near), self._floor + WHEEL_RADIUS])
-            angles = turned + np.arange(3) * 2 * math.pi / 3
-            rim = hub + 0.8 * WHEEL_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-            centre, *ends = self._pixels(hub, *rim)
-            self._disc(centre, WHEEL_RADIUS * scale, INK, INK, 1)
-            for end in ends:
-                self._draw.line((centre, end), QUIET, 5)
+    def _wheel(self, shape: solids.Cylinder, pivot: np.ndarray) -> None:
+        """A wheel with three spokes."""
+        hub = pivot + np.array([shape.centre[0], shape.centre[2]])
+        angles = -pivot[0] / shape.radius + np.arange(3) * 2 * math.pi / 3
+        rim = hub + 0.8 * shape.radius * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+        centre, *ends = self._pixels(hub, *rim)
+        self._disc(centre, shape.radius * self._view.scale * _FINE, INK, INK, 1)
+        for end in ends:
+            self._draw.line((centre, end), QUIET, 5)
 
     def object(self) -> None:
         """The outline and the centre of mass."""
