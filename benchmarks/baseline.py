@@ -3,8 +3,8 @@
 
     .venv/bin/python benchmarks/baseline.py --write           measure, into baselines/COMMIT
     .venv/bin/python benchmarks/baseline.py                   measure, print the ratios to 05d8b30
-    .venv/bin/python benchmarks/baseline.py --only carry,lockstep,help,json
-    .venv/bin/python benchmarks/baseline.py --versus TREE     times in lockstep, in turns with TREE
+    .venv/bin/python benchmarks/baseline.py --only carry,lanes,help,json
+    .venv/bin/python benchmarks/baseline.py --versus TREE     times in lanes, in turns with TREE
     .venv/bin/python benchmarks/baseline.py --first-carry     the time of `make carry` in a clone
 
 Needs `make build`, and the compiler of `make firmware`. Everything but the times is a count, so it
@@ -13,7 +13,7 @@ measures.csv has one row for each count of these kinds:
 
     carry        instructions of a single carry (bench_instructions.py)
     packet       instructions to write or judge a packet (bench_instructions.py)
-    lockstep     instructions of a carry in lockstep, as built, but without AVX-512
+    lanes        instructions of a carry in lanes, as built, but without AVX-512
     tick         instructions of a control tick on an emulated board
     flash, ram   bytes of a firmware image
     page         bytes of the core of the page
@@ -53,11 +53,11 @@ BASELINES = HERE / "baselines"
 FIRST = BASELINES / "05d8b30"
 CONTROLLERS = shipped_names()
 ON_BOARDS = shipped_names("robots", "station")
-LIMITS = {"carry": 1.03, "packet": 1.03, "lockstep": 1.03, "tick": 1.05, "flash": 1.05,
+LIMITS = {"carry": 1.03, "packet": 1.03, "lanes": 1.03, "tick": 1.05, "flash": 1.05,
           "ram": 1.05, "page": 1.05}  # fmt: skip
 """Greatest allowed ratio of a later count to the earlier one."""
 CARRIES = 512
-"""Carries in lockstep of which the instructions are counted."""
+"""Carries in lanes of which the instructions are counted."""
 PAIRS, TIMED_CARRIES = 7, 20000
 
 Counts = dict[str, float]
@@ -97,8 +97,8 @@ os._exit(0)
 """
 
 
-def lockstep() -> Counts:
-    """Instructions of a carry in lockstep, for each controller."""
+def lanes() -> Counts:
+    """Instructions of a carry in lanes, for each controller."""
     found: Counts = {}
     with tempfile.TemporaryDirectory() as folder:
         source, library = Path(folder) / "begin.c", Path(folder) / "begin.so"
@@ -168,7 +168,7 @@ def page() -> Counts:
 KINDS: dict[str, Callable[[], Counts]] = {
     "carry": lambda: single("carry"),
     "packet": lambda: single("packet"),
-    "lockstep": lockstep,
+    "lanes": lanes,
     "tick": ticks,
     "flash": lambda: {name: flash for name, (flash, _) in sizes().items()},
     "ram": lambda: {name: ram for name, (_, ram) in sizes().items()},
@@ -280,8 +280,8 @@ print(time.process_time() - began)
 
 
 def versus(tree: Path, console: Console) -> None:
-    """Processor times in lockstep at this machine's highest level, this tree / that, in turns."""
-    table = Table("lockstep", *(f"pair {i + 1}" for i in range(PAIRS)), "median")
+    """Processor times in lanes at this machine's highest level, this tree / that, in turns."""
+    table = Table("lanes", *(f"pair {i + 1}" for i in range(PAIRS)), "median")
     for name in CONTROLLERS:
         ratios: list[float] = []
         for pair in range(PAIRS):

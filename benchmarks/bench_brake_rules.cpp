@@ -39,7 +39,7 @@ constexpr Before origin(std::size_t number) {
   return number <= alone ? static_cast<Before>(number) : off[number - alone - 1];
 }
 constexpr bool is_silent(const TableRow<Before>& row) {
-  return row.heard == WordSet(MessageKind::none);
+  return row.heard == MessageSet(MessageKind::none);
 }
 constexpr std::size_t count_rows() {
   std::size_t n = 0;

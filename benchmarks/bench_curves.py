@@ -110,8 +110,8 @@ def carried(name: str, scene: Scene, seed: int) -> dict[str, Any]:
 
 
 def print_rows(rows: list[dict[str, Any]]) -> None:
-    """The table of docs/guide/mujoco.md. What is seen, and its ratio to what was predicted, is of
-    carries that arrived: the drift of an object that fell says where it fell."""
+    """The table of docs/reference/mujoco-agreement.md. What is seen, and its ratio to what was
+    predicted, is of carries that arrived: the drift of an object that fell says where it fell."""
     table = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0))
     for head in ("carries", "delivered", "predicted, mean (mm)", "most", "seen, mean (mm)",
                  "most", "seen / predicted"):  # fmt: skip

@@ -94,20 +94,20 @@ def main() -> None:
         return {"p_left": p[0, :count], "p_right": p[1, :count]}
 
     nine, version = "nine modes", pb.__version__
-    alike = least_s(lambda: pb.feasible_modes(**fixed, **contacts(STATES)))
+    alike = least_s(lambda: pb.feasible_contact_modes(**fixed, **contacts(STATES)))
     varied = least_s(
-        lambda: pb.feasible_modes(
+        lambda: pb.feasible_contact_modes(
             **BOX, theta_left=theta[0], theta_right=theta[1], **contacts(STATES)
         )
     )
-    everything = least_s(lambda: pb.modes_batch(**fixed, **contacts(STATES // 10)), 3)
+    everything = least_s(lambda: pb.contact_modes_batch(**fixed, **contacts(STATES // 10)), 3)
     rows = [
-        ("feasible_modes, contacts vary", version, 1e9 * alike / STATES, nine, ""),
-        ("feasible_modes, angles too", version, 1e9 * varied / STATES, nine, ""),
+        ("feasible_contact_modes, contacts vary", version, 1e9 * alike / STATES, nine, ""),
+        ("feasible_contact_modes, angles too", version, 1e9 * varied / STATES, nine, ""),
         ("states, contacts vary", version, 1e10 * everything / STATES, nine, ""),
     ]
 
-    bits = pb.feasible_modes(**fixed, **contacts(PEER_STATES))
+    bits = pb.feasible_contact_modes(**fixed, **contacts(PEER_STATES))
     ours = [bool(b >> k & 1) for b in bits for k in range(len(pb.mechanics.CONTACT_MODES))]
     modes = pb.mechanics.CONTACT_MODES
     problems = [problem(p[:, i], mode) for i in range(PEER_STATES) for mode in modes]

@@ -8,7 +8,7 @@
 stop are compared with the bound for such speeds; without stopping (`control.brake = false`), with
 the bound for corrections only. The points of a reference begin at the greatest noise and end with
 the first one at which nothing drops, those of the bound where it is below one in a million. The
-references do not run in lockstep: all of it takes about ten minutes of one core. Writes
+references do not run in lanes: all of it takes about ten minutes of one core. Writes
 benchmarks/results/noise.csv after each point and continues where it was stopped; `new` starts from
 the beginning. scripts/draw_images.py draws docs/images/noise.png.
 """

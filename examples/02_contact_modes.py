@@ -12,7 +12,7 @@ import palmbots as pb
 
 p = np.linspace(-0.075, 0.075, 1000)
 left, right = np.meshgrid(p, p, indexing="ij")
-found = pb.modes_batch(
+found = pb.contact_modes_batch(
     width=0.25,
     com_x=0.1,
     com_y=0.04,

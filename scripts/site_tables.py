@@ -21,8 +21,8 @@ from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
 from palmbots.derivation.global_policy import table_1
-from palmbots.mechanics.mode_analysis import CONTACT_MODES
-from palmbots.mechanics.mode_words import MOTION_MEANINGS, SENTENCES
+from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
+from palmbots.mechanics.contact_modes import CONTACT_MODES
 from palmbots.scene import robot_dimensions
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names

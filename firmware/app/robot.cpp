@@ -218,7 +218,7 @@ class Program {
     r.name = static_cast<std::uint8_t>(robot_.name());
     r.waits = static_cast<std::uint8_t>(robot_.waits());
     r.awaits = static_cast<std::uint8_t>(robot_.awaits());
-    r.word = static_cast<std::uint8_t>(out_.decision.word);
+    r.message = static_cast<std::uint8_t>(out_.decision.message);
     r.mode = static_cast<std::uint8_t>(mode_);
     r.code = static_cast<std::uint8_t>(out_.mode.code);
     r.fault = static_cast<std::uint8_t>(fault);

@@ -17,8 +17,8 @@ struct TickRecord {
   std::uint8_t wheels;     // they may turn
   std::uint8_t name;       // the case
   std::uint8_t waits;
-  std::uint8_t awaits;  // the message that it waits for
-  std::uint8_t word;    // what the first packet of the tick says
+  std::uint8_t awaits;   // the message that it waits for
+  std::uint8_t message;  // what the first packet of the tick says
   std::uint8_t mode;
   std::uint8_t code;     // fault code of the wire
   std::uint8_t fault;    // BoardFault

@@ -202,7 +202,7 @@ class LockstepBoard:
         raw = self.raw_record()
         words: tuple[str, ...] = ("ticks", "rejected", "late", "missed")
         bytes_: tuple[str, ...] = (
-            "palm", "move", "stop", "wheels", "name", "waits", "awaits", "word", "mode", "code",
+            "palm", "move", "stop", "wheels", "name", "waits", "awaits", "message", "mode", "code",
             "fault", "assists", "packets",
         )  # fmt: skip
         found = {
@@ -212,7 +212,7 @@ class LockstepBoard:
 
     def _answer(self, palm: int, move: int, stop: bool, record: dict[str, int]) -> Any:
         packets = [
-            (data[2] >> 4, data, record["word"] if i == 0 else 0)
+            (data[2] >> 4, data, record["message"] if i == 0 else 0)
             for i, data in enumerate(self.sent)
         ]
         rejected = record["rejected"] - self.rejected

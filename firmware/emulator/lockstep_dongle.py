@@ -123,7 +123,7 @@ class LockstepDongle:
         on_air = self.to_radio([data for _, data, _ in sent])
         self._end_tick()
         return (
-            [(to, data, word) for (to, _, word), data in zip(sent, on_air, strict=True)],
+            [(to, data, message) for (to, _, message), data in zip(sent, on_air, strict=True)],
             *rest,
         )
 

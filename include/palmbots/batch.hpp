@@ -12,6 +12,6 @@
 #include "palmbots/batch/bitslice_table_team.hpp"
 #include "palmbots/batch/bitslice_teams.hpp"
 #include "palmbots/batch/event_draws.hpp"
+#include "palmbots/batch/lane_carries.hpp"
 #include "palmbots/batch/lane_random_inputs.hpp"
-#include "palmbots/batch/lockstep.hpp"
 #include "palmbots/batch/noise_draws.hpp"

@@ -66,7 +66,9 @@ def condition_of(row: dict[str, Any]) -> str:
 
 def heard_by(row: dict[str, Any]) -> str:
     """What the robot hears where a row applies."""
-    return "" if row["heard"] is None else ", ".join(word or "nothing" for word in row["heard"])
+    return (
+        "" if row["heard"] is None else ", ".join(message or "nothing" for message in row["heard"])
+    )
 
 
 def rows_by_case(name: str) -> str:
@@ -88,7 +90,7 @@ def rows_by_case(name: str) -> str:
             f", move {state['move']}" if state["move"] != "hold" else ""
         )
         cells = [f"({case})" if case else "", f"`{start}`", does]
-        cells += [state["word"]] if says else []
+        cells += [state["message"]] if says else []
         cells += [heard_by(row), condition_of(row), f"`{after}`"]
         cells += [] if says else [row["send"]]
         rows.append(f"| {' | '.join(cells)} |")

@@ -37,7 +37,7 @@ def states_of(name: str) -> str:
     for state in table["states"]:
         limit = f"{table['limits_s'][state['limit']]:g} s" if state["limit"] else ""
         cells = [f"`{state['name']}`", state["case"].strip(), _does(state)]
-        cells += [state["word"]] if talks else []
+        cells += [state["message"]] if talks else []
         rows.append(f"| {' | '.join([*cells, limit])} |")
     return "\n".join(rows)
 
@@ -57,7 +57,7 @@ def rows_of(name: str) -> str:
 
 
 def diagram_of(name: str) -> str:
-    """The state diagram of a table without words: each state with its output, and its edges."""
+    """The state diagram of a table without messages: each state with its output, and its edges."""
     table = table_of(name)
     lines = ["```mermaid", "stateDiagram-v2", f"    [*] --> {table['initial']}"]
     lines += [f"    {state['name']} : {state['name']}, {_does(state)}" for state in table["states"]]

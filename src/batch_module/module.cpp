@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// palmbots._batch: many carries at once, in lockstep and on several threads.
+// palmbots._batch: many carries at once, in lanes and on several threads.
 //
 // Built from this file for any processor, for those of level x86-64-v3 (_batch_v3) and for those of
 // level x86-64-v4 (_batch_v4); the results have the same bits. Specs come as bytes (Spec is
@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "palmbots/batch/lockstep.hpp"
+#include "palmbots/batch/lane_carries.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
@@ -130,8 +130,8 @@ template <class Real, class Make>
 void work(const Task& task, Progress& progress, Results& results, Make make) {
   using Team = decltype(make(task.specs[0], std::uint64_t{}));
   // Large, so not on the stack.
-  const auto lockstep = std::make_unique<Lockstep<Real, lanes_of<Real>, Team>>();
-  lockstep->run(
+  const auto lanes = std::make_unique<LaneCarries<Real, lanes_of<Real>, Team>>();
+  lanes->run(
       [&](auto& slot, std::size_t& index) {
         if (progress.stop.load(std::memory_order_relaxed)) return false;
         index = progress.next.fetch_add(1, std::memory_order_relaxed);
@@ -255,7 +255,7 @@ nb::dict run_many(const nb::bytes& specs, const Input<std::uint32_t>& which,
 
 NB_MODULE(PALMBOTS_BATCH, m) {
   namespace nb = nanobind;
-  m.doc() = "Many carries at once, in lockstep.";
+  m.doc() = "Many carries at once, in lanes.";
   m.attr("lanes_double") = palmbots::lanes_of<double>;
   m.attr("lanes_float") = palmbots::lanes_of<float>;
   m.def("run_many", &palmbots::run_many, nb::arg("specs"), nb::arg("which"), nb::arg("seeds"),

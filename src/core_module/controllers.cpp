@@ -55,7 +55,7 @@ nb::dict facts(const ControllerInfo& info, bool uses_clock) {
   nb::dict cases;
   for (const CaseMeaning& one : info.cases) cases[one.code] = one.meaning;
   nb::dict states;
-  for (const StateWords& one : info.states) states[one.name] = one.meaning;
+  for (const StateMeaning& one : info.states) states[one.name] = one.meaning;
   nb::dict d;
   d["name"] = info.name;
   d["description"] = info.description;

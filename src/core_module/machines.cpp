@@ -72,8 +72,9 @@ MachineTable table_of(const TableTuple& given) {
     return static_cast<std::uint8_t>(state);
   };
   for (const auto& [state, p, heard, turned, next, send] : std::get<1>(given)) {
-    const WordSet words = heard.empty() ? any_word : WordSet(named(heard, MessageKind::ack));
-    table.add(MachineTable::Row{number(state), named(p, ContactCondition::zero), words,
+    const MessageSet messages =
+        heard.empty() ? any_message : MessageSet(named(heard, MessageKind::ack));
+    table.add(MachineTable::Row{number(state), named(p, ContactCondition::zero), messages,
                                 turned ? IfSet(If::turned) : IfSet{}, number(next),
                                 named(send, MessageKind::ack)});
   }

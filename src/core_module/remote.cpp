@@ -76,7 +76,7 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
       exchange(tick, input_of(inputs[0]), input_of(inputs[1]), input_of(inputs[2]));
   if (inputs[2]) {
     const auto [packets, name, from_left, from_right] = nb::cast<StationHandle::Answer>(answers[2]);
-    for (const auto& [receiver, bytes, word] : packets) {
+    for (const auto& [receiver, bytes, message] : packets) {
       outputs[2].packets.push_back({static_cast<wire::Role>(receiver), packet_of(bytes)});
     }
     outputs[2].name = static_cast<char>(name);
@@ -88,9 +88,9 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
         nb::cast<Answer>(answers[i]);
     ProgramOutput& out = outputs[i];
     out.command = {static_cast<Palm>(palm), static_cast<Move>(move), stop};
-    for (const auto& [receiver, bytes, word] : packets) {
+    for (const auto& [receiver, bytes, message] : packets) {
       out.packets.push_back(
-          {static_cast<wire::Role>(receiver), packet_of(bytes), static_cast<MessageKind>(word)});
+          {static_cast<wire::Role>(receiver), packet_of(bytes), static_cast<MessageKind>(message)});
     }
     out.name = static_cast<char>(name);
     out.waits = waits;
@@ -109,9 +109,10 @@ void bind_remote(nb::module_& m) {
             new (self) StationHandle({key_of(key), pair, wire::Role::station}, epoch);
           },
           nb::arg("key"), nb::arg("pair"), nb::arg("epoch"))
-      .def("step", &StationHandle::step, nb::arg("packets"),
-           "One tick; returns packets (receiver, bytes, word), case, and packets rejected of the "
-           "left and of the right robot.")
+      .def(
+          "step", &StationHandle::step, nb::arg("packets"),
+          "One tick; returns packets (receiver, bytes, message), case, and packets rejected of the "
+          "left and of the right robot.")
       .def("greet", &StationHandle::greet, nb::arg("robot"), "A hello to a robot.")
       .def("hear", &StationHandle::hear, nb::arg("bytes"), "Takes in a packet before the carry.");
   nb::class_<RemoteControllers>(m, "RemoteControllers",

@@ -96,7 +96,7 @@ class RobotHandle {
     for (std::size_t i = 0; i < out.packet_count; ++i) {
       const runtime::Outgoing& p = out.packets[i];
       sent.emplace_back(static_cast<int>(p.receiver), nb::bytes(p.bytes.data(), p.bytes.size()),
-                        static_cast<int>(i == 0 ? out.decision.word : MessageKind::none));
+                        static_cast<int>(i == 0 ? out.decision.message : MessageKind::none));
       stamps_.push_back(stamp_of(robot_->endpoint().newest(p.receiver)));
     }
     const Command& command = out.decision.command;
@@ -249,7 +249,7 @@ void bind_runtime(nb::module_& core) {
           "controller: a name, Machines, or a pair of Python step functions. carries: the carry is "
           "under way, as in lockstep.")
       .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
-           "One tick; returns palm, move, stop, packets (receiver, bytes, word), case, waits, "
+           "One tick; returns palm, move, stop, packets (receiver, bytes, message), case, waits, "
            "awaits, packets rejected and late in this tick, and whether the palm assists.")
       .def_prop_ro("mode", [](const RobotHandle& r) { return name_of(r.mode().mode); })
       .def_prop_ro("fault", [](const RobotHandle& r) { return name_of(r.mode().code); })

@@ -63,7 +63,7 @@ std::string key_text(const Problem& problem) {
   }
   if (problem.place == common) return name;
   const std::size_t dot = name.find('.') + 1;
-  return name.substr(0, dot) + std::string(sender_words.words[problem.place - 1]) + "." +
+  return name.substr(0, dot) + std::string(sender_choices.names[problem.place - 1]) + "." +
          name.substr(dot);
 }
 
@@ -89,16 +89,16 @@ nb::object value_of(const Key& key, double value) {
     case KeyKind::number: return nb::float_(value);
     case KeyKind::whole: return nb::int_(static_cast<std::int64_t>(value));
     case KeyKind::flag: return nb::bool_(value != 0);
-    case KeyKind::word: {
-      const std::string_view word = key.words->words[static_cast<std::size_t>(value - key.least)];
-      return nb::str(word.data(), word.size());
+    case KeyKind::choice: {
+      const std::string_view name = key.choices->names[static_cast<std::size_t>(value - key.least)];
+      return nb::str(name.data(), name.size());
     }
   }
   return nb::none();
 }
 
 nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
-  constexpr const char* kinds[] = {"number", "whole", "flag", "word"};
+  constexpr const char* kinds[] = {"number", "whole", "flag", "choice"};
   nb::dict row;
   row["name"] = path;
   row["kind"] = kinds[static_cast<std::size_t>(key.kind)];
@@ -106,11 +106,11 @@ nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
   row["least"] = key.least;
   row["most"] = std::isinf(key.most) ? nb::object(nb::none()) : nb::object(nb::float_(key.most));
   row["is_open"] = key.is_open;
-  nb::list words;
-  for (std::size_t k = 0; key.words != nullptr && k < key.words->count; ++k) {
-    words.append(nb::str(key.words->words[k].data(), key.words->words[k].size()));
+  nb::list choices;
+  for (std::size_t k = 0; key.choices != nullptr && k < key.choices->count; ++k) {
+    choices.append(nb::str(key.choices->names[k].data(), key.choices->names[k].size()));
   }
-  row["words"] = nb::tuple(words);
+  row["choices"] = nb::tuple(choices);
   row["default"] = value_of(key, key.initial);
   row["per_side"] = has_holders;
   return row;
@@ -145,7 +145,7 @@ nb::list scene_keys() {
 void bind_scene(nb::module_& m) {
   m.def("scene_keys", &scene_keys,
         "The keys of a scene that the core reads, in its table's order: name (`[]` stands for the "
-        "records of a list), kind, unit, limits, words and default (None: not set).");
+        "records of a list), kind, unit, limits, choices and default (None: not set).");
   m.def(
       "scene_lists",
       [] {

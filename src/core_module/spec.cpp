@@ -53,7 +53,7 @@ void bind_member(nb::class_<Class>& type, const Key& key, At at) {
           [row, at](Class& s, double value) { row->put(at(s), value); });
       break;
     case KeyKind::whole:
-    case KeyKind::word:
+    case KeyKind::choice:
       type.def_prop_rw(
           name.c_str(), [row, at](Class& s) { return static_cast<std::int64_t>(row->get(at(s))); },
           [row, at](Class& s, std::int64_t value) { row->put(at(s), double(value)); });

@@ -65,7 +65,7 @@ nb::dict described(const Spec& spec) {
     d["move"] = name_of(output.command.move);
     d["stop"] = output.command.stop || output.brakes;
     d["waits"] = output.waits;
-    d["word"] = name_of(output.message);
+    d["message"] = name_of(output.message);
     d["limit"] = "";
     if constexpr (Table::limits > 0) {
       if (output.limit >= 0) d["limit"] = name_of(static_cast<typename Table::Limit>(output.limit));
@@ -75,8 +75,9 @@ nb::dict described(const Spec& spec) {
   nb::list rows;
   for (const auto& row : Table::rows) {
     nb::list heard;
-    for (const MessageKind word : TableWords<Table>::list) {
-      if (row.heard.has(word)) heard.append(word == MessageKind::none ? "" : name_of(word));
+    for (const MessageKind message : TableMessages<Table>::list) {
+      if (row.heard.has(message))
+        heard.append(message == MessageKind::none ? "" : name_of(message));
     }
     nb::list when;
     for (int i = 0; i < if_count; ++i) {
@@ -85,7 +86,7 @@ nb::dict described(const Spec& spec) {
     nb::dict d;
     d["states"] = states_in(row.from, Table::states);
     d["contact"] = name_of(row.p);
-    d["heard"] = row.heard == any_word ? nb::object(nb::none()) : nb::object(heard);
+    d["heard"] = row.heard == any_message ? nb::object(nb::none()) : nb::object(heard);
     d["when"] = when;
     d["next"] = name_of(row.next);
     d["send"] = name_of(row.send);
@@ -148,8 +149,9 @@ void bind_tables(nb::module_& m) {
                              static_cast<MessageKind>(message), age);
           },
           nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("message"), nb::arg("age"),
-          "One tick with a new word of the partner and how old it may be [ticks] (message 0: none "
-          "came); returns (palm, move, stop, own word, whether it is sent now).")
+          "One tick with a new message of the partner and how old it may be [ticks] (message 0: "
+          "none "
+          "came); returns (palm, move, stop, own message, whether it is sent now).")
       .def_prop_ro("state", &AnyTableRobot::state);
   m.def(
       "table_robot",

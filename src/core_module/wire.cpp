@@ -80,22 +80,22 @@ void bind_payloads(nb::module_& m) {
       nb::arg("payload"), "A hello: settings, stop.");
   m.def(
       "state",
-      [](std::uint8_t language, std::uint8_t word, std::uint8_t mode, bool ready, bool at_rest,
+      [](std::uint8_t language, std::uint8_t message, std::uint8_t mode, bool ready, bool at_rest,
          bool stop) {
         return bytes_of(wire::payload_of(
-            wire::State{static_cast<wire::Language>(language), static_cast<MessageKind>(word),
+            wire::State{static_cast<wire::Language>(language), static_cast<MessageKind>(message),
                         static_cast<wire::RobotMode>(mode), ready, at_rest, stop}));
       },
-      nb::arg("language"), nb::arg("word"), nb::arg("mode"), nb::arg("ready"), nb::arg("at_rest"),
-      nb::arg("stop"), "The payload of a state.");
+      nb::arg("language"), nb::arg("message"), nb::arg("mode"), nb::arg("ready"),
+      nb::arg("at_rest"), nb::arg("stop"), "The payload of a state.");
   m.def(
       "state_of",
       [](const nb::bytes& payload) {
         const wire::State s = wire::state_of(payload_in(payload));
-        return std::tuple(number(s.language), number(s.word), number(s.mode), s.ready, s.at_rest,
+        return std::tuple(number(s.language), number(s.message), number(s.mode), s.ready, s.at_rest,
                           s.stop);
       },
-      nb::arg("payload"), "A state: language, word, mode, ready, at rest, stop.");
+      nb::arg("payload"), "A state: language, message, mode, ready, at rest, stop.");
   m.def(
       "status",
       [](std::uint8_t mode, std::uint8_t fault, int sign, std::uint8_t palm, bool palm_at_target,
@@ -177,7 +177,7 @@ void bind_wire(nb::module_& core) {
   m.attr("roles") = names_to(wire::Role::station);
   m.attr("verdicts") = names_to(wire::Verdict::no_session);
   m.attr("languages") = names_to(wire::Language::signs);
-  m.attr("words") = names_to(MessageKind::minus_shallow);
+  m.attr("messages") = names_to(MessageKind::minus_shallow);
   m.attr("robot_modes") = names_to(wire::RobotMode::fault);
   m.attr("fault_codes") = names_to(wire::FaultCode::stop);
   m.attr("operations") = names_to(wire::Operation::release);

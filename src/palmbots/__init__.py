@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from palmbots.logs.mcap_reader import read_log as read_log
     from palmbots.logs.mcap_writer import write_log as write_log
     from palmbots.logs.replaying import replay as replay
+    from palmbots.mechanics.contact_modes import contact_modes as contact_modes
+    from palmbots.mechanics.contact_modes import contact_modes_batch as contact_modes_batch
+    from palmbots.mechanics.contact_modes import feasible_contact_modes as feasible_contact_modes
     from palmbots.mechanics.contact_points import contacts as contacts
-    from palmbots.mechanics.mode_analysis import feasible_modes as feasible_modes
-    from palmbots.mechanics.mode_analysis import modes as modes
-    from palmbots.mechanics.mode_analysis import modes_batch as modes_batch
     from palmbots.mujoco.validation.validation import validate as validate
     from palmbots.optimum.drop_bound import bound as bound
     from palmbots.scene.object_library import object_names as object_names

@@ -73,11 +73,11 @@ def test_replay_finds_the_log_identical(here: Run, written: Path) -> None:
 
 
 def test_modes_reports_properties_1_and_2(here: Run) -> None:
-    table = json.loads(here("modes", "--json", "--theta-left-deg", "5").stdout)
+    table = json.loads(here("contact-modes", "--json", "--theta-left-deg", "5").stdout)
     assert (table["closing"], table["opening"]) == (["SL", "ST"], ["ST", "SL"])
     assert len(table["feasible"]) == 3
     assert len(table["consistent_closing"]) == len(table["consistent_opening"]) == 5
-    text = here("modes", "--theta-left-deg", "5").stdout
+    text = here("contact-modes", "--theta-left-deg", "5").stdout
     assert "closing: left SL, right ST\nThe left contact slides up, the right one sticks.\n" in text
     assert "opening: left ST, right SL\n" in text
 
@@ -241,7 +241,7 @@ def test_every_help_has_an_example_and_imperative_options(here: Run) -> None:
 def test_help_lists_the_main_command_first(here: Run) -> None:
     text = here("--help").stdout.split("Commands:")[1]
     listed = re.findall(r"^  ([a-z0-9-]+)  ", text, re.MULTILINE)
-    assert listed[:3] == ["carry", "modes", "analyze"]
+    assert listed[:3] == ["carry", "contact-modes", "analyze"]
     group: Any = get_command(build_app())
     assert sorted(listed) == sorted(group.commands)
     assert "..." not in text  # no sentence is truncated

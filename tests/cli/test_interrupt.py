@@ -140,7 +140,7 @@ main()
 )
 def test_interrupted_during_imports_prints_one_line(module: str) -> None:
     result = subprocess.run(
-        [sys.executable, "-c", IMPORTING, module, "modes"],
+        [sys.executable, "-c", IMPORTING, module, "contact-modes"],
         capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)

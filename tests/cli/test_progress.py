@@ -107,7 +107,11 @@ def test_warnings_of_refused_input_are_not_printed(capsys: pytest.CaptureFixture
 
 
 def test_warnings_are_printed_before_the_output(here: Run, tmp_path: Path) -> None:
-    for command in (("modes",), ("modes", "--json"), ("export", "--mjcf", str(tmp_path / "m.xml"))):
+    for command in (
+        ("contact-modes",),
+        ("contact-modes", "--json"),
+        ("export", "--mjcf", str(tmp_path / "m.xml")),
+    ):
         result = here(command[0], "/dev/null", *command[1:])
         assert result.returncode == 0
         assert (

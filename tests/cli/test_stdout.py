@@ -24,8 +24,8 @@ REPORTS = [
     ("carry", "-c", "resilient", "--set", "radio.loss=0.2"),
     ("carry", "--set", "robot.left.bias_m_s=0.05", "-c", "none"),
     ("carry", "--set", "task.timeout_s=3"),
-    ("modes", "--theta-left-deg", "5"),
-    ("modes", "--theta-left-deg", "0"),
+    ("contact-modes", "--theta-left-deg", "5"),
+    ("contact-modes", "--theta-left-deg", "0"),
     ("analyze",),
     ("analyze", "--set", "palm.shallow_deg=4", "--set", "palm.friction=2"),
     ("analyze", "--set", "palm.friction=0.05"),
@@ -93,7 +93,7 @@ def test_numbers_are_not_shortened_in_a_narrow_terminal(monkeypatch: pytest.Monk
 def test_full_disk_under_stdout_is_reported_in_one_line(option: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:
         result = subprocess.run(
-            [sys.executable, "-m", "palmbots", "modes", *option],
+            [sys.executable, "-m", "palmbots", "contact-modes", *option],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
@@ -151,7 +151,7 @@ def test_file_is_the_same_with_closed_streams(tmp_path: Path) -> None:
 PIPED = [
     ("--help",),
     ("keys",),
-    ("modes", "--json"),
+    ("contact-modes", "--json"),
     ("carry", *SHORT),
 ]
 
@@ -178,7 +178,7 @@ def test_encoding_without_a_character_prints_a_question_mark(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    result = palmbots("modes")
+    result = palmbots("contact-modes")
     assert (result.returncode, result.stderr) == (DONE, "")
     assert "palms 15?, 15?" in result.stdout
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The leases for which the model checker's runs of `shared-sign` are stated, with clocks 2 % off.
 
-A robot acts on a word until its age exceeds the lease in ticks of its own clock. A clock that is
-2 % slow takes 1.02 times as long for that. A run with a lease of n cycles covers such words if they
-are at most n cycles old.
+A robot acts on a message until its age exceeds the lease in ticks of its own clock. A clock that is
+2 % slow takes 1.02 times as long for that. A run with a lease of n cycles covers such messages if
+they are at most n cycles old.
 """
 
 import math

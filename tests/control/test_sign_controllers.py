@@ -62,7 +62,7 @@ def test_times_in_the_default_scene() -> None:
 @pytest.mark.parametrize("brake", [False, True])
 @pytest.mark.parametrize("start", ["together", "touch"])
 def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, start: str) -> None:
-    """Over random signs, words and ages, with signs and silences that last."""
+    """Over random signs, messages and ages, with signs and silences that last."""
     keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
     keys |= {"control.start": start}
     by_touch = start == "touch"
@@ -89,10 +89,10 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
                 news = (news_sign, chance.choice(("steep", "shallow")) if news_sign else "steep")
                 age = chance.choice((5, 12, 41, 42, 43, 50)) if tick % 3 else 12
             number = 0 if news is None else _core.MessageKind[WORDS[news]]
-            palm, move, stop, word, send = shipped.step(sign, True, number, age)
+            palm, move, stop, message, send = shipped.step(sign, True, number, age)
             expected = rules.step(sign, news, age)
             said = WORDS[expected[3]] if shares else ""
-            assert (palm, move, stop, word, send) == (*expected[:3], said, expected[4]), tick
+            assert (palm, move, stop, message, send) == (*expected[:3], said, expected[4]), tick
             seen.add(shipped.state)
     states = {s["name"] for s in table_of(controller, spec)["states"]}
     states = {name for name in states if not name.startswith("follow" if leads else "lead")}

@@ -22,7 +22,7 @@ def test_there_are_core_tests() -> None:
 # itself.
 MANY = {
     "batch/bitslice_test": "200000",
-    "batch/lockstep_test": "60",
+    "batch/lane_carries_test": "60",
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "1",
     "sim/carry_test": "20",

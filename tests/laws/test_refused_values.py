@@ -122,7 +122,7 @@ def limits_of(key: Key) -> Any:
     least, most = row["least"], row["most"]
     if row["kind"] == "flag":
         return is_switch
-    if row["kind"] == "word":
+    if row["kind"] == "choice":
         return OneOf(row["words"])
     if row["kind"] == "whole":
         return whole(int(least), None if most is None else int(most))
@@ -134,9 +134,9 @@ def limits_of(key: Key) -> Any:
 def outside(check: Any) -> Iterator[tuple[Any, str, str]]:
     """Values that a check excludes, as they are shown, and what is wrong with them."""
     if get_origin(check) is Literal:
-        yield "no such word", '"no such word"', "is not known"
+        yield "no such name", '"no such name"', "is not known"
     elif isinstance(check, OneOf):
-        yield "no such word", '"no such word"', "is not known"
+        yield "no such name", '"no such name"', "is not known"
         yield 3, "3", "is not known"
     elif check is is_switch:
         yield 1, "1", "is a whole number, not a boolean"

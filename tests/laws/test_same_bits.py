@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A carry has the same bits alone, in lockstep and in any batch, from every compiler and processor.
+"""A carry has the same bits alone, in lanes and in any batch, from every compiler and processor.
 
 Of every controller, over random values of every key in the core's table, and over special scenes.
 tests/site and tests/firmware test the page and the boards with the same keys.
@@ -133,7 +133,7 @@ def assert_is_single(columns: Columns, i: int, one: pb.simulation.Carry) -> None
 
 
 class Held:
-    """A controller in Python, which does not run in lockstep."""
+    """A controller in Python, which does not run in lanes."""
 
     def step(self, seen: StepInput) -> StepOutput:
         return StepOutput(palm="shallow" if seen.sign < 0 else "steep", move="hold")

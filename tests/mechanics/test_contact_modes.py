@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.mechanics.mode_analysis import CONTACT_MODES as NAMES
+from palmbots.mechanics.contact_modes import CONTACT_MODES as NAMES
 from statics_oracle import DOWN, MODES, STICK, UP, State, balanced_modes, random_state
 
 STATES = 1000
@@ -28,7 +28,7 @@ def drawn() -> tuple[list[State], pb.mechanics.ContactModesBatch]:
     rng = np.random.default_rng(1998)
     states = [random_state(rng) for _ in range(STATES)]
     columns = {key: np.array([s.arguments()[key] for s in states]) for key in states[0].arguments()}
-    return states, pb.modes_batch(**columns)
+    return states, pb.contact_modes_batch(**columns)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_occurring_mode_balances_where_ends_of_intervals_coincide() -> None:
 
 def test_counts_of_modes_in_the_paper() -> None:
     """Figure 3(b): the left palm shallow, the palms pushed together."""
-    result = pb.modes("paper", theta_left_deg=5)
+    result = pb.contact_modes("paper", theta_left_deg=5)
     assert len(NAMES) == 9
     assert len(result.feasible) == 3
     assert len(result.consistent_closing) == 5
@@ -137,7 +137,7 @@ def test_com_intervals_of_section_7(friction: float, band: tuple[float, float]) 
     grid = np.linspace(-reach, reach, 31)
     left, right = np.meshgrid(grid, grid, indexing="ij")
     com = np.arange(0.09, 0.23, 0.0001)
-    result = pb.modes_batch(
+    result = pb.contact_modes_batch(
         width=0.25,
         com_x=com[:, None, None],
         com_y=0.04,
@@ -160,7 +160,7 @@ def test_golden_cases_of_phi_above_theta_steep(friction, low, high) -> None:
     """H at L⁺ ≥ H at R⁻ for T ≥ −4.5, or for T ≤ 6.8."""
     tangent = np.linspace(-0.9, 0.9, 37)
     rise = 0.25 * np.sin(np.arctan(tangent))
-    result = pb.modes_batch(
+    result = pb.contact_modes_batch(
         width=0.25,
         com_x=0.125,
         com_y=0.04,
@@ -187,7 +187,7 @@ def test_margin_is_where_the_object_is_just_held() -> None:
         {"p_left_m": 0.05, "p_right_m": -0.03},
     )
     for state in states:
-        result = pb.modes("paper", **state)
+        result = pb.contact_modes("paper", **state)
         base = {
             "width": 0.25,
             "com_x": 0.125,
@@ -217,16 +217,16 @@ def test_arguments_broadcast() -> None:
         "friction_left": 0.3, "friction_right": 0.4,
     }  # fmt: skip
     p = np.linspace(-0.07, 0.07, 5)
-    table = pb.modes_batch(**fixed, p_left=p[:, None], p_right=p[None, :])
+    table = pb.contact_modes_batch(**fixed, p_left=p[:, None], p_right=p[None, :])
     assert table.closing.shape == (5, 5)
     assert table.feasible.shape == (5, 5, 9)
     assert table.squeeze.shape == (5, 5, 2, 2)
-    single = pb.modes_batch(**fixed, p_left=p[1], p_right=p[3])
+    single = pb.contact_modes_batch(**fixed, p_left=p[1], p_right=p[3])
     assert single.closing.shape == ()
     assert single.closing == table.closing[1, 3]
     np.testing.assert_array_equal(single.squeeze, table.squeeze[1, 3])
     with pytest.raises(ValueError):
-        pb.modes_batch(**fixed, p_left=np.zeros(3), p_right=np.zeros(4))
+        pb.contact_modes_batch(**fixed, p_left=np.zeros(3), p_right=np.zeros(4))
 
 
 def test_result_does_not_depend_on_the_unit_of_length(drawn) -> None:
@@ -234,6 +234,6 @@ def test_result_does_not_depend_on_the_unit_of_length(drawn) -> None:
     states, result = drawn
     keys = ("width", "com_x", "com_y", "p_left", "p_right", "offset_left", "offset_right")
     columns = {key: np.array([s.arguments()[key] for s in states]) for key in states[0].arguments()}
-    scaled = pb.modes_batch(**{k: v * 4 if k in keys else v for k, v in columns.items()})
+    scaled = pb.contact_modes_batch(**{k: v * 4 if k in keys else v for k, v in columns.items()})
     np.testing.assert_allclose(scaled.squeeze, result.squeeze, rtol=1e-12)
     np.testing.assert_array_equal(scaled.closing, result.closing)

@@ -133,7 +133,7 @@ def test_keel_on_a_palm_that_rises_inward(between: list, kind: str) -> None:
     ],
 )
 def test_overlap_is_refused_in_one_line(state: dict, side: str, depth: str | None) -> None:
-    for ask in (pb.modes, pb.contacts):
+    for ask in (pb.contact_modes, pb.contacts):
         with pytest.raises(PalmbotsError) as error:
             ask("paper", **state)
         line = str(error.value)
@@ -270,7 +270,7 @@ def test_mirrored_state_gives_the_mirrored_result() -> None:
 
 
 def test_modes_adds_nothing_with_two_contacts() -> None:
-    result = pb.modes("paper", theta_left_deg=5)
+    result = pb.contact_modes("paper", theta_left_deg=5)
     assert result.held is None and result.motions_closing is None and result.motions_opening is None
     summary = result.summary()
     assert [c["kind"] for c in summary["contacts"]] == ["vertex", "vertex"]
@@ -278,7 +278,7 @@ def test_modes_adds_nothing_with_two_contacts() -> None:
 
 
 def test_flush_box_slides_when_closing_and_pivots_on_the_tip_when_opening() -> None:
-    result = pb.modes("paper", theta_left_deg=0)
+    result = pb.contact_modes("paper", theta_left_deg=0)
     assert result.held
     assert result.motions_closing == (("SL", "SL", "ST"),)
     # Opening, the right vertex slides down its slope, and the box pivots on the left palm's tip.
@@ -287,7 +287,7 @@ def test_flush_box_slides_when_closing_and_pivots_on_the_tip_when_opening() -> N
 
 def test_level_palms_close_to_either_side() -> None:
     """Forces are not determined there: either palm may slide, or both."""
-    result = pb.modes("paper", theta_left_deg=0, theta_right_deg=0)
+    result = pb.contact_modes("paper", theta_left_deg=0, theta_right_deg=0)
     assert result.motions_closing is not None and result.motions_opening is not None
     slide = [("ST", "ST", "SR", "SR"), ("SL", "SL", "ST", "ST"), ("SL", "SL", "SR", "SR")]
     assert sorted(result.motions_closing) == sorted(slide)
@@ -296,15 +296,15 @@ def test_level_palms_close_to_either_side() -> None:
 
 def test_flush_contact_holds_where_a_vertex_does_not() -> None:
     state = {"theta_left_deg": 0, "overrides": {"palm.friction": 0.1}}
-    result = pb.modes("paper", **state)
+    result = pb.contact_modes("paper", **state)
     assert not result.feasible and result.held
 
 
 def test_mirrored_motions() -> None:
     swap = {"ST": "ST", "SL": "SR", "SR": "SL", "BR": "BR"}
     scene = pb.load_scene({"object": "l-shape"})
-    there = pb.modes(scene, theta_left_deg=0, p_left_m=0.01)
-    back = pb.modes(scene.mirrored(), theta_right_deg=0, p_right_m=0.01)
+    there = pb.contact_modes(scene, theta_left_deg=0, p_left_m=0.01)
+    back = pb.contact_modes(scene.mirrored(), theta_right_deg=0, p_right_m=0.01)
     for ours, image in (
         (there.motions_closing, back.motions_closing),
         (there.motions_opening, back.motions_opening),
@@ -323,21 +323,21 @@ def test_motions_when_one_palm_turns() -> None:
 
 
 def test_command_prints_contacts_and_motions(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["modes", "--theta-left-deg", "0", "--json"]) == cli.DONE
+    assert cli.run(["contact-modes", "--theta-left-deg", "0", "--json"]) == cli.DONE
     summary = json.loads(capsys.readouterr().out)
     assert summary["held"] is True
     assert summary["motions_closing"] == [["SL", "SL", "ST"]]
     assert [c["side"] for c in summary["contacts"]] == ["left", "left", "right"]
     assert set(summary["contacts"][0]) == {"side", "kind", "place_m", "point_m"}
 
-    assert cli.run(["modes", "--theta-left-deg", "0"]) == cli.DONE
+    assert cli.run(["contact-modes", "--theta-left-deg", "0"]) == cli.DONE
     result = capsys.readouterr().out
     assert "held with all 3 sticking: yes" in result
     assert "closing: left SL SL, right ST\n" in result
     assert "opening: left BR ST, right SL\n" in result
     assert "If only the two contact vertices touched the palms:" in result
 
-    assert cli.run(["modes", "--theta-left-deg", "-3"]) == cli.BAD_INPUT
+    assert cli.run(["contact-modes", "--theta-left-deg", "-3"]) == cli.BAD_INPUT
     assert capsys.readouterr().err.count("\n") == 1
 
 

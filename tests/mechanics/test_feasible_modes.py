@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`feasible_modes` gives the answers of `modes_batch` in every state, as bits."""
+"""`feasible_contact_modes` gives the answers of `contact_modes_batch` in every state, as bits."""
 
 import math
 import re
@@ -27,8 +27,8 @@ BOTH_SLIDE = sum(1 << k for k, mode in enumerate(pb.mechanics.CONTACT_MODES) if 
 def assert_same(**arguments: Any) -> NDArray[np.uint16]:
     """Compares the two functions, and returns the bits."""
     with np.errstate(all="ignore"):
-        wanted = pb.modes_batch(**arguments).feasible
-        result = pb.feasible_modes(**arguments)
+        wanted = pb.contact_modes_batch(**arguments).feasible
+        result = pb.feasible_contact_modes(**arguments)
     assert result.dtype == np.uint16
     assert result.shape == wanted.shape[:-1]
     np.testing.assert_array_equal(result, wanted @ (1 << np.arange(9)))
@@ -40,14 +40,14 @@ def drawn(count: int) -> list[dict[str, float]]:
     return [random_state(rng).arguments() for _ in range(count)]
 
 
-def test_random_states_agree_with_modes_batch() -> None:
+def test_random_states_agree_with_contact_modes_batch() -> None:
     states = drawn(3000)
     bits = assert_same(**{key: np.array([s[key] for s in states]) for key in states[0]})
     assert 0.2 < np.mean(bits != 0) < 0.95
     assert len(np.unique(bits)) >= 5
 
 
-def test_random_contacts_agree_with_modes_batch() -> None:
+def test_random_contacts_agree_with_contact_modes_batch() -> None:
     """Also where the object does not reach, or is so steep that a cone edge is wedged."""
     p = np.linspace(-0.3, 0.3, 61)
     held = 0
@@ -58,7 +58,7 @@ def test_random_contacts_agree_with_modes_batch() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.5, 1.0, 3.0])
-def test_grids_agree_with_modes_batch(friction: float) -> None:
+def test_grids_agree_with_contact_modes_batch(friction: float) -> None:
     """φ on either side of θ, θ on either side of 0, and the COM beyond the contacts too."""
     theta = np.radians(np.linspace(-30, 60, 19))
     com_x = np.linspace(-0.05, 0.3, 15)
@@ -71,7 +71,7 @@ def test_grids_agree_with_modes_batch(friction: float) -> None:
     )  # fmt: skip
 
 
-def test_ties_of_symmetric_states_agree_with_modes_batch() -> None:
+def test_ties_of_symmetric_states_agree_with_contact_modes_batch() -> None:
     """Where both contacts slip at one squeeze, both may slide."""
     p = np.linspace(-0.075, 0.075, 31)
     for theta in np.radians([-5, 5, 15, 40]):
@@ -85,23 +85,23 @@ def test_ties_of_symmetric_states_agree_with_modes_batch() -> None:
         assert 0.1 < np.mean(near & BOTH_SLIDE != 0) < 0.9
 
 
-def test_wedged_states_agree_with_modes_batch() -> None:
+def test_wedged_states_agree_with_contact_modes_batch() -> None:
     """Cones that contain the line to the other contact."""
     p = np.linspace(-0.2, 0.2, 41)
     arguments = BOX | {"theta_left": 0.6, "friction_left": 1.2, "p_left": p[:, None], "p_right": p}
-    ends = pb.modes_batch(**arguments).squeeze[..., 0, 1]
+    ends = pb.contact_modes_batch(**arguments).squeeze[..., 0, 1]
     assert np.isfinite(ends).any()
     assert np.isposinf(ends).any()
     assert_same(**arguments)
 
 
-def test_cone_edges_along_the_line_of_contacts_agree_with_modes_batch() -> None:
+def test_cone_edges_along_the_line_of_contacts_agree_with_contact_modes_batch() -> None:
     """A right triangle of sides 3, 4 and 5, in numbers without rounding: a = 0 in the bound."""
     level = {"width": 5.0, "com_y": 0.5, "theta_left": 0.0, "theta_right": 0.0, "p_right": 0.0}
     raised = {"friction_left": 0.75, "friction_right": 0.3, "offset_right": 4.0}
     com_x = np.linspace(-1, 6, 57)
     arguments = level | raised | {"p_left": 0.0, "com_x": com_x}
-    assert np.isinf(pb.modes_batch(**arguments).squeeze[:, 0, 1]).all()
+    assert np.isinf(pb.contact_modes_batch(**arguments).squeeze[:, 0, 1]).all()
     bits = assert_same(**arguments)
     assert 0 < np.count_nonzero(bits) < com_x.size
     mirrored = level | {"friction_left": 0.3, "friction_right": 0.75, "offset_left": 4.0}
@@ -114,7 +114,7 @@ def test_no_mode_balances_where_the_object_cannot_reach() -> None:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_extreme_numbers_agree_with_modes_batch(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_extreme_numbers_agree(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Zeros of both signs, tiny and huge numbers, infinities and NaN.
 
     The core accepts them, although Python refuses impossible numbers.
@@ -153,9 +153,9 @@ def test_any_number_of_states_is_accepted(n: int, key: str) -> None:
 
 def test_bits_are_in_the_order_of_the_modes() -> None:
     """Figure 3(b), with the names of `modes`."""
-    bits = pb.feasible_modes(**BOX, p_left=0.0, p_right=0.0)
+    bits = pb.feasible_contact_modes(**BOX, p_left=0.0, p_right=0.0)
     named = tuple(mode for k, mode in enumerate(pb.mechanics.CONTACT_MODES) if bits >> k & 1)
-    assert named == pb.modes("paper", theta_left_deg=5).feasible
+    assert named == pb.contact_modes("paper", theta_left_deg=5).feasible
 
 
 def test_arguments_broadcast() -> None:
@@ -169,23 +169,25 @@ def test_arguments_broadcast() -> None:
     assert assert_same(**BOX, p_left=np.zeros((2, 0)), p_right=0.0).shape == (2, 0)
     # Every other one, backwards, in single precision: no matter how the numbers lie in memory.
     np.testing.assert_array_equal(
-        pb.feasible_modes(**BOX, p_left=p[::-2], p_right=np.float32(0.5)),
-        [pb.feasible_modes(**BOX, p_left=x, p_right=0.5) for x in p[::-2]],
+        pb.feasible_contact_modes(**BOX, p_left=p[::-2], p_right=np.float32(0.5)),
+        [pb.feasible_contact_modes(**BOX, p_left=x, p_right=0.5) for x in p[::-2]],
     )
 
 
 def test_shapes_that_do_not_broadcast_are_refused() -> None:
     with pytest.raises(ValueError):
-        pb.feasible_modes(**BOX, p_left=np.zeros(3), p_right=np.zeros(4))
+        pb.feasible_contact_modes(**BOX, p_left=np.zeros(3), p_right=np.zeros(4))
     with pytest.raises(ValueError):
-        pb.feasible_modes(**BOX | {"width": np.ones((2, 3))}, p_left=np.zeros(2), p_right=0.0)
+        pb.feasible_contact_modes(
+            **BOX | {"width": np.ones((2, 3))}, p_left=np.zeros(2), p_right=0.0
+        )
     with pytest.raises(ValueError, match="13 columns"):
         _core.feasible_modes([np.zeros(1)] * 12, 1)
     with pytest.raises(ValueError, match="one number, or one for each state"):
         _core.feasible_modes([np.zeros(1)] * 12 + [np.zeros(3)], 2)
 
 
-@pytest.mark.parametrize("function", [pb.modes_batch, pb.feasible_modes])
+@pytest.mark.parametrize("function", [pb.contact_modes_batch, pb.feasible_contact_modes])
 @pytest.mark.parametrize(
     ("key", "wrong", "allowed"),
     [
@@ -222,6 +224,8 @@ def test_impossible_numbers_are_refused_in_one_line(
 def test_possible_numbers_are_accepted() -> None:
     """The limits, and finite numbers whose sum overflows."""
     steepest = np.nextafter(math.pi / 2, 0)
-    pb.modes_batch(**BOX | {"theta_left": steepest, "friction_left": 0.0}, p_left=0.0, p_right=0.0)
+    pb.contact_modes_batch(
+        **BOX | {"theta_left": steepest, "friction_left": 0.0}, p_left=0.0, p_right=0.0
+    )
     huge = np.full(9, 1e308)
-    assert not pb.feasible_modes(**BOX, p_left=huge, p_right=0.0).any()
+    assert not pb.feasible_contact_modes(**BOX, p_left=huge, p_right=0.0).any()

@@ -15,7 +15,7 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from batched_lp import Program, least_costs
-from palmbots.mechanics.mode_analysis import CONTACT_MODES as NAMES
+from palmbots.mechanics.contact_modes import CONTACT_MODES as NAMES
 from statics_oracle import DOWN, OFF_BY, STICK, UP, State, random_state
 
 Support = tuple[int, float, float, float, float, float]
@@ -263,7 +263,7 @@ def test_two_contacts_give_the_nine_modes() -> None:
     rng = np.random.default_rng(41)
     states = [random_state(rng) for _ in range(3000)]
     columns = {key: np.array([s.arguments()[key] for s in states]) for key in states[0].arguments()}
-    result = pb.modes_batch(**columns)
+    result = pb.contact_modes_batch(**columns)
     left = {"ST": STAY, "SL": OUT, "SR": IN}
     right = {"ST": STAY, "SR": OUT, "SL": IN}
     left_out = 0
@@ -285,7 +285,7 @@ def test_two_contacts_of_the_papers_box_close_and_open_as_in_modes(theta_deg) ->
     """Ties too: a symmetric object's boundary modes balance in both."""
     state = State(0.25, (0.125, 0.04), tuple(np.radians(theta_deg)), (0.0, 0.0), (0.3, 0.3))
     supports = supports_of(state)
-    known = pb.modes("paper", theta_left_deg=theta_deg[0], theta_right_deg=theta_deg[1])
+    known = pb.contact_modes("paper", theta_left_deg=theta_deg[0], theta_right_deg=theta_deg[1])
     names = ({STAY: "ST", OUT: "SL", IN: "SR"}, {STAY: "ST", OUT: "SR", IN: "SL"})
     for sign, consistent in ((1, known.consistent_closing), (-1, known.consistent_opening)):
         velocities = [(0.5 * sign, 0.0), (-0.5 * sign, 0.0)]

@@ -61,7 +61,7 @@ def test_every_contact_has_its_own_palm_s_friction() -> None:
 
 
 def test_contacts_are_as_soft_as_documented() -> None:
-    """docs/guide/mujoco.md, Contacts that hold."""
+    """docs/reference/mujoco-agreement.md, Contacts that hold."""
     m = compiled({})
     assert m.opt.impratio == 150 and m.opt.cone == mj.mjtCone.mjCONE_ELLIPTIC
     assert m.opt.timestep == pytest.approx(0.002)

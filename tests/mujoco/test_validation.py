@@ -14,7 +14,7 @@ from json_output import read_json
 from palmbots._util.confidence_intervals import wilson
 from palmbots.cli import main as cli
 from palmbots.control.interface import StepInput, StepOutput
-from palmbots.mechanics.mode_analysis import modes
+from palmbots.mechanics.contact_modes import contact_modes
 from palmbots.mujoco.carry_runner import WORLD, run
 from palmbots.mujoco.settings import DEFAULT, Contact, Engine
 from palmbots.mujoco.validation import trials
@@ -89,7 +89,7 @@ def test_expectations_are_those_of_the_modes() -> None:
     """`expected` asks the world; `modes` knows by itself."""
     for state in trials.grid(0.25)[::37]:
         scene = trials.scene_of(Scene(), state)
-        found = modes(scene, p_left_m=state.contacts[0], p_right_m=state.contacts[1])
+        found = contact_modes(scene, p_left_m=state.contacts[0], p_right_m=state.contacts[1])
         for closing, pair in ((True, found.closing), (False, found.opening)):
             assert pair is not None
             slides = {"left": pair[0] != "ST", "right": pair[1] != "ST"}

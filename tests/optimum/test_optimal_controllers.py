@@ -36,7 +36,7 @@ def test_references_are_no_shipped_controllers() -> None:
     assert not set(reference_names()) & {*shipped_names(), *controller_names()}
     for name in BEST:
         entry = resolve(name)
-        assert entry.is_reference and not entry.runs_in_lockstep
+        assert entry.is_reference and not entry.runs_in_lanes
         assert describe(name) is entry
         assert entry.description.startswith("reference with full information")
 

@@ -37,7 +37,7 @@ ALIASES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "packet": (wire.Kind, _core.wire.packet_kinds),
     "verdict": (wire.Verdict, _core.wire.verdicts),
     "language": (wire.Language, _core.wire.languages),
-    "word": (wire.Word, _core.wire.words),
+    "message on the wire": (wire.MessageName, _core.wire.messages),
     "mode of a robot": (wire.RobotMode, _core.wire.robot_modes),
     "fault": (wire.FaultCode, _core.wire.fault_codes),
     "operation": (wire.Operation, _core.wire.operations),
@@ -80,13 +80,13 @@ def test_numbers_are_those_of_the_core() -> None:
     assert interface.MESSAGE_KINDS[1:] == spaces.OBSERVATION[4:]
 
 
-def test_languages_have_the_words_of_the_core() -> None:
+def test_languages_have_the_messages_of_the_core() -> None:
     kind = _core.wire.packet_kinds.index("state")
     for language, language_name in enumerate(_core.wire.languages):
-        for word, word_name in enumerate(_core.wire.words):
-            payload = _core.wire.state(language, word, 0, False, False, False)
+        for message, message_name in enumerate(_core.wire.messages):
+            payload = _core.wire.state(language, message, 0, False, False, False)
             packet = _core.wire.encode(bytes(16), kind, 0, 1, 7, (1, 1), (0, 0), payload)
-            assert (packet is not None) == (word_name in bodies._WORDS_OF[language_name])
+            assert (packet is not None) == (message_name in bodies._MESSAGES_OF[language_name])
 
 
 def test_controllers_of_the_core_have_known_teams() -> None:

@@ -112,7 +112,7 @@ def logged(folder: Path) -> Path:
 def states() -> Any:
     angles = {"theta_left": 0.2, "theta_right": 0.2, "p_left": 0.0, "p_right": [0.0, 0.01]}
     friction = {"friction_left": 0.3, "friction_right": 0.3}
-    return pb.modes_batch(width=0.25, com_x=0.125, com_y=0.04, **angles, **friction)
+    return pb.contact_modes_batch(width=0.25, com_x=0.125, com_y=0.04, **angles, **friction)
 
 
 def speed_limits() -> SpeedLimits:
@@ -146,7 +146,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "CheckResult": checked,
     "Clearance": lambda folder: analysis().clearance,
     "Comparison": lambda folder: pb.compare(values=[0.1], carries=2, overrides=SHORT),
-    "ContactModes": lambda folder: pb.modes("paper"),
+    "ContactModes": lambda folder: pb.contact_modes("paper"),
     "ContactModesBatch": lambda folder: states(),
     "Cost": lambda folder: Cost(
         6,

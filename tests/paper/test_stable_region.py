@@ -51,7 +51,7 @@ class PaperGeometry:
 
 def closing_is_sl_st(at: StabilityProblem, p_left: float, p_right: float) -> bool:
     # The paper's inequalities know nothing of the rest of the outline, so neither may this.
-    found = pb.modes_batch(
+    found = pb.contact_modes_batch(
         width=W,
         com_x=at.com[0],
         com_y=at.com[1],
@@ -67,7 +67,9 @@ def closing_is_sl_st(at: StabilityProblem, p_left: float, p_right: float) -> boo
 
 def test_equation_1_object_angle() -> None:
     for p_left, p_right in product((-0.07, 0.0, 0.03), repeat=2):
-        found = pb.modes(p_left_m=p_left, p_right_m=p_right, theta_left_deg=5, theta_right_deg=15)
+        found = pb.contact_modes(
+            p_left_m=p_left, p_right_m=p_right, theta_left_deg=5, theta_right_deg=15
+        )
         z = -p_left * math.sin(SHALLOW) + p_right * math.sin(STEEP)
         assert found.object_deg == pytest.approx(math.degrees(math.asin(z / W)), abs=1e-12)
 
@@ -94,7 +96,7 @@ def test_figure_3_st_st_needs_gravity_through_both_cones() -> None:
             top = across / math.tan(steepest) + base if steepest > 0 else math.inf
             cones.append((across / math.tan(flattest) + base, top))
         meets = max(c[0] for c in cones) <= min(c[1] for c in cones)
-        found = pb.modes_batch(
+        found = pb.contact_modes_batch(
             width=W,
             com_x=x,
             com_y=y,
@@ -112,7 +114,7 @@ def test_figure_3_st_st_needs_gravity_through_both_cones() -> None:
 
 def test_section_3_1_nine_three_five_one() -> None:
     """9 modes, 3 in balance, 5 consistent with closing, one that is both."""
-    found = pb.modes(p_left_m=-0.02, p_right_m=0.03, theta_left_deg=5, theta_right_deg=15)
+    found = pb.contact_modes(p_left_m=-0.02, p_right_m=0.03, theta_left_deg=5, theta_right_deg=15)
     assert len(pb.mechanics.CONTACT_MODES) == 9
     assert len(found.feasible) == 3
     assert len(found.consistent_closing) == 5

@@ -114,7 +114,7 @@ def test_com_outside_the_material_is_carried_by_every_part(vertices: list, tmp_p
     assert carry.outcome == "delivered"
     pb.write_log(carry, tmp_path / "carry.mcap")
     assert pb.replay(tmp_path / "carry.mcap").identical
-    assert pb.modes(scene).feasible
+    assert pb.contact_modes(scene).feasible
     assert pb.analyze(scene).summary()
     assert pb.load_scene(scene.model_dump()) == scene
     mirrored = scene.mirrored()

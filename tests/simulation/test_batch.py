@@ -35,11 +35,11 @@ def test_modules_have_different_numbers_of_lanes() -> None:
 @pytest.mark.soak
 @pytest.mark.parametrize("level", [3, 4])
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
-def test_lockstep_for_larger_processors_passes_sanitizers(level: int, compiler: str) -> None:
+def test_lanes_of_larger_processors_passes_sanitizers(level: int, compiler: str) -> None:
     """tests/cpp/test_programs.py runs the same program with the lanes of any processor."""
     if not _core.supports_x86_level(level):
         pytest.skip(f"this processor has no level x86-64-v{level}")
-    command = [program(f"batch/lockstep_test-v{level}-{compiler}"), "30"]  # seeds
+    command = [program(f"batch/lane_carries_test-v{level}-{compiler}"), "30"]  # seeds
     run = subprocess.run(command, capture_output=True, text=True, timeout=1500)
     assert run.returncode == 0, run.stderr
 
@@ -58,7 +58,7 @@ def test_exception_in_watch_stops_the_batch() -> None:
 
 
 @pytest.mark.parametrize("command", ["study", "compare", "validate"])
-def test_command_without_lockstep_modules_is_refused_before_it_writes(
+def test_command_without_batch_modules_is_refused_before_it_writes(
     command: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -73,7 +73,7 @@ def test_command_without_lockstep_modules_is_refused_before_it_writes(
     finally:
         batch._module.cache_clear()
     printed = capsys.readouterr()
-    line = "palmbots: the lockstep modules are not built; run: make build\n"
+    line = "palmbots: the batch modules are not built; run: make build\n"
     assert (printed.out, printed.err) == ("", line)
     assert list(tmp_path.iterdir()) == []
 

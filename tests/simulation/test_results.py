@@ -27,9 +27,9 @@ def results() -> list[Any]:
         pb.carry("paper", "distributed", seed=1, overrides=SHORT | busy, record=False),
         pb.carry("paper", "none", overrides={"robot.noise_m_s": 0.1}, record=False),
         pb.compare(values=[0.05], controllers=["none"], carries=2, overrides=SHORT),
-        pb.modes("paper", theta_left_deg=5.0),
-        pb.modes("paper", overrides={"object": "tray"}),
-        pb.modes_batch(
+        pb.contact_modes("paper", theta_left_deg=5.0),
+        pb.contact_modes("paper", overrides={"object": "tray"}),
+        pb.contact_modes_batch(
             width=0.25, com_x=0.125, com_y=[0.02, 0.04], theta_left=0.2, theta_right=0.2,
             p_left=0.0, p_right=[[0.0], [0.01], [0.02]], friction_left=0.3, friction_right=0.3,
         ),
@@ -121,7 +121,7 @@ def test_refusals_of_plot_name_what_is_allowed() -> None:
     with pytest.raises(PalmbotsError, match=r"no trace; run it with record=True"):
         carry.plot()
     with pytest.raises(PalmbotsError, match=r"there is no figure of a ContactModes"):
-        pb.modes("paper").plot()
+        pb.contact_modes("paper").plot()
 
 
 def test_figures_of_other_results_are_refused(

@@ -196,7 +196,7 @@ def test_a_moment_is_taken_apart(open_page: Open) -> None:
     at = trace.sel(time=4.7, method="nearest")
     p, theta = at.contact.values, at.palm.values
     assert abs(p[1] - p[0]) > 0.005  # the moment is no trivial one
-    found = pb.modes(
+    found = pb.contact_modes(
         "figure8", p_left_m=p[0], p_right_m=p[1], theta_left_deg=math.degrees(theta[0]),
         theta_right_deg=math.degrees(theta[1]),
     )  # fmt: skip

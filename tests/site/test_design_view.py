@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import expect
 
 import palmbots as pb
-from palmbots.mechanics.mode_analysis import CONTACT_MODES, modes_batch
+from palmbots.mechanics.contact_modes import CONTACT_MODES, contact_modes_batch
 from site_pages import Open, command_of, go, hash_of
 
 
@@ -62,12 +62,12 @@ def test_design_shows_the_region_of_the_pair_and_what_limits_it(open_page: Open)
         for _ in range(0 if steep == 29 else 8):
             page.locator("#design-map").press("ArrowUp")
         expect(page.get_by_role("heading", name=f"Shallow 5°, steep {steep}°")).to_be_visible()
-        found = modes_batch(
+        found = contact_modes_batch(
             width=0.25, com_x=0.125, com_y=0.04, theta_left=math.radians(5),
             theta_right=math.radians(steep), p_left=left, p_right=right,
             friction_left=0.3, friction_right=0.3,
         )  # fmt: skip
-        at_rest = pb.modes(p_left_m=0, p_right_m=0, theta_left_deg=5, theta_right_deg=steep)
+        at_rest = pb.contact_modes(p_left_m=0, p_right_m=0, theta_left_deg=5, theta_right_deg=steep)
         for k, (modes, mode) in enumerate(
             ((found.closing, at_rest.closing), (found.opening, at_rest.opening))
         ):

@@ -9,7 +9,7 @@ from playwright.sync_api import Page
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import wilson
-from palmbots.mechanics.mode_analysis import modes_batch
+from palmbots.mechanics.contact_modes import contact_modes_batch
 from palmbots.scene.scene import load_scene
 from palmbots.stability.problem import stability_problem
 from site_pages import Open
@@ -48,7 +48,7 @@ def test_maps_equal_those_of_the_package(open_page: Open) -> None:
     shallow, steep = math.radians(5), math.radians(15)
     places = 0.075 * 2.6 * ((np.arange(20) + 0.5) / 10 - 1)
     left, right = np.meshgrid(places, places)
-    found = modes_batch(
+    found = contact_modes_batch(
         width=0.25, com_x=0.125, com_y=0.04, theta_left=shallow, theta_right=steep,
         p_left=left, p_right=right, friction_left=0.3, friction_right=0.3,
     )  # fmt: skip

@@ -13,8 +13,8 @@ from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from commands import runner
-from palmbots.mechanics.mode_analysis import CONTACT_MODES, modes_batch
-from palmbots.mechanics.mode_words import decision_sentence, margin_sentence, mode_sentence
+from palmbots.mechanics.contact_mode_words import decision_sentence, margin_sentence, mode_sentence
+from palmbots.mechanics.contact_modes import CONTACT_MODES, contact_modes_batch
 from site_pages import Open, command_of, hash_of, run_json
 
 
@@ -41,7 +41,7 @@ def test_mechanics_names_the_modes(
     page = open_page("#mechanics")
     for name, value in zip(("theta-left", "theta-right", "p-left", "p-right"), state, strict=True):
         page.locator(f"#{name}").fill(str(value))
-    found = pb.modes(
+    found = pb.contact_modes(
         p_left_m=state[2] / 1000, p_right_m=state[3] / 1000, theta_left_deg=state[0],
         theta_right_deg=state[1],
     )  # fmt: skip
@@ -181,7 +181,7 @@ def contacts_shown(page: Page) -> tuple[float, float]:
 
 def assert_words_of(page: Page, p_left: float, p_right: float) -> None:
     """The words and the table of the modes are those of a state [mm] at the paper's angles."""
-    found = pb.modes(
+    found = pb.contact_modes(
         p_left_m=p_left / 1000, p_right_m=p_right / 1000, theta_left_deg=5, theta_right_deg=15
     )
     assert_sentences(page, found)
@@ -214,7 +214,7 @@ def test_mechanics_map_shows_the_state_under_the_pointer_and_sets_the_contacts(
     expect(page.locator("#shown-state")).not_to_contain_text("= 40")
     left, right = (mm / 1000 for mm in contacts_shown(page))
     assert (left, right) == pytest.approx((-0.18, 0.18), abs=0.001)
-    mode = modes_batch(
+    mode = contact_modes_batch(
         width=0.25, com_x=0.125, com_y=0.04, theta_left=math.radians(5),
         theta_right=math.radians(15), p_left=np.array([left]), p_right=np.array([right]),
         friction_left=0.3, friction_right=0.3,

@@ -91,7 +91,7 @@ def test_the_texts_of_the_stories_are_true() -> None:
     assert paper.com_x_m is not None
     assert [round(1000 * end, 1) for end in paper.com_x_m] == [108.5, 141.5]
     # With the right palm shallow, the left contact should stick when the robots close in.
-    moved = pb.modes(
+    moved = pb.contact_modes(
         p_left_m=0.0, p_right_m=-0.02, theta_left_deg=15, theta_right_deg=5,
         overrides={"object.com_m": [0.16, 0.04]},
     )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 
 import palmbots as pb
 from palmbots._types import SIDES, Side
-from palmbots.mechanics.mode_analysis import CONTACT_MODES
+from palmbots.mechanics.contact_modes import CONTACT_MODES
 from palmbots.stability.analysis import Analysis
 
 SLIDES = {  # (palm, up): which mode that is, the other contact sticking
@@ -38,7 +38,7 @@ def check(report: Analysis, number: int, shallow: Side) -> str:
     """Check one failing property at its reported state; returns the binding text."""
     found, at = report.properties[number, shallow], report.problem
     theta = at.palms(shallow)
-    state = pb.modes_batch(
+    state = pb.contact_modes_batch(
         width=at.width,
         com_x=at.com[0],
         com_y=at.com[1],

@@ -105,11 +105,11 @@ def test_delivery_and_json_have_no_hint(capsys: pytest.CaptureFixture[str]) -> N
 def test_controller_none_needs_two_steep_palms_only() -> None:
     """Held between two steep palms, but not while one of them turns, and not held at all."""
     held = pb.load_scene("paper", {"palm.steep_deg": 60.0})
-    assert pb.modes(held).closing is not None
+    assert pb.contact_modes(held).closing is not None
     assert missing_properties(held, "distributed") == (0, 1, 2)
     assert missing_properties(held, "none") == ()
     loose = pb.load_scene("paper", {"palm.left.steep_deg": 60.0})
-    assert pb.modes(loose).feasible == ()
+    assert pb.contact_modes(loose).feasible == ()
     assert missing_properties(loose, "none") == (0,)
 
 

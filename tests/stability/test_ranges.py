@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bands, regions and ranges against brute force over contacts.
 
-What happens at one state is asked of `palmbots.modes_batch`, which test_modes.py checks against a
-linear program; nothing of the stability code takes part in it.
+What happens at one state is asked of `palmbots.contact_modes_batch`, which test_contact_modes.py
+checks against a linear program; nothing of the stability code takes part in it.
 """
 
 import math
@@ -294,7 +294,7 @@ def test_wedging_starts_where_a_squeeze_becomes_unbounded() -> None:
         poses = [(at.palms(shallow), contacts(at, n, shallow, 2)) for n, shallow in STEEP_CASES]
         both_steep = (at.angles[0][1], at.angles[1][1])
         for angles, p in (*poses, (both_steep, (ends[:, None], ends[None, :]))):
-            states = pb.modes_batch(
+            states = pb.contact_modes_batch(
                 width=at.width, com_x=at.com[0], com_y=at.com[1], theta_left=angles[0],
                 theta_right=angles[1], p_left=p[0], p_right=p[1], friction_left=friction,
                 friction_right=friction,

@@ -35,8 +35,8 @@ def value_of(row: dict[str, Any], draw: random.Random) -> Any:
     """A random value of a key."""
     if row["kind"] == "flag":
         return draw.choice((True, False))
-    if row["kind"] == "word":
-        return draw.choice(row["words"])
+    if row["kind"] == "choice":
+        return draw.choice(row["choices"])
     least, most = row["least"], row["most"]
     if row["kind"] == "whole":
         return draw.randint(int(least), int(min(most, least + 3)))

@@ -36,7 +36,7 @@ class SignRobot:
     partner_sign: int = 0
     partner_palm: str = "steep"
     heard_at: float = float("-inf")
-    word: tuple[int, str] = (0, "steep")
+    message: tuple[int, str] = (0, "steep")
     said_at: float = float("-inf")
     # The sign of the tie that lasts; when the leader's turn or notice began, and whether it is the
     # notice.
@@ -56,7 +56,7 @@ class SignRobot:
     def step(
         self, sign: int, news: tuple[int, str] | None, age: int
     ) -> tuple[str, str, bool, tuple[int, str], bool]:
-        """One tick: (palm, move, stop, own word, whether it is sent)."""
+        """One tick: (palm, move, stop, own message, whether it is sent)."""
         self.now += 1
         if news is not None and self.shares:
             self.partner_sign, self.partner_palm = news
@@ -69,12 +69,14 @@ class SignRobot:
             self.phase = None
             move, stop = self._together(sign, self.partner_sign)
         says = other(self.palm) if self.tie is not None and self.ending else self.palm
-        word = (sign, says if sign else "steep")
-        due = self.shares and (word != self.word or self.now - self.said_at >= self.clock.beacon)
+        message = (sign, says if sign else "steep")
+        due = self.shares and (
+            message != self.message or self.now - self.said_at >= self.clock.beacon
+        )
         if due:
             self.said_at = self.now
-        self.word = word
-        return self.palm, move, stop, word, due
+        self.message = message
+        return self.palm, move, stop, message, due
 
     def _alone(self, sign: int) -> tuple[str, bool]:
         phase = self._next_phase(sign)

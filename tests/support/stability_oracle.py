@@ -8,7 +8,7 @@ import palmbots as pb
 from palmbots import load_scene
 from palmbots._types import SIDES, Side
 from palmbots.mechanics.array_arguments import FloatArray
-from palmbots.mechanics.mode_analysis import CONTACT_MODES
+from palmbots.mechanics.contact_modes import CONTACT_MODES
 from palmbots.stability.problem import StabilityProblem, stability_problem
 
 CLOSING = {"left": CONTACT_MODES.index(("SL", "ST")), "right": CONTACT_MODES.index(("ST", "SR"))}
@@ -34,7 +34,7 @@ def happens(
         "friction_right": at.friction[1],
         "slope": at.slope,
     } | changed
-    found = pb.modes_batch(
+    found = pb.contact_modes_batch(
         theta_left=angles[0],
         theta_right=angles[1],
         p_left=p[0],

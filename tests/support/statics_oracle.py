@@ -33,7 +33,7 @@ class State:
     slope: float = 0.0
 
     def arguments(self) -> dict[str, float]:
-        """As `palmbots.modes_batch` takes it."""
+        """As `palmbots.contact_modes_batch` takes it."""
         return {
             "width": self.width,
             "com_x": self.com[0],

@@ -46,13 +46,15 @@ def siphash24(key: bytes, text: bytes) -> int:
 
 ROLES = {"left": 0, "right": 1, "station": 2}
 KINDS = {"hello": 0, "state": 1, "status": 2, "operate": 3, "report": 4, "command": 5}
-WORDS = {
+MESSAGES = {
     "none": [""],
     "messages": ["TiltUp", "TiltDown", "Ack"],
     "beacons": ["TiltUp", "TiltDown", "Ack", "Closing", "Raised"],
     "signs": ["Zero", "Plus", "PlusShallow", "Minus", "MinusShallow"],
 }
-WORD_NUMBERS = {word: n for n, word in enumerate(["", *WORDS["beacons"], *WORDS["signs"]])}
+MESSAGE_NUMBERS = {
+    message: n for n, message in enumerate(["", *MESSAGES["beacons"], *MESSAGES["signs"]])
+}
 MODES = ["off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"]
 FAULTS = ["none", "driver", "contact", "palm", "battery", "partner_lost", "station_lost",
           "time_limit", "overrun", "storage", "settings", "stopping", "partner",
@@ -75,7 +77,7 @@ NO_YES = ["no", "yes"]
 FIELDS: dict[str, dict[str, list[str]]] = {
     "hello": {"settings": ["0", "1", "67305985", "4294967295"], "stop": NO_YES},
     "state": {
-        "said": [f"{language}:{word}" for language, words in WORDS.items() for word in words],
+        "said": [f"{talk}:{message}" for talk, known in MESSAGES.items() for message in known],
         "mode": MODES, "ready": NO_YES, "at_rest": NO_YES, "stop": NO_YES,
     },
     "status": {
@@ -129,8 +131,8 @@ def payload(kind: str, said: tuple[str, ...]) -> bytes:
         case "hello":
             return int(field["settings"]).to_bytes(4, "little") + bytes([stop])
         case "state":
-            language, word = field["said"].split(":")
-            number = WORD_NUMBERS[word] + 16 * [*WORDS].index(language)
+            language, message = field["said"].split(":")
+            number = MESSAGE_NUMBERS[message] + 16 * [*MESSAGES].index(language)
             return bytes([number, MODES.index(field["mode"]), 0, 0, flags])
         case "status":
             first = MODES.index(field["mode"]) + 16 * FAULTS.index(field["fault"])

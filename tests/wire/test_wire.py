@@ -23,7 +23,7 @@ def body(kind: str, said: tuple[str, ...]) -> wire.Body:
     field: dict[str, object] = {}
     for name, value in zip(oracle.FIELDS[kind], said, strict=True):
         if name == "said":
-            field["language"], field["word"] = value.split(":")
+            field["language"], field["message"] = value.split(":")
         elif value in ("no", "yes"):
             field[name] = value == "yes"
         else:

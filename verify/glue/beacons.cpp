@@ -20,7 +20,7 @@ TableRobot<SharedSign> awake(int side) {
   auto robot = robot_in<SharedSign>(static_cast<unsigned>(SharedSign::State::rest_steep), side,
                                     {1, static_cast<std::uint16_t>(lease), {}});
   robot.clock().age = pair.robot[side].age;
-  if (!robot.silence()) robot.clock().word = MessageKind::zero;
+  if (!robot.silence()) robot.clock().message = MessageKind::zero;
   return robot;
 }
 

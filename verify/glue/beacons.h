@@ -23,11 +23,11 @@ struct stamp {
 
 struct robot {
   unsigned char life;
-  unsigned char age; /* of the word, as the controller counts it; beyond the lease: silence */
+  unsigned char age; /* of the message, as the controller counts it; beyond the lease: silence */
   unsigned char newest_life; /* the stamp of the newest beacon that it has heard */
   unsigned char newest_age;
-  unsigned char true_age;   /* of the word */
-  unsigned char true_bound; /* cycles since the robot itself sent what the word's beacon echoes */
+  unsigned char true_age;   /* of the message */
+  unsigned char true_bound; /* cycles since the robot itself sent what the message's beacon echoes */
   unsigned char since_boot;
   unsigned char lone; /* cycles for which it has heard a partner that did not hear it */
 };

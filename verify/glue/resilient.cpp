@@ -24,7 +24,7 @@ Robot awake(int side) {
   const mind& m = pair.mind[side];
   Robot robot = robot_in<Resilient>(m.state, side, times);
   auto& clock = robot.clock();
-  clock.word = static_cast<MessageKind>(m.message);
+  clock.message = static_cast<MessageKind>(m.message);
   clock.age = m.age;
   clock.since_entered = m.since_entered;
   clock.own = {m.stopped != 0, m.partner_stopped != 0, m.partner_ready != 0, m.since_ready,

@@ -16,7 +16,7 @@ using palmbots::Silent;
 
 namespace {
 
-constexpr std::uint16_t fresh = 1;  // ages are counted here; a controller gets a fresh word or none
+constexpr std::uint16_t fresh = 1;  // ages are counted here; a controller gets a fresh message or none
 
 bool talks = true;
 bool brake = true;
@@ -47,7 +47,7 @@ TableTimes<Table> times_of() {
   }
 }
 
-// The controller of a robot, awake and without a word of its partner.
+// The controller of a robot, awake and without a message of its partner.
 template <class Table>
 TableRobot<Table> awake(int side) {
   auto robot = robot_in<Table>(pair.mind[side].state, side, times_of<Table>(), brake);
@@ -81,15 +81,15 @@ const palmbots::TableOutput& output_of(int side) {
   return talks ? SharedSign::outputs[state] : Silent::outputs[state];
 }
 
-// What a robot says in this cycle. Of equal words in a row only the newest is kept: its bound is not
-// the greater one, so that hearing it leaves an adversary all that hearing an older one leaves. A robot
-// that acts on no word may have heard one just now.
+// What a robot says in this cycle. Of equal messages in a row only the newest is kept: its bound is
+// not the greater one, so that hearing it leaves an adversary all that hearing an older one leaves.
+// A robot that acts on no message may have heard one just now.
 void say(int side) {
   if (!talks) return;
   unsigned char* said = pair.said[1 - side];
   unsigned char* echo = pair.echo[1 - side];
   said[0] = static_cast<unsigned char>(output_of(side).message);
-  echo[0] = pair.word[side] != 0 ? pair.age[side] : 0;
+  echo[0] = pair.message[side] != 0 ? pair.age[side] : 0;
   for (int age = 1; age <= lease; ++age) {
     if (said[age] == 0) continue;
     if (said[age] == said[0]) said[age] = echo[age] = 0;
@@ -97,26 +97,26 @@ void say(int side) {
   }
 }
 
-// A robot has heard what its partner said so many cycles ago. Older words will be rejected.
+// A robot has heard what its partner said so many cycles ago. Older messages will be rejected.
 void hear(int side, int age) {
   unsigned char* said = pair.said[side];
   unsigned char* echo = pair.echo[side];
-  pair.word[side] = said[age];
+  pair.message[side] = said[age];
   pair.age[side] = static_cast<unsigned char>(age);
   pair.bound[side] = static_cast<unsigned char>(age + echo[age]);
   for (; age <= lease; ++age) said[age] = echo[age] = 0;
 }
 
-// Where the next word is the one that a robot has, it may as well have heard it.
+// Where the next message is the one that a robot has, it may as well have heard it.
 void refresh(int side) {
   const unsigned char* said = pair.said[side];
-  if (pair.word[side] == 0) return;
+  if (pair.message[side] == 0) return;
   int next = pair.age[side] - 1;
   while (next >= 0 && said[next] == 0) --next;
-  if (next >= 0 && said[next] == pair.word[side]) hear(side, next);
+  if (next >= 0 && said[next] == pair.message[side]) hear(side, next);
 }
 
-void fall_silent(int side) { pair.word[side] = pair.age[side] = pair.bound[side] = 0; }
+void fall_silent(int side) { pair.message[side] = pair.age[side] = pair.bound[side] = 0; }
 
 }  // namespace
 
@@ -144,7 +144,7 @@ void robot_boot(int side) {
   pair.mind[side] =
       talks ? packed(awake<SharedSign>(side).booted()) : packed(awake<Silent>(side).booted());
   fall_silent(side);
-  // A beacon counts only if it echoes a word of this life.
+  // A beacon counts only if it echoes a message of this life.
   std::fill_n(pair.said[side], lease + 1, 0);
   std::fill_n(pair.echo[side], lease + 1, 0);
 }
@@ -164,7 +164,7 @@ void pass_time(void) {
       said[age] = counts ? said[age - 1] : 0;
       echo[age] = counts ? echo[age - 1] : 0;
     }
-    if (pair.word[side] == 0) continue;
+    if (pair.message[side] == 0) continue;
     ++pair.age[side];
     ++pair.bound[side];
   }
@@ -173,7 +173,7 @@ void pass_time(void) {
 int choices(int side, int delay, int quiet) {
   refresh(side);
   int mask = 0;
-  if (pair.word[side] != 0 && pair.bound[side] <= lease && pair.age[side] <= delay) {
+  if (pair.message[side] != 0 && pair.bound[side] <= lease && pair.age[side] <= delay) {
     mask |= 1 << KEEP;
   }
   for (int age = 0; age <= lease && age <= delay; ++age) {
@@ -187,10 +187,10 @@ deed robot_step(int side, int sign, int choice) {
   if (choice == SILENCE) fall_silent(side);
   if (choice >= HEAR) hear(side, choice - HEAR);
   refresh(side);
-  const auto word = static_cast<MessageKind>(pair.word[side]);
+  const auto message = static_cast<MessageKind>(pair.message[side]);
   const auto felt = static_cast<Sign>(sign);
   const palmbots::Command command =
-      talks ? step<SharedSign>(side, felt, word) : step<Silent>(side, felt, word);
+      talks ? step<SharedSign>(side, felt, message) : step<Silent>(side, felt, message);
   say(side);
   return {static_cast<unsigned char>(command.palm), static_cast<unsigned char>(command.move),
           static_cast<unsigned char>(command.stop)};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which words a robot of a table acts on: its shipped controller (palmbots/control/table_robot.hpp) and
- * its receiver (palmbots/control/beacon.hpp), called as C.
+/* Which messages a robot of a table acts on: its shipped controller
+ * (palmbots/control/table_robot.hpp) and its receiver (palmbots/control/beacon.hpp), called as C.
  *
  * The radio is an adversary: whatever was ever sent may come at any time, any number of times, in any
  * order, or never. The model of the contacts (signs.pml) relies on what is proved here.
@@ -22,13 +22,13 @@ c_code {
 #define RIGHT 1
 
 /* What is asserted. */
-#define FRESH 1 /* the age of a word and of what its beacon echoes together do not exceed the lease */
-#define LIFE 2  /* no robot acts on a word from before its boot */
+#define FRESH 1 /* the lease is at least the age of a message plus that of what its beacon echoes */
+#define LIFE 2  /* no robot acts on a message from before its boot */
 #define LONE 4  /* nobody hears a partner that does not hear it for longer than LONELY cycles */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED;  /* sum of the above */
-byte LEASE;  /* cycles for which a word counts */
+byte LEASE;  /* cycles for which a message counts */
 byte LONELY; /* see LONE */
 
 byte reboots; /* that may still happen */

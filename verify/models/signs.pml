@@ -3,9 +3,9 @@
  * (palmbots/control/table_robot.hpp), called as C.
  *
  * One turn of the loop is one cycle: what the environment does, a step of each robot in either order, and
- * the motion that follows. The radio is an adversary: a robot hears any word that its partner said in the
- * last LEASE cycles, never an older one after a newer one, or nothing, until the radio is `calm`. Then the
- * word is at most DELAY cycles old.
+ * the motion that follows. The radio is an adversary: a robot hears any message that its partner
+ * said in the last LEASE cycles, never an older one after a newer one, or nothing, until the radio
+ * is `calm`. Then the message is at most DELAY cycles old.
  */
 
 c_decl {
@@ -50,8 +50,8 @@ byte ARMED; /* sum of the above */
 byte START; /* contacts start up to so many cells off the zero zone */
 byte TALKS; /* 1: shared-sign, 0: silent */
 byte BRAKE; /* whether a robot may stop as a correction */
-byte LEASE; /* cycles for which a word counts */
-byte DELAY; /* cycles that a word takes at most when the radio is calm */
+byte LEASE; /* cycles for which a message counts */
+byte DELAY; /* cycles that a message takes at most when the radio is calm */
 byte LINKS; /* how often a robot may begin to hear its partner before the radio is calm; 255: any number */
 byte TAKES; /* limit of the table: cycles for which the leader keeps its palm, */
 byte PUSH;  /* before a robot pauses that moves closer, */
@@ -109,8 +109,8 @@ byte k;
 
 #define rate(s) ((rolls[s] == CLOSER) - (rolls[s] == AWAY))
 #define sign(s) ((p[s] >= WIDTH) - (p[s] < 0))
-#define both_hear (c_expr { pair.word[LEFT] != 0 && pair.word[RIGHT] != 0 })
-#define linked (c_expr { pair.word[now.who] != 0 })
+#define both_hear (c_expr { pair.message[LEFT] != 0 && pair.message[RIGHT] != 0 })
+#define linked (c_expr { pair.message[now.who] != 0 })
 
 /* One step of robot `who`: the adversary picks what it hears. */
 inline step()
@@ -248,7 +248,7 @@ inline check()
   c_code {
     int side;
     for (side = 0; side < 2; ++side)
-      now.lone[side] = pair.word[side] != 0 && pair.word[1 - side] == 0 ? now.lone[side] + 1 : 0;
+      now.lone[side] = pair.message[side] != 0 && pair.message[1 - side] == 0 ? now.lone[side] + 1 : 0;
   };
   opposed = (rate(LEFT) * rate(RIGHT) < 0 && both_hear && (ARMED & FIGHT) -> opposed + 1 : 0);
   claim(FIGHT, opposed <= OPPOSED);

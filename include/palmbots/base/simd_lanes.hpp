@@ -2,7 +2,7 @@
 // SIMD lanes: several numbers side by side that behave as one number in formulas.
 //
 // A formula written for a number type V serves one carry (V = double or float) or several in
-// lockstep (V = Lanes<double, 4>, …) with the same bits, because each lane executes the same IEEE
+// lanes (V = Lanes<double, 4>, …) with the same bits, because each lane executes the same IEEE
 // operations in the same order. A branch is written as
 //
 //     if (any(mask)) x = select(mask, other, x);

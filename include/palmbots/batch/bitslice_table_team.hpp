@@ -22,19 +22,20 @@ namespace palmbots {
 template <class Table>
 class BitslicedTableTeam {
   using Robot = TableRobot<Table>;
-  using Words = TableWords<Table>;
+  using Known = TableMessages<Table>;
   using State = typename Table::State;
   using Memory = TableMemory<Table, RobotMask, BitslicedCounter>;
   using MemoryLimits = decltype(Memory::limits(std::declval<TableTimes<Table>>()));
   static constexpr bool is_queue = Table::mail == Mail::queue;
   static constexpr bool is_beacons = Table::mail == Mail::beacons;
   static constexpr bool has_memory = requires(Memory memory) { memory.partner_stopped; };
-  static constexpr std::size_t word_bits = std::bit_width(static_cast<unsigned>(Words::count - 1));
+  static constexpr std::size_t message_bits =
+      std::bit_width(static_cast<unsigned>(Known::count - 1));
   // A beacon of a table with a memory also says whether its sender rests, and whether it is ready.
-  static constexpr std::size_t rests_bit = word_bits;
-  static constexpr std::size_t ready_bit = word_bits + 1;
-  static constexpr std::size_t content_bits = word_bits + (has_memory ? 2 : 0);
-  using Messages = BitslicedMessage<word_bits>;
+  static constexpr std::size_t rests_bit = message_bits;
+  static constexpr std::size_t ready_bit = message_bits + 1;
+  static constexpr std::size_t content_bits = message_bits + (has_memory ? 2 : 0);
+  using Messages = BitslicedMessage<message_bits>;
   using Content = BitslicedMessage<content_bits>;
   using Time = BitslicedCount<12>;
 
@@ -116,7 +117,7 @@ class BitslicedTableTeam {
                                    .timed_out = timed_out(),
                                    .leads = leads_,
                                    .may_stop = may_stop_};
-    own_.meet(met, run, robots_, age_, ~heard.word[0], own_limits_);
+    own_.meet(met, run, robots_, age_, ~heard.message[0], own_limits_);
     RobotMask entered{};
     RobotMask reads{};
     Messages sends;
@@ -137,7 +138,7 @@ class BitslicedTableTeam {
       mail_.read(reads);
       mail_.post(tick, lost.from_robot, sends);
     } else if constexpr (is_beacons) {
-      say(tick, run, sensed, ~heard.word[0], lost);
+      say(tick, run, sensed, ~heard.message[0], lost);
     }
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
@@ -164,18 +165,18 @@ class BitslicedTableTeam {
   }
 
  private:
-  // What the robots hear, by its place in the list of words.
+  // What the robots hear, by its place in the list of known messages.
   struct Heard {
-    std::array<RobotMask, Words::count> word{};
+    std::array<RobotMask, Known::count> message{};
 
     [[gnu::always_inline]] RobotMask is(MessageKind kind) const {
-      return word[static_cast<std::size_t>(Words::number_of(kind))];
+      return message[static_cast<std::size_t>(Known::number_of(kind))];
     }
   };
 
-  // A word as the number that is bit-sliced.
-  static constexpr MessageKind code(MessageKind word) {
-    return static_cast<MessageKind>(Words::number_of(word));
+  // A message as the number that is bit-sliced.
+  static constexpr MessageKind code(MessageKind message) {
+    return static_cast<MessageKind>(Known::number_of(message));
   }
 
   void boot(RobotMask whose) {
@@ -189,7 +190,7 @@ class BitslicedTableTeam {
     own_.boot(whose, own_limits_);
     if constexpr (is_beacons) {
       says_.erase(whose);
-      says_.insert(whose, words());
+      says_.insert(whose, messages());
       age_.assign(whose, BitslicedCounter::most);
       since_sent_.assign(whose, BitslicedCounter::most);
       mail_.boot(whose);
@@ -211,18 +212,18 @@ class BitslicedTableTeam {
     Heard heard;
     if constexpr (is_queue) {
       const Messages& unread = mail_.hear(tick);
-      for (std::size_t k = 0; k < Words::count; ++k) {
-        heard.word[k] = unread.is(static_cast<MessageKind>(k));
+      for (std::size_t k = 0; k < Known::count; ++k) {
+        heard.message[k] = unread.is(static_cast<MessageKind>(k));
       }
     } else if constexpr (is_beacons) {
       age_.increment();
       since_sent_.increment();
       const RobotMask news = mail_.hear(tick, run, newest_, age_, stale_);
       if constexpr (has_memory) own_.hear(news, newest_.bit[rests_bit], newest_.bit[ready_bit]);
-      const RobotMask silence = heard.word[0] = age_.at_least(stale_);
-      for (std::size_t k = 1; k < Words::count; ++k) {
-        heard.word[k] =
-            newest_.template first<word_bits>().is(static_cast<MessageKind>(k)) & ~silence;
+      const RobotMask silence = heard.message[0] = age_.at_least(stale_);
+      for (std::size_t k = 1; k < Known::count; ++k) {
+        heard.message[k] =
+            newest_.template first<message_bits>().is(static_cast<MessageKind>(k)) & ~silence;
       }
     }
     return heard;
@@ -231,7 +232,7 @@ class BitslicedTableTeam {
   [[gnu::always_inline]] void say(std::uint64_t tick, RobotMask run,
                                   const BitslicedObservation& sensed, RobotMask fresh,
                                   const BitslicedLoss& lost) {
-    const Messages said = std::exchange(says_, words());
+    const Messages said = std::exchange(says_, messages());
     RobotMask centred{};
     if constexpr (has_memory)
       centred = robots_.in(Table::idle) & ~(sensed.positive | sensed.negative);
@@ -247,12 +248,12 @@ class BitslicedTableTeam {
     mail_.post(tick, send, lost.from_robot, content);
   }
 
-  // The words that the robots say in their states.
-  [[gnu::always_inline]] Messages words() const {
+  // The messages that the robots say in their states.
+  [[gnu::always_inline]] Messages messages() const {
     Messages found;
-    for (std::size_t k = 1; k < Words::count; ++k) {
+    for (std::size_t k = 1; k < Known::count; ++k) {
       found.insert(
-          robots_.who([&](const TableOutput& output) { return output.message == Words::list[k]; }),
+          robots_.who([&](const TableOutput& output) { return output.message == Known::list[k]; }),
           static_cast<MessageKind>(k));
     }
     return found;
@@ -268,12 +269,12 @@ class BitslicedTableTeam {
   std::conditional_t<has_memory, std::array<BitslicedCounter, 3>, int> own_limits_{};
 
   Content newest_;  // the partner's newest beacon
-  Messages says_;   // its own word
+  Messages says_;   // its own message
   BitslicedCounter age_;
   BitslicedCounter since_sent_;
   BitslicedCounter beacon_;  // the beacon period
-  BitslicedCounter stale_;   // the smallest age at which a word is too old
-  std::conditional_t<is_queue, BitslicedQueue<word_bits>, BitslicedBeacons<content_bits>> mail_;
+  BitslicedCounter stale_;   // the smallest age at which a message is too old
+  std::conditional_t<is_queue, BitslicedQueue<message_bits>, BitslicedBeacons<content_bits>> mail_;
 
   BitslicedCommand commands_;
   BitslicedCaseMetrics cases_;

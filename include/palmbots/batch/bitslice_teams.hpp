@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bit-sliced teams of the carries in lockstep (batch/bitslice.hpp).
+// The bit-sliced teams of the carries in lanes (batch/bitslice.hpp).
 #pragma once
 
 #include <algorithm>

@@ -62,33 +62,33 @@ struct Distributed {
   using P = ContactCondition;
   using S = State;
   using M = MessageKind;
-  static constexpr WordSet not_tilt_up = any_word - M::tilt_up;  // or no message
+  static constexpr MessageSet not_tilt_up = any_message - M::tilt_up;  // or no message
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
       // in state           contact          hears          if          go to              send
       // p > 0: ask for the partner's palm, and learn whether the partner asks too
-      {S::idle,             P::positive,     any_word,      {},         S::a_or_b_request, M::tilt_up},
+      {S::idle,             P::positive,     any_message,   {},         S::a_or_b_request, M::tilt_up},
       // (a)
       {S::a_or_b_request,   P::any,          M::ack,        {},         S::a_move},
-      {S::a_move,           P::not_positive, any_word,      {},         S::idle,           M::tilt_down},
+      {S::a_move,           P::not_positive, any_message,   {},         S::idle,           M::tilt_down},
       // (b)
       {S::a_or_b_request,   P::any,          M::tilt_up,    {},         S::b_wait_ack,     M::ack},
       {S::b_wait_ack,       P::any,          M::ack,        {},         S::b_move},
-      {S::b_move,           P::not_positive, any_word,      {},         S::b_tilt_up},
-      {S::b_tilt_up,        P::any,          any_word,      If::turned, S::b_wait_down,    M::tilt_down},
+      {S::b_move,           P::not_positive, any_message,   {},         S::b_tilt_up},
+      {S::b_tilt_up,        P::any,          any_message,   If::turned, S::b_wait_down,    M::tilt_down},
       {S::b_wait_down,      P::any,          M::tilt_down,  {},         S::b_tilt_down},
-      {S::b_tilt_down,      P::any,          any_word,      If::turned, S::idle},
+      {S::b_tilt_down,      P::any,          any_message,   If::turned, S::idle},
       // (c) p ≤ 0 and asked by the partner
       {S::idle,             P::not_positive, M::tilt_up,    {},         S::c_tilt_up},
-      {S::c_tilt_up,        P::any,          any_word,      If::turned, S::c_wait_down,    M::ack},
+      {S::c_tilt_up,        P::any,          any_message,   If::turned, S::c_wait_down,    M::ack},
       {S::c_wait_down,      P::any,          M::tilt_down,  {},         S::c_tilt_down},
-      {S::c_tilt_down,      P::any,          any_word,      If::turned, S::idle},
+      {S::c_tilt_down,      P::any,          any_message,   If::turned, S::idle},
       // (d) p < 0 and not asked by the partner
       {S::idle,             P::negative,     not_tilt_up,   {},         S::d_tilt_up},
-      {S::d_tilt_up,        P::any,          any_word,      If::turned, S::d_move},
-      {S::d_move,           P::not_negative, any_word,      {},         S::d_tilt_down},
-      {S::d_tilt_down,      P::any,          any_word,      If::turned, S::idle},
+      {S::d_tilt_up,        P::any,          any_message,   If::turned, S::d_move},
+      {S::d_move,           P::not_negative, any_message,   {},         S::d_tilt_down},
+      {S::d_tilt_down,      P::any,          any_message,   If::turned, S::idle},
       // messages that nobody waits for
       {S::idle,             P::zero,         {M::tilt_down, M::ack},     {}, S::idle},
       {S::a_or_b_request,   P::any,          M::tilt_down,               {}, S::a_or_b_request},

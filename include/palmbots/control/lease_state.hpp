@@ -21,7 +21,7 @@ enum class LeaseLimit : std::uint8_t {
 };
 
 // Times and flags of one robot, or of many. `robots` are asked which of them have an output:
-// robots.who(predicate). `age` is that of the partner's newest word, and it counts where it is
+// robots.who(predicate). `age` is that of the partner's newest message, and it counts where it is
 // `fresh`.
 template <class B, class Count>
 struct LeaseState {
@@ -33,7 +33,7 @@ struct LeaseState {
   Count since_moved{};   // since the step that ended the last move; a boot counts as one
   Count since_turned{};  // since the step at which it last started or stopped
 
-  // What the counts are compared with [ticks]: the smallest age at which a word is too old
+  // What the counts are compared with [ticks]: the smallest age at which a message is too old
   // (lease + 1), how long the wheels take to brake, and the smallest since_ready that no longer
   // counts (join + 1).
   enum : std::size_t { stale, brake, long_ago };
@@ -62,7 +62,7 @@ struct LeaseState {
     advance(since_turned, elapsed, limits[stale]);
   }
 
-  // What a beacon said besides the word.
+  // What a beacon said besides the message.
   [[gnu::always_inline]] constexpr void hear(const B& whose, const B& stops, const B& is_ready) {
     partner_stopped = (partner_stopped & opposite(whose)) | (stops & whose);
     partner_ready = (partner_ready & opposite(whose)) | (is_ready & whose);

@@ -16,8 +16,8 @@ enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 // The messages of the distributed algorithm (paper, section 4): none, tilt_up, tilt_down, ack. The
 // resilient algorithm adds two states that the partner must know: the sender corrects a negative
 // contact (closing), or its palm is up but not in answer to a request (raised). The others are the
-// words of a controller that shares signs: the sender's sign, and whether its palm is shallow where
-// its sign is not zero.
+// messages of a controller that shares signs: the sender's sign, and whether its palm is shallow
+// where its sign is not zero.
 enum class MessageKind : std::uint8_t {
   none,
   tilt_up,
@@ -60,7 +60,7 @@ constexpr const char* name_of(Move move) {
 }
 
 // The name of a controller's state, and what a robot does in it, in words for people.
-struct StateWords {
+struct StateMeaning {
   const char* name;
   const char* meaning;
 };
@@ -91,7 +91,7 @@ struct RobotInput {
 // What it decides.
 struct RobotOutput {
   Command command;
-  // With a queue the message to send now, or none; with beacons its present word, at all times.
+  // With a queue the message to send now, or none; with beacons its present message, at all times.
   MessageKind message = MessageKind::none;
   bool send = false;     // the message is sent now
   bool read = false;     // with a queue: the message that it heard is consumed

@@ -85,7 +85,7 @@ struct Resilient {
   using Memory = LeaseState<B, Count>;
 
   // The name of each state, and its meaning for people.
-  static constexpr StateWords words[states] = {
+  static constexpr StateMeaning meanings[states] = {
       {"idle", "no correction"},
       {"a_request", "asks the partner to tilt its palm up"},
       {"a_move", "moves away, its partner assists"},
@@ -116,12 +116,12 @@ struct Resilient {
   };
 
   using P = ContactCondition;
-  static constexpr WordSet silence = M::none;
-  static constexpr WordSet not_tilt_up = any_word - M::tilt_up;  // or silence
-  static constexpr WordSet not_ack = any_word - M::ack;          // or silence
-  static constexpr WordSet other = not_tilt_up - silence;
-  static constexpr WordSet steep = {M::tilt_up, M::tilt_down, M::closing};  // or in (d)
-  static constexpr WordSet not_steep = any_word - steep;                    // or silence
+  static constexpr MessageSet silence = M::none;
+  static constexpr MessageSet not_tilt_up = any_message - M::tilt_up;  // or silence
+  static constexpr MessageSet not_ack = any_message - M::ack;          // or silence
+  static constexpr MessageSet other = not_tilt_up - silence;
+  static constexpr MessageSet steep = {M::tilt_up, M::tilt_down, M::closing};  // or in (d)
+  static constexpr MessageSet not_steep = any_message - steep;                 // or silence
 
   // clang-format off
   static constexpr TableRow<State> rows[] = {
@@ -129,45 +129,45 @@ struct Resilient {
       // a request takes precedence over corrections of one's own
       {S::idle,          P::positive,     M::tilt_up,  {},            S::b_tilt_up},
       {S::idle,          P::any,          M::tilt_up,  {},            S::c_tilt_up},
-      {S::idle,          P::positive,     any_word,    If::released,  S::a_request},
-      {S::idle,          P::negative,     any_word,    If::released,  S::d_tilt_up},
+      {S::idle,          P::positive,     any_message, If::released,  S::a_request},
+      {S::idle,          P::negative,     any_message, If::released,  S::d_tilt_up},
       // (a), and (b) where requests cross
       {S::a_request,     P::any,          M::ack,      If::settled,   S::a_move},
       {S::a_request,     P::any,          M::tilt_up,  If::follows,   S::b_tilt_up},
-      {S::a_move,        P::not_positive, any_word,    {},            S::a_stop},
+      {S::a_move,        P::not_positive, any_message, {},            S::a_stop},
       {S::a_move,        P::any,          not_ack,     {},            S::a_stop},
       {S::a_stop,        P::positive,     M::ack,      {},            S::a_move},
-      {S::a_stop,        P::positive,     any_word,    If::settled,   S::a_request},
-      {S::a_stop,        P::any,          any_word,    If::settled,   S::idle},
+      {S::a_stop,        P::positive,     any_message, If::settled,   S::a_request},
+      {S::a_stop,        P::any,          any_message, If::settled,   S::idle},
       // (c)
       {S::b_tilt_up,     P::any,          not_tilt_up, {},            S::c_tilt_down},
-      {S::b_tilt_up,     P::any,          any_word,    If::settled,   S::c_grant},
+      {S::b_tilt_up,     P::any,          any_message, If::settled,   S::c_grant},
       {S::c_tilt_up,     P::any,          not_tilt_up, {},            S::c_tilt_down},
-      {S::c_tilt_up,     P::any,          any_word,    If::settled,   S::c_grant},
+      {S::c_tilt_up,     P::any,          any_message, If::settled,   S::c_grant},
       {S::c_grant,       P::any,          silence,     {},            S::c_withdraw},
       {S::c_grant,       P::any,          other,       {},            S::c_tilt_down},
       {S::c_withdraw,    P::any,          M::tilt_up,  If::settled,   S::c_grant},
       {S::c_withdraw,    P::any,          other,       {},            S::c_tilt_down},
-      {S::c_withdraw,    P::any,          any_word,    If::timed_out, S::c_tilt_down},
+      {S::c_withdraw,    P::any,          any_message, If::timed_out, S::c_tilt_down},
       {S::c_tilt_down,   P::any,          M::tilt_up,  {},            S::c_tilt_up},
-      {S::c_tilt_down,   P::positive,     any_word,    If::released,  S::a_request},
-      {S::c_tilt_down,   P::negative,     any_word,    If::released,  S::d_tilt_up},
-      {S::c_tilt_down,   P::any,          any_word,    If::settled,   S::idle},
+      {S::c_tilt_down,   P::positive,     any_message, If::released,  S::a_request},
+      {S::c_tilt_down,   P::negative,     any_message, If::released,  S::d_tilt_up},
+      {S::c_tilt_down,   P::any,          any_message, If::settled,   S::idle},
       // (d)
       {S::d_tilt_up,     P::any,          silence,     {},            S::d_tilt_down},
       {S::d_tilt_up,     P::any,          M::tilt_up,  {},            S::c_tilt_up},
       {S::d_tilt_up,     P::any,          steep,       If::settled,   S::d_move},
       {S::d_move,        P::not_negative, M::tilt_up,  {},            S::c_tilt_up},
-      {S::d_move,        P::not_negative, any_word,    {},            S::d_tilt_down},
+      {S::d_move,        P::not_negative, any_message, {},            S::d_tilt_down},
       {S::d_move,        P::any,          not_steep,   {},            S::d_tilt_up},
       {S::d_tilt_down,   P::not_positive, M::tilt_up,  {},            S::c_tilt_up},
-      {S::d_tilt_down,   P::any,          any_word,    If::settled,   S::idle},
+      {S::d_tilt_down,   P::any,          any_message, If::settled,   S::idle},
   };
   // clang-format on
 };
 
 constexpr const char* name_of(Resilient::State state) {
-  return Resilient::words[static_cast<int>(state)].name;
+  return Resilient::meanings[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(LeaseLimit limit) {

@@ -17,12 +17,13 @@
 //           has stopped waits longer than in `silent`, because the partner may still be heard.
 //           Then it tries again in the same way, with its palm steep at first.
 //
-// TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its word names its
-// palm, and the follower takes the opposite. So the robots need no common clock, and a turn begins
-// with the palms that the robots had. One message delay before a turn ends, the leader's word already
-// names the next palm, so that both palms start to turn at the same time. A turn must not be shorter
-// than the time in which a palm turns, because the palms would never cross; nor than two message
-// delays, because the word of one turn must arrive before the next word leaves.
+// TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its message
+// names its palm, and the follower takes the opposite. So the robots need no common clock, and a
+// turn begins with the palms that the robots had. One message delay before a turn ends, the
+// leader's message already names the next palm, so that both palms start to turn at the same time.
+// A turn must not be shorter than the time in which a palm turns, because the palms would never
+// cross; nor than two message delays, because the message of one turn must arrive before the next
+// message leaves.
 //
 // docs/theory/sign-controllers.md gives the reasons for each rule and what it achieves.
 #pragma once
@@ -75,7 +76,7 @@ struct SharedSign {
   }
 
   // The name of each state, and its meaning for people.
-  static constexpr StateWords words[states] = {
+  static constexpr StateMeaning meanings[states] = {
       {"rest_steep", "both contacts are centred"},
       {"rest_shallow", "both contacts are centred"},
       {"own_out", "its contact is outward, its partner's is not"},
@@ -153,9 +154,9 @@ struct SharedSign {
     return static_cast<State>(static_cast<int>(S::alone_outward) + static_cast<int>(state) -
                               static_cast<int>(Silent::State::outward));
   };
-  static constexpr auto alone = [](Silent::State state, M word, std::int8_t limit = -1) {
+  static constexpr auto alone = [](Silent::State state, M message, std::int8_t limit = -1) {
     TableOutput output = Silent::outputs[static_cast<int>(state)];
-    output.message = word;
+    output.message = message;
     output.limit = limit;
     return output;
   };
@@ -208,11 +209,11 @@ struct SharedSign {
   static constexpr Set shallow = states_with<State>(Palm::shallow, outputs);
   static constexpr Set ends_out = {S::lead_out_steep_ends, S::lead_out_shallow_ends};
   static constexpr Set ends_in = {S::lead_in_steep_ends, S::lead_in_shallow_ends};
-  static constexpr WordSet silence = M::none;
-  static constexpr WordSet zero = M::zero;
-  static constexpr WordSet plus = {M::plus, M::plus_shallow};
-  static constexpr WordSet minus = {M::minus, M::minus_shallow};
-  static constexpr WordSet not_plus = {M::zero, M::minus, M::minus_shallow};
+  static constexpr MessageSet silence = M::none;
+  static constexpr MessageSet zero = M::zero;
+  static constexpr MessageSet plus = {M::plus, M::plus_shallow};
+  static constexpr MessageSet minus = {M::minus, M::minus_shallow};
+  static constexpr MessageSet not_plus = {M::zero, M::minus, M::minus_shallow};
   static constexpr IfSet leads_and_stops = {If::leads, If::may_stop};
 
   // clang-format off
@@ -258,7 +259,7 @@ struct SharedSign {
 };
 
 constexpr const char* name_of(SharedSign::State state) {
-  return SharedSign::words[static_cast<int>(state)].name;
+  return SharedSign::meanings[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(SharedSign::Limit limit) {

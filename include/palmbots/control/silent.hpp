@@ -65,7 +65,7 @@ struct Silent {
   }
 
   // The name of each state, and its meaning for people.
-  static constexpr StateWords words[states] = {
+  static constexpr StateMeaning meanings[states] = {
       {"centred", "its contact is centred"},
       {"outward", "its contact is outward"},
       {"inward", "its contact is inward"},
@@ -136,29 +136,29 @@ struct Silent {
   // clang-format off
   static constexpr TableRow<State> rows[] = {
       // in state            contact         heard     if                 go to
-      {S::start_wait,        P::zero,         any_word, {},                S::start_wait},
-      {S::start_push,        P::not_negative, any_word, waited,            S::centred},
-      {S::start_push,        P::not_negative, any_word, {},                S::start_push},
-      {any,                  P::zero,         any_word, {},                S::centred},
-      {S::outward_follower,  P::positive,     any_word, waited,            S::outward_stop},
-      {any - out,            P::positive,     any_word, follows_and_stops, S::outward_follower},
-      {any - out,            P::positive,     any_word, {},                S::outward},
-      {S::inward_leader,     P::negative,     any_word, waited,            S::inward_stop},
-      {S::inward_stop,       P::negative,     any_word, waited,            S::inward_back},
-      {S::inward_back,       P::negative,     any_word, waited,            S::inward_leader},
-      {S::inward,            P::negative,     any_word, waited,            S::pause},
-      {S::pause,             P::negative,     any_word, waited,            S::inward},
-      {any - in,             P::negative,     any_word, leads_and_stops,   S::inward_leader},
-      {any - in,             P::negative,     any_word, {},                S::inward},
+      {S::start_wait,        P::zero,         any_message, {},                S::start_wait},
+      {S::start_push,        P::not_negative, any_message, waited,            S::centred},
+      {S::start_push,        P::not_negative, any_message, {},                S::start_push},
+      {any,                  P::zero,         any_message, {},                S::centred},
+      {S::outward_follower,  P::positive,     any_message, waited,            S::outward_stop},
+      {any - out,            P::positive,     any_message, follows_and_stops, S::outward_follower},
+      {any - out,            P::positive,     any_message, {},                S::outward},
+      {S::inward_leader,     P::negative,     any_message, waited,            S::inward_stop},
+      {S::inward_stop,       P::negative,     any_message, waited,            S::inward_back},
+      {S::inward_back,       P::negative,     any_message, waited,            S::inward_leader},
+      {S::inward,            P::negative,     any_message, waited,            S::pause},
+      {S::pause,             P::negative,     any_message, waited,            S::inward},
+      {any - in,             P::negative,     any_message, leads_and_stops,   S::inward_leader},
+      {any - in,             P::negative,     any_message, {},                S::inward},
   };
   // clang-format on
 };
 
 // The rows of another table, and behind them those of Silent for a contact off centre, for robots that
-// hear one of these words. `of` gives the other table's state for each of Silent's from outward to
-// inward_back; all its other states count as centred.
+// hear one of these messages. `of` gives the other table's state for each of Silent's from outward
+// to inward_back; all its other states count as centred.
 template <class State, std::size_t n, class Of>
-constexpr auto with_rows_of_silent(const TableRow<State> (&own)[n], WordSet heard, Of of) {
+constexpr auto with_rows_of_silent(const TableRow<State> (&own)[n], MessageSet heard, Of of) {
   constexpr auto is_off = [](const TableRow<Silent::State>& row) {
     return row.p == ContactCondition::positive || row.p == ContactCondition::negative;
   };
@@ -179,7 +179,7 @@ constexpr auto with_rows_of_silent(const TableRow<State> (&own)[n], WordSet hear
 }
 
 constexpr const char* name_of(Silent::State state) {
-  return Silent::words[static_cast<int>(state)].name;
+  return Silent::meanings[static_cast<int>(state)].name;
 }
 
 constexpr const char* name_of(Silent::Limit limit) {

@@ -24,12 +24,12 @@
 //   assisting, initial_assisting    optional: the states that a robot stores, and its state after a
 //                                   boot if it was in one of them
 //
-// MAIL. With *beacons* a robot has one word in each state: its message. A word is sent at once when
-// it changes, and repeated in every beacon period. A robot acts on its partner's newest word while
-// that word is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired,
-// it hears silence. With a *queue* a row may send a message, once. The message waits at the partner
-// until a row of the partner reads it. A robot hears the oldest message that it has not read. A row
-// that names what it hears reads that message.
+// MAIL. With *beacons* a robot has one message in each state. It is sent at once when
+// it changes, and repeated in every beacon period. A robot acts on its partner's newest message
+// while that message is at most `lease` old (control/beacon.hpp bounds its age). When the lease has
+// expired, it hears silence. With a *queue* a row may send a message, once. The message waits at
+// the partner until a row of the partner reads it. A robot hears the oldest message that it has not
+// read. A row that names what it hears reads that message.
 #pragma once
 
 #include <array>
@@ -69,10 +69,10 @@ struct EnumSet {
 // How a robot hears its partner.
 enum class Mail : std::uint8_t { none, queue, beacons };
 
-// The words to which a row reacts; `MessageKind::none` is silence, or that no message waits. A row with
-// `any_word` does not look.
-using WordSet = EnumSet<MessageKind>;
-inline constexpr WordSet any_word = WordSet::all();
+// The messages to which a row reacts; `MessageKind::none` is silence, or that no message waits. A
+// row with `any_message` does not look.
+using MessageSet = EnumSet<MessageKind>;
+inline constexpr MessageSet any_message = MessageSet::all();
 
 // Further conditions of a row. All that are named must hold.
 enum class If : std::uint8_t {
@@ -83,7 +83,7 @@ enum class If : std::uint8_t {
   may_stop,  // the scene lets a robot stop as a correction
   // Of tables with a memory of their own (control/lease_state.hpp):
   settled,   // the palm has turned and the wheels have braked
-  released,  // the partner knew, when it sent its newest word, that this robot no longer asks
+  released,  // the partner knew, when it sent its newest message, that this robot no longer asks
 };
 using IfSet = EnumSet<If>;
 inline constexpr int if_count = 7;
@@ -128,19 +128,19 @@ template <class State>
 struct TableRow {
   EnumSet<State> from;
   ContactCondition p;
-  WordSet heard;
+  MessageSet heard;
   IfSet when;
   State next;
   MessageKind send = MessageKind::none;  // with a queue
 
   // True if the row reads the message that it hears.
-  constexpr bool reads() const { return !(heard == any_word); }
+  constexpr bool reads() const { return !(heard == any_message); }
 };
 
 // What the length of a time limit may depend on [s].
 struct TableTiming {
   double turn;   // the longest time in which a palm turns
-  double delay;  // the longest time from the step that says a word to the step that hears it
+  double delay;  // the longest time from the step that says a message to the step that hears it
   double reach;  // the longest time in which a correction moves a contact from a palm's end to zero
   double crossing;  // the longest time in which a robot that starts crosses the zero zone
 };
@@ -228,9 +228,9 @@ struct MemoryOf<Table, B, Count> {
 template <class Table, class B, class Count>
 using TableMemory = typename detail::MemoryOf<Table, B, Count>::type;
 
-// The words that a robot can hear: silence, and what the table's states or rows say.
+// The messages that a robot can hear: silence, and what the table's states or rows say.
 template <class Table>
-struct TableWords {
+struct TableMessages {
   static constexpr bool includes(int kind) {
     if (kind == 0) return true;
     for (const TableOutput& output : Table::outputs) {
@@ -247,14 +247,14 @@ struct TableWords {
     return n;
   }();
   static constexpr std::array<MessageKind, count> list = [] {
-    std::array<MessageKind, count> words{};
+    std::array<MessageKind, count> messages{};
     std::size_t n = 0;
     for (int kind = 0; kind < message_kinds; ++kind) {
-      if (includes(kind)) words[n++] = static_cast<MessageKind>(kind);
+      if (includes(kind)) messages[n++] = static_cast<MessageKind>(kind);
     }
-    return words;
+    return messages;
   }();
-  // The place of each word in the list.
+  // The place of each message in the list.
   static constexpr std::array<std::uint8_t, message_kinds> places = [] {
     std::array<std::uint8_t, message_kinds> found{};
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -262,23 +262,24 @@ struct TableWords {
     }
     return found;
   }();
-  static constexpr int number_of(MessageKind word) {
-    return count == 1 ? 0 : places[static_cast<std::size_t>(word)];
+  static constexpr int number_of(MessageKind message) {
+    return count == 1 ? 0 : places[static_cast<std::size_t>(message)];
   }
 };
 
-// True for the robots that hear a word of the set. heard.is(kind) is true where the newest word is
-// fresh and of that kind; `none` stands for silence.
+// True for the robots that hear a message of the set. heard.is(kind) is true where the newest
+// message is fresh and of that kind; `none` stands for silence.
 template <class Table, class B, class Message>
-[[gnu::always_inline]] constexpr B hears(WordSet wanted, const Message& heard) {
-  if (wanted == any_word) return everywhere<B>();
-  // A robot hears one of the words. The fewer are looked at: those of the set, or the others.
-  int wanted_words = 0;
-  for (const MessageKind word : TableWords<Table>::list) wanted_words += wanted.has(word) ? 1 : 0;
-  const bool few = 2 * wanted_words <= TableWords<Table>::count;
+[[gnu::always_inline]] constexpr B hears(MessageSet wanted, const Message& heard) {
+  if (wanted == any_message) return everywhere<B>();
+  // A robot hears one of the messages. The fewer are looked at: those of the set, or the others.
+  int wanted_messages = 0;
+  for (const MessageKind message : TableMessages<Table>::list)
+    wanted_messages += wanted.has(message) ? 1 : 0;
+  const bool few = 2 * wanted_messages <= TableMessages<Table>::count;
   B found{};
-  for (const MessageKind word : TableWords<Table>::list) {
-    if (wanted.has(word) == few) found |= heard.is(word);
+  for (const MessageKind message : TableMessages<Table>::list) {
+    if (wanted.has(message) == few) found |= heard.is(message);
   }
   return few ? found : opposite<B>(found);
 }
@@ -289,9 +290,9 @@ template <class Table, class B, class Message>
                                                  const Observation<B>& seen, const Message& heard,
                                                  const TableConditions<B>& met) {
   const B contact = holds(row.p, seen);
-  const B word = hears<Table, B>(row.heard, heard);
+  const B message = hears<Table, B>(row.heard, heard);
   const B condition = meets(row.when, met);
-  return contact & word & condition;
+  return contact & message & condition;
 }
 
 // The message for which a robot waits in a state: that of the first row that starts there. None if it
@@ -301,8 +302,8 @@ constexpr MessageKind awaited_in(typename Table::State state) {
   if (!Table::outputs[static_cast<int>(state)].waits) return MessageKind::none;
   for (const auto& row : Table::rows) {
     if (!row.from.has(state)) continue;
-    for (const MessageKind word : TableWords<Table>::list) {
-      if (row.heard == WordSet(word)) return word;
+    for (const MessageKind message : TableMessages<Table>::list) {
+      if (row.heard == MessageSet(message)) return message;
     }
   }
   return MessageKind::none;
@@ -314,7 +315,7 @@ constexpr bool is_sound() {
   if (Table::states > 31) return false;
   for (const TableOutput& output : Table::outputs) {
     if (output.limit >= static_cast<int>(Table::limits)) return false;
-    // With beacons each state has a word, and otherwise none has.
+    // With beacons each state has a message, and otherwise none has.
     if ((Table::mail == Mail::beacons) != (output.message != MessageKind::none)) return false;
   }
   for (const auto& row : Table::rows) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot whose program is a table (control/table.hpp): its state, and, if the table needs them, the
-// time that it has been in it, the partner's newest word with its age, and the table's own memory.
+// time that it has been in it, the partner's newest message with its age, and the table's own
+// memory.
 //
 // INTERFACE. step(RobotInput) → RobotOutput once per control tick. The object itself is the only
 // memory. The caller keeps what arrives until the robot hears it: beacons in a BeaconReceiver
@@ -18,13 +19,14 @@
 
 namespace palmbots {
 
-// The rows of a table as sets: those that start in a state, those that fit a sign, a word and the
-// further conditions. The first row in all of them is the one that a robot runs. So a step has no
-// loop, and the sets take some hundred bytes where a table over every input would take thousands.
+// The rows of a table as sets: those that start in a state, those that fit a sign, a message and
+// the further conditions. The first row in all of them is the one that a robot runs. So a step has
+// no loop, and the sets take some hundred bytes where a table over every input would take
+// thousands.
 template <class Table>
 class TableRowMasks {
   using State = typename Table::State;
-  using Words = TableWords<Table>;
+  using Known = TableMessages<Table>;
   static constexpr std::size_t rows = sizeof(Table::rows) / sizeof(Table::rows[0]);
   static_assert(rows <= 64);
   using Mask = std::conditional_t<(rows <= 32), std::uint32_t, std::uint64_t>;
@@ -52,8 +54,8 @@ class TableRowMasks {
       for (int sign = 0; sign < 3; ++sign) {
         add(sign_[sign], holds(row.p, observation_of(static_cast<Sign>(sign - 1), false)));
       }
-      for (int w = 0; w < Words::count; ++w) {
-        add(word_[w], row.heard.has(Words::list[static_cast<std::size_t>(w)]));
+      for (int w = 0; w < Known::count; ++w) {
+        add(message_[w], row.heard.has(Known::list[static_cast<std::size_t>(w)]));
       }
       for (unsigned c = 0; c < inputs; ++c) add(condition_[c], meets(row.when, conditions(c)));
       add(reads_, row.reads());
@@ -67,7 +69,7 @@ class TableRowMasks {
   [[gnu::always_inline]] constexpr int row(State state, Sign sign, MessageKind heard,
                                            const TableConditions<bool>& met) const {
     const Mask fit = start_[static_cast<int>(state)] & sign_[static_cast<int>(sign) + 1] &
-                     word_[Words::number_of(heard)] & condition_[number_of(met)];
+                     message_[Known::number_of(heard)] & condition_[number_of(met)];
     return fit == 0 ? none : std::countr_zero(fit);
   }
   constexpr State next(int row) const { return next_[row]; }
@@ -94,7 +96,7 @@ class TableRowMasks {
 
   Mask start_[Table::states]{};
   Mask sign_[3]{};
-  Mask word_[Words::count]{};
+  Mask message_[Known::count]{};
   Mask condition_[inputs]{};
   Mask reads_ = 0;
   State next_[rows]{};
@@ -113,10 +115,10 @@ template <class Table>
 struct TableClock {
   TableTimes<Table> times;
   TableRole role;
-  MessageKind word = MessageKind::none;  // the partner's newest
-  std::uint16_t age;                     // of it
-  std::uint16_t since_entered = 0;       // since the state was entered
-  std::uint16_t since_sent;              // since the last beacon
+  MessageKind message = MessageKind::none;  // the partner's newest
+  std::uint16_t age;                        // of it
+  std::uint16_t since_entered = 0;          // since the state was entered
+  std::uint16_t since_sent;                 // since the last beacon
   TableMemory<Table, bool, std::uint16_t> own{};
 
   constexpr TableClock(const TableTimes<Table>& its_times, const TableRole& its_role)
@@ -126,7 +128,7 @@ struct TableClock {
 
   constexpr std::uint16_t stale() const { return static_cast<std::uint16_t>(times.lease + 1); }
   constexpr bool silence() const { return age >= stale(); }
-  constexpr MessageKind heard() const { return silence() ? MessageKind::none : word; }
+  constexpr MessageKind heard() const { return silence() ? MessageKind::none : message; }
   constexpr auto own_limits() const {
     return TableMemory<Table, bool, std::uint16_t>::limits(times);
   }
@@ -139,7 +141,7 @@ struct TableClock {
   }
   constexpr void hear(const RobotInput& in) {
     if (in.message == MessageKind::none) return;
-    word = in.message;
+    message = in.message;
     age = in.age < stale() ? in.age : stale();
     own.hear(true, in.stopped, in.ready);
   }
@@ -257,7 +259,7 @@ class TableRobot {
     return false;
   }
   constexpr Role role() const { return clock_.role; }
-  // True if there is no fresh word: the partner is silent, or does not hear this robot.
+  // True if there is no fresh message: the partner is silent, or does not hear this robot.
   constexpr bool silence() const { return clock_.silence(); }
   // What it remembers besides its state, for a model checker.
   constexpr const TableClock<Table>& clock() const { return clock_; }
@@ -274,11 +276,11 @@ class TableRobot {
  private:
   static constexpr TableRowMasks<Table> row_masks{};
   static constexpr auto awaited = [] {
-    std::array<MessageKind, Table::states> words{};
-    for (std::size_t s = 0; s < words.size(); ++s) {
-      words[s] = awaited_in<Table>(static_cast<State>(s));
+    std::array<MessageKind, Table::states> messages{};
+    for (std::size_t s = 0; s < messages.size(); ++s) {
+      messages[s] = awaited_in<Table>(static_cast<State>(s));
     }
-    return words;
+    return messages;
   }();
 
   static constexpr bool brakes = [] {

@@ -57,7 +57,7 @@ struct ControllerInfo {
   std::span<const CaseMeaning> cases = {};
   // Cases in which a robot asks its partner for assistance and may get no answer.
   std::span<const char* const> assisted_cases = {};
-  std::span<const StateWords> states = {};  // what its states mean, if they have names
+  std::span<const StateMeaning> states = {};  // what its states mean, if they have names
 };
 
 // A row: what is known of a controller, and what makes its program (runtime/program_maker.hpp).
@@ -144,7 +144,7 @@ inline constexpr std::tuple controller_rows{
             .has_time_bounds = true,
             .messages = detail::beacons,
             .cases = detail::table2_cases,
-            .states = Resilient::words,
+            .states = Resilient::meanings,
         },
         runtime::TableProgramMaker<Resilient>{}),
     detail::row(
@@ -154,7 +154,7 @@ inline constexpr std::tuple controller_rows{
             .board_number = 1,
             .uses_radio = false,
             .cases = detail::silent_cases,
-            .states = Silent::words,
+            .states = Silent::meanings,
         },
         runtime::TableProgramMaker<Silent>{}),
     detail::row(
@@ -168,7 +168,7 @@ inline constexpr std::tuple controller_rows{
             .drives_by_both_signs = true,
             .messages = detail::signs,
             .cases = detail::shared_sign_cases,
-            .states = SharedSign::words,
+            .states = SharedSign::meanings,
         },
         runtime::TableProgramMaker<SharedSign>{}),
 };

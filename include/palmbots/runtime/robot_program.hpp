@@ -36,7 +36,7 @@ struct Decision {
   wire::PacketKind kind = wire::PacketKind::state;  // of what it says
   wire::State state{};                              // kind state, without mode and stop
   Centralized::Report report{};                     // kind report
-  MessageKind word = MessageKind::none;             // of the state, for logs
+  MessageKind message = MessageKind::none;          // of the state, for logs
   // To be stored before the packets of this tick are sent, and given to the program after a boot.
   bool assists = false;
 };
@@ -80,7 +80,7 @@ class PartnerProgram {
       if (got.packet.kind != wire::PacketKind::state) return Taken::ignored;
       const wire::State state = wire::state_of(got.packet.payload);
       if (state.language != language) return Taken::ignored;
-      return mailbox.accept(state.word) ? Taken::taken : Taken::rejected;
+      return mailbox.accept(state.message) ? Taken::taken : Taken::rejected;
     } else if constexpr (mail == Mail::beacons) {
       if (!wire::hear(mailbox, got, language)) return Taken::ignored;
       return mailbox.age() > program_.lease() ? Taken::late : Taken::taken;
@@ -94,7 +94,7 @@ class PartnerProgram {
     decision.assists = out.assists;
     if (out.send) {
       decision.state.language = language;
-      decision.state.word = decision.word = out.message;
+      decision.state.message = decision.message = out.message;
       decision.state.ready = out.ready;
       decision.state.at_rest = controller().stopped();
     }
@@ -107,12 +107,12 @@ class PartnerProgram {
   const Controller& controller() const { return program_.controller(); }
 
  private:
-  // The language that has the words of the controller.
+  // The language that has the messages of the controller.
   static constexpr wire::Language language = [] {
     if constexpr (mail == Mail::beacons) {
       constexpr auto found = wire::language_of(Controller::outputs[0].message);
       static_assert(std::ranges::all_of(Controller::outputs, [](const TableOutput& output) {
-        return wire::has_word(found, output.message);
+        return wire::has_message(found, output.message);
       }));
       return found;
     }

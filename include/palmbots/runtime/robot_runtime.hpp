@@ -8,11 +8,11 @@
 // The mode machine (runtime/mode_machine.hpp) decides whether the controller runs. While it does,
 // palm and wheels do what it commands. Otherwise the wheels rest and the palm keeps its angle.
 //
-// TO THE PARTNER a robot sends the words of the controller. While the controller does not run, or
-// says nothing, it sends a state without a word at intervals, and sometimes a hello with the number
-// of the settings. Robots whose controllers send beacons send each other nothing else while these
-// controllers run.
-// TO THE STATION a robot sends its status, in which a few numbers take turns.
+// TO THE PARTNER a robot sends the messages of the controller. While the controller does not run,
+// or says nothing, it sends a state without a message at intervals, and sometimes a hello with the
+// number of the settings. Robots whose controllers send beacons send each other nothing else while
+// these controllers run. TO THE STATION a robot sends its status, in which a few numbers take
+// turns.
 #pragma once
 
 #include <array>
@@ -164,7 +164,7 @@ class RobotRuntime {
     return memory;
   }
   static constexpr std::size_t index(wire::Role role) { return static_cast<std::size_t>(role); }
-  // One in so many packets without a word is a hello.
+  // One in so many packets without a message is a hello.
   static constexpr std::uint32_t hello_every = 8;
 
   wire::Role partner() const {
@@ -307,7 +307,7 @@ class RobotRuntime {
   ReceivedCounts received_;
   std::uint32_t sent_ = 0;
   wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent
-  std::uint32_t extras_ = 0;                          // packets to the partner without a word
+  std::uint32_t extras_ = 0;                          // packets to the partner without a message
   std::uint32_t turn_ = 0;                            // of the numbers in the status
   int since_said_ = 0;
   int since_status_ = 0;

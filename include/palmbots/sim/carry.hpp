@@ -116,7 +116,7 @@ class Carry : public RobotPair<Real, Team> {
 
  private:
   template <class, int, class>
-  friend class Lockstep;
+  friend class LaneCarries;
   template <class, int, class>
   friend class BitslicedTeams;
 

@@ -26,8 +26,8 @@ enum class FaultKind : std::uint32_t {
   clock_rate = 5,
   clock_jump = 6
 };
-inline constexpr Choices fault_words(0, "reboot", "freeze", "stuck", "intermittent", "station-down",
-                                     "clock-rate", "clock-jump");
+inline constexpr Choices fault_choices(0, "reboot", "freeze", "stuck", "intermittent",
+                                       "station-down", "clock-rate", "clock-jump");
 
 // What a reboot does besides: bits of FaultSpec::marks.
 inline constexpr std::uint64_t loses_boot_counter = 1;  // the program does not start again
@@ -47,16 +47,16 @@ struct FaultSpec {
   std::uint64_t marks = 0;  // reboot: see above
 };
 inline constexpr Key fault_keys[] = {
-    word<&FaultSpec::kind>("kind", fault_words),
-    source_word("robot", side_words),
+    choice<&FaultSpec::kind>("kind", fault_choices),
+    source_choice("robot", side_choices),
     derived<&FaultSpec::side>(),
     number<&FaultSpec::at>("at_s", Unit::s, 0, 1e6),
     number<&FaultSpec::lasts>("duration_s", Unit::s, 0.0001, 1e6),
-    source_word("stuck_at", sign_words),
+    source_choice("stuck_at", sign_choices),
     derived<&FaultSpec::reads>(),
     source_number("probability", Unit::none, 0, 1),
     source_number("ppm", Unit::parts_per_million, -100000, 100000),
-    source_word("loses_boot_counter", flag_words, unset, KeyKind::flag),
+    source_choice("loses_boot_counter", flag_choices, unset, KeyKind::flag),
     between(source_number("limp_deg", Unit::degrees, -80, 80)),
     derived<&FaultSpec::rate>(),
     derived<&FaultSpec::marks>(),
@@ -85,7 +85,7 @@ struct BumpSpec {
   double shift = 0;  // outward
 };
 inline constexpr Key bump_keys[] = {
-    word<&BumpSpec::side>("robot", side_words),
+    choice<&BumpSpec::side>("robot", side_choices),
     derived<&BumpSpec::by_time>(),
     derived<&BumpSpec::at>(),
     number<&BumpSpec::shift>("shift_m", Unit::m, -1, 1),
@@ -102,7 +102,7 @@ struct PushSpec {
   double speed = 0;  // [m/s]
 };
 inline constexpr Key push_keys[] = {
-    word<&PushSpec::side>("robot", side_words),
+    choice<&PushSpec::side>("robot", side_choices),
     number<&PushSpec::at>("at_s", Unit::s, 0, 1e6),
     number<&PushSpec::lasts>("duration_s", Unit::s, 0.0001, 1e6),
     number<&PushSpec::speed>("speed_m_s", Unit::m_s, -1, 1),

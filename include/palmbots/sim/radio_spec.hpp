@@ -18,7 +18,7 @@ struct OutageSpec {
   double to = 0;
 };
 inline constexpr Key outage_keys[] = {
-    word<&OutageSpec::sender>("sender", sender_words),
+    choice<&OutageSpec::sender>("sender", sender_choices),
     number<&OutageSpec::from>("start_s", Unit::s, 0, 1e6),
     number<&OutageSpec::to>("end_s", Unit::s, 0, 1e6),
 };
@@ -30,13 +30,13 @@ struct MessageFaultSpec {
   std::uint32_t effect = 0;   // as in MessageEffect
   double late = -1;           // in addition to the delay of the link; < 0: the message is lost
 };
-inline constexpr Choices effect_words(0, "lost", "delayed", "duplicated");
+inline constexpr Choices effect_choices(0, "lost", "delayed", "duplicated");
 inline constexpr Key message_fault_keys[] = {
-    source_word("sender", sender_words, 0),
-    source_word("receiver", side_words),
+    source_choice("sender", sender_choices, 0),
+    source_choice("receiver", side_choices),
     derived<&MessageFaultSpec::link>(),
     whole<&MessageFaultSpec::message>("message", 1, 1e6),
-    word<&MessageFaultSpec::effect>("effect", effect_words),
+    choice<&MessageFaultSpec::effect>("effect", effect_choices),
     number<&MessageFaultSpec::late>("delay_s", Unit::s, 0, 10),
 };
 

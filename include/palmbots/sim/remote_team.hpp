@@ -37,7 +37,7 @@ struct ProgramInput {
 struct ProgramPacket {
   wire::Role receiver;
   wire::Bytes bytes;
-  MessageKind word = MessageKind::none;  // what a robot says in it, for the log; none: a hello
+  MessageKind message = MessageKind::none;  // what a robot says in it, for the log; none: a hello
 };
 
 // What a program answers.
@@ -122,8 +122,8 @@ class RemoteTeam {
             radio_.post(link, tick, packet.bytes, side, side, collides, link_totals);
         if constexpr (has_station) continue;
         log(SentMessage{tick, received, static_cast<std::uint8_t>(side),
-                        static_cast<std::uint8_t>(other(side)), packet.word,
-                        packet.word == MessageKind::none});
+                        static_cast<std::uint8_t>(other(side)), packet.message,
+                        packet.message == MessageKind::none});
       }
     }
     return commands_;

@@ -61,7 +61,7 @@ struct ZoneSpec {
   double to = 0;    // closed
 };
 inline constexpr Key zone_keys[] = {
-    word<&ZoneSpec::sign>("sign", sign_words),
+    choice<&ZoneSpec::sign>("sign", sign_choices),
     number<&ZoneSpec::from>("from_m", Unit::m, -10, 10),
     number<&ZoneSpec::to>("to_m", Unit::m, -10, 10),
 };
@@ -85,12 +85,12 @@ struct ControlSpec {
   bool brake = true;            // a robot may stop as a correction
   bool start_by_touch = false;  // the follower starts first
 };
-inline constexpr Choices start_words(0, "together", "touch");
+inline constexpr Choices start_choices(0, "together", "touch");
 inline constexpr Key control_keys[] = {
     number<&ControlSpec::period>("period_s", Unit::s, 0.0001, 1),
     number<&ControlSpec::watchdog>("watchdog_s", Unit::s, 0.001, 1e6),
     flag<&ControlSpec::brake>("brake"),
-    word<&ControlSpec::start_by_touch>("start", start_words),
+    choice<&ControlSpec::start_by_touch>("start", start_choices),
 };
 
 }  // namespace palmbots

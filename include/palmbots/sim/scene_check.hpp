@@ -135,7 +135,7 @@ inline void check_radio(const SceneValues& scene, Problems& problems) {
 
 inline void check_delays(const SceneValues& scene, Problems& problems) {
   const double tick = scene.of<"control.period_s">();
-  for (std::size_t sender = 0; sender < sender_words.count; ++sender) {
+  for (std::size_t sender = 0; sender < sender_choices.count; ++sender) {
     const double latency = scene.of<"radio.latency_s">(own(sender));
     const double jitter = scene.of<"radio.jitter_s">(own(sender));
     if ((latency + jitter) / tick <= most_delay_ticks) continue;
@@ -153,7 +153,7 @@ struct KeysOfKind {
   std::string_view may_have;
   const char* allowed;
 };
-inline constexpr std::array<KeysOfKind, fault_words.count> keys_of_kind = {{
+inline constexpr std::array<KeysOfKind, fault_choices.count> keys_of_kind = {{
     {"robot", "loses_boot_counter limp_deg",
      "with kind reboot, besides at_s and duration_s: robot"},
     {"robot", "", "with kind freeze, besides at_s and duration_s: robot"},

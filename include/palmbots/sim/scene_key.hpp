@@ -25,7 +25,7 @@ namespace palmbots {
 inline constexpr double unset = std::numeric_limits<double>::quiet_NaN();
 
 // What a scene file contains as the value of a key.
-enum class KeyKind : std::uint8_t { number, whole, flag, word };
+enum class KeyKind : std::uint8_t { number, whole, flag, choice };
 
 enum class Unit : std::uint8_t {
   none,
@@ -56,23 +56,23 @@ constexpr double scale_of(Unit unit) {
   return unit == Unit::parts_per_million ? 1e-6 : 1;
 }
 
-// The words of which a key takes one.
+// The names of which a key takes one.
 struct Choices {
-  std::array<std::string_view, 7> words{};
+  std::array<std::string_view, 7> names{};
   std::size_t count = 0;
-  int first = 0;  // number of the first word
+  int first = 0;  // number of the first name
 
-  template <class... Word>
-  explicit constexpr Choices(int number, Word... word)
-      : words{word...}, count(sizeof...(word)), first(number) {}
-  constexpr std::span<const std::string_view> all() const { return {words.data(), count}; }
+  template <class... Name>
+  explicit constexpr Choices(int number, Name... name)
+      : names{name...}, count(sizeof...(name)), first(number) {}
+  constexpr std::span<const std::string_view> all() const { return {names.data(), count}; }
 };
 
 // A key of a table or of a record. `record` points to the structure whose member it is.
 struct Key {
   std::string_view name;    // as in a scene file; empty: the value is derived
   std::string_view member;  // of the structure; empty: only the derivation of others reads it
-  const Choices* words = nullptr;  // of a flag or a word
+  const Choices* choices = nullptr;  // of a flag or a choice
   KeyKind kind = KeyKind::number;
   Unit unit = Unit::none;
   bool is_open = false;  // the limits themselves are excluded
@@ -99,10 +99,10 @@ struct RecordList {
   void* (*at)(void* owner, std::size_t index) = nullptr;
 };
 
-inline constexpr Choices flag_words(0, "false", "true");
-inline constexpr Choices sign_words(-1, "-", "0", "+");
-inline constexpr Choices side_words(0, "left", "right");
-inline constexpr Choices sender_words(0, "left", "right", "station");
+inline constexpr Choices flag_choices(0, "false", "true");
+inline constexpr Choices sign_choices(-1, "-", "0", "+");
+inline constexpr Choices side_choices(0, "left", "right");
+inline constexpr Choices sender_choices(0, "left", "right", "station");
 
 namespace detail {
 
@@ -170,11 +170,11 @@ constexpr Key member_key(std::string_view name, KeyKind kind, Unit unit, double 
   return key;
 }
 
-// The same key, of which the value is one of some words.
-constexpr Key with_words(Key key, const Choices& words) {
-  key.words = &words;
-  key.least = words.first;
-  key.most = words.first + double(words.count) - 1;
+// The same key, of which the value is one of some names.
+constexpr Key with_choices(Key key, const Choices& choices) {
+  key.choices = &choices;
+  key.least = choices.first;
+  key.most = choices.first + double(choices.count) - 1;
   return key;
 }
 
@@ -195,15 +195,15 @@ constexpr Key whole(std::string_view name, double least, double most) {
 // A switch: false or true.
 template <auto Member>
 constexpr Key flag(std::string_view name) {
-  return detail::with_words(detail::member_key<Member>(name, KeyKind::flag, Unit::none, 0, 1),
-                            flag_words);
+  return detail::with_choices(detail::member_key<Member>(name, KeyKind::flag, Unit::none, 0, 1),
+                              flag_choices);
 }
 
-// One of some words.
+// One of some names.
 template <auto Member>
-constexpr Key word(std::string_view name, const Choices& words) {
-  return detail::with_words(detail::member_key<Member>(name, KeyKind::word, Unit::none, 0, 0),
-                            words);
+constexpr Key choice(std::string_view name, const Choices& choices) {
+  return detail::with_choices(detail::member_key<Member>(name, KeyKind::choice, Unit::none, 0, 0),
+                              choices);
 }
 
 // A member that no key of a scene sets: it follows from others.
@@ -230,9 +230,9 @@ constexpr Key source_whole(std::string_view name, double least, double most, dou
   key.kind = KeyKind::whole;
   return key;
 }
-constexpr Key source_word(std::string_view name, const Choices& words, double initial = unset,
-                          KeyKind kind = KeyKind::word) {
-  Key key = detail::with_words(source_number(name, Unit::none, 0, 0, initial), words);
+constexpr Key source_choice(std::string_view name, const Choices& choices, double initial = unset,
+                            KeyKind kind = KeyKind::choice) {
+  Key key = detail::with_choices(source_number(name, Unit::none, 0, 0, initial), choices);
   key.kind = kind;
   return key;
 }

@@ -98,8 +98,8 @@ constexpr bool has_holders(std::string_view name) {
 }
 // The number of a robot or sender, or no_key.
 constexpr std::size_t holder_of(std::string_view name) {
-  for (std::size_t k = 0; k < sender_words.count; ++k) {
-    if (sender_words.words[k] == name) return k;
+  for (std::size_t k = 0; k < sender_choices.count; ++k) {
+    if (sender_choices.names[k] == name) return k;
   }
   return no_key;
 }
@@ -119,10 +119,10 @@ struct Name {
   constexpr std::string_view view() const { return {text, N - 1}; }
 };
 
-// The value of a word, or `unset`.
-constexpr double number_of(const Key& key, std::string_view word) {
-  for (std::size_t k = 0; key.words != nullptr && k < key.words->count; ++k) {
-    if (key.words->words[k] == word) return key.least + double(k);
+// The value of a name, or `unset`.
+constexpr double number_of(const Key& key, std::string_view name) {
+  for (std::size_t k = 0; key.choices != nullptr && k < key.choices->count; ++k) {
+    if (key.choices->names[k] == name) return key.least + double(k);
   }
   return unset;
 }
@@ -175,9 +175,9 @@ class SceneValues {
   void set(std::string_view path, std::size_t place, double value) {
     if (const Slot slot = find(path, place); slot.value != nullptr) *slot.value = value;
   }
-  void set(std::string_view path, std::size_t place, std::string_view word) {
+  void set(std::string_view path, std::size_t place, std::string_view name) {
     const Slot slot = find(path, place);
-    if (slot.value != nullptr) *slot.value = detail::number_of(*slot.key, word);
+    if (slot.value != nullptr) *slot.value = detail::number_of(*slot.key, name);
   }
 
   // The value in one place, or `unset`.

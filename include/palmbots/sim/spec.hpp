@@ -52,7 +52,7 @@ struct Spec : ObjectSpec,
   }
 };
 
-// True if a palm may go limp. Carries side by side (batch/lockstep.hpp) do not provide for that.
+// True if a palm may go limp. Carries side by side (batch/lane_carries.hpp) do not provide for that.
 inline bool may_go_limp(const Spec& spec) {
   for (std::size_t i = 0; i < spec.fault_count; ++i) {
     if ((spec.faults[i].marks & palm_goes_limp) != 0) return true;

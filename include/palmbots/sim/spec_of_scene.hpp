@@ -58,8 +58,8 @@ inline void put_lists(const SceneValues& scene, Spec& spec) {
   }
 }
 
-inline std::uint32_t side_of(double word) {
-  return word == word ? static_cast<std::uint32_t>(word) : 0;
+inline std::uint32_t side_of(double number) {
+  return number == number ? static_cast<std::uint32_t>(number) : 0;
 }
 
 // The coefficient of friction, for a palm whose own keys or those of both palms give an angle.

@@ -130,12 +130,12 @@ struct TaskSpec {
   std::uint64_t timeout_ticks = 5000;
   double safe_reach = -1;  // see ModelParams; −1: unknown
 };
-inline constexpr Choices direction_words(0, "forward", "backward");
+inline constexpr Choices direction_choices(0, "forward", "backward");
 inline constexpr Key task_keys[] = {
     number<&TaskSpec::distance>("distance_m", Unit::m, 0.001, 10000),
     between(source_number("slope_deg", Unit::degrees, -80, 80, 0)),
     source_number("timeout_s", Unit::s, 0.001, 1e6),
-    source_word("direction", direction_words, 0),
+    source_choice("direction", direction_choices, 0),
     flag<&TaskSpec::inertia>("inertia"),
     number<&TaskSpec::inertia_lag>("inertia_tau_s", Unit::s, 0, 1000),
     derived<&TaskSpec::slope>(),

@@ -3,7 +3,7 @@
 //
 // The stamp of a beacon is boot epoch and control tick. The tick is the packet's sequence number: it
 // only rises, and an echo of it gives an age without a record of when it was sent
-// (control/beacon.hpp). The words of a controller that shares signs are stamped in the same way.
+// (control/beacon.hpp). The messages of a controller that shares signs are stamped in the same way.
 #pragma once
 
 #include <cstdint>
@@ -62,7 +62,7 @@ constexpr Packet packet_of(const Beacon& beacon, const PacketHeader& e) {
 // The beacon in an accepted packet of kind `state`.
 constexpr Beacon beacon_in(const Packet& packet) {
   const State state = state_of(packet.payload);
-  return {state.word,
+  return {state.message,
           state.at_rest,
           state.ready,
           {packet.sent.epoch, packet.sent.sequence},

@@ -66,7 +66,7 @@ constexpr Hello hello_of(const Payload& b) {
 // --- state: what a robot sends its partner.
 
 // The language of a controller: messages of Table 2, beacons of the resilient algorithm, or the
-// words of a controller that shares signs. `none`: it says nothing.
+// messages of a controller that shares signs. `none`: it says nothing.
 enum class Language : std::uint8_t { none, messages, beacons, signs };
 
 constexpr const char* name_of(Language language) {
@@ -74,20 +74,20 @@ constexpr const char* name_of(Language language) {
   return names[static_cast<int>(language)];
 }
 
-// True if the language has this word.
-constexpr bool has_word(Language language, MessageKind word) {
+// True if the language has this message.
+constexpr bool has_message(Language language, MessageKind kind) {
   switch (language) {
-    case Language::none: return word == MessageKind::none;
-    case Language::messages: return word >= MessageKind::tilt_up && word <= MessageKind::ack;
-    case Language::beacons: return word >= MessageKind::tilt_up && word <= MessageKind::raised;
-    case Language::signs: return word >= MessageKind::zero && word <= MessageKind::minus_shallow;
+    case Language::none: return kind == MessageKind::none;
+    case Language::messages: return kind >= MessageKind::tilt_up && kind <= MessageKind::ack;
+    case Language::beacons: return kind >= MessageKind::tilt_up && kind <= MessageKind::raised;
+    case Language::signs: return kind >= MessageKind::zero && kind <= MessageKind::minus_shallow;
   }
   return false;
 }
 
 struct State {
   Language language = Language::none;
-  MessageKind word = MessageKind::none;  // what the controller says
+  MessageKind message = MessageKind::none;  // what the controller says
   RobotMode mode = RobotMode::off;
   bool ready = false;    // no condition of the controller keeps the sender from travelling
   bool at_rest = false;  // the sender does not travel
@@ -98,11 +98,11 @@ struct State {
 
 constexpr Payload payload_of(const State& state) {
   using detail::bits;
-  const unsigned word = static_cast<unsigned>(state.word);
+  const unsigned kind = static_cast<unsigned>(state.message);
   const unsigned language = static_cast<unsigned>(state.language);
   const unsigned flags =
       unsigned{state.stop} | unsigned{state.ready} << 1 | unsigned{state.at_rest} << 2;
-  return {bits(word | language << 4), bits(static_cast<unsigned>(state.mode)), 0, 0, bits(flags)};
+  return {bits(kind | language << 4), bits(static_cast<unsigned>(state.mode)), 0, 0, bits(flags)};
 }
 
 constexpr State state_of(const Payload& b) {
@@ -234,7 +234,7 @@ constexpr bool means(PacketKind kind, const Payload& b) {
     case PacketKind::hello: return b[4] < 2;
     case PacketKind::state:
       return b[0] < 64 &&
-             has_word(static_cast<Language>(b[0] >> 4), static_cast<MessageKind>(b[0] & 15)) &&
+             has_message(static_cast<Language>(b[0] >> 4), static_cast<MessageKind>(b[0] & 15)) &&
              b[1] < robot_modes && b[2] == 0 && b[3] == 0 && b[4] < 8;
     case PacketKind::status:
       return field(b[0], 0, 4) < robot_modes && field(b[0], 4, 4) < fault_codes &&

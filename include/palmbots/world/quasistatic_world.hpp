@@ -43,7 +43,7 @@ class World {
   }
   const Advance<Real>& last() const { return last_; }
 
-  // The moving state, for a caller that runs several worlds in lockstep and copies states out and
+  // The moving state, for a caller that runs several worlds in lanes and copies states out and
   // back.
   const WorldState<Real>& state() const { return state_; }
   void set_state(const WorldState<Real>& state) { state_ = state; }

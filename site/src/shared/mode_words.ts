@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contact mode of a motion, and the inequality that decides it, in the words of the package
-// (src/palmbots/mechanics/mode_words.py).
+// (src/palmbots/mechanics/contact_mode_words.py).
 import type { Statics } from "./core";
 import { filledIn, tables } from "./tables";
 

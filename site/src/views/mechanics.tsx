@@ -560,7 +560,7 @@ export function MechanicsView() {
         </>
       )}
       <AtHome
-        lines={[`palmbots modes ${words} ${numbers}`, ...analyzeLines(words)]}
+        lines={[`palmbots contact-modes ${words} ${numbers}`, ...analyzeLines(words)]}
         runs={presentRun()}
         note="The last command simulates a carry of the object in this view."
       />

@@ -10,7 +10,7 @@ import sys
 
 
 def open_closed_streams() -> None:
-    """Let a closed stream, as in ``palmbots modes >&-``, discard what is written to it.
+    """Let a closed stream, as in ``palmbots contact-modes >&-``, discard what is written to it.
 
     Otherwise the first file that is opened would get its file descriptor, and everything that a
     library prints would go into that file.

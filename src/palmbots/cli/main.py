@@ -9,7 +9,7 @@ return the exit status.
 Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
 command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
 with one line, 130 after Ctrl-C, and 141 where the pipe on stdout is closed (``palmbots keys | head
--1``). Closed streams, as in ``palmbots modes >&-``, discard what is written to them.
+-1``). Closed streams, as in ``palmbots contact-modes >&-``, discard what is written to them.
 """
 
 import io

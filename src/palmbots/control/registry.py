@@ -111,7 +111,7 @@ class ControllerEntry:
         return self.maker is not None
 
     @property
-    def runs_in_lockstep(self) -> bool:
+    def runs_in_lanes(self) -> bool:
         """Whether many carries run side by side; else they run one after the other."""
         return self.is_compiled and not self.is_reference
 

@@ -15,7 +15,7 @@ from palmbots.scene.spec import to_spec
 
 def transition_table(entry: ControllerEntry, scene: Scene) -> dict[str, Any] | None:
     """The table that a controller runs, with its times in a scene; None: it is not such a one."""
-    if not entry.runs_in_lockstep:
+    if not entry.runs_in_lanes:
         return None
     return _core.transition_table(entry.name, to_spec(scene, unrolled=True))
 

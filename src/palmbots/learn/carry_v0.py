@@ -288,7 +288,8 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         if episode.outcome != "running":
             reason = episode.make_carry("none").reason
             raise SceneError(
-                f"scene: the object is not held at the start ({reason}); run: palmbots modes"
+                f"scene: the object is not held at the start ({reason}); "
+                "run: palmbots contact-modes"
             )
         self._episode, self._view, self._is_taken = episode, None, False
         self._terms = RewardTerms(self._rewards, scene)

@@ -84,8 +84,8 @@ class LockstepLine:
         return None
 
     def answer(self, *values: Any, packets: Sequence[tuple[int, bytes, int]], at: int) -> None:
-        """Answer a tick: the values, with the packets (receiver, bytes, word) at this place."""
-        sent = [(receiver, data.hex(), word) for receiver, data, word in packets]
+        """Answer a tick: the values, with the packets (receiver, bytes, message) at this place."""
+        sent = [(receiver, data.hex(), message) for receiver, data, message in packets]
         self._world.send([*values[:at], sent, *values[at:]])
 
     def close(self) -> None:

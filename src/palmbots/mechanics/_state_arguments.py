@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The description of the arguments that `modes_batch` and `feasible_modes` share, stated once."""
+"""The description of the arguments of `contact_modes_batch` and `feasible_contact_modes`."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar

@@ -71,10 +71,10 @@ def columns_of(
     slope: FloatArray,
     pairs: Sequence[tuple[FloatArray, FloatArray]],
 ) -> tuple[tuple[int, ...], int, list[NDArray[np.float64]]]:
-    """Broadcast the arguments of `palmbots.modes_batch` against each other.
+    """Broadcast the arguments of `palmbots.contact_modes_batch` against each other.
 
     Args:
-        width: as in `palmbots.modes_batch`.
+        width: as in `palmbots.contact_modes_batch`.
         com_x: the same.
         com_y: the same.
         slope: the same.

@@ -40,7 +40,7 @@ def palm_state(
     theta_right_deg: float | None,
     overrides: Overrides = None,
 ) -> PalmState:
-    """The state with these contacts and angles; arguments and errors as in `palmbots.modes`."""
+    """The state with these contacts and angles; as for `palmbots.contact_modes`."""
     chosen = load_scene(scene, overrides)
     degrees = [
         float(chosen.palm_of(side).steep_deg if angle is None else angle)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of MuJoCo that are no scene keys: contacts, solver, servos.
 
-The contact settings were chosen by measurement (docs/guide/mujoco.md, `palmbots validate`,
-tests/mujoco): MuJoCo's default contacts creep, and with them the wrong contact slides.
+The contact settings were chosen by measurement (docs/reference/mujoco-agreement.md, `palmbots
+validate`, tests/mujoco): MuJoCo's default contacts creep, and with them the wrong contact slides.
 """
 
 from dataclasses import dataclass

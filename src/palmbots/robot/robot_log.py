@@ -127,7 +127,7 @@ class RobotLog:
             fault=fault,
             sent=[self._retagged(data) for _, data, _ in sent],
             receivers=[to for to, _, _ in sent],
-            words=[word for *_, word in sent],
+            words=[message for *_, message in sent],
             withheld=withheld,
         )
 

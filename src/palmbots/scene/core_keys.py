@@ -46,8 +46,8 @@ def _check_of(row: dict[str, Any]) -> Any:
     least, most = row["least"], row["most"]
     if row["kind"] == "flag":
         return is_switch
-    if row["kind"] == "word":
-        return OneOf(row["words"])
+    if row["kind"] == "choice":
+        return OneOf(row["choices"])
     if row["kind"] == "whole":
         return whole(int(least), None if most is None else int(most))
     if row["is_open"]:

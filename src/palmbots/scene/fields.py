@@ -110,19 +110,19 @@ class whole:
 
 @dataclass(frozen=True)
 class OneOf:
-    """A validator for one of some words."""
+    """A validator for one of some names."""
 
-    words: tuple[str, ...]
+    names: tuple[str, ...]
 
     @property
     def allowed(self) -> str:
-        """The words, quoted."""
-        quoted = [f"'{word}'" for word in self.words]
+        """The names, quoted."""
+        quoted = [f"'{name}'" for name in self.names]
         return f"{', '.join(quoted[:-1])} or {quoted[-1]}"
 
     def __call__(self, value: object) -> str:
-        """The value, if it is one of the words."""
-        if not isinstance(value, str) or value not in self.words:
+        """The value, if it is one of the names."""
+        if not isinstance(value, str) or value not in self.names:
             raise field_error(value, "is not known", self.allowed)
         return value
 

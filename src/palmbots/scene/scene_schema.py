@@ -63,7 +63,7 @@ def _limits(check: Any) -> dict[str, Any]:
     if isinstance(check, Optionally):
         check = check.check
     if isinstance(check, OneOf):
-        limits = {"enum": list(check.words)}
+        limits = {"enum": list(check.names)}
     elif isinstance(check, Range):
         limits = {
             "minimum": check.least,

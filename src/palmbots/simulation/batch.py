@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many carries of specs and seeds, as columns of results.
 
-The shipped controllers run in lockstep, in a compiled module without Python in the loop. The module
+The shipped controllers run in lanes, in a compiled module without Python in the loop. The module
 exists for any x86-64 processor and for levels 3 and 4, which run two and four times as many lanes.
 All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
 seed and precision, for any number of threads. A Python controller, or a reference with full
@@ -55,7 +55,7 @@ def _module() -> Any:
     for name in batch_modules():  # `make quick` builds only the one for any processor
         with contextlib.suppress(ModuleNotFoundError):
             return importlib.import_module(f"palmbots.{name}")
-    raise PalmbotsError("the lockstep modules are not built; run: make build")
+    raise PalmbotsError("the batch modules are not built; run: make build")
 
 
 def check_built() -> None:
@@ -82,7 +82,7 @@ def run_batch(
         seeds: one seed per carry.
         controller: as in `palmbots.carry`.
         precision: ``double`` or ``float``.
-        threads: worker threads; results do not depend on it. Carries that do not run in lockstep
+        threads: worker threads; results do not depend on it. Carries that do not run in lanes
             use one.
         watch: called now and then with the number of finished carries.
 
@@ -95,7 +95,7 @@ def run_batch(
     seeds = np.ascontiguousarray(seeds, np.uint64)
     own = _core.Spec.list_from_bytes(specs) if isinstance(specs, bytes) else specs
     # The lanes know only the two angles that a controller commands.
-    if not entry.runs_in_lockstep or any(spec.may_go_limp for spec in own):
+    if not entry.runs_in_lanes or any(spec.may_go_limp for spec in own):
         if isinstance(specs, bytes) and (entry.is_python or entry.is_reference):
             raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
         specs = own
@@ -135,7 +135,7 @@ def _run_singly(
     threads: int,
     watch: Watch | None,
 ) -> Columns:
-    """The columns of a controller that does not run in lockstep, from single carries."""
+    """The columns of a controller that does not run in lanes, from single carries."""
     n = len(seeds)
     columns: Columns = {
         "finished": np.zeros(n, bool),

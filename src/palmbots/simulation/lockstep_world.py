@@ -87,7 +87,7 @@ class Programs:
     def _answer(self, end: str) -> Any:
         answer = self._programs[end].receive(_ANSWER_WITHIN_S)
         at = 0 if end == "station" else 3  # where the packets stand
-        sent = [(receiver, bytes.fromhex(data), word) for receiver, data, word in answer[at]]
+        sent = [(receiver, bytes.fromhex(data), message) for receiver, data, message in answer[at]]
         return (*answer[:at], sent, *answer[at + 1 :])
 
 

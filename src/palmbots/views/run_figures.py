@@ -217,8 +217,8 @@ def _corrections(times: Any, rows: dict[Side, list[Any]]) -> tuple[Correction, .
 def _messages(
     logs: Sequence[RunLog], fits: Sequence[ClockFit], start_s: float, end_s: float
 ) -> tuple[Message, ...]:
-    """What the robots said to each other, as far as it has a word."""
-    words = _core.wire.words
+    """What the robots said to each other, as far as it is a message of a controller."""
+    names = _core.wire.messages
     arrived: dict[tuple[str, str, int, int], float] = {}
     packets = [traffic(log) for log in logs]
     for own, fit in zip(packets, fits, strict=True):
@@ -231,13 +231,13 @@ def _messages(
         receiver: Side = "right" if log.end == "left" else "left"
         sent = {s: fit.to_first(now) for s, now in own.sent.items() if s[1] == receiver}
         said = [
-            words[word]
+            names[number]
             for _, tick in log.messages["ticks"]
-            for to, word in zip(tick.receivers, tick.words, strict=True)
+            for to, number in zip(tick.receivers, tick.words, strict=True)
             if _ENDS[to] == receiver and to not in tick.withheld
         ]
-        for (stamp, now), word in zip(sent.items(), said, strict=False):
-            if word and start_s <= now <= end_s:
+        for (stamp, now), name in zip(sent.items(), said, strict=False):
+            if name and start_s <= now <= end_s:
                 got = arrived.get(stamp)
-                found.append(Message(now - start_s, got, log.end, receiver, word))  # type: ignore[arg-type]
+                found.append(Message(now - start_s, got, log.end, receiver, name))  # type: ignore[arg-type]
     return tuple(sorted(found, key=lambda message: message.sent_s))

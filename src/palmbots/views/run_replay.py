@@ -173,7 +173,7 @@ def _difference(robot: Any, tick: Any) -> str | None:
         "fault": robot.fault,
         "wheels": robot.wheels,
         "receivers": [to for to, _, _ in packets],
-        "words": [word for *_, word in packets],
+        "words": [message for *_, message in packets],
         "sent": [data for _, data, _ in packets],
     }
     for name, value in now.items():

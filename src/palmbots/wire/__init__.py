@@ -11,7 +11,7 @@ packets, and distinguishes new packets from old ones.
 >>> right.receive(left.send("right")).verdict  # the first packet after a boot opens the session
 'no_session'
 >>> answer = right.send("left", wire.State("messages", "TiltUp", mode="carrying"))
->>> left.receive(answer).packet.body.word
+>>> left.receive(answer).packet.body.message
 'TiltUp'
 """
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from palmbots.wire.bodies import FaultCode as FaultCode
     from palmbots.wire.bodies import Hello as Hello
     from palmbots.wire.bodies import Language as Language
+    from palmbots.wire.bodies import MessageName as MessageName
     from palmbots.wire.bodies import Operate as Operate
     from palmbots.wire.bodies import Operation as Operation
     from palmbots.wire.bodies import Report as Report
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from palmbots.wire.bodies import Status as Status
     from palmbots.wire.bodies import StatusItem as StatusItem
     from palmbots.wire.bodies import Verdict as Verdict
-    from palmbots.wire.bodies import Word as Word
     from palmbots.wire.packets import KEY_SIZE as KEY_SIZE
     from palmbots.wire.packets import MAX_EPOCH as MAX_EPOCH
     from palmbots.wire.packets import MAX_SEQUENCE as MAX_SEQUENCE

@@ -28,7 +28,7 @@ Verdict = Literal[
 Language = Literal["none", "messages", "beacons", "signs"]
 """The language of a controller: `messages` of Table 2, `beacons` of the resilient algorithm,
 `signs` of a controller that shares signs; `none`: it says nothing."""
-Word = Literal[
+MessageName = Literal[
     "",
     "TiltUp",
     "TiltDown",
@@ -41,7 +41,7 @@ Word = Literal[
     "Minus",
     "MinusShallow",
 ]
-"""What a controller says. `messages` has the first three words, `beacons` the first five, `signs`
+"""What a controller says. `messages` has the first three names, `beacons` the first five, `signs`
 the others."""
 RobotMode = Literal[
     "off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"
@@ -74,18 +74,18 @@ verdict."""
 
 # In the order of the core's numbers.
 _LANGUAGES: tuple[Language, ...] = _core.wire.languages
-_WORDS: tuple[Word, ...] = _core.wire.words
+_MESSAGES: tuple[MessageName, ...] = _core.wire.messages
 _MODES: tuple[RobotMode, ...] = _core.wire.robot_modes
 _FAULTS: tuple[FaultCode, ...] = _core.wire.fault_codes
 _OPERATIONS: tuple[Operation, ...] = _core.wire.operations
 STATUS_ITEMS: tuple[StatusItem, ...] = (*_core.wire.status_numbers, *_core.wire.verdicts)
 _CASES = tuple(_core.wire.cases)
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
-_WORDS_OF: dict[str, tuple[Word, ...]] = {
-    "none": _WORDS[:1],
-    "messages": _WORDS[1:4],
-    "beacons": _WORDS[1:6],
-    "signs": _WORDS[6:],
+_MESSAGES_OF: dict[str, tuple[MessageName, ...]] = {
+    "none": _MESSAGES[:1],
+    "messages": _MESSAGES[1:4],
+    "beacons": _MESSAGES[1:6],
+    "signs": _MESSAGES[6:],
 }
 
 
@@ -103,7 +103,7 @@ class State:
     """What a robot sends to its partner."""
 
     language: Language = "none"
-    word: Word = ""
+    message: MessageName = ""
     """What the controller says."""
     mode: RobotMode = "carrying"
     ready: bool = False
@@ -185,10 +185,10 @@ def payload_of(body: Body) -> bytes:
             return _core.wire.hello(whole("settings", body.settings, 0, 2**32 - 1), bool(body.stop))
         case State():
             language = index("language", _LANGUAGES, body.language)
-            index(f"word of {body.language}", _WORDS_OF[body.language], body.word)
+            index(f"message of {body.language}", _MESSAGES_OF[body.language], body.message)
             return _core.wire.state(
                 language,
-                _WORDS.index(body.word),
+                _MESSAGES.index(body.message),
                 index("mode", _MODES, body.mode),
                 bool(body.ready),
                 bool(body.at_rest),
@@ -232,8 +232,8 @@ def body_of(kind: int, payload: bytes) -> Body:
         case "Hello":
             return Hello(*_core.wire.hello_of(payload))
         case "State":
-            language, word, mode, *flags = _core.wire.state_of(payload)
-            return State(_LANGUAGES[language], _WORDS[word], _MODES[mode], *flags)
+            language, message, mode, *flags = _core.wire.state_of(payload)
+            return State(_LANGUAGES[language], _MESSAGES[message], _MODES[mode], *flags)
         case "Status":
             mode, fault, sign, palm, at_target, case, item, value, *flags = _core.wire.status_of(
                 payload

@@ -51,7 +51,7 @@ struct HeardBits {
   RobotMask is(MessageKind that) const { return when(kind == that, self); }
 };
 
-// What a robot goes to, sends and reads in every state, with every sign and word, and with all
+// What a robot goes to, sends and reads in every state, with every sign and message, and with all
 // conditions that its rows can name.
 template <class Table>
 void table_on_every_input() {
@@ -63,8 +63,8 @@ void table_on_every_input() {
     const int c = n / Table::states / 3;
     const auto bit = [&](int k) { return (c >> k & 1) != 0; };
     const TableConditions<bool> one{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)};
-    for (const MessageKind word : TableWords<Table>::list) {
-      const int row = masks.row(state, sign, word, one);
+    for (const MessageKind message : TableMessages<Table>::list) {
+      const int row = masks.row(state, sign, message, one);
       for (const std::size_t side : {left, right}) {
         const RobotMask self = one_of(side);
         const auto seen = observed(sign, one.turned, self);
@@ -77,7 +77,7 @@ void table_on_every_input() {
         robots.step(
             self,
             [&](const typename Robot::Row& r) {
-              return fits_in_table<Table, RobotMask>(r, seen, HeardBits{word, self}, many);
+              return fits_in_table<Table, RobotMask>(r, seen, HeardBits{message, self}, many);
             },
             [&](const typename Robot::Row& r, RobotMask whose) {
               if (is_set(whose, side)) ran = static_cast<int>(&r - std::data(Table::rows));
@@ -87,7 +87,7 @@ void table_on_every_input() {
       }
       if (row == masks.none) continue;
       const TableRow<typename Table::State>& ran = std::data(Table::rows)[row];
-      CHECK(masks.send(row) == ran.send && masks.reads(row) == (ran.heard != any_word));
+      CHECK(masks.send(row) == ran.send && masks.reads(row) == (ran.heard != any_message));
     }
   }
 }
@@ -106,10 +106,10 @@ struct StateWithoutWord : ThirdTable {
   };
 };
 struct RowThatSendsBesidesBeacons : ThirdTable {
-  static constexpr TableRow<State> rows[] = {{S::calm, P::any, any_word, {}, S::asks, M::ack}};
+  static constexpr TableRow<State> rows[] = {{S::calm, P::any, any_message, {}, S::asks, M::ack}};
 };
 struct RowThatWaitsForNoLimit : ThirdTable {
-  static constexpr TableRow<State> rows[] = {{S::waits, P::any, any_word, If::timed_out, S::calm}};
+  static constexpr TableRow<State> rows[] = {{S::waits, P::any, any_message, If::timed_out, S::calm}};
 };
 
 void unsound_tables_are_refused() {

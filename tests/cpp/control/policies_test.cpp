@@ -85,13 +85,13 @@ void machine_against_its_rows() {
       const auto heard = static_cast<MessageKind>(chance() % 4);
       row = {static_cast<std::uint8_t>(chance() % states),
              static_cast<ContactCondition>(chance() % 6),
-             heard == MessageKind::none ? any_word : WordSet(heard),
+             heard == MessageKind::none ? any_message : MessageSet(heard),
              chance() % 2 != 0 ? IfSet(If::turned) : IfSet{},
              static_cast<std::uint8_t>(chance() % states),
              static_cast<MessageKind>(chance() % 4)};
       CHECK(table.add(row));
     }
-    const MachineTable::Row nowhere{std::uint8_t{0}, {}, any_word, {}, states, {}};
+    const MachineTable::Row nowhere{std::uint8_t{0}, {}, any_message, {}, states, {}};
     CHECK(!table.add(nowhere) && table.states() == states);
     MachineRobot robot(&table);
     std::uint8_t state = 0;
@@ -101,13 +101,13 @@ void machine_against_its_rows() {
       const MachineTable::Row* first = nullptr;
       for (const MachineTable::Row& row : rows) {
         const bool turned = row.when == IfSet{} || in.palm_at_target;
-        const bool heard = row.heard == any_word || row.heard == WordSet(in.message);
+        const bool heard = row.heard == any_message || row.heard == MessageSet(in.message);
         const bool fits = row.from == EnumSet<std::uint8_t>(state) && holds_for(row.p, in.sign) &&
                           heard && turned;
         if (fits && first == nullptr) first = &row;
       }
       const MessageKind send = first == nullptr ? MessageKind::none : first->send;
-      const bool read = first != nullptr && first->heard != any_word;
+      const bool read = first != nullptr && first->heard != any_message;
       const std::uint8_t next = first == nullptr ? state : first->next;
       const bool quiet = next == state && send == MessageKind::none && !read;
       CHECK((robot.quiet(in.sign, in.palm_at_target, in.message) > 0) == quiet);

@@ -83,7 +83,7 @@ void test_teams_are_mirror_symmetric() {
 struct Probe : QueueController {
   std::vector<MessageKind>* got;
   MessageKind say;
-  Probe(std::vector<MessageKind>* list, MessageKind word) : got(list), say(word) {}
+  Probe(std::vector<MessageKind>* list, MessageKind message) : got(list), say(message) {}
   Probe booted() const { return *this; }
   RobotOutput step(const RobotInput& in) {
     got->push_back(in.message);

@@ -37,7 +37,7 @@ struct ResilientOracle {
 
   long limit(palmbots::LeaseLimit one) const { return times.limits[static_cast<std::size_t>(one)]; }
 
-  static MessageKind word(Doing doing) {
+  static MessageKind message_of(Doing doing) {
     switch (doing) {
       case nothing: return MessageKind::tilt_down;
       case ask:
@@ -126,7 +126,7 @@ struct ResilientOracle {
     if (now == pull || now == push) moved_at = clock;
     now = next(in.sign, in.palm_at_target);
     if (now != before) entered_at = clock;
-    if (word(now) == MessageKind::tilt_up) asked_at = clock;
+    if (message_of(now) == MessageKind::tilt_up) asked_at = clock;
     const bool fresh = clock - heard_at <= times.lease;
     const bool partner_knows = heard_at >= changed_at;
     if (fresh && now == nothing && in.sign == Sign::zero) ready_at = clock;
@@ -142,12 +142,12 @@ struct ResilientOracle {
       standing = true;
     }
     if (standing != stood) changed_at = clock;
-    const bool say =
-        word(now) != word(before) || standing != stood || clock - said_at >= times.beacon;
+    const bool say = message_of(now) != message_of(before) || standing != stood ||
+                     clock - said_at >= times.beacon;
     if (say) said_at = clock;
     const Move move = now == pull ? Move::away : (now == push ? Move::closer : Move::hold);
     return {{palm_up(now) ? Palm::shallow : Palm::steep, move, standing},
-            word(now),
+            message_of(now),
             say,
             false,
             ready || (!standing && was_ready),

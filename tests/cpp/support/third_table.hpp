@@ -31,12 +31,12 @@ struct ThirdTable {
   static constexpr EnumSet<State> any = EnumSet<State>::all();
   static constexpr TableRow<State> rows[] = {
       {S::asks, P::any, M::ack, {If::turned, If::may_stop}, S::works},
-      {S::asks, P::any, any_word, If::timed_out, S::rests},
+      {S::asks, P::any, any_message, If::timed_out, S::rests},
       {any, P::not_positive, M::tilt_up, If::follows, S::waits},
-      {{S::works, S::rests}, P::zero, any_word, {If::leads, If::timed_out}, S::calm},
-      {{S::works, S::rests}, P::any, any_word, {If::follows, If::timed_out}, S::calm},
+      {{S::works, S::rests}, P::zero, any_message, {If::leads, If::timed_out}, S::calm},
+      {{S::works, S::rests}, P::any, any_message, {If::follows, If::timed_out}, S::calm},
       {S::waits, P::not_negative, {M::none, M::tilt_down}, {}, S::calm},
-      {any - EnumSet<State>{S::works, S::rests}, P::positive, any_word, If::turned, S::asks},
+      {any - EnumSet<State>{S::works, S::rests}, P::positive, any_message, If::turned, S::asks},
       {S::calm, P::negative, M::closing, If::may_stop, S::rests},
   };
 };

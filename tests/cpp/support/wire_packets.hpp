@@ -24,11 +24,12 @@ inline bool can_be_said(unsigned kind, unsigned sender, unsigned receiver, const
   switch (kind) {
     case 0: return b[4] <= 1;
     case 1: {
-      const int language = b[0] / 16, word = b[0] % 16;
-      const bool is_word =
-          (language == 0 && word == 0) || (language == 1 && word >= 1 && word <= 3) ||
-          (language == 2 && word >= 1 && word <= 5) || (language == 3 && word >= 6 && word <= 10);
-      return !from_station && !to_station && is_word && b[1] <= 8 && b[2] == 0 && b[3] == 0 &&
+      const int language = b[0] / 16, message = b[0] % 16;
+      const bool is_message = (language == 0 && message == 0) ||
+                              (language == 1 && message >= 1 && message <= 3) ||
+                              (language == 2 && message >= 1 && message <= 5) ||
+                              (language == 3 && message >= 6 && message <= 10);
+      return !from_station && !to_station && is_message && b[1] <= 8 && b[2] == 0 && b[3] == 0 &&
              b[4] <= 7;
     }
     case 2:

@@ -48,17 +48,17 @@ void test_beacons_there_and_back() {
   }
 }
 
-// The words of a table that shares signs are a language of their own, with the same stamps.
+// The messages of a table that shares signs are a language of their own, with the same stamps.
 void test_signs_there_and_back() {
-  for (const MessageKind word : {MessageKind::minus, MessageKind::zero, MessageKind::plus,
+  for (const MessageKind kind : {MessageKind::minus, MessageKind::zero, MessageKind::plus,
                                  MessageKind::minus_shallow, MessageKind::plus_shallow}) {
-    const Beacon beacon{word, false, false, {70000, 4000000000U}, {3, 9}};
+    const Beacon beacon{kind, false, false, {70000, 4000000000U}, {3, 9}};
     const wire::Packet packet =
         wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
     CHECK(wire::well_formed(packet));
     CHECK(wire::state_of(packet.payload).language == wire::Language::signs);
     const Beacon back = wire::beacon_in(packet);
-    CHECK(back.message == word && !back.stopped && !back.ready);
+    CHECK(back.message == kind && !back.stopped && !back.ready);
     CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
     CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
     // A robot takes in only the language that its controller uses.
@@ -88,7 +88,7 @@ void test_reports_commands_and_messages_survive_encoding() {
     CHECK((wire::command_of(packet.payload) == Command{Palm::shallow, move}));
   }
   const wire::Packet message = wire::packet_of(MessageKind::ack, across);
-  CHECK(wire::well_formed(message) && wire::state_of(message.payload).word == MessageKind::ack);
+  CHECK(wire::well_formed(message) && wire::state_of(message.payload).message == MessageKind::ack);
   CHECK(
       (message.sent == wire::SequenceNumber{1, 2} && message.heard == wire::SequenceNumber{3, 4}));
 }

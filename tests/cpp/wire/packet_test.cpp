@@ -128,18 +128,18 @@ constexpr bool no_or_yes[] = {false, true};
 
 void test_states_and_back() {
   for (unsigned language = 0; language < 4; ++language) {
-    for (int word = 0; word < palmbots::message_kinds; ++word) {
+    for (int message = 0; message < palmbots::message_kinds; ++message) {
       for (unsigned mode = 0; mode < robot_modes; ++mode) {
         for (unsigned flags = 0; flags < 8; ++flags) {
           const State state{static_cast<Language>(language),
-                            static_cast<MessageKind>(word),
+                            static_cast<MessageKind>(message),
                             static_cast<RobotMode>(mode),
                             (flags & 1) != 0,
                             (flags & 2) != 0,
                             (flags & 4) != 0};
           const Payload payload = payload_of(state);
           CHECK(state_of(payload) == state && passes_stop(payload) == state.stop);
-          CHECK(means(PacketKind::state, payload) == has_word(state.language, state.word));
+          CHECK(means(PacketKind::state, payload) == has_message(state.language, state.message));
         }
       }
     }
@@ -255,7 +255,7 @@ void test_packets_for_another_receiver_pair_or_key_are_rejected() {
   }
 }
 
-// The default payloads are all zero: no settings, no word, no stop.
+// The default payloads are all zero: no settings, no message, no stop.
 void test_payloads_that_are_not_set() {
   CHECK(payload_of(Hello{}) == Payload{});
   CHECK(payload_of(State{}) == Payload{});

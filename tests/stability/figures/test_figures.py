@@ -79,7 +79,7 @@ def test_the_state_closes_the_loop_and_agrees_with_modes(analysis: Analysis) -> 
         assert corner == pytest.approx(state.point("contact", 1), abs=1e-9)
         theta = dict(zip(ANGLES, map(math.degrees, state.angles), strict=True))
         try:
-            found = pb.modes(analysis.scene, p_left_m=left, p_right_m=right, **theta)
+            found = pb.contact_modes(analysis.scene, p_left_m=left, p_right_m=right, **theta)
         except PalmbotsError:  # the state would put a palm into the object
             continue
         compared += 1

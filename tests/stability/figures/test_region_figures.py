@@ -60,7 +60,7 @@ def test_figure_5_shades_what_fails(scenes: int) -> None:
             ends = [end for interval in bad if interval for end in interval]
             values = (at.width, *at.com, *angles, *at.friction, *at.offset, at.slope)
             given = dict(zip(("width", "com_x", "com_y", *SIDED, "slope"), values, strict=True))
-            happens = pb.modes_batch(p_left=1e-3 * x, p_right=1e-3 * y, **given)
+            happens = pb.contact_modes_batch(p_left=1e-3 * x, p_right=1e-3 * y, **given)
             modes = happens.closing if number == 1 else happens.opening
             for k in range(60):
                 if abs(z[k]) > 0.99 * at.width or any(abs(z[k] - end) < 1e-6 for end in ends):

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.mode_analysis import CONTACT_MODES, Mode, modes_batch
+from palmbots.mechanics.contact_modes import CONTACT_MODES, ContactMode, contact_modes_batch
 from palmbots.scene.placement import Placement, place
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.stability.figures.canvas import MM, Array, View
@@ -29,8 +29,8 @@ class State:
     turn: float  #: ϑ
     placed: Placement  #: one row, m
     squeeze: Array  #: I_L and I_R, (side, end)
-    balances: frozenset[Mode]
-    closing: Mode | None  #: the contact mode when the palms are driven together
+    balances: frozenset[ContactMode]
+    closing: ContactMode | None  #: the contact mode when the palms are driven together
 
     def point(self, name: str, side: int | None = None) -> Array:
         """A point or the outline, as `Placement` names it, in mm."""
@@ -79,7 +79,7 @@ def state_of(problem: StabilityProblem, p_m: Pair) -> State:
     span = math.sqrt((problem.width - rise) * (problem.width + rise))
     separation = span - float(np.array(p_m) @ cos - np.array(problem.offset) @ sin)
     turn = math.asin(rise / problem.width)
-    modes = modes_batch(
+    modes = contact_modes_batch(
         width=problem.width,
         com_x=problem.com[0],
         com_y=problem.com[1],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many carries in lockstep, several side by side in SIMD lanes (base/simd_lanes.hpp).
+// Many carries, several side by side in SIMD lanes (base/simd_lanes.hpp).
 //
 // Every lane executes Carry::tick with the same bits. Work that all carries do in every tick is
 // done in lanes: sensing, driving, the fast step of the world, and statistics. Teams that have a
@@ -22,7 +22,7 @@ namespace palmbots {
 
 // Runs carries in lanes of type Lanes<Real, n>. Team is as in Carry.
 template <class Real, int n, class Team>
-class Lockstep {
+class LaneCarries {
  public:
   using V = Lanes<Real, n>;
   using One = Carry<Real, Team, NoRecorder>;

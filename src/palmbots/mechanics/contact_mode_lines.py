@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 from palmbots._types import SIDES
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, verdict
 from palmbots._util.text import millimetres
-from palmbots.mechanics.contact_points import MOTION_CODES
-from palmbots.mechanics.mode_words import (
+from palmbots.mechanics.contact_mode_words import (
     MOTION_MEANINGS,
     decision_sentence,
     margin_sentence,
     mode_sentence,
 )
+from palmbots.mechanics.contact_points import MOTION_CODES
 
 if TYPE_CHECKING:
+    from palmbots.mechanics.contact_modes import ContactMode, ContactModes
     from palmbots.mechanics.contact_points import Contact, Motions
-    from palmbots.mechanics.mode_analysis import ContactModes, Mode
 
 
-def mode_lines(found: "ContactModes") -> Iterator[Item]:
+def contact_mode_lines(found: "ContactModes") -> Iterator[Item]:
     """The state, the nine modes as a 3 × 3 table, and those that occur."""
     symbols = ", ".join(f"{symbol}: {meaning}" for symbol, meaning in MOTION_MEANINGS.items())
     yield (
@@ -82,7 +82,7 @@ def _outcomes(
         yield Line(*parts[:-1])
 
 
-def _verdict_mark(found: "ContactModes", mode: "Mode") -> str:
+def _verdict_mark(found: "ContactModes", mode: "ContactMode") -> str:
     if mode not in found.feasible:
         return quiet("–")
     ways = (("closing", found.closing), ("opening", found.opening))

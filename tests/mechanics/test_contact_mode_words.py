@@ -9,7 +9,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.mode_words import decision_sentence, margin_sentence, mode_sentence
+from palmbots.mechanics.contact_mode_words import decision_sentence, margin_sentence, mode_sentence
 
 SLIDES = {"left": {"SL": "up", "SR": "down"}, "right": {"SR": "up", "SL": "down"}}
 
@@ -21,7 +21,7 @@ def states() -> list[pb.mechanics.ContactModes]:
     while len(found) < 60:
         try:
             found.append(
-                pb.modes(
+                pb.contact_modes(
                     p_left_m=draw.uniform(-0.07, 0.07), p_right_m=draw.uniform(-0.07, 0.07),
                     theta_left_deg=draw.uniform(0, 45), theta_right_deg=draw.uniform(0, 45),
                 )
@@ -62,7 +62,7 @@ def test_the_contact_that_slides_is_the_one_that_the_inequality_names() -> None:
 
 
 def test_palms_alike_reach_both_edges_at_once() -> None:
-    found = pb.modes(p_left_m=0.01, p_right_m=0.01)
+    found = pb.contact_modes(p_left_m=0.01, p_right_m=0.01)
     assert decision_sentence(found.squeeze, closing=True, held=True) == (
         "The squeeze rises until it reaches the upper edges of both cones at once: "
         f"H = {found.squeeze['left'][1]:.3f}."
@@ -73,7 +73,9 @@ def test_palms_alike_reach_both_edges_at_once() -> None:
 
 
 def test_wedged_contacts_have_no_edge_to_reach() -> None:
-    found = pb.modes(overrides={"palm.friction": 1.2}, theta_left_deg=40, theta_right_deg=40)
+    found = pb.contact_modes(
+        overrides={"palm.friction": 1.2}, theta_left_deg=40, theta_right_deg=40
+    )
     assert found.closing is None
     assert mode_sentence(None, held=True).endswith("the object is jammed.")
     assert "rises without end" in decision_sentence(found.squeeze, closing=True, held=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a contact mode is, and which inequality decides it, in words.
 
-`palmbots modes` prints these sentences. The page (scripts/site_tables.py) fills in the same
+`palmbots contact-modes` prints these sentences. The page (scripts/site_tables.py) fills in the same
 templates. H is the squeeze, in units of the weight; I_L and I_R are the squeezes that the left and
 the right contact can carry (paper, section 3.1).
 """

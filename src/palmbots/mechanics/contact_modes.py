@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The nine contact modes: which balance, which are consistent with a motion, and which occurs.
 
-`modes` evaluates one state of a scene. `modes_batch` evaluates arrays of states and broadcasts its
-arguments like a NumPy ufunc. `feasible_modes` does the same, faster, for feasibility alone. The
-core has the mechanics. Source: paper, section 3.1. `contact_points` treats states in which more
-than the two contact vertices touch the palms.
+`contact_modes` evaluates one state of a scene. `contact_modes_batch` evaluates arrays of states and
+broadcasts its arguments like a NumPy ufunc. `feasible_contact_modes` does the same, faster, for
+feasibility alone. The core has the mechanics. Source: paper, section 3.1. `contact_points` treats
+states in which more than the two contact vertices touch the palms.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from palmbots.scene.scene import Scene, SceneLike
 if TYPE_CHECKING:
     import xarray as xr
 
-Mode: TypeAlias = tuple[str, str]
+ContactMode: TypeAlias = tuple[str, str]
 ModeBits: TypeAlias = NDArray[np.uint16]
 
 # Sticks, slides up, slides down: up is SL on the left palm and SR on the right.
@@ -41,7 +41,7 @@ _LEFT, _RIGHT = (tuple(code[motion] for motion in (0, 1, -1)) for code in CODE_O
 _UP = (_LEFT[1], _RIGHT[1])
 _DOWN = (_LEFT[2], _RIGHT[2])
 
-CONTACT_MODES: tuple[Mode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
+CONTACT_MODES: tuple[ContactMode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
 """The nine modes (left, right), in the order of the arrays in `ContactModesBatch`."""
 
 _CONSISTENT_CLOSING = tuple(m for m in CONTACT_MODES if m[0] == _UP[0] or m[1] == _UP[1])
@@ -109,7 +109,7 @@ class ContactModesBatch(Result):
 
 
 @with_state_arguments
-def modes_batch(
+def contact_modes_batch(
     *,
     width: FloatArray,
     com_x: FloatArray,
@@ -146,7 +146,7 @@ def modes_batch(
 
 
 @with_state_arguments
-def feasible_modes(
+def feasible_contact_modes(
     *,
     width: FloatArray,
     com_x: FloatArray,
@@ -163,9 +163,9 @@ def feasible_modes(
 ) -> ModeBits:
     """The modes that balance, as bits: bit k is set where ``CONTACT_MODES[k]`` balances.
 
-    Faster than `modes_batch`, in particular where only the contact coordinates are arrays. The
-    result has the shape that the arguments broadcast to. 0 means that nothing holds the object, or
-    that it does not reach from one contact to the other.
+    Faster than `contact_modes_batch`, in particular where only the contact coordinates are arrays.
+    The result has the shape that the arguments broadcast to. 0 means that nothing holds the object,
+    or that it does not reach from one contact to the other.
 
     {state arguments}
     """
@@ -191,13 +191,13 @@ class ContactModes(Result):
     theta_left_deg: float
     theta_right_deg: float
     object_deg: float
-    feasible: tuple[Mode, ...]
+    feasible: tuple[ContactMode, ...]
     """The modes in quasistatic balance."""
-    consistent_closing: tuple[Mode, ...]
-    consistent_opening: tuple[Mode, ...]
-    closing: Mode | None
+    consistent_closing: tuple[ContactMode, ...]
+    consistent_opening: tuple[ContactMode, ...]
+    closing: ContactMode | None
     """The mode that occurs when the palms are driven together; None: not held, or jammed."""
-    opening: Mode | None
+    opening: ContactMode | None
     wedged: BySide[bool]
     """Contacts that no squeeze frees: their friction cone contains the line to the other one."""
     squeeze: BySide[tuple[MaybeNaN, MaybeNaN]]
@@ -219,13 +219,13 @@ class ContactModes(Result):
 
 @command(
     order=20,
-    example="palmbots modes --theta-left-deg 5 --p-left-m -0.02",
+    example="palmbots contact-modes --theta-left-deg 5 --p-left-m -0.02",
     p_left_m=Option(),
     p_right_m=Option(),
     theta_left_deg=Option(),
     theta_right_deg=Option(),
 )
-def modes(
+def contact_modes(
     scene: SceneLike = "paper",
     *,
     p_left_m: float = 0.0,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lanes do in each lane what a single number does, and carries in lockstep what single carries do.
+// Lanes do in each lane what a single number does, and carries in lanes what single carries do.
 //
-// lockstep_test [SEEDS]   SEEDS: carries with each scene, controller and precision; 6 if not given
+// lane_carries_test [SEEDS]   SEEDS: carries with each scene, controller and precision; 6 if not given
 #include "palmbots/base/simd_lanes.hpp"
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "palmbots/batch/lockstep.hpp"
+#include "palmbots/batch/lane_carries.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "support/check.hpp"
 #include "support/paper_spec.hpp"
@@ -126,13 +126,13 @@ bool touched_and_came_free = false;
 // Every carry of a mixed lot ends, once, as it does alone. Carry i, from `first` on, has spec i and
 // seed i.
 template <class Real, class Make>
-void test_lockstep(Make make, const std::vector<Spec>& specs, std::size_t count,
-                   std::size_t first = 0) {
+void test_lane_carries(Make make, const std::vector<Spec>& specs, std::size_t count,
+                       std::size_t first = 0) {
   using Team = decltype(make(specs[0], 0));
-  auto lockstep = std::make_unique<Lockstep<Real, lanes_of<Real>, Team>>();
+  auto lanes = std::make_unique<LaneCarries<Real, lanes_of<Real>, Team>>();
   std::size_t given = 0;
   std::size_t finished = 0;
-  lockstep->run(
+  lanes->run(
       [&](auto& slot, std::size_t& index) {
         if (given == count) return false;
         index = first + given++;
@@ -337,30 +337,31 @@ void meet_the_goal(Make make, Spec& spec, std::size_t i) {
 // Rare cases of what robots sense and decide, and of when a carry ends.
 template <class Real, class Make>
 void test_rare_decisions(Make make) {
-  test_lockstep<Real>(make, specs_of(40, be_quick), 40);
-  test_lockstep<Real>(make, specs_of(64, meet_the_word), 64);
+  test_lane_carries<Real>(make, specs_of(40, be_quick), 40);
+  test_lane_carries<Real>(make, specs_of(64, meet_the_word), 64);
   const auto to_the_goal = [&](Spec& spec, std::size_t i) { meet_the_goal<Real>(make, spec, i); };
-  test_lockstep<Real>(make, specs_of(48, to_the_goal), 48);
+  test_lane_carries<Real>(make, specs_of(48, to_the_goal), 48);
   // All end in the same tick, and others come.
-  test_lockstep<Real>(make, specs_of(1, [](Spec& s, std::size_t) { s.timeout_ticks = 10; }), 200);
+  test_lane_carries<Real>(make, specs_of(1, [](Spec& s, std::size_t) { s.timeout_ticks = 10; }),
+                          200);
 }
 
 // Rare motions of the object.
 template <class Real, class Make>
 void test_rare_motions(Make make) {
-  test_lockstep<Real>(make, specs_of(150, reach_beyond), 150);
-  test_lockstep<Real>(make, specs_of(32, bump_to_an_edge), 32);
+  test_lane_carries<Real>(make, specs_of(150, reach_beyond), 150);
+  test_lane_carries<Real>(make, specs_of(32, bump_to_an_edge), 32);
   // One at a time, so that no other carry has something to do in the tick.
   const std::vector<Spec> free = specs_of(40, come_free);
-  for (std::size_t i = 0; i < free.size(); ++i) test_lockstep<Real>(make, free, 1, i);
+  for (std::size_t i = 0; i < free.size(); ++i) test_lane_carries<Real>(make, free, 1, i);
 }
 
 // A run that is asked to stop does so within a block of ticks.
 void test_stop() {
   const Spec spec = paper_spec();
-  auto lockstep = std::make_unique<Lockstep<double, lanes_of<double>, NoController>>();
+  auto lanes = std::make_unique<LaneCarries<double, lanes_of<double>, NoController>>();
   int asked = 0;
-  lockstep->run(
+  lanes->run(
       [&](auto& slot, std::size_t& index) {
         slot.emplace(spec, index = 0, NoController{}, NoRecorder{});
         return true;
@@ -383,8 +384,8 @@ int main(int argc, char** argv) {
   const std::vector<Spec> specs = mixed_specs();
   for (const ControllerInfo& controller : controller_infos) {
     visit_team(controller.name, [&](auto make) {
-      test_lockstep<double>(make, specs, seeds * specs.size());
-      test_lockstep<float>(make, specs, seeds * specs.size());
+      test_lane_carries<double>(make, specs, seeds * specs.size());
+      test_lane_carries<float>(make, specs, seeds * specs.size());
       test_rare_decisions<double>(make);
       test_rare_decisions<float>(make);
       // The world is the same with every controller; these two leave it most alone, and least.
