@@ -136,7 +136,7 @@ def test_transcripts_of_long_commands_are_their_output(
 @pytest.mark.parametrize("name", ["centralized-vs-distributed", "what-matters"])
 def test_hash_of_the_study_is_on_its_page(name: str, tmp_path: Path) -> None:
     """The sections of the page begin with the command."""
-    page = (ROOT / "docs" / "guide" / "studies.md").read_text()
+    page = (ROOT / "docs" / "reference" / "study-results.md").read_text()
     section = page.split(f"palmbots study {name} --plot")[1]
     shown = re.findall(r"result hash `(\w+)`", section)
     assert shown[0] == pb.study(name, tmp_path).attrs["hash"]

@@ -285,3 +285,23 @@ def _touches(box: dict[str, Any], angles_deg: list[float], p: list[float]) -> bo
         if touches(outline, alpha, np.array(half + p[i]), np.array(half - p[i]))[0]:
             return True
     return False
+
+
+# ---- why the claims are needed -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "controller", ["centralized", "distributed", "resilient", "silent", "shared-sign"]
+)
+def test_controllers_on_the_robots_turn_both_palms_at_once(controller: str) -> None:
+    """In more than 5 % of the ticks; contacts of opposite signs are then close to one pivot."""
+    traces = [pb.carry("paper", controller, seed=seed).trace for seed in range(20)]
+    palms, contacts = (
+        np.concatenate([trace[key] for trace in traces if trace is not None])
+        for key in ("palm", "contact")
+    )
+    both_turn = np.all((palms > np.radians(5.01)) & (palms < np.radians(14.99)), axis=1)
+    left, right = contacts[both_turn].T
+    opposite = np.where(left * right < 0, np.minimum(abs(left), abs(right)), 0.0)
+    assert (both_turn.mean() > 0.05) == (controller != "centralized")
+    assert opposite.max(initial=0.0) < 0.01
