@@ -31,7 +31,7 @@ def figure() -> Figure:
         drawn = Figure(figsize=(7.2, 4.6), layout="constrained")
         panels = drawn.subplots(2, 1, sharex=True)
         for axes, (title, left, right) in zip(panels, STATES, strict=True):
-            panel(axes, pb.modes(theta_left_deg=left, theta_right_deg=right))
+            panel(axes, pb.contact_modes(theta_left_deg=left, theta_right_deg=right))
             axes.set_title(title)
         panels[-1].set_xlabel(axis_label("squeeze H", "units of the weight"))
         footnote(drawn, "the paper's box with both contacts at p = 0, friction 0.3, level floor")

@@ -92,7 +92,7 @@ def allowed_value(check: Any) -> Any:
     if get_origin(check) is Literal:
         return get_args(check)[0]
     if isinstance(check, OneOf):
-        return check.words[0]
+        return check.names[0]
     return True if check is is_switch else check.least
 
 
@@ -123,7 +123,7 @@ def limits_of(key: Key) -> Any:
     if row["kind"] == "flag":
         return is_switch
     if row["kind"] == "choice":
-        return OneOf(row["words"])
+        return OneOf(row["choices"])
     if row["kind"] == "whole":
         return whole(int(least), None if most is None else int(most))
     if row["is_open"]:

@@ -104,7 +104,7 @@ def test_occurring_mode_balances_where_ends_of_intervals_coincide() -> None:
     grid = np.meshgrid((0.0625, 0.125), theta, theta, friction, friction, p, p)
     keys = (f"{key}_{side}" for key in ("theta", "friction", "p") for side in ("left", "right"))
     columns = dict(zip(("com_x", *keys), grid, strict=True))
-    result = pb.modes_batch(width=0.25, com_y=0.04, **columns)
+    result = pb.contact_modes_batch(width=0.25, com_y=0.04, **columns)
     for happens in (result.closing, result.opening):
         states = np.nonzero(happens >= 0)
         assert len(states[0]) > 500

@@ -183,7 +183,7 @@ def feasible_contact_modes(
 class ContactModes(Result):
     """One state. Modes are pairs (left, right) of ST, SL (to the left), SR (to the right)."""
 
-    lines_of = "palmbots.mechanics.mode_lines:mode_lines"
+    lines_of = "palmbots.mechanics.contact_mode_lines:contact_mode_lines"
 
     scene: Scene
     p_left_m: float

@@ -109,7 +109,8 @@ struct RowThatSendsBesidesBeacons : ThirdTable {
   static constexpr TableRow<State> rows[] = {{S::calm, P::any, any_message, {}, S::asks, M::ack}};
 };
 struct RowThatWaitsForNoLimit : ThirdTable {
-  static constexpr TableRow<State> rows[] = {{S::waits, P::any, any_message, If::timed_out, S::calm}};
+  static constexpr TableRow<State> rows[] = {
+      {S::waits, P::any, any_message, If::timed_out, S::calm}};
 };
 
 void unsound_tables_are_refused() {
