@@ -4,10 +4,10 @@
 from pathlib import Path
 
 import palmbots as pb
+from pair_programs import new_pair
 from palmbots.drivers.driver_registry import DRIVERS
 from palmbots.pair.live_ends import open_pair_driver
 from palmbots.pair.pair_file import load_pair
-from robot_processes import new_pair
 
 
 def test_a_limit_of_just_the_fastest_speed_suffices(tmp_path: Path) -> None:

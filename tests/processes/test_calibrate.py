@@ -7,13 +7,13 @@ import pty
 import re
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from json_output import read_json
+from pair_programs import started
 from palmbots.pair.pair_file import init_pair, load_pair
 
 RATE = "4"
@@ -25,13 +25,11 @@ class Bench:
 
     def __init__(self, folder: Path) -> None:
         self.address = f"unix:{folder / 'bench'}"
-        command = [sys.executable, "-m", "palmbots", "world", "paper", "--bench", "--serve"]
+        command = ["world", "paper", "--bench", "--serve"]
         command += [self.address, "--rate", RATE, "--set", "robot.noise_m_s=0.0"]
         for key, value in HIDDEN.items():
             command += ["--imperfect", f"left.{key}={value}"]
-        self.process = subprocess.Popen(
-            command, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
+        self.process = started(command, folder, stderr=None)
         self.lines: list[str] = []
         self._thread = threading.Thread(target=self._read)
         self._thread.start()
@@ -69,11 +67,8 @@ class Terminal:
 
     def __init__(self, folder: Path, *options: str) -> None:
         self.near, far = pty.openpty()
-        command = [sys.executable, "-m", "palmbots", "calibrate", "pair.toml", "--side", "left"]
-        self.process = subprocess.Popen(
-            [*command, "--rate", RATE, *options], cwd=folder,
-            stdin=far, stderr=far, stdout=subprocess.PIPE, text=True, start_new_session=True,
-        )  # fmt: skip
+        command = ["calibrate", "pair.toml", "--side", "left", "--rate", RATE, *options]
+        self.process = started(command, folder, stdin=far, stderr=far, start_new_session=True)
         os.close(far)
         self.text = ""
 
@@ -195,13 +190,10 @@ def test_ctrl_c_leaves_the_file_as_it_was(tmp_path: Path) -> None:
 
 def test_without_a_terminal_it_states_what_it_needs(tmp_path: Path) -> None:
     new_pair(tmp_path, "unix:none")
-    command = [sys.executable, "-m", "palmbots", "calibrate", "pair.toml", "--side", "left"]
+    command = ["calibrate", "pair.toml", "--side", "left"]
     for options in ([], ["--json"]):
-        done = subprocess.run(
-            [*command, *options],
-            cwd=tmp_path, capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=60,
-            check=False,
-        )  # fmt: skip
-        assert (done.returncode, done.stdout) == (2, "")
-        assert done.stderr.startswith("palmbots: calibrate: needs a terminal, at which a person ")
-        assert done.stderr.count("\n") == 1
+        done = started([*command, *options], tmp_path, stdin=subprocess.DEVNULL)
+        printed, errors = done.communicate(timeout=60)
+        assert (done.returncode, printed) == (2, "")
+        assert errors.startswith("palmbots: calibrate: needs a terminal, at which a person ")
+        assert errors.count("\n") == 1

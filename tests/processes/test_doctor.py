@@ -2,18 +2,19 @@
 """`palmbots doctor` hears both robots over real sockets, and names the one that is missing."""
 
 import subprocess
-import sys
 from pathlib import Path
 
 from json_output import read_json
-from robot_processes import new_pair, running, started
+from pair_programs import new_pair, operator, running, started
 
 
 def test_both_robots_are_heard(tmp_path: Path) -> None:
-    new_pair(tmp_path)
+    file = new_pair(tmp_path)
     world = ["world", "paper", "--serve", f"unix:{tmp_path / 'world'}"]
     robots = [["robot", "pair.toml", "--side", side] for side in ("left", "right")]
     with running(world, *robots, folder=tmp_path):
+        with operator(file) as user:  # their programs take a while to start
+            user.until(lambda: user.mode("left") and user.mode("right"))
         done = started(["doctor", "pair.toml", "--seconds", "5", "--json"], tmp_path)
         printed, errors = done.communicate(timeout=60)
     assert errors == ""
@@ -38,12 +39,10 @@ def test_a_robot_that_is_not_heard_is_named(tmp_path: Path) -> None:
 def test_the_driver_is_checked_on_the_robot(tmp_path: Path) -> None:
     """A workbench with a servo that reports: the palm moves, and there is nothing on it."""
     new_pair(tmp_path)
-    bench = [sys.executable, "-m", "palmbots", "world", "paper", "--bench", "--serve"]
+    bench = ["world", "paper", "--bench", "--serve"]
     bench += [f"unix:{tmp_path / 'world'}", "--imperfect", "servo_reports=true"]
     bench += ["--imperfect", "battery_v=6.0"]
-    process = subprocess.Popen(
-        bench, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
-    )
+    process = started(bench, tmp_path, stdout=subprocess.DEVNULL)
     done = started(["doctor", "pair.toml", "--side", "left", "--json"], tmp_path)
     printed, errors = done.communicate(timeout=60)
     process.communicate("quit\n", timeout=60)

@@ -9,8 +9,7 @@ import pytest
 
 from distributions import installed_example
 from json_output import read_json
-from pair_programs import ended
-from robot_processes import ENDS, new_pair, running, started
+from pair_programs import ENDS, ended, new_pair, running, started
 from serial_lines import Bridges, lines
 
 SCENE = "[task]\ndistance_m = 0.2\n"

@@ -17,9 +17,9 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 import palmbots as pb
 from json_output import records, validator
+from pair_programs import new_pair, running, started
 from palmbots.pair.pair_file import load_pair, station_address
 from palmbots.station.station_client import StationClient
-from robot_processes import new_pair, running, started
 from waiting import wait_until
 
 pytest.importorskip("foxglove")

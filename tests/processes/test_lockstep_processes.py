@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A world and two robots as processes give the result of `palmbots carry`, bit for bit."""
 
-import contextlib
 import os
 import signal
 import subprocess
@@ -16,6 +15,7 @@ import palmbots as pb
 from cxx import ROOT
 from json_output import read_json
 from live_faults import SIMULATED, faults_of, scene_with
+from pair_programs import programs_of, started
 from waiting import wait_until
 
 EVERYTHING = scene_with(*faults_of(SIMULATED)) | {"radio.corruption": 0.05}
@@ -117,33 +117,13 @@ def test_refused_before_any_process_starts(arguments: list[str], line: str) -> N
 
 def test_a_killed_robot_ends_everything_with_one_line(tmp_path: Path) -> None:
     """The world and the other robot end, too, and nothing is left behind."""
-    command = [sys.executable, "-m", "palmbots", "up", "--lockstep", "--set", "task.distance_m=50"]
-    up = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"TMPDIR": str(tmp_path)},
-    )  # fmt: skip
-    left = child_with("--side left", up.pid)
-    os.kill(left, signal.SIGKILL)
+    command = ["up", "--lockstep", "--set", "task.distance_m=50"]
+    up = started(command, environment={"TMPDIR": str(tmp_path)})
+    wait_until(lambda: "left" in programs_of(up))
+    os.kill(programs_of(up)["left"], signal.SIGKILL)
     printed, errors = up.communicate(timeout=60)
     assert up.returncode == 2
     assert printed == ""
     assert "palmbots: left robot: its program ended with status -9\n" in errors
     assert "Traceback" not in errors
     assert [*tmp_path.iterdir()] == []
-
-
-def child_with(text: str, parent: int) -> int:
-    """Wait for a child process with this text in its command, and return its number."""
-    found: list[int] = []
-
-    def look() -> bool:
-        for folder in Path("/proc").iterdir():
-            with contextlib.suppress(OSError):
-                command = (folder / "cmdline").read_text().replace("\0", " ")
-                status = (folder / "status").read_text()
-                if text in command and f"PPid:\t{parent}\n" in status:
-                    found.append(int(folder.name))
-        return bool(found)
-
-    wait_until(look)
-    return found[0]

@@ -3,8 +3,6 @@
 
 import importlib
 import math
-import os
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,10 +12,9 @@ import pytest
 import palmbots as pb
 from cxx import ROOT
 from distributions import installed_example
-from pair_programs import hold, operator
+from pair_programs import children, new_pair, operator, running
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
-from robot_processes import new_pair, running
 from waiting import wait_until
 
 PINS = {"left": [17, 27], "right": [22, 23], "servo": 18,
@@ -99,12 +96,6 @@ def test_too_few_switches_are_named(pins: Any) -> None:
     made.close()
 
 
-def children(pid: int) -> list[int]:
-    tasks = Path(f"/proc/{pid}/task")
-    found = [(task / "children").read_text().split() for task in tasks.iterdir()]
-    return [int(child) for text in found for child in text]
-
-
 def test_it_is_installed_and_runs_in_a_guard_process(tmp_path: Path) -> None:
     pytest.importorskip("gpiozero")
     found = installed_example("raspberry_pi", tmp_path / "site")
@@ -121,10 +112,10 @@ def test_it_is_installed_and_runs_in_a_guard_process(tmp_path: Path) -> None:
         user.until(lambda: user.mode("left") == "disarmed")
         user.station.wish("arm")
         user.until(lambda: user.station.status["left"].fault == "contact")  # no switch is closed
-        (guard,) = children(process.pid)
-        assert b"guard_process" in Path(f"/proc/{guard}/cmdline").read_bytes()
-        os.kill(process.pid, 0)
-        hold(process, signal.SIGKILL)
+        ((command, guard),) = children(process).items()
+        assert "guard_process" in command
+        assert process.poll() is None
+        process.kill()
         wait_until(lambda: not Path(f"/proc/{guard}").exists())
 
 

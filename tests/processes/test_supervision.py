@@ -5,48 +5,30 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from pair_programs import NAMES, programs_of, started
 from waiting import wait_until
 
-NAMES = {"world": " world ", "left": "--side left", "right": "--side right", "station": " station "}
 Up = subprocess.Popen[str]
 
 
 @pytest.fixture
 def up(tmp_path: Path) -> Iterator[Up]:
-    command = [sys.executable, "-m", "palmbots", "up", "--set", "task.distance_m=20", "--json"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"TMPDIR": str(tmp_path)},
-    ) as process:  # fmt: skip
+    command = ["up", "--set", "task.distance_m=20", "--json"]
+    with started(command, environment={"TMPDIR": str(tmp_path)}) as process:
         yield process
         if process.poll() is None:
             process.kill()
 
 
-def children(parent: int) -> dict[str, int]:
-    """The processes that this one has started, by name."""
-    found = {}
-    for folder in Path("/proc").iterdir():
-        try:
-            command = (folder / "cmdline").read_text().replace("\0", " ")
-            status = (folder / "status").read_text()
-        except OSError:
-            continue
-        if f"PPid:\t{parent}\n" in status:
-            found |= {name: int(folder.name) for name, text in NAMES.items() if text in command}
-    return found
-
-
 def all_of(up: Up) -> dict[str, int]:
-    wait_until(lambda: len(children(up.pid)) == len(NAMES))
-    return children(up.pid)
+    wait_until(lambda: len(programs_of(up)) == len(NAMES))
+    return programs_of(up)
 
 
 def is_there(number: int) -> bool:
@@ -66,8 +48,8 @@ def test_everything_ends_when_up_is_killed(up: Up) -> None:
 def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) -> None:
     started = all_of(up)
     os.kill(started["left"], signal.SIGKILL)
-    wait_until(lambda: children(up.pid).get("left") not in (None, started["left"]))
-    os.kill(children(up.pid)["world"], signal.SIGKILL)
+    wait_until(lambda: programs_of(up).get("left") not in (None, started["left"]))
+    os.kill(programs_of(up)["world"], signal.SIGKILL)
     printed, errors = up.communicate(timeout=60)
     assert up.returncode == 2 and printed == ""
     assert "palmbots: left: was killed (signal 9), and starts again\n" in errors
@@ -91,12 +73,8 @@ def test_an_unknown_host_of_the_world_is_refused_at_once(tmp_path: Path) -> None
 
     file = init_pair(tmp_path / "pair.toml", address="no-such-host.invalid:7400")[0]
     begin_s = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, "-m", "palmbots", "robot", str(file), "--side", "left"],
-        capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert re.fullmatch(
-        r"palmbots: world: cannot find no-such-host\.invalid:7400: .*\n", done.stderr
-    )
+    robot = started(["robot", str(file), "--side", "left"])
+    _, errors = robot.communicate(timeout=60)
+    assert robot.returncode == 2
+    assert re.fullmatch(r"palmbots: world: cannot find no-such-host\.invalid:7400: .*\n", errors)
     assert time.monotonic() - begin_s < 15

@@ -6,12 +6,11 @@ import random
 import re
 import signal
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
 
+from pair_programs import programs_of, started
 from palmbots.control.registry import shipped_names
 from waiting import wait_until
 
@@ -19,26 +18,20 @@ pytestmark = pytest.mark.soak
 SHORT = ("--set", "task.distance_m=0.5")
 
 
-def started(*arguments: str) -> "subprocess.Popen[str]":
-    command = [sys.executable, "-m", "palmbots", "up", *SHORT, *arguments]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+def up_with(*arguments: str) -> "subprocess.Popen[str]":
+    return started(["up", *SHORT, *arguments])
 
 
-def child(parent: int, text: str) -> int | None:
-    """The process of `up` with this text in its command."""
-    for folder in Path("/proc").iterdir():
-        try:
-            command = (folder / "cmdline").read_text().replace("\0", " ")
-            if text in command and f"PPid:\t{parent}\n" in (folder / "status").read_text():
-                return int(folder.name)
-        except OSError:
-            continue
-    return None
+def kill(up: "subprocess.Popen[str]", name: str, after_s: float) -> None:
+    """Kill a program of `up` a while after it was started."""
+    wait_until(lambda: name in programs_of(up))
+    time.sleep(after_s)
+    os.kill(programs_of(up)[name], signal.SIGKILL)
 
 
 @pytest.mark.parametrize("controller", shipped_names("robots"))
 def test_robots_carry_in_real_time(controller: str) -> None:
-    up = started("--controller", controller)
+    up = up_with("--controller", controller)
     printed, errors = up.communicate(timeout=120)
     assert "Traceback" not in errors
     overran = "overrun" in printed  # the machine was too slow
@@ -49,13 +42,10 @@ def test_robots_carry_in_real_time(controller: str) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("who", ["--side left", "--side right", "station "])
+@pytest.mark.parametrize("who", ["left", "right", "station"])
 def test_a_killed_program_starts_again_and_the_carry_ends(who: str, seed: int) -> None:
-    up = started("--controller", "resilient")
-    found: list[int] = []
-    wait_until(lambda: (pid := child(up.pid, who)) is not None and not found.append(pid))
-    time.sleep(3 + 4 * random.Random(seed).random())
-    os.kill(found[0], signal.SIGKILL)
+    up = up_with("--controller", "resilient")
+    kill(up, who, 3 + 4 * random.Random(seed).random())
     printed, errors = up.communicate(timeout=120)
     assert "Traceback" not in errors
     assert "was killed (signal 9), and starts again" in errors or up.returncode == 0
@@ -64,11 +54,8 @@ def test_a_killed_program_starts_again_and_the_carry_ends(who: str, seed: int) -
 
 
 def test_a_killed_world_voids_the_carry() -> None:
-    up = started("--controller", "resilient")
-    found: list[int] = []
-    wait_until(lambda: (pid := child(up.pid, " world ")) is not None and not found.append(pid))
-    time.sleep(3)
-    os.kill(found[0], signal.SIGKILL)
+    up = up_with("--controller", "resilient")
+    kill(up, "world", 3)
     _, errors = up.communicate(timeout=60)
     assert up.returncode == 2
     assert "palmbots: world: was killed; the carry is void\n" in errors

@@ -16,8 +16,8 @@ import pytest
 
 import palmbots as pb
 from dds_loopback import dds_environment
+from pair_programs import new_pair
 from palmbots.ros2.ros2_node import Ros2Node
-from robot_processes import new_pair
 from waiting import wait_until
 
 BASE = Path(__file__).parents[1] / "support" / "ros2_base.py"

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from pair_programs import new_pair, running, started
 from palmbots.pair.pair_file import load_pair, station_address
 from palmbots.station.station_client import ScreenRole, StationClient
-from robot_processes import new_pair, running, started
 from waiting import wait_until
 
 CARRYING = {"carrying", "holding"}

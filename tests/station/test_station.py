@@ -6,9 +6,11 @@ from typing import Any
 
 import pytest
 
+from palmbots.links.packet_statistics import PacketStatistics
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
 from palmbots.station.correction_watch import CorrectionWatch
+from palmbots.station.fault_watch import FaultWatch
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.wire import Endpoint, Operate, Packet, encode
@@ -323,6 +325,21 @@ def test_a_correction_that_never_ends_is_named_once() -> None:
     watch.take("left", "d", 22.0)
     watch.take("left", " ", 27.9)
     assert watch.hanging(40.0) == []
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "hangs"),
+    [
+        ("holding", "carrying", True), ("holding", "done", True), ("done", "done", False),
+        ("holding", "ready", False), ("fault", "carrying", False),
+    ],
+)  # fmt: skip
+def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bool) -> None:
+    watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: 0.0)
+    modes: dict[Any, Any] = {"left": left, "right": right}
+    assert watch.step(modes, 0.0) == watch.step(modes, 5.0) == []
+    line = f"the carry has not moved on for 5 s: it hangs (left is {left}, right is {right})"
+    assert watch.step(modes, 5.1) == ([line] if hangs else [])
 
 
 def test_corrections_get_labels_in_the_order_of_their_start() -> None:

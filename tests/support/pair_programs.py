@@ -1,19 +1,90 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A station in the test, and what happens to the programs of a pair."""
+"""Pairs on free ports, their programs as processes, and a station in the test."""
 
 import contextlib
 import json
 import os
 import signal
 import subprocess
+import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from palmbots.pair.launcher import free_addresses
 from palmbots.pair.live_ends import open_pair_link
-from palmbots.pair.pair_file import load_pair
+from palmbots.pair.pair_file import ENDS, init_pair, load_pair
 from palmbots.station.station import PERIOD_S, Station
+
+
+def new_pair(
+    folder: Path,
+    values: Mapping[str, object] | None = None,
+    scene: str = "paper",
+    **named: object,
+) -> Path:
+    """`pair.toml` in this folder, on ports that no program uses, with further values.
+
+    They are a table (``{"link.kind": "serial"}``), or named (``link__kind="serial"``).
+    """
+    with free_addresses(len(ENDS)) as addresses:
+        chosen: dict[str, object] = {
+            f"link.{end}": address for end, address in zip(ENDS, addresses, strict=True)
+        }
+    chosen |= {**(values or {}), **{name.replace("__", "."): v for name, v in named.items()}}
+    address = f"unix:{folder / 'world'}"
+    return init_pair(folder / "pair.toml", scene=scene, address=address, values=chosen)[0]
+
+
+def started(
+    command: Sequence[str],
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+    **streams: Any,
+) -> "subprocess.Popen[str]":
+    """`palmbots COMMAND` in this folder, with further variables; its streams are pipes."""
+    pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    return subprocess.Popen(
+        [sys.executable, "-m", "palmbots", *command],
+        cwd=folder, text=True, env=os.environ | dict(environment or {}), **(pipes | streams),
+    )  # fmt: skip
+
+
+@contextlib.contextmanager
+def running(
+    *commands: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None
+) -> Iterator[list["subprocess.Popen[str]"]]:
+    """The commands run as long as the block, also if it has suspended them."""
+    processes = [started(command, folder, environment) for command in commands]
+    try:
+        yield processes
+    finally:
+        for process in processes:
+            with contextlib.suppress(OSError):
+                process.send_signal(signal.SIGCONT)
+            process.terminate()
+            process.communicate(timeout=60)
+
+
+def children(parent: "subprocess.Popen[str]") -> dict[str, int]:
+    """The command lines of the processes that this one has started, with their numbers."""
+    found = {}
+    for folder in Path("/proc").iterdir():
+        with contextlib.suppress(OSError):
+            command = (folder / "cmdline").read_text().replace("\0", " ")
+            if f"PPid:\t{parent.pid}\n" in (folder / "status").read_text():
+                found[command] = int(folder.name)
+    return found
+
+
+NAMES = {"world": " world ", "left": "--side left", "right": "--side right", "station": " station "}
+
+
+def programs_of(up: "subprocess.Popen[str]") -> dict[str, int]:
+    """The processes of `palmbots up` by name, as far as they run."""
+    lines = children(up).items()
+    return {name: number for name, text in NAMES.items() for line, number in lines if text in line}
 
 
 def ended(process: "subprocess.Popen[str]") -> tuple[dict[str, Any], str]:
@@ -75,10 +146,3 @@ def operator(file: Path) -> Iterator[Operator]:
         yield made
     finally:
         made.close()
-
-
-def hold(process: "subprocess.Popen[str]", by: signal.Signals) -> float:
-    """Stop or kill a process; the time of the machine."""
-    now_s = time.monotonic()
-    os.kill(process.pid, by)
-    return now_s

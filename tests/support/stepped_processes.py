@@ -12,7 +12,6 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -22,15 +21,15 @@ from typing import Any, Self
 
 import palmbots as pb
 from json_output import read_json
+from pair_programs import new_pair, started
 from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
 from palmbots.pair.launcher import free_addresses, own_file
-from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.pair_file import ENDS, load_pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.wire import Status, decode
 
-ENDS = ("left", "right", "station")
-ORDER = ("world", "left", "right", "station")
+ORDER = ("world", *ENDS)
 KEY = "0f1e2d3c4b5a69788796a5b4c3d2e1f0"
 MS = 1_000_000  # ns
 WITHIN_S = 60.0
@@ -74,11 +73,10 @@ class SteppedProcesses:
     def __init__(
         self, folder: Path, controller: str = "resilient", radio: Impairment | None = None,
         *, seed: int = 0, overrides: Mapping[str, Any] | None = None,
-        values: Mapping[str, object] | None = None, environment: Mapping[str, str] | None = None,
-        clock_rate: Mapping[str, float] | None = None,
+        environment: Mapping[str, str] | None = None, clock_rate: Mapping[str, float] | None = None,
     ) -> None:  # fmt: skip
         self.folder, self.now_ns = folder, 0
-        self._environment = dict(environment or {})
+        self._environment = {"PALMBOTS_STEPS": f"unix:{folder / 'steps'}", **(environment or {})}
         self.scene = pb.load_scene("paper", {"task.distance_m": 0.4} | dict(overrides or {}))
         (folder / "scene.toml").write_text(self.scene.to_toml())
         self._clock_rate = dict(clock_rate or {})
@@ -91,14 +89,12 @@ class SteppedProcesses:
         given = {
             f"link.{end}": "{}:{}".format(*one.getsockname()) for end, one in self._sockets.items()
         }
-        self.file = init_pair(
-            folder / "pair.toml", scene="scene.toml", controller=controller, address=self.address,
-            values={
-                **given, "pair.number": 4711, "limits.after_reboot": "rejoin",
-                "limits.partner_lost": "controller", "limits.time_limit_s": 120.0,
-                "hardware.stopping_s": stopping_limit_s(self.scene), **(values or {}),
-            },
-        )[0]  # fmt: skip
+        chosen: dict[str, object] = {
+            **given, "pair.number": 4711, "pair.controller": controller,
+            "limits.after_reboot": "rejoin", "limits.partner_lost": "controller",
+            "limits.time_limit_s": 120.0, "hardware.stopping_s": stopping_limit_s(self.scene),
+        }  # fmt: skip
+        self.file = new_pair(folder, chosen, "scene.toml")
         (folder / "pair.key").write_text(KEY + "\n")
         self.pair = load_pair(self.file)
         self.files = {end: own_file(self.file, end, self.own[end]) for end in ENDS}  # type: ignore[arg-type]
@@ -135,11 +131,9 @@ class SteppedProcesses:
         """Start a process; it does nothing before its first tick is granted."""
         files = [self.folder / f"{name}.{kind}" for kind in ("out", "err")]
         with files[0].open("a") as output, files[1].open("a") as errors:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "palmbots", *(command or self.command(name))],
-                stdout=output, stderr=errors, stdin=subprocess.DEVNULL, text=True,
-                env=os.environ | self._environment
-                | {"PALMBOTS_STEPS": f"unix:{self.folder / 'steps'}"},
+            process = started(
+                command or self.command(name), environment=self._environment,
+                stdout=output, stderr=errors, stdin=subprocess.DEVNULL,
             )  # fmt: skip
         role = role or name
         period = 50 * MS if role == "station" else 10 * MS

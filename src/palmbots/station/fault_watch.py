@@ -89,7 +89,8 @@ class FaultWatch:
                 f"station: the clock of this computer was set {way} by {abs(jump_s):.0f} s; "
                 "nothing here depends on it"
             )
-        is_under_way = len(modes) == len(SIDES) and all(m in _STANDING for m in modes.values())
+        now = set(modes.values())  # a robot may wait for one that is done
+        is_under_way = len(modes) == len(SIDES) and {"done"} != now <= {*_STANDING, "done"}
         if not is_under_way:
             self._moved_s = now_s
         elif now_s - self._moved_s > _HANGS_S and self._may_say("hangs", now_s):
