@@ -18,7 +18,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.stability.angle_grid import Quantity, Uncertainty
 from palmbots.stability.certificates.box_from_scene import box_of
 from palmbots.stability.certificates.obligations import BOTH_TURN, ONE_TURNS
-from palmbots.stability.certificates.parameter_box import Box
+from palmbots.stability.certificates.parameter_box import ParameterBox
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.problem import StabilityProblem
 
@@ -77,7 +77,7 @@ def certify_tolerance(
     return attempt(_REDUCTIONS[-1], _MANY_BOXES)
 
 
-def _with_further_claims(box: Box, scene: Scene, max_boxes: int) -> Certificate:
+def _with_further_claims(box: ParameterBox, scene: Scene, max_boxes: int) -> Certificate:
     """The certificate of a box in which the first claims hold, with the others that hold in it."""
 
     def holds(claim: str) -> bool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sobol indices: how much each key contributes to the variance of a statistic.
 
-They refer to the box of values of a study with the design ``sobol-indices``. The *first-order*
+They refer to the ranges of a study with the design ``sobol-indices``. The *first-order*
 index of a key is the share of the variance that vanishes once that key is known. The *total* index
 is the share that remains while only that key is unknown (Sobol 2001; estimators of Saltelli 2010,
 computed by SALib). All points share their seeds, so the statistic is a function of the keys and has

@@ -133,7 +133,7 @@ def test_object_tangent_encloses_sampled_states() -> None:
             for v in (angles, contacts)
         )
         zero = (Fraction(0), Fraction(0))
-        box = exact_forms.Box(
+        box = exact_forms.ParameterBox(
             turned, (zero, zero), (exact(widths[0]), exact(widths[1])), placed, False
         )
         above = (exact(offsets[0]), exact(offsets[0])), (exact(offsets[1]), exact(offsets[1]))
@@ -226,7 +226,7 @@ def test_wedged_edge_voids_a_condition_only_if_wedged_at_all_corners() -> None:
 
         mu = Fraction(friction[0]), Fraction(friction[1])
         width = (Fraction("0.25"), Fraction("0.25"))
-        box = exact_forms.Box(
+        box = exact_forms.ParameterBox(
             just("17", "59"), (mu, *just("0.6")), width, just("-0.048", "-0.003"), False
         )
         com = ((Fraction("0.22"), Fraction("0.17")),)

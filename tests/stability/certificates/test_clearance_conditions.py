@@ -13,9 +13,9 @@ from palmbots.stability.certificates.checker.clearance_conditions import (
 )
 from palmbots.stability.certificates.checker.property_conditions import (
     LEFT,
-    Box,
     CheckFailed,
     ObjectParams,
+    ParameterBox,
 )
 
 
@@ -38,8 +38,8 @@ def thing(points: tuple[str, ...], right: int, half: str = "0.075") -> ObjectOut
     return ObjectOutline(outline, right, just(half, half))
 
 
-def part(angles: Any, contacts: Any) -> Box:
-    return Box(angles, just("0", "0"), just("0.25")[0], contacts, False)
+def part(angles: Any, contacts: Any) -> ParameterBox:
+    return ParameterBox(angles, just("0", "0"), just("0.25")[0], contacts, False)
 
 
 def walled(at: str) -> ObjectOutline:

@@ -136,7 +136,7 @@ def test_scene_of_the_user_must_be_in_the_box(
     for overrides, reason in (
         ({"object.com_m": [0.1301, 0.04]}, "the COM is at"),
         ({"palm.friction": 0.31}, "palm.friction is 0.31"),
-        ({"palm.left.steep_deg": 14.0}, "palm.left.steep_deg is 14, but the box has 15"),
+        ({"palm.left.steep_deg": 14.0}, "palm.left.steep_deg is 14, but the parameter box has 15"),
         ({"palm.length_m": 0.16}, "palm.length_m is 0.16"),
         ({"palm.pivot_offset_m": 0.01}, "palm.pivot_offset_m"),
         ({"task.slope_deg": 1.0}, "task.slope_deg"),
@@ -175,7 +175,7 @@ def test_scene_outside_its_own_box_is_reported(tmp_path: Path) -> None:
     certify("paper", friction=(0.35, 0.36), claims=("property 1",)).save(path)
     result = pb.check(path)
     assert result.valid
-    assert result.outside == ("palm.friction is 0.3, but the box has 0.35 to 0.36",)
+    assert result.outside == ("palm.friction is 0.3, but the parameter box has 0.35 to 0.36",)
 
 
 def test_older_format_is_refused_with_both_versions(

@@ -7,7 +7,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from palmbots.stability.certificates.obligations import Subbox
-from palmbots.stability.certificates.parameter_box import Box
+from palmbots.stability.certificates.parameter_box import ParameterBox
 
 
 def ball(value: Fraction) -> Any:
@@ -36,7 +36,7 @@ def most(balls: list[Any]) -> Any:
     return result
 
 
-def object_tangents(box: Box, part: Subbox) -> tuple[Any, Any] | None:
+def object_tangents(box: ParameterBox, part: Subbox) -> tuple[Any, Any] | None:
     """Balls around the smallest and largest tan ϑ of a part; None: the object cannot span it."""
     heights: list[tuple[Any, Any]] = []
     for side in (0, 1):

@@ -17,7 +17,7 @@ from palmbots.scene.object_frame import Corner, object_frame
 from palmbots.scene.palm_section import PalmParameters
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
-from palmbots.stability.certificates.parameter_box import Box, Ends, exact
+from palmbots.stability.certificates.parameter_box import Ends, ParameterBox, exact
 
 INTERVALS = (
     "com_x_m",
@@ -105,7 +105,7 @@ def box_of(
     slope: Any = None,
     region_m: Any = None,
     beyond_m: Any = 0.0,
-) -> Box:
+) -> ParameterBox:
     """A scene with intervals of uncertainty; quantities without an interval are as in the scene.
 
     Args:
@@ -155,7 +155,7 @@ def box_of(
         slopes = exact(slope[0]), exact(slope[1])
     else:
         slopes = _ends("slope", None, to_spec(scene).slope if scene.task.slope_deg else 0.0, 0, 0)
-    box = Box(
+    box = ParameterBox(
         com=_coms(frame.com, com_x_m, com_y_m, com_polygon_m),
         width=width,
         friction=_frictions(palms, friction, friction_right, common_friction),
@@ -176,7 +176,7 @@ def box_of(
     return box
 
 
-def _refuse_crossing(box: Box) -> None:
+def _refuse_crossing(box: ParameterBox) -> None:
     """Refuse a width at which the outline, whose contact vertex moves, crosses itself."""
     for side, w in product((0, 1), box.width):
         if crossing_edges([(float(x), float(y)) for x, y in box.seen(side, w)]) is not None:

@@ -29,7 +29,7 @@ from flint import arb
 from palmbots._types import SIDES
 from palmbots.stability.certificates.ball_arithmetic import ball, most, object_tangents, radians
 from palmbots.stability.certificates.obligations import Obligation, Subbox, exact
-from palmbots.stability.certificates.parameter_box import Box, text
+from palmbots.stability.certificates.parameter_box import ParameterBox, text
 
 Point = tuple[Any, Any]
 _INSET = Fraction(1, 1000)  # a contact at the very end of its palm has no palm beyond it
@@ -48,11 +48,11 @@ def _along(heading: Point, far: Any) -> Point:
     return far * heading[0], far * heading[1]
 
 
-def _own(box: Box, side: int) -> int:
+def _own(box: ParameterBox, side: int) -> int:
     return 0 if side == 0 else box.right_contact
 
 
-def _reach(box: Box, side: int, part: Subbox, turns: tuple[Any, Any]) -> tuple[Any, Any]:
+def _reach(box: ParameterBox, side: int, part: Subbox, turns: tuple[Any, Any]) -> tuple[Any, Any]:
     """The largest κ a and κ b."""
     angles = part.angles[side]
     cosines = [radians(angle).cos() for angle in angles]
@@ -64,7 +64,7 @@ def _reach(box: Box, side: int, part: Subbox, turns: tuple[Any, Any]) -> tuple[A
     return kappa * (longest + high), kappa * (longest - low)
 
 
-def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
+def proved(box: ParameterBox, obligation: Obligation, part: Subbox) -> bool:
     """Whether the corners of a part prove that the outline does not touch the palm."""
     turns = object_tangents(box, part)
     if turns is None:
@@ -98,7 +98,7 @@ def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
     return True
 
 
-def _seen(box: Box, side: int, w: Fraction) -> list[Point]:
+def _seen(box: ParameterBox, side: int, w: Fraction) -> list[Point]:
     return [(ball(x), ball(y)) for x, y in box.seen(side, w)]
 
 
@@ -129,7 +129,7 @@ Place = tuple[tuple[Fraction, ...], ...]
 """Angles, contacts, offsets and half lengths of both palms, and the width."""
 
 
-def _places(box: Box, part: Subbox) -> list[Place]:
+def _places(box: ParameterBox, part: Subbox) -> list[Place]:
     """The corners of a part with the longest palms; contacts are moved slightly inward."""
     contacts = [
         dict.fromkeys((low + _INSET * (high - low), high - _INSET * (high - low)))
@@ -146,7 +146,9 @@ def _places(box: Box, part: Subbox) -> list[Place]:
     )
 
 
-def _roughly(box: Box, side: int, place: Place) -> tuple[list[Point], Point, float, float] | None:
+def _roughly(
+    box: ParameterBox, side: int, place: Place
+) -> tuple[list[Point], Point, float, float] | None:
     """The input of `_touching` in floating point; None: the object cannot span the contacts."""
     angles, contacts, offset, half, (w,) = place
     radian = [math.radians(float(angle)) for angle in angles]
@@ -164,7 +166,7 @@ def _roughly(box: Box, side: int, place: Place) -> tuple[list[Point], Point, flo
     return outline, heading, reach + p, reach - p
 
 
-def endless(box: Box, obligation: Obligation, part: Subbox) -> bool:
+def endless(box: ParameterBox, obligation: Obligation, part: Subbox) -> bool:
     """Whether palms of any length are clear at a part's corners; approximate, guides bisection."""
     own = _own(box, obligation.side)
     for place in _places(box, part):
@@ -177,7 +179,7 @@ def endless(box: Box, obligation: Obligation, part: Subbox) -> bool:
     return True
 
 
-def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
+def refuted(box: ParameterBox, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
     """The corner of a part at which the palm certainly cuts deepest into the outline."""
     side = obligation.side
     worst: tuple[float, int, Place] | None = None
@@ -191,7 +193,9 @@ def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | 
     return None if worst is None else _certain(box, obligation, worst[1], worst[2])
 
 
-def _certain(box: Box, obligation: Obligation, edge: int, place: Place) -> dict[str, Any] | None:
+def _certain(
+    box: ParameterBox, obligation: Obligation, edge: int, place: Place
+) -> dict[str, Any] | None:
     """The witness of a palm that cuts an edge in a state; None: not certain."""
     angles, contacts, offset, half, (w,) = place
     side = obligation.side

@@ -23,13 +23,13 @@ from dataclasses import replace
 from typing import Any
 
 from palmbots.stability.certificates.obligations import Obligation, Subbox
-from palmbots.stability.certificates.parameter_box import Box
+from palmbots.stability.certificates.parameter_box import ParameterBox
 from palmbots.stability.certificates.property_proof import Corner, corners, points, witness
 
 _SLIDE = {1: 1, 2: -1}  # up on closing, down on opening
 
 
-def _at_corners(box: Box, part: Subbox) -> list[Corner] | None:
+def _at_corners(box: ParameterBox, part: Subbox) -> list[Corner] | None:
     """The corners, without those that differ in COM or slope only."""
     return corners(replace(box, com=box.com[:1], slope=(box.slope[0],) * 2), part)
 
@@ -40,7 +40,7 @@ def _meeting(corner: Corner, slide: int) -> tuple[Any, Any, Any]:
     return slide * a, slide * c, slide * (a * d + b * c)
 
 
-def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
+def proved(box: ParameterBox, obligation: Obligation, part: Subbox) -> bool:
     """Whether the corners of a part prove that the robots jam nowhere in it."""
     at = _at_corners(box, part)
     if at is None:
@@ -51,7 +51,7 @@ def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
     return all(form > 0 for corner in at for form in _meeting(corner, slide))
 
 
-def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
+def refuted(box: ParameterBox, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
     """A corner of the part at which both contacts are certainly wedged."""
     slide = _SLIDE[obligation.number]
     for point, exactly in points(box, part):

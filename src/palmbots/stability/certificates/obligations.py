@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from palmbots._types import SIDES
-from palmbots.stability.certificates.parameter_box import Box, Ends
+from palmbots.stability.certificates.parameter_box import Ends, ParameterBox
 
 ONE_TURNS = ("property 1", "property 2", "property 0", "clearance")
 """What robots need if only one of them turns its palm at a time."""
@@ -58,7 +58,7 @@ def exact(value: Fraction) -> Ends:
     return value, value
 
 
-def _clipped(box: Box, number: int, shallow: int) -> tuple[Ends, Ends]:
+def _clipped(box: ParameterBox, number: int, shallow: int) -> tuple[Ends, Ends]:
     left, right = box.contacts
     if number == 1:
         low, high = box.contacts[shallow]
@@ -71,7 +71,7 @@ def _clipped(box: Box, number: int, shallow: int) -> tuple[Ends, Ends]:
     return box.contacts
 
 
-def _poses(box: Box) -> Iterator[tuple[str, int, Subbox]]:
+def _poses(box: ParameterBox) -> Iterator[tuple[str, int, Subbox]]:
     """Every pose as (name, turning palm, part)."""
     low, high = box.shallow_deg, box.steep_deg
     yield "steep", 0, Subbox(high, box.friction, box.width, box.contacts)
@@ -84,7 +84,7 @@ def _poses(box: Box) -> Iterator[tuple[str, int, Subbox]]:
             yield f"{word} {region}", side, Subbox(angles, box.friction, box.width, contacts)
 
 
-def obligations(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
+def obligations(box: ParameterBox, claims: tuple[str, ...]) -> Iterator[Obligation]:
     """All obligations of the claims."""
     low, high = box.shallow_deg, box.steep_deg
     for number in (1, 2):
@@ -101,7 +101,7 @@ def obligations(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
     yield from _both_turning(box, claims)
 
 
-def _both_turning(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
+def _both_turning(box: ParameterBox, claims: tuple[str, ...]) -> Iterator[Obligation]:
     """The obligations while both palms turn."""
     left, right = ((box.shallow_deg[i][0], box.steep_deg[i][1]) for i in (0, 1))
     anywhere = Subbox((left, right), box.friction, box.width, box.contacts)
@@ -117,12 +117,12 @@ def _both_turning(box: Box, claims: tuple[str, ...]) -> Iterator[Obligation]:
         yield Obligation("jam opening", "no jam", 2, 0, anywhere)
 
 
-def _outward(box: Box) -> tuple[Ends, Ends]:
+def _outward(box: ParameterBox) -> tuple[Ends, Ends]:
     left, right = ((max(low, -box.beyond), high) for low, high in box.contacts)
     return left, right
 
 
-def _inward(box: Box) -> tuple[Ends, Ends]:
+def _inward(box: ParameterBox) -> tuple[Ends, Ends]:
     left, right = ((low, min(high, box.beyond)) for low, high in box.contacts)
     return left, right
 
@@ -131,7 +131,7 @@ def _extent(ends: Ends) -> float:
     return float(ends[1] - ends[0])
 
 
-def _sizes(box: Box, part: Subbox) -> dict[str, float]:
+def _sizes(box: ParameterBox, part: Subbox) -> dict[str, float]:
     """Approximate effect of each quantity on the directions of the forces within a part."""
     sizes: dict[str, float] = {
         "left": math.radians(_extent(part.angles[0])),
@@ -158,7 +158,7 @@ def _reaches(part: Subbox, side: int) -> dict[str, float]:
 
 
 def bisect(
-    box: Box, part: Subbox, side: int | None = None, *, contacts: bool = False
+    box: ParameterBox, part: Subbox, side: int | None = None, *, contacts: bool = False
 ) -> tuple[str, Fraction, Subbox, Subbox] | None:
     """A part bisected: (quantity, value, part below, part above); None: it is too small.
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The box of uncertainty of a certificate, as exact decimal numbers.
+"""The parameter box of a certificate, as exact decimal numbers.
 
 All values are `Fraction`s of the decimal text of the arguments: a certificate states 0.3, not the
 nearest binary number. Angles are in degrees, as in the scene, since a whole number of degrees has
@@ -42,7 +42,7 @@ def text(value: Fraction) -> str:
 
 
 @dataclass(frozen=True)
-class Box:
+class ParameterBox:
     """Every uncertain quantity with its two ends; pairs are (left, right)."""
 
     com: tuple[tuple[Fraction, Fraction], ...]

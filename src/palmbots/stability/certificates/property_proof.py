@@ -15,7 +15,7 @@ from typing import Any
 from palmbots._types import SIDES
 from palmbots.stability.certificates.ball_arithmetic import ball, object_tangents, radians
 from palmbots.stability.certificates.obligations import Obligation, Subbox, exact
-from palmbots.stability.certificates.parameter_box import Box, Ends, text
+from palmbots.stability.certificates.parameter_box import Ends, ParameterBox, text
 from palmbots.stability.linear_conditions import NEEDS, SLIDING_EDGES
 
 
@@ -60,7 +60,7 @@ class Corner:
         return x - s * y - turn * (y + s * x)
 
 
-def corners(box: Box, part: Subbox) -> list[Corner] | None:
+def corners(box: ParameterBox, part: Subbox) -> list[Corner] | None:
     """The corners of a part; None: the object cannot span its contacts."""
     turns = object_tangents(box, part)
     if turns is None:
@@ -112,7 +112,7 @@ def _slides(number: int, shallow: int, name: str) -> tuple[int, int]:
     return (one, two) if shallow == 0 else (two, one)
 
 
-def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
+def proved(box: ParameterBox, obligation: Obligation, part: Subbox) -> bool:
     """Whether the corners of a part prove a property for all of it."""
     at = corners(box, part)
     if at is None:
@@ -129,7 +129,7 @@ def proved(box: Box, obligation: Obligation, part: Subbox) -> bool:
     return True
 
 
-def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
+def refuted(box: ParameterBox, obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
     """A corner of the box at which a condition certainly fails: the worst one."""
     worst: tuple[float, dict[str, Any]] | None = None
     forms = _conditions(obligation.number, obligation.side)
@@ -149,7 +149,7 @@ def refuted(box: Box, obligation: Obligation, part: Subbox) -> dict[str, Any] | 
     return worst[1] if worst else None
 
 
-def points(box: Box, part: Subbox) -> Iterator[tuple[Subbox, Box]]:
+def points(box: ParameterBox, part: Subbox) -> Iterator[tuple[Subbox, ParameterBox]]:
     """Every corner of a part, as a part of one point and a box of one COM, slope and offset."""
     frictions = list(product(*(dict.fromkeys(f) for f in part.friction)))
     if box.common:
@@ -179,7 +179,9 @@ def points(box: Box, part: Subbox) -> Iterator[tuple[Subbox, Box]]:
         yield point, exactly
 
 
-def witness(obligation: Obligation, fails: str, point: Subbox, exactly: Box) -> dict[str, Any]:
+def witness(
+    obligation: Obligation, fails: str, point: Subbox, exactly: ParameterBox
+) -> dict[str, Any]:
     """A point at which a condition fails, as a certificate contains it."""
 
     def sides(pair: tuple[Ends, Ends]) -> dict[str, str]:

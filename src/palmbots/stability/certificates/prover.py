@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Certificates: proofs that the properties hold everywhere in a box of uncertainty, or fail in it.
+"""Certificates: proofs that the properties hold everywhere in a parameter box, or fail in it.
 
 The prover uses ball arithmetic (Arb, through python-flint), which includes rounding and
 trigonometry. The claims consist of obligations (`obligations`). Each is proved at the corners of
@@ -37,7 +37,7 @@ from palmbots.stability.certificates.obligations import (
     bisect,
     obligations,
 )
-from palmbots.stability.certificates.parameter_box import Box, text
+from palmbots.stability.certificates.parameter_box import ParameterBox, text
 
 _FORMAT = "palmbots certificate 4"
 _MAX_BOXES = 20_000
@@ -72,7 +72,7 @@ class Certificate(Result):
 
     @derived
     def box(self) -> BoxTable:
-        """The box of uncertainty."""
+        """The parameter box."""
         return self.data["box"]
 
     @derived
@@ -96,12 +96,12 @@ class Certificate(Result):
 
 
 def prove(
-    box: Box, claims: Claims = None, *, scene: Scene, max_boxes: int = _MAX_BOXES
+    box: ParameterBox, claims: Claims = None, *, scene: Scene, max_boxes: int = _MAX_BOXES
 ) -> Certificate:
-    """Prove or refute the claims for a whole box.
+    """Prove or refute the claims for a whole parameter box.
 
     Args:
-        box: the box of uncertainty.
+        box: the parameter box.
         claims: some of `CLAIMS`; None: all.
         scene: the scene of the box, which the certificate states.
         max_boxes: number of boxes after which the claims count as undecided.
@@ -133,7 +133,7 @@ def _is_clearance(obligation: Obligation) -> bool:
     return obligation.claim.startswith("clearance")
 
 
-def _halves(box: Box, obligation: Obligation, part: Subbox) -> Any:
+def _halves(box: ParameterBox, obligation: Obligation, part: Subbox) -> Any:
     if not _is_clearance(obligation):
         return bisect(box, part)
     # Where palms of any length are clear, the contact coordinate does not matter.
@@ -141,7 +141,7 @@ def _halves(box: Box, obligation: Obligation, part: Subbox) -> Any:
     return bisect(box, part, obligation.side, contacts=contacts)
 
 
-def _prove(box: Box, claims: tuple[str, ...], scene: Scene, max_boxes: int) -> Certificate:
+def _prove(box: ParameterBox, claims: tuple[str, ...], scene: Scene, max_boxes: int) -> Certificate:
     head = {
         "format": _FORMAT,
         "claims": list(claims),
@@ -197,7 +197,7 @@ def certify(
     overrides: Overrides = None,
     **intervals: Any,
 ) -> Certificate:
-    """Prove that the properties hold everywhere in a box of uncertainty, or that they do not.
+    """Prove that the properties hold everywhere in a parameter box, or that they do not.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.

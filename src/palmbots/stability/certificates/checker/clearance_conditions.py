@@ -29,9 +29,9 @@ from itertools import product
 from palmbots.stability.certificates.checker.enclosures import Ends, cosine_of_degrees, root
 from palmbots.stability.certificates.checker.property_conditions import (
     LEFT,
-    Box,
     CheckFailed,
     ObjectParams,
+    ParameterBox,
     object_tangent,
     palm_tangents,
 )
@@ -81,7 +81,7 @@ def _side_of(a: Point, b: Point, point: Point) -> Fraction:
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
 
 
-def _lines(side: int, box: Box, given: ObjectParams, body: ObjectOutline) -> list[Line]:
+def _lines(side: int, box: ParameterBox, given: ObjectParams, body: ObjectOutline) -> list[Line]:
     turn = object_tangent(box, given)
     u = turn if side == LEFT else (-turn[1], -turn[0])
     low, high = box.angles[side]
@@ -107,7 +107,7 @@ def _area(points: list[Point]) -> Fraction:
     return sum((a[0] * b[1] - a[1] * b[0] for a, b in pairs), F(0))
 
 
-def prove_clear(side: int, box: Box, given: ObjectParams, body: ObjectOutline) -> None:
+def prove_clear(side: int, box: ParameterBox, given: ObjectParams, body: ObjectOutline) -> None:
     """Raise `CheckFailed` where the outline may touch a palm in a box."""
     lines = _lines(side, box, given, body)
     seen = [body.seen(side, w) for w in set(box.width)]
@@ -142,7 +142,7 @@ def prove_clear(side: int, box: Box, given: ObjectParams, body: ObjectOutline) -
 
 
 def prove_touching(
-    side: int, edge: int, box: Box, given: ObjectParams, body: ObjectOutline
+    side: int, edge: int, box: ParameterBox, given: ObjectParams, body: ObjectOutline
 ) -> None:
     """Raise `CheckFailed` unless a palm certainly touches this edge, at a single point."""
     (w, _), own = box.width, body.own(side)

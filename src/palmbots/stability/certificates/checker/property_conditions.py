@@ -46,7 +46,7 @@ class CheckFailed(Exception):
 
 
 @dataclass(frozen=True)
-class Box:
+class ParameterBox:
     """The quantities that may be bisected: palm angles, frictions, width and contacts."""
 
     angles: tuple[Ends, Ends]  # degrees
@@ -55,7 +55,7 @@ class Box:
     contacts: tuple[Ends, Ends]
     common: bool
 
-    def halves(self, name: str, at: Fraction) -> tuple["Box", "Box"]:
+    def halves(self, name: str, at: Fraction) -> tuple["ParameterBox", "ParameterBox"]:
         """The parts of the box below and above a value of one quantity."""
 
         def split(ends: Ends) -> tuple[Ends, Ends]:
@@ -93,7 +93,7 @@ class ObjectParams:
     offset: tuple[Ends, Ends]
 
 
-def object_tangent(box: Box, given: ObjectParams) -> Ends:
+def object_tangent(box: ParameterBox, given: ObjectParams) -> Ends:
     """Encloses tan ϑ over the angles, widths and contacts of a box."""
     heights: list[Ends] = []
     for side in (LEFT, RIGHT):
@@ -107,7 +107,7 @@ def object_tangent(box: Box, given: ObjectParams) -> Ends:
         heights.append((min(along) + min(across), max(along) + max(across)))
     rise = (heights[RIGHT][0] - heights[LEFT][1], heights[RIGHT][1] - heights[LEFT][0])
     if max(-rise[0], rise[1]) >= box.width[0]:
-        raise CheckFailed("the object cannot span the palms everywhere in the box")
+        raise CheckFailed("the object cannot span the palms everywhere in the parameter box")
 
     def tangent(z: Fraction, upward: bool) -> Fraction:
         outward = (z > 0) == upward
@@ -126,7 +126,7 @@ def _tangent_of_degrees(degrees: Fraction) -> Ends:
     return down(min(quotients)), up(max(quotients))
 
 
-def palm_tangents(box: Box) -> tuple[Ends, Ends]:
+def palm_tangents(box: ParameterBox) -> tuple[Ends, Ends]:
     """tan θ at both ends of each palm's angle."""
     left, right = (
         (_tangent_of_degrees(low)[0], _tangent_of_degrees(high)[1]) for low, high in box.angles
@@ -184,7 +184,7 @@ class Corner:
         return self.x - self.s * self.y - self.turn * (self.s * self.x + self.y)
 
 
-def corners(box: Box, given: ObjectParams) -> Iterator[Corner]:
+def corners(box: ParameterBox, given: ObjectParams) -> Iterator[Corner]:
     """All corners of a box."""
     # For a common friction, all pairs of its ends are more than necessary.
     t, turn = palm_tangents(box), object_tangent(box, given)

@@ -87,7 +87,7 @@ def values_outside(box: ClaimedBox, scene: Scene) -> tuple[str, ...]:
     frame = _Frame(scene)
     rounding = frame.width * ROUNDING
     phrases = [
-        f"{name} is {float(value):g}, but the box has {_interval_text(ends)}"
+        f"{name} is {float(value):g}, but the parameter box has {_interval_text(ends)}"
         for name, value, ends, slack in _quantities(box, scene, frame)
         if not ends[0] - slack <= value <= ends[1] + slack
     ]
@@ -96,7 +96,7 @@ def values_outside(box: ClaimedBox, scene: Scene) -> tuple[str, ...]:
         place = f"[{float(com[0]):g}, {float(com[1]):g}]"
         phrases.insert(0, f"the COM is at {place} m from the left contact, outside of the box's")
     if box.common_friction and scene.palm_of("left").friction != scene.palm_of("right").friction:
-        phrases.append("the palms have different friction, but the box has a common one")
+        phrases.append("the palms have different friction, but the parameter box has a common one")
     return tuple(phrases)
 
 

@@ -33,9 +33,9 @@ from palmbots.stability.certificates.checker.clearance_conditions import (
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.jam_conditions import prove_no_jam, refute_no_jam
 from palmbots.stability.certificates.checker.property_conditions import (
-    Box,
     CheckFailed,
     ObjectParams,
+    ParameterBox,
     corners,
     prove_property,
     refute_property,
@@ -77,7 +77,9 @@ class CheckResult(Result):
         yield Line(quiet(self.claim), indent=2)
         yield Table([(f"  {name}", text) for name, text in self.box_text.items()])
         if self.valid and self.outside:
-            yield Line(f"the scene is not in the box: {'; '.join(self.outside)}", indent=2)
+            yield Line(
+                f"the scene is not in the parameter box: {'; '.join(self.outside)}", indent=2
+            )
 
 
 @command(
@@ -151,17 +153,19 @@ def _stated_scene(entry: Entry) -> Scene:
 def _require_scene(box: ClaimedBox, stated: Scene, given: Scene | None) -> None:
     """The outline must be that of the stated scene; a given scene must be in the box."""
     if not has_outline_of(box, stated):
-        raise CheckFailed("the outline of the box is not the object of the certificate's scene")
+        raise CheckFailed(
+            "the outline of the parameter box is not the object of the certificate's scene"
+        )
     if given is None:
         return
     if not has_outline_of(box, given):
         raise CheckFailed("the certificate is about another object than the scene's")
     outside = values_outside(box, given)
     if outside:
-        raise CheckFailed(f"the scene is not in the box: {'; '.join(outside)}")
+        raise CheckFailed(f"the scene is not in the parameter box: {'; '.join(outside)}")
 
 
-def _follow(proof: Entry, box: Box, prove: Callable[[Box], None]) -> None:
+def _follow(proof: Entry, box: ParameterBox, prove: Callable[[ParameterBox], None]) -> None:
     """Follow the bisections of a proof down to boxes whose corners suffice."""
     pending = [(proof.value, box)]
     while pending:
@@ -178,11 +182,11 @@ def _follow(proof: Entry, box: Box, prove: Callable[[Box], None]) -> None:
 def _check_holds(box: ClaimedBox, certificate: Entry) -> None:
     proofs = certificate["proof"]
     for name, obligation in required_obligations(box, certificate["claims"].value).items():
-        whole = Box(
+        whole = ParameterBox(
             obligation.angles, box.friction, box.width, obligation.contacts, box.common_friction
         )
 
-        def prove(part: Box, obligation: Obligation = obligation) -> None:
+        def prove(part: ParameterBox, obligation: Obligation = obligation) -> None:
             if obligation.is_clearance:
                 prove_clear(obligation.side, part, box.params, box.outline)
                 return
@@ -217,7 +221,7 @@ def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
     w = _inside(witness["width_m"].number(), box.width)
     if obligation.is_clearance:
         unused = (Fraction(0), Fraction(0))
-        point = Box(angles, (unused, unused), w, contacts, False)
+        point = ParameterBox(angles, (unused, unused), w, contacts, False)
         half_length = both("half_length_m", box.outline.half_length)
         prove_touching(
             obligation.side,
@@ -229,13 +233,13 @@ def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
         return
     mu = both("friction", box.friction)
     if box.common_friction and mu[0] != mu[1]:
-        raise CheckFailed("the witness is not a point of the box")
+        raise CheckFailed("the witness is not a point of the parameter box")
     x, y = (value.number() for value in witness["com_m"].items(2))
     if (x, y) not in box.params.com:
-        raise CheckFailed("the witness is not a point of the box")
+        raise CheckFailed("the witness is not a point of the parameter box")
     slope = _inside(witness["slope"].number(), box.params.slope)
     params = ObjectParams(((x, y),), slope, offset)
-    point = Box(angles, mu, w, contacts, False)
+    point = ParameterBox(angles, mu, w, contacts, False)
     at, what = list(corners(point, params)), witness["fails"].text()
     if obligation.claim == "no jam":
         refute_no_jam(obligation.number, what, at)
@@ -245,5 +249,5 @@ def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
 
 def _inside(value: Fraction, ends: Ends) -> Ends:
     if not ends[0] <= value <= ends[1]:
-        raise CheckFailed("the witness is not a point of the box")
+        raise CheckFailed("the witness is not a point of the parameter box")
     return value, value
