@@ -91,7 +91,7 @@ class Unit:
 def main(words: list[str]) -> int:
     """Measure; exit status 0 when all mutants of the sample were tried."""
     parser = argparse.ArgumentParser(description="Measure the mutation score.")
-    parser.add_argument("--rooms", default="mechanics,control,wire", help=f"of {', '.join(ROOMS)}")
+    parser.add_argument("--rooms", default=",".join(ROOMS), help="only of these rooms")
     parser.add_argument("--seconds", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--again", action="store_true", help="try what was not killed anew")
     parser.add_argument("--draw", type=Path, metavar="TREE", help="only write mutants.csv anew")
