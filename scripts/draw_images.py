@@ -84,6 +84,13 @@ def noise(path: Path) -> None:
     draw_noise.draw(path)
 
 
+def squeeze(path: Path) -> None:
+    """The intervals of squeezes that the contacts allow."""
+    import draw_squeeze
+
+    draw_squeeze.draw(path)
+
+
 def carry_3d(path: Path) -> None:
     """The still of `palmbots carry --world mujoco --video`, without the video."""
     from palmbots.mujoco import save_still
@@ -110,6 +117,7 @@ def design_law(path: Path) -> None:
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
     "design-law.png": design_law,
     "noise.png": noise,
+    "squeeze.png": squeeze,
     "task.png": task,
     "carry-3d.png": carry_3d,
     "curve-3d.png": curve_3d,

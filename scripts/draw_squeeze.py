@@ -16,6 +16,7 @@ STATES = (
     ("both palms steep (15°)", 15.0, 15.0),
 )
 ROWS = {"left": 1.0, "right": 0.0}
+SHOWN = (-0.18, 0.37)
 HALF_BAR = 0.26
 ENDS = (("down", -1, "right"), ("up", 1, "left"))  # of an interval: low and high
 
@@ -33,6 +34,7 @@ def figure() -> Figure:
         for axes, (title, left, right) in zip(panels, STATES, strict=True):
             panel(axes, pb.contact_modes(theta_left_deg=left, theta_right_deg=right))
             axes.set_title(title)
+        panels[-1].set_xlim(*SHOWN)
         panels[-1].set_xlabel(axis_label("squeeze H", "units of the weight"))
         footnote(drawn, "the paper's box with both contacts at p = 0, friction 0.3, level floor")
     return drawn
@@ -67,4 +69,5 @@ def panel(axes: Axes, found: ContactModes) -> None:
         )
         axes.text((middle + end) / 2, -0.58, name, ha="center", va="bottom", color=INK)
     axes.set_yticks(list(ROWS.values()), [f"{side} contact" for side in ROWS])
+    axes.grid(axis="y", visible=False)
     axes.set_ylim(-0.95, 1.95)
