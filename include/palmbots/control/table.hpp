@@ -24,12 +24,12 @@
 //   assisting, initial_assisting    optional: the states that a robot stores, and its state after a
 //                                   boot if it was in one of them
 //
-// MAIL. With *beacons* a robot has one message in each state. It is sent at once when
-// it changes, and repeated in every beacon period. A robot acts on its partner's newest message
-// while that message is at most `lease` old (control/beacon.hpp bounds its age). When the lease has
-// expired, it hears silence. With a *queue* a row may send a message, once. The message waits at
-// the partner until a row of the partner reads it. A robot hears the oldest message that it has not
-// read. A row that names what it hears reads that message.
+// MAIL. With *beacons* a robot has one message in each state. It is sent at once when it changes, and
+// repeated in every beacon period. A robot acts on its partner's newest message while that message
+// is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired, it hears
+// silence. With a *queue* a row may send a message, once. The message waits at the partner until a
+// row of the partner reads it. A robot hears the oldest message that it has not read. A row that
+// names what it hears reads that message.
 #pragma once
 
 #include <array>
@@ -70,7 +70,7 @@ struct EnumSet {
 enum class Mail : std::uint8_t { none, queue, beacons };
 
 // The messages to which a row reacts; `MessageKind::none` is silence, or that no message waits. A
-// row with `any_message` does not look.
+// row with `any_message` fits whatever the robot hears, also nothing, and reads no message.
 using MessageSet = EnumSet<MessageKind>;
 inline constexpr MessageSet any_message = MessageSet::all();
 
