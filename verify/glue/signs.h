@@ -56,7 +56,7 @@ void pass_time(void);
 
 /* The choices of an adversary for what a robot hears in its next step, as bits: SILENCE; KEEP, the
  * message that it has; HEAR + n, what its partner said n cycles ago, at most `delay`. `quiet`:
- * whether there may be silence although there is a message. Words that make no difference are left
+ * whether there may be silence although there is a message. Messages that make no difference are left
  * out. */
 int choices(int side, int delay, int quiet);
 struct deed robot_step(int side, int sign, int choice);
