@@ -344,19 +344,6 @@ def test_slope_in_degrees_changes_the_design() -> None:
     assert high == pytest.approx(math.tan(math.radians(3.0)), abs=1e-11)
 
 
-@pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_vector_figures_are_reproducible(kind: str, start: bytes, tmp_path: Path) -> None:
-    words = ["design", "--region", "palm", "--resolution-deg", "2", "--format", kind]
-    words += ["--maximize", "com", "--set", "task.distance_m=0.1"]
-    for name in ("one", "two"):
-        assert run([*words, "--out", str(tmp_path / name)]) == 0
-    files = [(tmp_path / name / f"design.{kind}").read_bytes() for name in ("one", "two")]
-    assert files[0].startswith(start)
-    assert files[0] == files[1]
-    assert run(["design", "--format", "gif", "--out", str(tmp_path / "three")]) == 2
-    assert not (tmp_path / "three").exists()
-
-
 def test_tie_prefers_smallest_angle_difference() -> None:
     """On the whole palm many pairs reach its end; the quickest of them is taken."""
     found = designed("paper", maximize="region", region_m="palm", resolution_deg=1.0)

@@ -4,7 +4,6 @@
 import dataclasses
 import itertools
 
-import matplotlib
 import numpy as np
 import pytest
 
@@ -138,18 +137,6 @@ def test_too_many_corrections_are_not_labelled(delivered):
     assert not any("(" in text for text in texts(figure8.draw_carry(crowded)))
 
 
-@pytest.mark.parametrize(
-    ("suffix", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")]
-)
-def test_the_same_carry_gives_the_same_file(tmp_path, delivered, suffix, start):
-    paths = [tmp_path / f"{k}.{suffix}" for k in range(2)]
-    for path in paths:
-        figure8.save(delivered, path, window=(0.0, 3.0))
-    one, two = (path.read_bytes() for path in paths)
-    assert one.startswith(start)
-    assert one == two
-
-
 def test_refusals_are_one_line(tmp_path, delivered):
     bare = pb.carry("paper", record=False)
     for wrong in (
@@ -162,12 +149,6 @@ def test_refusals_are_one_line(tmp_path, delivered):
             wrong()
         assert "\n" not in str(error.value)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_callers_settings_stay(delivered):
-    before = dict(matplotlib.rcParams)
-    figure8.draw_carry(delivered)
-    assert dict(matplotlib.rcParams) == before
 
 
 def test_label_rows_do_not_overlap():

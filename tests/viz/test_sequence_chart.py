@@ -145,14 +145,6 @@ def test_scripted_duplicate_is_drawn() -> None:
     assert "Ack again" in [text.get_text() for text in panel.texts]
 
 
-@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
-def test_the_same_carry_gives_the_same_file(lost_ack: Carry, tmp_path: Path, suffix: str) -> None:
-    files = [tmp_path / f"{name}{suffix}" for name in ("a", "b")]
-    for path in files:
-        save(lost_ack, path)
-    assert files[0].read_bytes() == files[1].read_bytes()
-
-
 def test_bad_input_is_one_line(lost_ack: Carry, tmp_path: Path) -> None:
     with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
         save(lost_ack, tmp_path / "chart.gif")

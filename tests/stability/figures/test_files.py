@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures 2 to 7 as files: whole, reproducible, of the state that was asked for."""
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -52,17 +50,6 @@ def test_bad_arguments_write_no_file(tmp_path: Path, paper: Analysis) -> None:
     draw_all(found)
     with pytest.raises(PalmbotsError, match="less than the object's width"):
         draw_all(found, (-0.1, 0.1))
-
-
-def test_drawing_leaves_pyplot_and_the_callers_settings_alone() -> None:
-    code = (
-        "import sys, matplotlib as m; before = m.rcParams['font.size'], m.rcParams['axes.grid']\n"
-        "import palmbots as pb; from palmbots.stability.figures.analysis_figures import draw_all\n"
-        "draw_all(pb.analyze())\n"
-        "assert 'matplotlib.pyplot' not in sys.modules\n"
-        "assert before == (m.rcParams['font.size'], m.rcParams['axes.grid'])\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_command_draws_the_chosen_state(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

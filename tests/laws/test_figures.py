@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures have one style: units on their axes, colours for every kind of vision, the same file
+whenever they are drawn, and no effect on the caller's matplotlib.
+
+Of every figure in the registry.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import pytest
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import Collection
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.markers import MarkerStyle
+from matplotlib.patches import Patch
+from matplotlib.text import Text
+
+import palmbots as pb
+from palmbots import viz
+from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
+from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
+from palmbots.scene.scene import Scene
+from palmbots.studies.study_file import load_plan
+from palmbots.studies.study_runner import run_study
+from palmbots.viz import style
+from study_fixtures import SMALL
+
+SHORT = {"task.distance_m": 0.2}
+COARSE: dict[str, Any] = {"relative_half_width": 0.1, "overrides": SHORT}
+ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
+
+# What labels may state in square brackets, and labels that have no unit.
+UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "s", "weight", "°"}
+WITHOUT_UNIT = {
+    "correction\n(case)",
+    "friction μ",
+    "messages per metre",
+    "multiple of the scene's value",
+    "palm friction",
+    "sensor",
+    "share of the variance (Sobol index)",
+    "tolerance of friction, ±",
+}
+
+
+def speed_limits() -> SpeedLimits:
+    """Two frictions and two speeds, as if they had been measured."""
+    limits = [
+        Limit(friction, closing, forward, "left" if closing else "right", 1.0, 1.1)
+        for friction in (0.2, 0.3)
+        for closing in (True, False)
+        for forward in (True, False)
+    ]
+    paces = [Pace(speed, 4, (4, 3), (0.004, 0.005), (0.01, 0.012)) for speed in (0.06, 0.12)]
+    return SpeedLimits(Scene(), tuple(limits), tuple(paces), 0.5)
+
+
+def results(folder: Path) -> Iterator[tuple[str, Any]]:
+    """A small result for every registered figure; studies have several."""
+    carry = pb.carry("paper", overrides=SHORT)
+    for name in ("carry", "timeline", "message_sequence", "side_view"):
+        yield name, carry
+    curved = pb.carry("paper", world="mujoco", overrides=ARC)
+    yield "carry", curved  # one more panel
+    yield "plan_view", curved
+    yield "sweep", pb.compare("paper", values=[0.0, 0.2], carries=2, overrides=SHORT)
+    analysis = pb.analyze("paper")
+    for name in ("stability-geometry", "friction-cones", "meeting-points", "operating-region",
+                 "permitted-com", "tactile-zones"):  # fmt: skip
+        yield name, analysis
+    for quantity in ("com", "friction"):  # with a unit and without
+        angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
+        yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
+    yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
+    yield "bound", pb.bound("paper", overrides=SHORT)
+    law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]
+    yield "design-law", DesignLaw(tuple(law), Scene())
+    yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
+    yield "speed_limits", speed_limits()
+    ranges = {
+        "palm.friction": {"from": 0.2, "to": 0.3},
+        "robot.noise_m_s": {"from": 0.0, "to": 0.1},
+    }
+    sobol = {"vary": ranges, "design": {"kind": "sobol-indices", "points": 8}}
+    for k, table in enumerate(({}, {"vary": {"palm.friction": [0.2, 0.3]}}, sobol)):
+        plan = load_plan({**SMALL, "set": SHORT, "seeds": {"count": 2}, **table})
+        yield "study", run_study(plan, folder / str(k))
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Any, Figure]]:
+    """Name, result and figure; drawing leaves the caller's settings alone."""
+    made = list(results(tmp_path_factory.mktemp("studies")))
+    before = dict(matplotlib.rcParams)
+    found = [(name, result, viz.FIGURES.get(name)(result)) for name, result in made]
+    assert dict(matplotlib.rcParams) == before
+    return found
+
+
+def test_every_registered_figure_is_drawn(drawn: list[tuple[str, Any, Figure]]) -> None:
+    assert {name for name, *_ in drawn} == set(viz.FIGURES.names())
+
+
+def test_every_result_draws_its_figures(drawn: list[tuple[str, Any, Figure]]) -> None:
+    """By their names, as `plot` is asked for them."""
+    own = {type(result): {result.figure, *result.more_figures} for _, result, _ in drawn}
+    shown: dict[type, set[str]] = {kind: set() for kind in own}
+    for name, result, _ in drawn:
+        shown[type(result)].add(name)
+    assert all(own[kind] <= names for kind, names in shown.items())
+
+
+def test_the_unit_stands_last_in_square_brackets(drawn: list[tuple[str, Any, Figure]]) -> None:
+    seen: set[str] = set()
+    for name, _, figure in drawn:
+        for axes in figure.axes:
+            for label in (axes.get_xlabel(), axes.get_ylabel()):
+                units = re.findall(r"\[(.*?)\]$", label, re.MULTILINE)
+                expected = 0 if label in WITHOUT_UNIT | {""} else 1
+                assert label.count("[") == len(units) == expected, (name, label)
+                assert set(units) <= UNITS, (name, label)
+                seen |= set(units) or {label}
+    assert seen >= UNITS  # no unit is listed for nothing
+
+
+def palette(value: Any = None) -> Iterator[str]:
+    """The colours of `palmbots.viz.style`."""
+    if value is None:
+        for name, found in vars(style).items():
+            if name.lstrip("_").isupper():
+                yield from palette(found)
+    elif isinstance(value, str) and re.fullmatch("#[0-9A-Fa-f]{6}", value):
+        yield value.upper()
+    elif isinstance(value, dict | tuple):
+        for inner in value.values() if isinstance(value, dict) else value:
+            yield from palette(inner)
+
+
+def colours(figure: Figure) -> Iterator[Any]:
+    """The colours of everything that is drawn, those of maps excepted."""
+    for artist in figure.findobj():
+        if isinstance(artist, Line2D):
+            if artist.get_linestyle() != "None":
+                yield artist.get_color()
+            if artist.get_marker() not in ("None", "", None):
+                yield artist.get_markeredgecolor()
+                if MarkerStyle(artist.get_marker()).is_filled():
+                    yield artist.get_markerfacecolor()
+        elif isinstance(artist, Text):
+            yield artist.get_color()
+        elif isinstance(artist, Patch):
+            yield from (artist.get_facecolor(), artist.get_edgecolor())
+        elif isinstance(artist, Collection) and artist.get_array() is None:
+            yield from (*artist.get_facecolor(), *artist.get_edgecolor())  # type: ignore[misc]
+
+
+def test_colours_are_those_of_the_style(drawn: list[tuple[str, Any, Figure]]) -> None:
+    """Greys excepted; maps have the one colour map."""
+    allowed = set(palette())
+    assert len(allowed) > 20
+    for name, _, figure in drawn:
+        for colour in colours(figure):
+            shown = to_hex(colour).upper()
+            grey = shown[1:3] == shown[3:5] == shown[5:7]
+            assert grey or shown in allowed, (name, shown)
+        for artist in figure.findobj():
+            values = artist.get_array() if isinstance(artist, ScalarMappable) else None
+            if values is not None and values.ndim < 3:  # else it is a picture
+                used = artist.get_cmap()
+                own = {to_hex(used(k)).upper() for k in range(used.N)}
+                assert used.name == style.COLOUR_MAP or own <= allowed, name
+
+
+def test_the_same_file_whatever_settings_the_user_has(
+    drawn: list[tuple[str, Any, Figure]], tmp_path: Path
+) -> None:
+    for k, (name, result, figure) in enumerate(drawn):
+        viz.write_figure(tmp_path / f"{k}.svg", figure)
+        with matplotlib.rc_context({"font.size": 30, "axes.grid": True, "lines.linewidth": 9}):
+            viz.write_figure(tmp_path / "again.svg", viz.FIGURES.get(name)(result))
+        one, two = ((tmp_path / f"{file}.svg").read_bytes() for file in (k, "again"))
+        assert one == two, name
+
+
+def test_no_figure_stays_open(drawn: list[tuple[str, Any, Figure]]) -> None:
+    """None is known to pyplot, which keeps its figures until they are closed."""
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []
