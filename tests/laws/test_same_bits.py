@@ -23,6 +23,7 @@ import palmbots as pb
 from cxx import program
 from palmbots.control import StepInput, StepOutput
 from palmbots.control.registry import controller_names, reference_names, resolve, shipped_names
+from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import SceneError
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
@@ -103,12 +104,12 @@ def lot() -> tuple[Scene, ...]:
 
 def accepted(controller: Any, candidates: Sequence[Scene]) -> list[Scene]:
     """The scenes in which the controller can keep its time bounds."""
-    check = resolve(controller).timing_check
+    has_time_bounds = resolve(controller).has_time_bounds
     found = []
     for scene in candidates:
         try:
-            if check is not None:
-                check(scene)
+            if has_time_bounds:
+                bounds_of(scene)
         except SceneError:
             continue
         found.append(scene)
