@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 import pytest
 
@@ -106,25 +106,6 @@ def test_unregistered_controller_is_gone(registered: str) -> None:
     assert "distributed" in controller_names()
 
 
-@pytest.mark.parametrize(
-    ("name", "controller", "words"),
-    [
-        ("distributed", Still, "distributed.* is registered already"),
-        ("a,b", Still, "allowed: a text without comma"),
-        ("a:b", Still, "allowed: a text without comma"),
-        ("", Still, "allowed: a text without comma"),
-        (5, Still, "allowed: a text without comma"),
-        ("mine", "resilient", "resilient is shipped"),
-        ("mine", 5, "value is 5"),
-    ],
-)
-def test_bad_registrations_are_refused(name: Any, controller: Any, words: str) -> None:
-    with pytest.raises(PalmbotsError, match=words) as caught:
-        register(name, controller)
-    assert "\n" not in str(caught.value)
-    assert "mine" not in controller_names()
-
-
 def test_file_reference_gives_the_class_and_the_hash_of_its_file(file: Path) -> None:
     entry = resolve("mine.py:Silent")
     assert entry.name == "Silent"
@@ -154,27 +135,6 @@ def test_module_reference_is_imported(file: Path, monkeypatch: pytest.MonkeyPatc
     assert entry.source is not None
     assert entry.source.reference == "mine:Silent"
     sys.modules.pop("mine")
-
-
-@pytest.mark.parametrize(
-    ("reference", "words"),
-    [
-        ("mine.py:Loud", "mine.py has no Loud"),
-        ("other.py:Silent", "other.py: cannot be read"),
-        ("broken.py:Silent", "broken.py cannot be loaded: SyntaxError"),
-        ("no_such_module:Silent", "no_such_module cannot be imported: ModuleNotFoundError"),
-        ("mine.py:", "allowed: module:Class, FILE.py:Class"),
-        (":Silent", "allowed: module:Class, FILE.py:Class"),
-        ("mine.py:StepInput", r"StepInput\(\) failed: TypeError"),
-        ("math:pi", "value is 3.14"),
-    ],
-)
-def test_bad_references_are_refused_in_one_line(file: Path, reference: str, words: str) -> None:
-    file.with_name("broken.py").write_text("class Silent(:\n", encoding="utf-8")
-    with pytest.raises(PalmbotsError, match=words) as caught:
-        resolve(reference)
-    assert str(caught.value).startswith("controller: ")
-    assert "\n" not in str(caught.value)
 
 
 def test_controller_that_raises_is_named_and_keeps_its_cause() -> None:

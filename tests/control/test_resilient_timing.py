@@ -48,29 +48,6 @@ def test_bounds_of_the_default_scene() -> None:
     assert result == pytest.approx(by_hand, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("overrides", "says"),
-    [
-        ({"radio.lease_s": 0.1}, ["radio.lease_s: 0.1 is too short", "from 0.22"]),
-        ({"radio.lease_s": 3.0}, ["radio.lease_s: 3 is too long", "70.0 mm"]),
-        ({"radio.latency_s": 0.6}, ["no value is possible", "radio.latency_s"]),
-        ({"radio.beacon_s": 0.005}, ["radio.beacon_s: 0.005", "0.01"]),
-        (
-            {"robot.speed_m_s": 0.2, "radio.latency_s": 0.1},
-            ["no value is possible", "robot.speed_m_s"],
-        ),
-    ],
-)
-def test_scene_without_bounds_is_refused(overrides: dict[str, Any], says: list[str]) -> None:
-    with pytest.raises(SceneError) as caught:
-        carried(overrides)
-    message = str(caught.value)
-    assert "\n" not in message
-    for words in says:
-        assert words in message
-    assert carried(overrides, "distributed").bounds is None
-
-
 def test_unsafe_lease_is_reported() -> None:
     """At this latency even the shortest lease leaves no room for the noise: a warning, not a
     refusal. A longer one is refused."""

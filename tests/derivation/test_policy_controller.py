@@ -4,7 +4,6 @@
 import pickle
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -96,27 +95,6 @@ def test_compiled_machine_steps_as_its_rows_say(path: Path) -> None:
                 assert read == (row is not None and row.heard != "")
                 queue.append(after)
         assert len(reached) == len(names)  # no state is useless
-
-
-STATE = ("a", "steep", "hold", False, "")
-
-
-@pytest.mark.parametrize(
-    "table",
-    [
-        ((), ()),
-        ((STATE,) * 33, ()),
-        ((("ab", *STATE[1:]),), ()),
-        ((("a", "flat", *STATE[2:]),), ()),
-        ((STATE,), ((0, "any", "", False, 1, ""),)),
-        ((STATE,), ((-1, "any", "", False, 0, ""),)),
-        ((STATE,), ((0, "some", "", False, 0, ""),)),
-        ((STATE,), ((0, "any", "", False, 0, "Closing"),)),
-    ],
-)
-def test_core_refuses_tables_that_are_none(table: Any) -> None:
-    with pytest.raises(ValueError, match="table"):
-        _core.Machines(table, table)
 
 
 def test_entry_can_be_sent_to_another_process() -> None:

@@ -258,14 +258,6 @@ def test_memory_distinguishes_the_states_of_a_controller(make: Any, seen: Any) -
     assert robot.memory == twin.memory
 
 
-@pytest.mark.parametrize("seen", [(2, True, 0, False, False, 2), (0, True, 6, False, False, 2)])
-def test_resilient_step_refuses_values_out_of_range(
-    seen: tuple[int, bool, int, bool, bool, int],
-) -> None:
-    with pytest.raises(IndexError, match=r"sign is -1, 0 or 1; message is 0 to 5"):
-        _core.Resilient(7, 9, 2, False).step(*seen)
-
-
 def closing(robot: int, signs: tuple[int, int], palms: Palms, **changes: Any) -> str | None:
     """The permission of a motion of a robot in (d), both robots there if not said otherwise."""
     keys: dict[str, Any] = {"cases": ("d", "d"), "begins": True, "direction": "closer", **changes}

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots.errors import PalmbotsError
 
 POLICIES = sorted((Path(__file__).parents[2] / "examples" / "policies").glob("*.toml"))
 SIGN = {-1: "-", 0: "0", 1: "+"}
@@ -68,8 +67,3 @@ def test_logs_replay(tmp_path: Path) -> None:
     scene = pb.load_scene("paper", {"task.distance_m": 0.3})
     pb.write_log(pb.carry(scene, name, seed=2), tmp_path / "carry.mcap")
     assert pb.replay(tmp_path / "carry.mcap").identical
-
-
-def test_a_missing_file_is_refused() -> None:
-    with pytest.raises(PalmbotsError, match=r"nowhere\.toml"):
-        pb.carry("paper", "nowhere.toml@station")

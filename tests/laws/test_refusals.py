@@ -7,6 +7,7 @@ A table holds rows ``[input, line]`` and
   ...``. A list: the input is refused by each. Without it, the input is the call. The input as a
   text is also the variable ``row``.
 - ``given``: Python that runs before each row, in an empty working directory; ``...`` as above.
+  That at the top of a file is for all its tables.
 - ``line``: what the lines of all rows have in common, with ``...``; a list: one for each call.
   ``{here}`` is the working directory, ``{controllers}`` the list of the shipped ones,
   ``{worlds}`` that of the worlds, ``{version}`` that of palmbots. Others are texts in ``given``.
@@ -58,7 +59,9 @@ class Row:
 def rows() -> Iterator[Row]:
     """The rows of all tables, in order."""
     for file in sorted(FOLDER.glob("*.toml")):
-        for name, table in tomllib.loads(file.read_text("utf-8")).items():
+        tables = tomllib.loads(file.read_text("utf-8"))
+        shared = tables.pop("given", "")
+        for name, table in tables.items():
             calls, lines = table.get("call", "..."), table.get("line", "...")
             calls = calls if isinstance(calls, list) else [calls]
             lines = lines if isinstance(lines, list) else [lines] * len(calls)
@@ -66,7 +69,7 @@ def rows() -> Iterator[Row]:
                 for call, line in zip(calls, lines, strict=True):
                     yield Row(
                         f"{file.stem}, {name}",
-                        table.get("given", "").replace("...", text),
+                        f"{shared}\n{table.get('given', '').replace('...', text)}",
                         text,
                         call.replace("...", text),
                         line.replace("...", said),

@@ -290,3 +290,38 @@ def test_spaces_are_the_same_objects() -> None:
     env = short()
     assert env.action_space("left") is env.action_space("left")
     assert copy.copy(env.possible_agents) == ["left", "right"]
+
+
+@pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
+def test_step_without_an_episode_is_refused(world: str) -> None:
+    """Before the first reset, and after close, with and without actions."""
+    env = short(world=world)
+    still = dict.fromkeys(env.possible_agents, action("steep", "hold"))
+    for _ in range(2):
+        for actions in (still, {}):
+            with pytest.raises(PalmbotsError, match="there is no episode yet; call reset first"):
+                env.step(actions)
+        env.reset(seed=0)
+        assert env.step(still)[0].keys() == {"left", "right"}
+        env.close()
+
+
+def test_refused_calls_change_nothing() -> None:
+    """The lines of all of them are in tests/laws/refusals."""
+    env, other = short(), short()
+    for one in (env, other):
+        one.reset(seed=5)
+    with pytest.raises(PalmbotsError):
+        env.reset(seed=6, options={"start.left_m": 0.03})
+    assert env.reset()[1] == other.reset()[1]
+    before = env.state()
+    still = dict.fromkeys(env.agents, action("steep", "hold"))
+    for wrong in ({"right": [0, 3, 0]}, {"middle": [0, 0, 0]}):
+        with pytest.raises(PalmbotsError):
+            env.step({**still, **wrong})
+        assert (env.state() == before).all()
+    env.reset(seed=2**64 - 1)
+    ended(env, 0)
+    assert env.carry().trace is None
+    with pytest.raises(PalmbotsError, match="its carry was returned before"):
+        env.carry()

@@ -225,8 +225,6 @@ def test_arguments_broadcast() -> None:
     assert single.closing.shape == ()
     assert single.closing == table.closing[1, 3]
     np.testing.assert_array_equal(single.squeeze, table.squeeze[1, 3])
-    with pytest.raises(ValueError):
-        pb.contact_modes_batch(**fixed, p_left=np.zeros(3), p_right=np.zeros(4))
 
 
 def test_result_does_not_depend_on_the_unit_of_length(drawn) -> None:

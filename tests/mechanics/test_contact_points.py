@@ -124,25 +124,6 @@ def test_keel_on_a_palm_that_rises_inward(between: list, kind: str) -> None:
     assert there == [("left", kind, 0.0), ("left", kind, keel), ("right", "vertex", 0.0)]
 
 
-@pytest.mark.parametrize(
-    ("state", "side", "depth"),
-    [
-        ({"theta_left_deg": -3}, "left", "3.93"),
-        ({"theta_right_deg": -3}, "right", "3.93"),
-        ({"theta_left_deg": 5, "p_left_m": 0.075, "p_right_m": -0.07}, "left", None),
-    ],
-)
-def test_overlap_is_refused_in_one_line(state: dict, side: str, depth: str | None) -> None:
-    for ask in (pb.contact_modes, pb.contacts):
-        with pytest.raises(PalmbotsError) as error:
-            ask("paper", **state)
-        line = str(error.value)
-        assert line.isprintable()
-        assert line.startswith(f"theta_{side}_deg: value is ")
-        assert "inside the object's outline; allowed: " in line and "at most 0.0025 mm" in line
-        assert depth is None or f"the {side} palm {depth} mm inside" in line
-
-
 def world(scene: Scene, state: dict) -> tuple[np.ndarray, np.ndarray]:
     """Ends of the palms (2 palms, 2 ends, 2) and outline (n, 2), from the geometry of the
     figures."""

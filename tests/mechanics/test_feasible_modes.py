@@ -2,7 +2,6 @@
 """`feasible_contact_modes` gives the answers of `contact_modes_batch` in every state, as bits."""
 
 import math
-import re
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 import palmbots as pb
-import palmbots._core as _core
-from palmbots._util.arguments import show
 from palmbots.mechanics import array_arguments as columns
 from statics_oracle import random_state
 
@@ -172,53 +169,6 @@ def test_arguments_broadcast() -> None:
         pb.feasible_contact_modes(**BOX, p_left=p[::-2], p_right=np.float32(0.5)),
         [pb.feasible_contact_modes(**BOX, p_left=x, p_right=0.5) for x in p[::-2]],
     )
-
-
-def test_shapes_that_do_not_broadcast_are_refused() -> None:
-    with pytest.raises(ValueError):
-        pb.feasible_contact_modes(**BOX, p_left=np.zeros(3), p_right=np.zeros(4))
-    with pytest.raises(ValueError):
-        pb.feasible_contact_modes(
-            **BOX | {"width": np.ones((2, 3))}, p_left=np.zeros(2), p_right=0.0
-        )
-    with pytest.raises(ValueError, match="13 columns"):
-        _core.feasible_modes([np.zeros(1)] * 12, 1)
-    with pytest.raises(ValueError, match="one number, or one for each state"):
-        _core.feasible_modes([np.zeros(1)] * 12 + [np.zeros(3)], 2)
-
-
-@pytest.mark.parametrize("function", [pb.contact_modes_batch, pb.feasible_contact_modes])
-@pytest.mark.parametrize(
-    ("key", "wrong", "allowed"),
-    [
-        ("theta_left", 5, "radians"),  # degrees, most likely
-        ("theta_right", -math.pi / 2, "radians"),
-        ("theta_right", math.nan, "radians"),
-        ("width", 0.0, "more than 0"),
-        ("width", -0.25, "more than 0"),
-        ("width", math.inf, "more than 0"),
-        ("friction_left", -0.1, "0 or more"),
-        ("friction_right", math.inf, "0 or more"),
-        ("p_left", math.nan, "finite"),
-        ("p_right", -math.inf, "finite"),
-        ("com_x", math.nan, "finite"),
-        ("com_y", math.inf, "finite"),
-        ("offset_left", math.nan, "finite"),
-        ("slope", math.nan, "finite"),
-    ],
-)
-def test_impossible_numbers_are_refused_in_one_line(
-    function: Any, key: str, wrong: float, allowed: str
-) -> None:
-    """As a single number, and as one among many possible numbers."""
-    fine = BOX | {"p_left": 0.01, "p_right": -0.02}
-    among = np.full((3, 4), fine.get(key, 0.0))
-    function(**fine | {key: among})
-    among[1, 2] = wrong
-    result = re.escape(f"{key}: value is {show(float(wrong))}; allowed: ") + f".*{allowed}"
-    for value in (wrong, among):
-        with pytest.raises(pb.PalmbotsError, match=result):
-            function(**fine | {key: value})
 
 
 def test_possible_numbers_are_accepted() -> None:

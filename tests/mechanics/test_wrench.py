@@ -319,17 +319,3 @@ def test_table_on_three_legs_and_a_wedge() -> None:
     assert _core.imbalance(wedge, [0, 0], 0.0) <= TOLERANCE
     assert _core.imbalance([(0, 0.0, 0.0, 0.0, -1.0, 0.5)], [0], 0.0) == pytest.approx(1.0)
     assert _core.imbalance([], [], 0.0) == pytest.approx(1.0)
-
-
-def test_invalid_arguments_are_refused() -> None:
-    one = (0, 0.0, -0.1, 0.0, 1.0, 0.5)
-    with pytest.raises(ValueError, match="8 supports"):
-        _core.imbalance([one] * 9, [0] * 9, 0.0)
-    with pytest.raises(ValueError, match="one motion"):
-        _core.imbalance([one], [], 0.0)
-    with pytest.raises(IndexError, match="motion"):
-        _core.imbalance([one], [3], 0.0)
-    with pytest.raises(IndexError, match="side"):
-        _core.imbalance([(2, *one[1:])], [0], 0.0)
-    with pytest.raises(ValueError, match="one velocity"):
-        _core.outcomes([one], [], 0.0)

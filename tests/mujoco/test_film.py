@@ -150,12 +150,6 @@ def test_gif_is_written_without_ffmpeg(
     assert np.abs(first - rendered).mean() < 4
 
 
-def test_carry_without_states_has_no_video(tmp_path: Path) -> None:
-    with pytest.raises(pb.PalmbotsError, match='run it with world="mujoco" and record=True'):
-        save_video(pb.carry("paper"), tmp_path / "c.mp4")
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -63,11 +63,6 @@ def test_lateral_panel_exists_on_curved_paths_only(done: Carry) -> None:
     assert "across\npalm [mm]" not in {a.get_ylabel() for a in figure8.draw_carry(straight).axes}
 
 
-def count(image: Image.Image, near: tuple[int, int, int], within: int) -> int:
-    apart = np.abs(np.asarray(image, dtype=int) - np.array(near)).max(axis=2)
-    return int((apart <= within).sum())
-
-
 def test_the_film_turns_with_the_pair_and_shows_the_path(
     done: Carry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -83,14 +78,6 @@ def test_the_film_turns_with_the_pair_and_shows_the_path(
     changed = np.abs(np.asarray(image, dtype=int) - np.asarray(bare, dtype=int)).max(axis=2) > 30
     assert changed.sum() > 200
     assert changed.sum() < 0.1 * SMALL[0] * SMALL[1]
-
-
-def test_plan_view_of_a_straight_path_is_refused() -> None:
-    with pytest.raises(pb.PalmbotsError, match="world mujoco, record=True"):
-        plan_view.draw_plan_view(pb.carry("paper"))
-    straight = pb.carry("paper", world="mujoco", overrides={"task.distance_m": 0.02})
-    with pytest.raises(pb.PalmbotsError, match="the path is straight"):
-        plan_view.draw_plan_view(straight)
 
 
 def test_command_writes_the_plan_and_removes_an_old_one(

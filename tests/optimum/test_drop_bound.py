@@ -112,28 +112,6 @@ def test_cache_that_cannot_be_written_is_no_error(
     assert pb.bound(overrides=SHORT).sigma_star_m_s > 0
 
 
-@pytest.mark.parametrize(
-    ("keys", "given", "match"),
-    [
-        ({}, {"speeds": "any"}, 'speeds: value is "any"; allowed: corrections'),
-        ({}, {"drop_rate": 0.6}, "drop_rate: value is 0.6; allowed: 0.001 to 0.5"),
-        ({"bumps.rate_per_m": 1}, {}, "bumps: .*allowed: no bumps"),
-        ({"task.path.kind": "arc", "task.path.radius_m": 1}, {}, "curved"),
-        ({"robot.left.noise_tau_s": 0.1}, {}, "noise_tau_s: 0.1 .left. and 0.5 .right. differ"),
-        (
-            {"robot.left.noise_m_s": 0.1, "robot.right.noise_m_s": 0.1},
-            {},
-            "both robots override it",
-        ),
-        ({"robot.left.bias_m_s": 0.1}, {}, "bound: the least drop rate is at least 1 with"),
-    ],
-)
-def test_refusals(keys: dict[str, object], given: dict[str, object], match: str) -> None:
-    with pytest.raises(pb.PalmbotsError, match=match) as caught:
-        pb.bound(overrides=keys, **given)  # type: ignore[arg-type]
-    assert "\n" not in str(caught.value)
-
-
 def test_figure_shows_the_front() -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

@@ -14,11 +14,10 @@ import pytest
 import palmbots._core as _core
 from cxx import program
 from palmbots.cli import main as cli
-from palmbots.errors import PalmbotsError
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import batch
-from palmbots.simulation.batch import batch_modules, run_batch, run_seeds
+from palmbots.simulation.batch import batch_modules, run_batch
 
 
 def test_modules_have_different_numbers_of_lanes() -> None:
@@ -109,19 +108,3 @@ def test_ctrl_c_keeps_finished_carries() -> None:
         out, _ = process.communicate(timeout=60)
         assert out.splitlines()[-1] == "kept True False True"
         assert process.returncode == 0
-
-
-def test_invalid_arguments_are_refused() -> None:
-    spec = to_spec(Scene())
-    with pytest.raises(PalmbotsError, match=r"controller: value is .nobody"):
-        run_seeds(spec, "nobody", 0, 1)
-    with pytest.raises(ValueError, match=r"precision"):
-        run_seeds(spec, "none", 0, 1, "half")
-    with pytest.raises(ValueError, match=r"threads"):
-        run_seeds(spec, "none", 0, 1, threads=0)
-    with pytest.raises(IndexError, match=r"which"):
-        run_batch([spec], [1], [0], "none")
-    with pytest.raises(ValueError, match=r"specs"):
-        run_batch([], [], [], "none")
-    with pytest.raises(ValueError, match=r"as many"):
-        run_batch([spec], [0, 0], [0], "none")

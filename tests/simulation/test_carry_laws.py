@@ -3,7 +3,6 @@
 
 import math
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from hypothesis import strategies as st
 import palmbots as pb
 from abstract_world import NONE, STEEP
 from palmbots.control.interface import DistributedController, StepInput, StepOutput
-from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from strategies import scenes
 from table2_transcript import Deed, Robot, tick
@@ -184,46 +182,6 @@ def test_python_controller_gives_the_trace_of_the_shipped_one(maker: type, preci
         np.testing.assert_array_equal(columns(mine)["case"], columns(shipped)["case"])
 
 
-class Stepless:
-    pass
-
-
-@pytest.mark.parametrize(
-    ("output", "words"),
-    [
-        (StepOutput(palm="flat"), 'palm is "flat"; allowed: "steep", "shallow"'),  # type: ignore[arg-type]
-        (StepOutput(send=["Ack"]), r"send is \[.*; allowed: None, "),  # type: ignore[arg-type]
-        (StepOutput(case="q"), 'case is "q"; allowed'),
-        (StepOutput(case=1), "case is 1; allowed"),  # type: ignore[arg-type]
-        (None, r"Nonsense.step returned None; allowed: a StepOutput, as in StepOutput\("),
-        (("steep", "hold"), "Nonsense.step returned .*; allowed: a StepOutput"),
-    ],
-)
-def test_invalid_step_output_is_refused(output: Any, words: str) -> None:
-    class Nonsense:
-        def step(self, seen: StepInput) -> StepOutput:
-            return output
-
-    with pytest.raises(PalmbotsError, match=f"^controller: {words}") as caught:
-        pb.carry(controller=Nonsense)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("controller", "words"),
-    [
-        (Stepless, r"Stepless has no step; needed: def step\("),
-        (FromTable(), "expected a class, got an instance of FromTable; pass controller=FromTable"),
-        (5, "value is 5; allowed: a name, or a class"),
-        (None, "value is None; allowed"),
-    ],
-)
-def test_controller_must_be_a_class(controller: Any, words: str) -> None:
-    with pytest.raises(PalmbotsError, match=f"^controller: {words}") as caught:
-        pb.carry(controller=controller)
-    assert "\n" not in str(caught.value)
-
-
 def test_trace_and_messages_determine_every_step_of_table_2() -> None:
     """Table 2 gets only the signs, palms and messages of the log. It takes the logged cases,
     commands the logged speeds, sends the logged messages and waits as long."""
@@ -265,24 +223,6 @@ def test_separation_and_midpoint_integrate_the_speeds() -> None:
     np.testing.assert_allclose(steps, (speed[:, 1] - speed[:, 0]) * period, atol=1e-15)
     steps = np.diff(rows["midpoint"])[:-1]
     np.testing.assert_allclose(steps, speed.mean(axis=1) * period, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"controller": "both"}, "controller: value is .*both.*; allowed: none, centralized"),
-        ({"world": "mars"}, "world: value is .*mars"),
-        ({"precision": "half"}, "precision: value is .*half"),
-        ({"seed": -1}, "seed: value is -1"),
-        ({"seed": 2**64}, "seed: value is"),
-        ({"seed": 1.5}, "seed: value is 1.5"),
-        ({"seed": True}, "seed"),
-    ],
-)
-def test_invalid_arguments_are_refused(arguments: dict, words: str) -> None:
-    with pytest.raises(PalmbotsError, match=words) as caught:
-        pb.carry(**arguments)
-    assert "\n" not in str(caught.value)
 
 
 def test_correction_labels_continue_after_Z() -> None:

@@ -8,7 +8,6 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.registry import shipped_names
-from palmbots.errors import PalmbotsError
 
 SHORT = {"task.distance_m": 0.4, "radio.loss": 0.1}
 
@@ -50,19 +49,3 @@ def test_a_log_is_replayed_with_its_forks(tmp_path: Path) -> None:
     found = pb.replay(tmp_path / "carry.mcap")
     assert found.identical
     assert found.log.forks == ((1.0, 7),)
-
-
-@pytest.mark.parametrize(
-    "forks",
-    [[(-1.0, 2)], [(2.0, 1), (1.0, 2)], [(1.0, -2)], [(float("nan"), 2)], [3.0], [(1, 2, 3)]],
-)
-def test_bad_forks_are_refused(forks: list[object]) -> None:
-    with pytest.raises(PalmbotsError, match=r"forks|seed") as refused:
-        pb.carry("paper", forks=forks)  # pyright: ignore[reportArgumentType]
-    assert "\n" not in str(refused.value)
-
-
-def test_the_mujoco_world_refuses_forks() -> None:
-    pytest.importorskip("mujoco")
-    with pytest.raises(PalmbotsError, match="forks: the mujoco world"):
-        pb.carry("paper", world="mujoco", forks=[(1.0, 2)])

@@ -143,30 +143,6 @@ def test_result_is_drawn_and_stated(monkeypatch: pytest.MonkeyPatch) -> None:
     FigureCanvasAgg(figure).draw()
 
 
-@pytest.mark.parametrize(
-    ("controller", "keys", "given", "match"),
-    [
-        ("none", {"robot.left.bias_m_s": 0.05}, {}, "none drops at least about 100 % of 400"),
-        ("distributed", {"task.timeout_s": 0.01}, {}, "at most about 0 % .*noise_m_s = 1;"),
-        (
-            "distributed",
-            {"robot.left.noise_m_s": 0.0, "robot.right.noise_m_s": 0.0},
-            {},
-            "both robots override it",
-        ),
-        ("distributed", {}, {"drop_rate": 0.9}, "drop_rate: value is 0.9; allowed: 0.001 to 0.5"),
-        ("distributed", {}, {"relative_half_width": math.nan}, "allowed: 0.001 to 0.1"),
-        (Holding, {}, {}, r"Holding is in Python .* \(relative_half_width 0.02 or more\)"),
-    ],
-)  # fmt: skip
-def test_refusals_are_one_line(
-    controller: Any, keys: dict[str, float], given: dict[str, Any], match: str
-) -> None:
-    with pytest.raises(pb.PalmbotsError, match=match) as error:
-        pb.noise_limit("paper", controller, overrides=keys, **given)
-    assert "\n" not in str(error.value)
-
-
 def test_python_controller_runs_with_a_wide_interval(monkeypatch: pytest.MonkeyPatch) -> None:
     Simulated(monkeypatch, curve(0.0193, 4.0))
     found = pb.noise_limit("paper", Holding, relative_half_width=0.02)

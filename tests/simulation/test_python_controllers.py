@@ -9,19 +9,11 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.interface import DistributedController, StepInput, StepOutput
-from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_batch, run_seeds
 
 LOSSY = {"task.distance_m": 0.4, "radio.loss": 0.3, "tactile.false_rate": 0.002}
-
-
-class Fails:
-    """Raises at its first step."""
-
-    def step(self, seen: StepInput) -> StepOutput:
-        raise AssertionError("a carry has begun")
 
 
 @pytest.mark.parametrize("precision", ["double", "float"])
@@ -75,22 +67,6 @@ def test_progress_of_a_python_controller_grows_within_a_cell() -> None:
     assert seen == sorted(seen)
     assert len(set(seen)) >= 4
     assert seen[-1] == 1.0
-
-
-def test_same_class_twice_is_refused() -> None:
-    with pytest.raises(PalmbotsError, match=r"given twice"):
-        pb.compare(controllers=[Fails, Fails], values=[0.05])
-
-
-def test_drop_rate_refuses_a_python_controller_before_any_carry() -> None:
-    with pytest.raises(PalmbotsError, match=r"Fails is in Python.*use compare or study") as caught:
-        pb.estimate_drop_rate(controller=Fails)
-    assert "\n" not in str(caught.value)
-
-
-def test_compiled_specs_as_bytes_need_a_shipped_controller() -> None:
-    with pytest.raises(PalmbotsError, match=r"needs specs, not bytes"):
-        run_batch(to_spec(load_scene("paper")).to_bytes(), [0], [0], Fails)
 
 
 def test_ctrl_c_keeps_the_finished_carries_of_a_python_controller() -> None:

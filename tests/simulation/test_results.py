@@ -114,16 +114,6 @@ def test_figures_are_available_from_results(comparison: pb.simulation.Comparison
     assert len(comparison.plot().axes) == 4
 
 
-def test_refusals_of_plot_name_what_is_allowed() -> None:
-    carry = pb.carry("paper", overrides=SHORT, record=False)
-    with pytest.raises(PalmbotsError, match=r"figure: value is .pie.; allowed: carry, message_seq"):
-        carry.plot("pie")
-    with pytest.raises(PalmbotsError, match=r"no trace; run it with record=True"):
-        carry.plot()
-    with pytest.raises(PalmbotsError, match=r"there is no figure of a ContactModes"):
-        pb.contact_modes("paper").plot()
-
-
 def test_figures_of_other_results_are_refused(
     comparison: pb.simulation.Comparison, tmp_path: Path
 ) -> None:

@@ -10,7 +10,6 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import wilson
-from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from palmbots.viz.sweep_figure import draw_sweep
@@ -221,33 +220,3 @@ def test_figure_sorts_values_and_cuts_nothing_off() -> None:
             assert list(line.get_ydata()) == pytest.approx(shown)
             assert low < min(shown) or field == "rms_m"
             assert max(shown) < high - 0.02 * (high - low)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error", "words"),
-    [
-        ({"controllers": ["both"]}, PalmbotsError, "controller: value is .*both"),
-        ({"carries": 0}, PalmbotsError, "carries: value is 0"),
-        ({"carries": 2.0}, PalmbotsError, "carries: value is 2.0"),
-        ({"carries": True}, PalmbotsError, "carries"),
-        ({"seed": -1}, PalmbotsError, "seed: value is -1"),
-        ({"seed": 2**64}, PalmbotsError, "seed: value is 1844"),
-        ({"seed": 0.5}, PalmbotsError, "seed: value is 0.5"),
-        ({"values": []}, PalmbotsError, "values: none given"),
-        ({"values": [0.1, 0.2, 0.10]}, PalmbotsError, "values: 0.1 is given twice"),
-        ({"controllers": []}, PalmbotsError, "controllers: none given"),
-        ({"controllers": ["none", "none"]}, PalmbotsError, "controllers: .*none.* twice"),
-        ({"precision": "half"}, PalmbotsError, "precision: value is .*half"),
-        ({"key": "radio.latncy_s"}, SceneError, "^sweep: .*latency_s"),
-        ({"values": [-1.0]}, SceneError, "radio.latency_s"),
-        ({"key": 3}, SceneError, "^sweep: 3 is not a key"),
-        ({"key": "object.com_m[2]"}, SceneError, r"^sweep: object.com_m\[2\]: there is no such"),
-        ({"scene": "nowhere"}, SceneError, "nowhere"),
-    ],
-)
-def test_invalid_arguments_are_refused(
-    arguments: dict[str, Any], error: type[Exception], words: str
-) -> None:
-    with pytest.raises(error, match=words) as caught:
-        pb.compare(**({"carries": 2, "values": [0.0]} | arguments))
-    assert "\n" not in str(caught.value)

@@ -128,19 +128,6 @@ def test_command_writes_a_scene_and_prints_what_to_do(
 
 
 @pytest.mark.parametrize(
-    ("given", "match"),
-    [
-        ({"controller": None}, "controller: value is null"),
-        ({"controller": "silent.py:Silent"}, "silent.py"),
-        ({"overrides": {"radio.latency_s": 0.8}, "controller": "resilient"}, "refuses every pair"),
-    ],
-)
-def test_controllers_that_cannot_take_part_are_refused(given: dict[str, Any], match: str) -> None:
-    with pytest.raises(pb.PalmbotsError, match=match):
-        pb.design("paper", resolution_deg=5.0, **given)
-
-
-@pytest.mark.parametrize(
     ("scene", "given"),
     [
         (

@@ -249,34 +249,6 @@ def test_longer_reaction_time_enlarges_the_region() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("given", "match"),
-    [
-        ({"maximize": "beauty"}, "allowed: noise, com, friction"),
-        ({"resolution_deg": 0.0}, "resolution_deg"),
-        ({"resolution_deg": math.nan}, "resolution_deg"),
-        ({"angle_range_deg": (20.0, 10.0)}, "angle_range_deg"),
-        ({"min_angle_difference_deg": -1.0}, "min_angle_difference_deg"),
-        ({"min_clearance_deg": math.nan}, "min_clearance_deg"),
-        ({"friction": (0.5, 0.3)}, "friction"),
-        ({"friction": (-0.5, 0.3)}, "friction"),
-        ({"friction": 0.3}, "friction: value is 0.3; allowed: two numbers"),
-        ({"angle_range_deg": 5}, "angle_range_deg: value is 5; allowed: two numbers"),
-        ({"slope_deg": (0, 0.1, 0.2)}, "slope_deg: .*allowed: two numbers"),
-        ({"slope_deg": (-46, 3)}, "slope_deg: .*from -45 to 45"),
-        ({"region_m": (0.01, 0.02)}, "region_m"),
-        ({"region_m": "somewhere"}, "region_m"),
-        ({"friction": (0.01, 0.9)}, "no pair of angles qualifies"),
-        ({"min_clearance_deg": 40.0}, "clearance is at most"),
-        ({"overrides": {"palm.left.friction": 0.4}, "common_friction": True}, "common_friction"),
-    ],
-    ids=str,
-)
-def test_bad_arguments_are_refused_in_one_line(given: dict[str, object], match: str) -> None:
-    with pytest.raises(pb.PalmbotsError, match=match):
-        designed("paper", **({"resolution_deg": 1.0} | given))
-
-
 @pytest.mark.parametrize("scene", ["paper", {"object": "l-shape"}], ids=str)
 def test_map_has_units_and_a_legend_that_covers_nothing(scene: Any) -> None:
     """The legend names both marks, the limit of the clearance, and the areas; outside the map."""

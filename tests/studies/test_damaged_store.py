@@ -163,13 +163,6 @@ def test_record_of_another_format_is_refused(
         assert "\n" not in str(caught.value)
 
 
-def test_store_of_zarr_format_2_without_its_record_is_refused(tmp_path: Path) -> None:
-    """Format 1 of a study used Zarr's format 2."""
-    (tmp_path / ".zgroup").write_text('{"zarr_format": 2}')
-    with pytest.raises(PalmbotsError, match=r"has format 1, and palmbots \S+ uses format 2"):
-        pb.open_study(tmp_path)
-
-
 def test_resumed_carries_are_counted_before_the_repair(small: Path, tmp_path: Path) -> None:
     """Carries of a damaged chunk count as resumed: their damage shows only at the end."""
     root = tmp_path / "study"

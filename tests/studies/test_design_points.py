@@ -8,7 +8,6 @@ import pytest
 from numpy.typing import NDArray
 
 import palmbots as pb
-from palmbots.errors import PalmbotsError
 from palmbots.studies.designs import DESIGNS
 from palmbots.studies.points import Points, design_points
 from palmbots.studies.study_file import load_plan
@@ -120,9 +119,3 @@ def test_design_fills_ranges_and_balances_lists() -> None:
     assert 0.1 <= latency.min() < 0.102 < 0.198 < latency.max() <= 0.2
     assert np.count_nonzero(friction < 0.2) == 32
     assert found.column("object").count("box") == 32
-
-
-def test_too_many_points_are_refused() -> None:
-    span = {"from": 0.0, "to": 0.1, "steps": 2000}
-    with pytest.raises(PalmbotsError, match="4000000 points in all; allowed: at most 1000000"):
-        points(vary={"radio.latency_s": span, "robot.noise_m_s": span})

@@ -123,14 +123,6 @@ def test_cost_of_a_controller_in_python_is_measured_by_single_carries() -> None:
     assert cost.ms_a_carry["Table2"] > 3 * cost.ms_a_carry["distributed"]
 
 
-def test_invalid_controller_is_refused(tmp_path: Path) -> None:
-    for one, words in ((3, "value is 3"), (dict, "has no step"), (Still(), "Still")):
-        with pytest.raises(PalmbotsError, match=words) as caught:
-            pb.study({**TABLE, "controllers": [one]}, tmp_path / "study")
-        assert "\n" not in str(caught.value)
-    assert not (tmp_path / "study").exists()
-
-
 def test_cluster_carries_controllers_in_python(tmp_path: Path) -> None:
     """Also a class that is defined in a function, and one in a file that workers cannot import."""
 

@@ -17,7 +17,6 @@ import zarr
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import wilson
-from palmbots.errors import PalmbotsError
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.studies.variables import VARIABLES
@@ -327,11 +326,6 @@ def test_summary_is_the_sum_of_the_cells(tmp_path: Path) -> None:
         point = list(itertools.product(*SMALL["vary"].values()))[i // 2]
         at = dict(zip(SMALL["vary"], point, strict=True))
         assert (row["at"], row["controller"]) == (at, SMALL["controllers"][i % 2])
-
-
-def test_folder_without_a_study_has_no_results(tmp_path: Path) -> None:
-    with pytest.raises(PalmbotsError, match="these are not the results of a study"):
-        pb.open_study(tmp_path)
 
 
 def test_command_and_python_agree(small: Path, tmp_path: Path) -> None:

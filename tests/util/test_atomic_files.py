@@ -66,96 +66,31 @@ def test_full_disk_is_one_line(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize("new", [False, True])
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("none/log", "none does not exist"),
-        ("file/log", "file is not a folder"),
-        ("file/sub/log", "sub does not exist"),
-        ("circle/log", "it is a circular link"),
-        ("n" * 256, "File name too long"),
-        ("n" * 256 + "/log", "File name too long"),
-    ],
-)
-def test_impossible_place_is_refused_by_the_name_that_was_given(tmp_path, name, reason, new):
-    write_whole(tmp_path / "file", "x")
-    (tmp_path / "circle").symlink_to("circle")
-    for write in (check_file, lambda path: write_whole(path, "x", new=new)):
-        with pytest.raises(PalmbotsError) as error:
-            write(tmp_path / name)
-        assert only_line(error).startswith(f"{tmp_path / name}: cannot be written: ")
-        assert only_line(error).endswith(reason)
-    assert sorted(os.listdir(tmp_path)) == ["circle", "file"]
-
-
-def test_new_file_never_replaces_another(tmp_path):
-    write_whole(tmp_path / "log", "old")
-    (tmp_path / "link").symlink_to("nowhere")
-    for name in ("log", "link"):
-        with pytest.raises(PalmbotsError, match="exists already and is never overwritten"):
-            write_whole(tmp_path / name, "new", new=True)
+def test_new_file_never_replaces_one_that_appears_meanwhile(tmp_path):
     with (
         pytest.raises(PalmbotsError, match="exists already"),
         whole_file(tmp_path / "late", new=True) as stream,
     ):
         stream.write(b"new")
         write_whole(tmp_path / "late", "old")  # meanwhile
-    assert (tmp_path / "log").read_text() == (tmp_path / "late").read_text() == "old"
-    assert sorted(os.listdir(tmp_path)) == ["late", "link", "log"]
+    assert (tmp_path / "late").read_text() == "old"
+    assert os.listdir(tmp_path) == ["late"]
 
 
-def test_folder_and_device_are_refused(tmp_path):
-    with pytest.raises(PalmbotsError) as error:
-        write_whole(tmp_path, "x")
-    assert only_line(error).endswith("it is a folder")
-    with pytest.raises(PalmbotsError) as error:
-        write_whole("/dev/null", "x")
-    assert only_line(error).endswith("it is not a regular file")
-
-
-def test_link_is_followed_and_circular_links_are_refused(tmp_path):
+def test_link_is_followed(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_whole(tmp_path / "link", "x")
     assert (tmp_path / "target").read_text() == "x"
     assert (tmp_path / "link").is_symlink()
-    (tmp_path / "circle").symlink_to(tmp_path / "circle")
-    with pytest.raises(PalmbotsError) as error:
-        write_whole(tmp_path / "circle", "x")
-    only_line(error)
 
 
 def test_name_of_255_bytes_is_written(tmp_path):
     write_whole(tmp_path / ("n" * 255), "x")
-    with pytest.raises(PalmbotsError) as error:
-        write_whole(tmp_path / ("n" * 256), "x")
-    assert only_line(error).endswith("File name too long")
 
 
 def test_folder(tmp_path):
     assert folder(tmp_path / "a" / "b").is_dir()
     assert folder(tmp_path / "a" / "b") == tmp_path / "a" / "b"
-    write_whole(tmp_path / "file", "x")
-    with pytest.raises(PalmbotsError) as error:
-        folder(tmp_path / "file")
-    assert only_line(error).endswith("a file has this name")
-    with pytest.raises(PalmbotsError) as error:
-        folder(tmp_path / "file" / "sub")
-    only_line(error)
-
-
-def test_folder_is_checked_without_being_created(tmp_path):
-    (tmp_path / "file").write_text("")
-    check_folder(tmp_path)
-    check_folder(tmp_path / "new" / "newer")
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-    with pytest.raises(PalmbotsError, match="a file has this name"):
-        check_folder(tmp_path / "file")
-    with pytest.raises(PalmbotsError, match="file is not a folder"):
-        check_folder(tmp_path / "file" / "new")
-    with pytest.raises(PalmbotsError, match="is not a folder"):
-        (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
-        check_folder(tmp_path / "gone" / "new")
 
 
 def test_folder_below_a_removed_working_directory_is_refused(tmp_path, monkeypatch):
@@ -165,9 +100,6 @@ def test_folder_below_a_removed_working_directory_is_refused(tmp_path, monkeypat
     for call in (check_folder, folder, check_file):
         with pytest.raises(PalmbotsError, match=r"^new: cannot be written: No such file"):
             call("new")
-    for call in (check_folder, folder):
-        with pytest.raises(PalmbotsError, match="File name too long"):
-            call(tmp_path / ("n" * 256))
 
 
 def test_set_aside_uses_the_first_free_name(tmp_path):
@@ -190,11 +122,3 @@ def test_link_is_set_aside_without_its_target(tmp_path):
     (tmp_path / "link").symlink_to("real")
     assert set_aside(tmp_path / "link") == tmp_path / "link.old"
     assert sorted(os.listdir(tmp_path)) == ["link.old", "real"]
-
-
-@pytest.mark.parametrize("make", [folder, check_folder])
-def test_empty_folder_name_is_refused(make, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(PalmbotsError, match="allowed: a name") as error:
-        make("")
-    only_line(error)

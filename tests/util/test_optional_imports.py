@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-import palmbots as pb
 from palmbots._util.optional_imports import missing_extra, require
 from palmbots.errors import MissingExtra
 
@@ -68,10 +67,3 @@ def test_broken_module_is_reported_with_its_reason(
 def test_error_survives_pickling() -> None:
     error = pickle.loads(pickle.dumps(missing_extra("zarr", "study")))
     assert isinstance(error, MissingExtra) and error.extra == "study"
-
-
-@pytest.mark.parametrize("command", ["certify", "design"])
-def test_proofs_need_an_extra(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "flint", None)
-    with pytest.raises(MissingExtra, match=r"^certify: the package flint is missing; run: .*flint"):
-        getattr(pb, command)("paper")

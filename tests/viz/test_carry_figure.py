@@ -9,7 +9,6 @@ import pytest
 
 import palmbots as pb
 from palmbots.control import registry
-from palmbots.errors import PalmbotsError
 from palmbots.viz import carry_figure as figure8
 from palmbots.viz.timeline import assign_label_rows, correction_bars, message_news, runs
 
@@ -61,12 +60,6 @@ def test_time_window_shows_its_corrections_only(delivered):
         assert (c.label in shown) == (c.start_s <= 6.5)
     assert figure.axes[0].get_xlim() == (0.0, 6.5)
     assert overlaps(figure) == []
-
-
-@pytest.mark.parametrize("window", [(2.0, 1.0), (0.0, float("nan")), (100.0, 200.0)])
-def test_empty_time_window_is_refused(delivered, window):
-    with pytest.raises(PalmbotsError, match="window"):
-        figure8.draw_carry(delivered, window=window)
 
 
 def test_axes_carry_units_and_share_time(delivered):
@@ -135,20 +128,6 @@ def test_too_many_corrections_are_not_labelled(delivered):
     ]
     crowded = dataclasses.replace(delivered, corrections=tuple(many))
     assert not any("(" in text for text in texts(figure8.draw_carry(crowded)))
-
-
-def test_refusals_are_one_line(tmp_path, delivered):
-    bare = pb.carry("paper", record=False)
-    for wrong in (
-        lambda: figure8.save(delivered, tmp_path / "figure.bmp"),
-        lambda: figure8.save(delivered, tmp_path / "figure"),
-        lambda: figure8.save(delivered, tmp_path / "none" / "figure.png"),
-        lambda: figure8.draw_carry(bare),
-    ):
-        with pytest.raises(PalmbotsError) as error:
-            wrong()
-        assert "\n" not in str(error.value)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_label_rows_do_not_overlap():

@@ -16,7 +16,6 @@ import palmbots as pb
 from palmbots import viz
 from palmbots.control import registry
 from palmbots.control.interface import StepOutput
-from palmbots.errors import PalmbotsError
 from palmbots.simulation.result import Carry
 from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import controller_looks
@@ -60,9 +59,6 @@ def test_save_figure_writes_the_figure_of_plot(short, tmp_path):
     short.save_figure(tmp_path / "carry.png", window=(0.0, 1.0))
     viz.write_figure(tmp_path / "same.png", short.plot(window=(0.0, 1.0)))
     assert (tmp_path / "carry.png").read_bytes() == (tmp_path / "same.png").read_bytes()
-    with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
-        short.save_figure(tmp_path / "carry.gif")
-    assert not (tmp_path / "carry.gif").exists()
 
 
 def test_figure_from_outside_is_drawn_by_plot(short):
@@ -94,11 +90,6 @@ def test_figure_from_outside_is_drawn_by_plot(short):
 def test_results_draw_their_own_figure(short, sweep):
     assert len(short.plot().axes) == len(viz.draw_carry(short).axes) > 5
     assert len(sweep.plot().axes) == 4
-
-
-def test_side_view_time_outside_the_carry_is_refused(short):
-    with pytest.raises(pb.PalmbotsError, match=r"time_s is -1.0; allowed: 0 to "):
-        viz.draw_side_view(short, time_s=-1.0)
 
 
 def test_public_names_are_documented_functions():

@@ -2,7 +2,6 @@
 """The message-sequence chart: every letter and case of a carry is in it, where it belongs."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +11,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 
 import palmbots as pb
-from palmbots.errors import PalmbotsError
 from palmbots.simulation.result import Carry
-from palmbots.viz.sequence_chart import draw_message_sequence, save
+from palmbots.viz.sequence_chart import draw_message_sequence
 
 LOST_ACK = {
     "robot.noise_m_s": 0.0,
@@ -143,12 +141,3 @@ def test_scripted_duplicate_is_drawn() -> None:
     assert ack.received_s is not None
     assert arrows(panel)[-1] == ((0.0, ack.sent_s), (1.0, pytest.approx(ack.received_s + 0.3)))
     assert "Ack again" in [text.get_text() for text in panel.texts]
-
-
-def test_bad_input_is_one_line(lost_ack: Carry, tmp_path: Path) -> None:
-    with pytest.raises(PalmbotsError, match=r"suffix is \.gif; allowed: \.png, \.svg, \.pdf"):
-        save(lost_ack, tmp_path / "chart.gif")
-    with pytest.raises(PalmbotsError, match="window is"):
-        draw_message_sequence(lost_ack, (2.0, 1.0))
-    with pytest.raises(PalmbotsError, match="record=True"):
-        draw_message_sequence(pb.carry("paper", record=False))

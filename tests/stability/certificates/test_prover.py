@@ -232,9 +232,6 @@ def test_slope_interval_is_in_degrees_uphill_in_travel(direction: str) -> None:
     for degrees, inside in ((-1.0, True), (3.0, True), (3.001, False), (-1.001, False)):
         slope = to_spec(pb.load_scene(scene, {"task.slope_deg": degrees})).slope
         assert (low <= slope <= high) == inside
-    for bad in ((-46, 0), (0, 45.1), (3, -3)):
-        with pytest.raises(pb.PalmbotsError, match=r"slope_deg: .*from -45 to 45"):
-            certify(scene, slope_deg=bad)
 
 
 def test_friction_is_independent_unless_common_is_asked_for() -> None:
@@ -248,13 +245,6 @@ def test_friction_is_independent_unless_common_is_asked_for() -> None:
     assert run(["design", "--friction", "0.3", "0.5", *words]) == 0
 
 
-def test_unknown_intervals_are_refused() -> None:
-    with pytest.raises(pb.PalmbotsError, match="did you mean slope_deg"):
-        certify("paper", slope_degrees=(-0.1, 0.1))
-    with pytest.raises(pb.PalmbotsError, match=r"contains the width of the scene's outline, 0\.25"):
-        certify("paper", width_m=(0.26, 0.27))
-
-
 def test_numbers_are_written_exactly() -> None:
     rng = random.Random(1)
     for _ in range(300):
@@ -262,33 +252,6 @@ def test_numbers_are_written_exactly() -> None:
         assert Fraction(text(value)) == value
     assert text(exact(0.1)) == "0.1"
     assert text(Fraction(-1, 8)) == "-0.125"
-
-
-def test_bad_intervals_are_refused() -> None:
-    bad: tuple[dict[str, Any], ...] = (
-        {"com_x_m": (0.13, 0.12)},
-        {"friction": (-0.1, 0.2)},
-        {"friction": (0.2, 0.3), "friction_right": (0.3, 0.4), "common_friction": True},
-        {"shallow_deg": (4.0, 16.0)},
-        {"steep_deg": (60.0, 85.0)},
-        {"region_m": (0.01, 0.02)},
-        {"region_m": (-0.5, 0.5)},
-        {"com_x_m": (math.nan, 0.2)},
-        {"com_polygon_m": [(0.1, 0.1)], "com_x_m": (0.1, 0.1)},
-        {"friction": 0.3},
-        {"friction": (0.2, 0.3, 0.4)},
-        {"friction": "ab"},
-    )
-    for given in bad:
-        with pytest.raises(pb.PalmbotsError, match="allowed"):
-            certify("paper", **given)
-
-
-def test_empty_or_unknown_claims_are_refused() -> None:
-    """An unknown claim has no obligations, so it would hold without proof."""
-    for claims in ((), ("propert 1",), ("property 1", "x"), "clearance"):
-        with pytest.raises(pb.PalmbotsError, match=r"claims: .*allowed: .*property 1"):
-            certify("paper", claims=claims)  # type: ignore[arg-type]
 
 
 def test_failing_certificate_claims_at_least_one_failure(tmp_path: Path) -> None:
