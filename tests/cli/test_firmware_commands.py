@@ -90,13 +90,6 @@ def test_what_is_no_board_is_refused(image: Path, tmp_path: Path, here: Run) -> 
     assert_refused(done, "is no drive of a board")
 
 
-def test_what_is_no_image_is_refused(tmp_path: Path, here: Run) -> None:
-    file = tmp_path / "x.hex"
-    file.write_text("hello\n")
-    done = here("flash", str(file), "--drive", str(drive(tmp_path / "MICROBIT")))
-    assert_refused(done, "is no image")
-
-
 def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here: Run) -> None:
     target = drive(tmp_path / "MICROBIT")
     whole = image.read_text().splitlines(keepends=True)

@@ -44,7 +44,8 @@ def options(
     group: Any = None, prefix: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Every option of every command, with the words of the command."""
-    for name, command in (group or get_command(build_app())).commands.items():
+    at: Any = group or get_command(build_app())
+    for name, command in at.commands.items():
         if hasattr(command, "commands"):
             yield from options(command, (*prefix, name))
             continue

@@ -3,7 +3,6 @@
 
 import random
 import struct
-import sys
 import time
 from pathlib import Path
 
@@ -121,11 +120,3 @@ def test_a_device_of_another_program_is_refused(tmp_path: Path) -> None:
             opened(tmp_path / "tty")
         link.close()
         opened(tmp_path / "tty").close()
-
-
-def test_without_pyserial_one_line_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "serial", None)
-    with lines(tmp_path / "tty"), pytest.raises(pb.PalmbotsError, match="pip install"):
-        opened(tmp_path / "tty")

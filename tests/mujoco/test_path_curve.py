@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from scipy.special import fresnel
 
 from palmbots.cli import main as cli
-from palmbots.errors import PalmbotsError
 from palmbots.mujoco.path_curve import Curve, curve_of
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import load_scene
@@ -170,14 +169,6 @@ def test_file_of_waypoints_is_stored_as_points(tmp_path: File) -> None:
     assert load_scene(beside).task.path == scene.task.path
     file.unlink()
     assert load_scene(scene.model_dump()) == scene
-
-
-def test_missing_scipy_is_reported_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "scipy.integrate", None)
-    with pytest.raises(PalmbotsError, match="the package scipy is missing; run: "):
-        curve(kind="arc")
 
 
 @pytest.mark.parametrize(

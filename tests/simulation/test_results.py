@@ -78,15 +78,6 @@ def test_comparison_as_dataframe_has_every_row(comparison: pb.simulation.Compari
         assert (line["interval_low"], line["interval_high"]) == row.interval
 
 
-def test_missing_pandas_is_reported_in_one_line(
-    comparison: pb.simulation.Comparison, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
-    with pytest.raises(PalmbotsError, match=r"pandas") as caught:
-        comparison.to_dataframe()
-    assert "\n" not in str(caught.value)
-
-
 def test_modes_batch_as_dataset_has_the_arrays() -> None:
     batch = results()[-1]
     table = batch.to_xarray()
